@@ -1,0 +1,10 @@
+# Our own warnings and sanitizers; nothing here reaches users of the library.
+add_library(raymap_compile_options INTERFACE)
+target_compile_options(raymap_compile_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-missing-field-initializers)
+if(RAYMAP_WERROR)
+  target_compile_options(raymap_compile_options INTERFACE -Werror)
+endif()
+if(RAYMAP_SANITIZE)
+  add_compile_options(-fsanitize=${RAYMAP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${RAYMAP_SANITIZE})
+endif()

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <raymap/mesh.h>
+
+#include <cstddef>
+
+namespace raymap {
+
+/// What is right and wrong with a mesh, measured after welding vertices at exactly equal positions.
+struct Diagnostics {
+  size_t vertices = 0;        ///< As stored.
+  size_t weldedVertices = 0;  ///< Distinct positions that faces use.
+  size_t triangles = 0;
+  size_t boundaryEdges = 0;     ///< Edges with one face.
+  size_t nonManifoldEdges = 0;  ///< Edges with more than two faces.
+  size_t flippedEdges = 0;      ///< Two-face edges used twice in the same direction.
+  size_t components = 0;        ///< Connected through shared vertices.
+  size_t degenerateFaces = 0;   ///< Repeated corner, or height below 1e-6 of the longest edge.
+  size_t duplicateFaces = 0;    ///< Further faces on the same three corners, either orientation.
+  bool watertight = false;      ///< Every edge has exactly two faces.
+  bool consistentlyOriented = false;
+  bool balanced = false;  ///< Every edge used equally often both ways: the winding number is whole.
+  double signedVolume = 0.0;
+  double area = 0.0;
+  Box bounds;
+};
+
+Diagnostics diagnose(const Mesh& mesh);
+
+}  // namespace raymap

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace raymap {
+
+/// What kind of thing went wrong. The command line exits with the value of the code.
+enum class ErrorCode {
+  Usage = 2,       ///< An option or argument makes no sense.
+  Input = 3,       ///< A file was read, but what it holds is not valid.
+  File = 4,        ///< A file cannot be opened, read or written.
+  Memory = 5,      ///< The work needs more memory than allowed; nothing was allocated.
+  Cancelled = 6,   ///< The progress callback (or Ctrl-C) asked to stop.
+  Unsupported = 7  ///< Valid, but beyond what this build can do.
+};
+
+/// The one exception type of the library. `what()` says what is wrong, where, and what to do.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  ErrorCode code() const { return code_; }
+
+ private:
+  ErrorCode code_;
+};
+
+}  // namespace raymap

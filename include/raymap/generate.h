@@ -1,0 +1,86 @@
+#pragma once
+
+#include <raymap/field.h>
+#include <raymap/mesh.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raymap {
+
+/// Where the unsigned distance comes from (paper §3.3).
+enum class DistanceMode {
+  Exact,       ///< The true closest triangle of every sample.
+  Neighbours,  ///< Triangles of the nearest occupied cell and of its 26 neighbours.
+  Cell,        ///< Triangles of the nearest occupied cell: the paper's choice.
+  Raster       ///< Distances in touched cells, then the distance transform alone.
+};
+
+/// Where the winding number comes from (paper §3.5).
+enum class SignMode {
+  Harmonic,   ///< Least-squares fit to all crossings; exact on closed meshes.
+  Paths,      ///< Six axis orders to each offset point, averaged (the paper's simple variant).
+  Evolution,  ///< Equations 10 and 11.
+  Rays,       ///< The six rays.
+  None        ///< No sign: an unsigned field.
+};
+
+/// One of these per generated field; the defaults suit most meshes.
+struct Options {
+  DistanceMode distance = DistanceMode::Exact;
+  SignMode sign = SignMode::Harmonic;
+  int passes = 5;                   ///< Passes P of `Paths` and steps of `Evolution`.
+  std::vector<glm::ivec3> offsets;  ///< Offset points, in samples, taken in turn; empty = the built-in set.
+  double threshold = 0.5;           ///< Inside means |winding number| > threshold.
+  double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
+  bool invert = false;              ///< Positive inside instead.
+  int threads = 0;                  ///< 0 = all.
+  bool triangleIds = false;         ///< Also give the closest triangle of each sample,
+  bool winding = false;             ///< the winding number,
+  bool confidence = false;          ///< and how sure the sign is.
+  size_t memoryLimit = 0;           ///< Bytes the generator may hold; 0 = what the machine has left.
+
+  /// Called now and then with the stage and the share of it that is done, 0 to 1; return false to cancel
+  /// (the call then throws `Error(Cancelled)` and leaves the field empty). May be called by any thread,
+  /// one at a time.
+  std::function<bool(std::string_view stage, double done)> progress;
+};
+
+/// What a run cost.
+struct Stats {
+  struct Stage {
+    std::string name;
+    double milliseconds = 0.0;
+  };
+  std::vector<Stage> stages;
+  double totalMilliseconds = 0.0;  ///< From triangles in memory to the finished field.
+  size_t bytes = 0;                ///< Held by the generator and the field together at the peak.
+  double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
+};
+
+/// Makes fields, keeping its buffers between calls: for meshes that change every frame. Not thread-safe.
+class Generator {
+ public:
+  Generator();
+  ~Generator();
+  Generator(Generator&&) noexcept;
+  Generator& operator=(Generator&&) noexcept;
+
+  /// Fills `field`, reusing its memory. Same input, same output, bit for bit, for any number of threads.
+  /// Throws `Error`: Input (see `validate`), Usage, Memory, Cancelled; the field is then empty.
+  void generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
+  /// What the last call cost.
+  const Stats& stats() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One field, with a generator of its own.
+Field generate(const Mesh& mesh, const Grid& grid, const Options& options = {});
+
+}  // namespace raymap

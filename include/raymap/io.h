@@ -1,0 +1,33 @@
+#pragma once
+
+#include <raymap/field.h>
+#include <raymap/mesh.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raymap {
+
+/// Called with each thing that was odd in a file but did not stop it from being read.
+using Warn = std::function<void(std::string_view)>;
+
+/// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE, told apart by extension (content for STL kinds).
+/// Node transforms and instances are applied, polygons cut into triangles, several meshes joined.
+/// Throws `Error(File)` or `Error(Input)` naming the file, the element and the value.
+Mesh readMesh(const std::filesystem::path& path, const Warn& warn = {});
+
+/// File name endings, with the dot and in lower case, that `readMesh` / `readField` / `writeField` know.
+std::vector<std::string> meshExtensions();
+std::vector<std::string> fieldExtensions();
+
+/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: origin 0, spacing 1.
+Field readField(const std::filesystem::path& path);
+
+/// Writes .nrrd, .npz, .npy, .vti or .vdb by extension: beside the target first, then renamed, so that the
+/// file appears whole or not at all. `name` selects the array: distance, winding, confidence or triangle.
+void writeField(const std::filesystem::path& path, const Field& field, std::string_view name = "distance");
+
+}  // namespace raymap

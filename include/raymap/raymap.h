@@ -1,0 +1,10 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+#include <raymap/error.h>
+#include <raymap/field.h>
+#include <raymap/generate.h>
+#include <raymap/grid.h>
+#include <raymap/io.h>
+#include <raymap/mesh.h>
+#include <raymap/render.h>

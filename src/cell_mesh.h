@@ -1,0 +1,22 @@
+#pragma once
+
+#include <raymap/buffer.h>
+#include <raymap/grid.h>
+#include <raymap/mesh.h>
+
+#include <span>
+
+namespace raymap {
+
+/// A mesh in cell units over a grid: sample (i, j, k) lies at (i, j, k), and the cell around it reaches half
+/// a unit to every side (§3.5). Every stage starts from these single-precision positions, so all see one
+/// surface.
+struct CellMesh {
+  Buffer<glm::vec3> vertices;
+  std::span<const glm::uvec3> triangles;
+  glm::ivec3 dims{0};
+
+  glm::vec3 corner(size_t triangle, int c) const { return vertices[triangles[triangle][c]]; }
+};
+
+}  // namespace raymap

@@ -1,0 +1,36 @@
+#pragma once
+
+// The only file that includes oneTBB.
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace raymap {
+
+/// Calls `work(begin, end)` on parts of [0, count) of at most `grain` elements. Which thread gets which part
+/// is not defined: work must not depend on it.
+template <class Work>
+void parallelFor(size_t count, size_t grain, Work&& work) {
+  if (count == 0) return;
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, count, grain),
+      [&](const tbb::blocked_range<size_t>& range) {
+        for (size_t begin = range.begin(); begin < range.end(); begin += grain)
+          work(begin, std::min(begin + grain, range.end()));
+      },
+      tbb::simple_partitioner());
+}
+
+/// Runs `work` with at most `threads` threads; 0 = all of the machine's.
+template <class Work>
+void withThreads(int threads, Work&& work) {
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute(work);
+}
+
+}  // namespace raymap

@@ -1,0 +1,57 @@
+#include <raymap/error.h>
+#include <raymap/grid.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace raymap {
+
+namespace {
+
+constexpr int kMaxDim = 1 << 20;
+
+Box paddedBounds(const Mesh& mesh, double padding) {
+  Box box = bounds(mesh);
+  const glm::dvec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  const double pad = padding * (longest > 0.0 ? longest : 1.0);
+  box.min -= pad;
+  box.max += pad;
+  return box;
+}
+
+int samplesAlong(double length, double spacing) {
+  // A side that is a multiple of the spacing up to rounding must not gain a sample.
+  const double count = std::max(1.0, std::ceil(length / spacing * (1.0 - 1e-12) - 1e-9));
+  if (!(count <= kMaxDim))
+    throw Error(ErrorCode::Usage, "a side of " + std::to_string(length) + " at a spacing of " +
+                                      std::to_string(spacing) + " needs more than " +
+                                      std::to_string(kMaxDim) + " samples; use a larger voxel size");
+  return static_cast<int>(count);
+}
+
+}  // namespace
+
+Grid fitGrid(const Mesh& mesh, const GridOptions& options) {
+  if (options.voxelSize == 0.0 && options.resolution < 1)
+    throw Error(ErrorCode::Usage,
+                "the resolution must be at least 1, not " + std::to_string(options.resolution));
+  if (!(options.voxelSize >= 0.0) || !std::isfinite(options.voxelSize))
+    throw Error(ErrorCode::Usage,
+                "the voxel size must be positive, not " + std::to_string(options.voxelSize));
+  if (!(options.padding >= 0.0) || !std::isfinite(options.padding))
+    throw Error(ErrorCode::Usage, "the padding must not be negative, not " + std::to_string(options.padding));
+  const Box box = options.box ? *options.box : paddedBounds(mesh, options.padding);
+  const glm::dvec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (box.isEmpty() || !(longest > 0.0) || !std::isfinite(longest))
+    throw Error(ErrorCode::Usage, "the box is empty: its maximum must exceed its minimum");
+  Grid grid;
+  grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longest / options.resolution;
+  for (int a = 0; a < 3; ++a) grid.dims[a] = samplesAlong(size[a], grid.spacing);
+  grid.origin = box.centre() - 0.5 * grid.spacing * glm::dvec3(grid.dims - 1);
+  return grid;
+}
+
+}  // namespace raymap

@@ -1,0 +1,57 @@
+#pragma once
+
+// Independent truth, in double precision and as slow as it comes.
+
+#include <raymap/mesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace raymap::reference {
+
+inline double segmentDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 e = b - a;
+  const double length2 = glm::dot(e, e);
+  const double t = length2 > 0.0 ? std::clamp(glm::dot(p - a, e) / length2, 0.0, 1.0) : 0.0;
+  return glm::length(p - (a + t * e));
+}
+
+/// Distance from p to the triangle abc, degenerate ones included.
+inline double triangleDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                               const glm::dvec3& c) {
+  const glm::dvec3 n = glm::cross(b - a, c - a);
+  const double edges =
+      std::min({segmentDistance(p, a, b), segmentDistance(p, b, c), segmentDistance(p, c, a)});
+  const double area = glm::length(n);
+  if (!(area > 0.0)) return edges;
+  const bool inside = glm::dot(glm::cross(n, b - a), p - a) >= 0.0 &&
+                      glm::dot(glm::cross(n, c - b), p - b) >= 0.0 &&
+                      glm::dot(glm::cross(n, a - c), p - c) >= 0.0;
+  return inside ? std::min(edges, std::abs(glm::dot(n, p - a)) / area) : edges;
+}
+
+/// Distance from p to the closest triangle.
+inline double distance(const Mesh& mesh, const glm::dvec3& p) {
+  double closest = INFINITY;
+  for (const glm::uvec3& t : mesh.triangles)
+    closest =
+        std::min(closest, triangleDistance(p, mesh.position(t.x), mesh.position(t.y), mesh.position(t.z)));
+  return closest;
+}
+
+/// The exact generalized winding number (Jacobson et al. 2013; solid angles by Van Oosterom & Strackee 1983),
+/// +1 inside an outward-oriented closed surface.
+inline double windingNumber(const Mesh& mesh, const glm::dvec3& p) {
+  double angle = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.position(t.x) - p, b = mesh.position(t.y) - p, c = mesh.position(t.z) - p;
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    const double numerator = glm::dot(a, glm::cross(b, c));
+    const double denominator = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+    angle += 2.0 * std::atan2(numerator, denominator);
+  }
+  return angle / (4.0 * std::numbers::pi);
+}
+
+}  // namespace raymap::reference
