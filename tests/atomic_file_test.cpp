@@ -1,0 +1,172 @@
+#include "io/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <raymap/error.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+
+namespace raymap {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "raymap-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file(const char* name) const { return folder_ / name; }
+  static std::string read(const fs::path& path) {
+    std::stringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+  size_t entries() const {
+    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+  static void writeText(const fs::path& path, const std::string& text) {
+    writeAtomically(path, [&](std::ostream& out) { out << text; });
+  }
+  /// Runs `work` in a child process, ends it with `signal` once it has begun to write; its wait status.
+  template <class Work>
+  static int endedBy(int signal, Work&& work) {
+    int begun[2];
+    EXPECT_EQ(pipe(begun), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      work(begun[1]);
+      _exit(0);
+    }
+    char byte = 0;
+    EXPECT_EQ(::read(begun[0], &byte, 1), 1);
+    kill(child, signal);
+    int status = 0;
+    waitpid(child, &status, 0);
+    close(begun[0]);
+    close(begun[1]);
+    return status;
+  }
+  /// A write that never ends.
+  static void writeForever(const fs::path& path, int begun) {
+    writeAtomically(path, [&](std::ostream& out) {
+      out << std::string(1 << 20, 'x') << std::flush;
+      if (::write(begun, "b", 1) != 1) _exit(1);
+      std::this_thread::sleep_for(std::chrono::minutes(1));
+    });
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(AtomicFile, WritesReplacesAndSeeks) {
+  writeText(file("a"), "one");
+  EXPECT_EQ(read(file("a")), "one");
+  writeText(file("a"), std::string(1 << 20, 'x') + "end");
+  EXPECT_EQ(read(file("a")), std::string(1 << 20, 'x') + "end");
+  writeAtomically(file("a"), [](std::ostream& out) {
+    out << "0123456789";
+    const auto end = out.tellp();
+    EXPECT_EQ(end, std::streampos(10));
+    out.seekp(2) << "XY";
+    out.seekp(end) << "!";
+  });
+  EXPECT_EQ(read(file("a")), "01XY456789!");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(AtomicFile, KeepsLinksAndPermissions) {
+  writeText(file("target"), "old");
+  fs::permissions(file("target"), fs::perms(0640));
+  fs::create_symlink("target", file("link"));
+  writeText(file("link"), "new");
+  EXPECT_TRUE(fs::is_symlink(file("link")));
+  EXPECT_EQ(read(file("target")), "new");
+  EXPECT_EQ(fs::status(file("target")).permissions(), fs::perms(0640));
+  fs::create_symlink("later", file("dangling"));
+  writeText(file("dangling"), "made");
+  EXPECT_EQ(read(file("later")), "made");
+}
+
+TEST_F(AtomicFile, FailsLeavingTheOldFile) {
+  writeText(file("a"), "old");
+  EXPECT_THROW(writeAtomically(file("a"),
+                               [](std::ostream& out) {
+                                 out << std::string(1 << 20, 'x');
+                                 throw Error(ErrorCode::Cancelled, "stop");
+                               }),
+               Error);
+  EXPECT_EQ(read(file("a")), "old");
+  EXPECT_EQ(entries(), 1U);
+}
+
+TEST_F(AtomicFile, RefusesFoldersAndMissingFolders) {
+  EXPECT_THROW(writeText(folder_, "x"), Error);
+  EXPECT_THROW(writeText(folder_ / "missing" / "a", "x"), Error);
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(AtomicFile, WritesDevicesInPlace) {
+  writeText("/dev/null", "gone");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  try {
+    writeText("/dev/full", "x");
+    FAIL() << "a full device took the data";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::File);
+    EXPECT_NE(std::string(e.what()).find("No space left"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(AtomicFile, FullDiskLeavesNothing) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 100'000;
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  try {
+    writeText(file("a"), std::string(1 << 20, 'x'));
+    ADD_FAILURE() << "wrote beyond the limit";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::File);
+    EXPECT_NE(std::string(e.what()).find(file("a").string()), std::string::npos) << e.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(AtomicFile, KillLeavesTheOldFile) {
+  writeText(file("a"), "old");
+  const int status = endedBy(SIGKILL, [&](int begun) { writeForever(file("a"), begun); });
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(read(file("a")), "old");
+}
+
+TEST_F(AtomicFile, HandledSignalLeavesNothing) {
+  const int status = endedBy(SIGTERM, [&](int begun) {
+    std::signal(SIGTERM, [](int) {
+      removeTemporaries();
+      _exit(5);
+    });
+    writeForever(file("a"), begun);
+  });
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 5);
+  EXPECT_EQ(entries(), 0U);
+}
+
+}  // namespace
+}  // namespace raymap
