@@ -4,49 +4,73 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 namespace raymap {
 
-/// An 8-bit RGB picture, rows from the top.
+/// An 8-bit sRGB picture, rows from the top.
 struct Picture {
   int width = 0;
   int height = 0;
   std::vector<uint8_t> rgb;
 };
 
+/// The longest side of a picture, in pixels.
+inline constexpr int kMaxPictureSide = 16384;
+
 /// How to draw a field by sphere tracing (Hart 1996).
 struct RenderOptions {
   int width = 1024;
   int height = 768;
-  glm::dvec3 direction{-0.6, -0.45, -1.0};  ///< From the camera towards the centre of the field.
-  glm::dvec3 up{0.0, 1.0, 0.0};
+  glm::dvec3 direction{-0.6, -0.45, -1.0};  ///< From the camera towards the centre of the shape.
+  glm::dvec3 up{0.0, 1.0, 0.0};             ///< Points up in the picture; the floor is perpendicular to it.
+  double fieldOfView = 30.0;                ///< Degrees from the bottom to the top of the picture.
   bool cut = false;    ///< Show half: what lies before the middle plane is cut away (paper Fig. 1).
   double shell = 0.0;  ///< Hollow it out, leaving an outer wall this thick, mesh units (paper Fig. 1).
+  int threads = 0;     ///< 0 = all.
+
+  /// Called now and then with the share that is done, 0 to 1, by any thread, one at a time; return false to
+  /// cancel (the call then throws `Error(Cancelled)`).
+  std::function<bool(double done)> progress;
 };
 
+/// Draws the surface at distance zero on a light background; the camera stands so that the shape fills the
+/// picture. A field without a negative sample (an unsigned one) has no inside: it is drawn as a thin skin
+/// around its surface, at 0.7 of the spacing, the least that leaves no gap between samples. `cut` removes the
+/// half nearer to the camera along the horizontal grid axis that points to it most; the cut face shows the
+/// distance inside as `renderSlice` does. Same field and options, same picture, for any number of threads.
 Picture renderField(const Field& field, const RenderOptions& options = {});
 
-/// A slice through the middle (or at `index`) across axis 0, 1 or 2: iso-lines and the zero contour.
+/// A slice through the middle (or at sample `index`) across axis 0, 1 or 2, seen with y right and z up
+/// across x, x right and z up across y, x right and y up across z. Values between samples are bilinear; a
+/// sample fills `width` / samples pixels. Warm outside, cool inside, deeper with distance; thin lines at
+/// multiples of a round distance (1, 2 or 5 times a power of ten), a thick line at zero.
 Picture renderSlice(const Field& field, int axis, int index = -1, int width = 1024);
 
-/// Where two fields on the same grid differ, in samples.
+/// Where two fields on the same grid differ, in samples (distance over spacing).
 struct Comparison {
   double maxError = 0.0;
   double meanError = 0.0;
   double rmsError = 0.0;
-  size_t signDifferences = 0;
-  size_t samples = 0;
-  glm::ivec3 worstSample{0};
+  size_t signDifferences = 0;  ///< Negative in one field only.
+  size_t nonFinite = 0;        ///< Samples that are NaN or infinite in either; left out of all the above.
+  size_t samples = 0;          ///< All of them.
+  glm::ivec3 worstSample{0};   ///< The first with the largest error.
 };
 
-/// Throws `Error(Usage)` if the grids differ.
+/// Throws `Error(Usage)` if the grids differ by more than rounding. If either field is clamped to a band,
+/// both are compared within the narrower one.
 Comparison compareFields(const Field& a, const Field& b);
 
-/// The slice with the most sign differences (or error): grey where both agree, red inside by `a` only, green
-/// by `b` only (paper Fig. 11).
+/// The slice, across any axis, with the most sign differences, a square per sample, laid out as by
+/// `renderSlice` (paper Fig. 11): where both agree light grey outside and grey inside; red inside by `a`
+/// only, green by `b` only, violet not finite; the zero contours of `a` (black) and `b` (blue) on top. If no
+/// sign differs: the slice across z of the worst sample, from white (equal) to dark red (`maxError`).
 Picture renderComparison(const Field& a, const Field& b, int width = 1024);
 
+/// Throws `Error(Usage)` if the picture is empty or larger than `kMaxPictureSide`, `Error(File)` if the file
+/// cannot be written. The file appears whole or not at all.
 void writePng(const std::filesystem::path& path, const Picture& picture);
 
 }  // namespace raymap

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <raymap/render.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+namespace raymap {
+
+/// Linear light, 0 to 1. Pictures hold it sRGB-encoded.
+using Colour = glm::dvec3;
+
+inline double encodeSrgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+/// A colour given as people write it: sRGB, 0 to 255.
+inline Colour srgb(int red, int green, int blue) {
+  const auto decode = [](int value) {
+    const double s = value / 255.0;
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  return {decode(red), decode(green), decode(blue)};
+}
+
+inline void setPixel(Picture& picture, int x, int y, const Colour& colour) {
+  uint8_t* pixel = picture.rgb.data() + 3 * (size_t(y) * size_t(picture.width) + size_t(x));
+  for (int c = 0; c < 3; ++c)
+    pixel[c] = static_cast<uint8_t>(std::lround(255.0 * encodeSrgb(std::clamp(colour[c], 0.0, 1.0))));
+}
+
+/// An empty picture; throws `Error(Usage)` unless both sides are within 1 and `kMaxPictureSide`.
+Picture makePicture(int width, int height);
+
+/// 1, 2 or 5 times a power of ten, nearest to `length` from above.
+double roundedUp(double length);
+
+/// How much of a pixel a line of `width` pixels covers whose middle is `distance` pixels away.
+inline double lineCoverage(double distance, double width) {
+  return std::clamp(0.5 * width + 0.5 - distance, 0.0, 1.0);
+}
+
+/// The colour of a slice where the distance is `value`: warm outside, cool inside, palest at zero and deepest
+/// at +-`range`.
+Colour distanceColour(double value, double range);
+
+inline const Colour kNotFinite = srgb(140, 60, 160);
+inline const Colour kContour = srgb(24, 26, 32);
+
+/// Lays a thick line of the colour where the value is zero; `slope` as below.
+Colour drawContour(const Colour& ground, double value, double slope, const Colour& line);
+
+/// Lays lines at multiples of `step` over `ground`; `slope` is the change of the value across a pixel.
+Colour drawIsoLines(const Colour& ground, double value, double slope, double step);
+
+}  // namespace raymap

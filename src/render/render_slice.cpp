@@ -1,0 +1,55 @@
+// A slice of a field as a map: shaded by distance, with iso-lines and the zero contour.
+
+#include "field_sampler.h"
+#include "slice_view.h"
+
+namespace raymap {
+
+namespace {
+
+struct Range {
+  double inside = 0.0;
+  double outside = 0.0;
+};
+
+// Iso-lines stand at least this many pixels apart.
+constexpr double kLeastGap = 8.0;
+
+/// The largest finite distances of either side in the slice. The plateau of a band keeps to the middle of the
+/// ramp: it says "far" only.
+Range findRange(const Field& field, const SliceView& view) {
+  Range range;
+  for (int y = 0; y < view.size().y; ++y)
+    for (int x = 0; x < view.size().x; ++x) {
+      const double value = field.distance[view.index({x, y})];
+      if (!std::isfinite(value)) continue;
+      range.inside = std::max(range.inside, -value);
+      range.outside = std::max(range.outside, value);
+    }
+  if (field.band > 0.0) range = {2.0 * field.band, 2.0 * field.band};
+  return range;
+}
+
+}  // namespace
+
+Picture renderSlice(const Field& field, int axis, int index, int width) {
+  validateField(field);
+  makePicture(width, 1);  // refuses the width before it divides
+  const SliceView view(field.grid, axis, index);
+  const double pixel = view.pixelSize(width);
+  const double plain = 0.1 * pixel * field.grid.spacing;  // flatter than this is a plateau, not a line
+  const Range range = findRange(field, view);
+  const double step = roundedUp(
+      std::max(std::max(range.inside, range.outside) / 25.0, kLeastGap * pixel * field.grid.spacing));
+
+  return view.paint(width, [&](glm::dvec2 at) {
+    const double value = view.value(field.distance, at);
+    if (!std::isfinite(value)) return kNotFinite;
+    const Colour ground = distanceColour(value, value < 0.0 ? range.inside : range.outside);
+    const double slope = view.slope(field.distance, at, pixel);
+    if (!(slope > plain)) return ground;
+    return drawContour(drawIsoLines(ground, value, slope, step), value, slope, kContour);
+  });
+}
+
+}  // namespace raymap

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <raymap/render.h>
+
+#include <span>
+#include <vector>
+
+#include "field_sampler.h"
+
+namespace raymap {
+
+/// Where a solid lies, in sample coordinates.
+struct Extent {
+  glm::dvec3 min{INFINITY};
+  glm::dvec3 max{-INFINITY};
+  double deepest = INFINITY;  ///< Smallest value, in samples.
+};
+
+/// The solid that a field bounds, with the modifiers of the paper's Fig. 1 (hollowed out, cut in half), as a
+/// signed distance bound of its own: maximum for intersection. Units as in `FieldSampler`.
+class Shape {
+ public:
+  /// Refers to the field. Throws `Error(Usage)`, and `Error(Input)` if a sample is not finite.
+  Shape(const Field& field, const RenderOptions& options);
+
+  double distance(const glm::dvec3& p) const {
+    double d = sampler_.value(p) - level_;
+    if (wall_ > 0.0) d = std::max(d, -(d + wall_));
+    if (cut_) d = std::max(d, cutDistance(p));
+    return d;
+  }
+  /// The distance, stretched to infinity where a banded field only says "far": what occlusion wants to know.
+  double openDistance(const glm::dvec3& p) const {
+    const double d = distance(p);
+    return band_ > 0.0 && d > 0.0 ? d / std::max(1.0 - d / band_, 1e-6) : d;
+  }
+  /// Distance in the field itself, before any modifier.
+  double fieldDistance(const glm::dvec3& p) const { return sampler_.value(p) - level_; }
+
+  /// Outward unit normal at a point of the surface.
+  glm::dvec3 normal(const glm::dvec3& p) const;
+  bool isOnCutFace(const glm::dvec3& p) const { return cut_ && std::abs(cutDistance(p)) < 1e-2; }
+
+  /// How far the shape reaches along each unit direction, from sample (0,0,0).
+  std::vector<double> reach(std::span<const glm::dvec3> directions) const;
+
+  const Extent& extent() const { return extent_; }
+  glm::dvec3 centre() const { return 0.5 * (extent_.min + extent_.max); }
+  double radius() const { return 0.5 * glm::length(extent_.max - extent_.min); }
+
+ private:
+  double cutDistance(const glm::dvec3& p) const { return glm::dot(cutNormal_, p) - cutOffset_; }
+
+  const Field& field_;
+  FieldSampler sampler_;
+  double level_;  // the value drawn as surface
+  double wall_;
+  double band_;
+  Extent extent_;
+  bool cut_;
+  glm::dvec3 cutNormal_{0.0};
+  double cutOffset_ = 0.0;
+};
+
+}  // namespace raymap

@@ -1,0 +1,88 @@
+// Sphere tracing: J. C. Hart, "Sphere tracing: a geometric method for the antialiased ray tracing of implicit
+// surfaces", The Visual Computer 12 (1996). A distance says how far a ray may go without meeting a surface.
+//
+// Occlusion reads the same distances, after ideas of Í. Quílez: where the field a little above a surface is
+// smaller than the height, something is near; and the narrowest angle by which a ray to the light passes
+// everything tells how much of a round light is covered.
+
+#include "sphere_trace.h"
+
+namespace raymap {
+
+namespace {
+
+// The trilinear value of an exact distance changes by up to sqrt(3) a sample across creases: go less far.
+constexpr double kCaution = 0.9;
+// In samples; keeps the loop bounded. Nothing thinner than this exists between samples.
+constexpr double kLeastStep = 0.05;
+// A light of this angular radius' tangent.
+constexpr double kLightSize = 0.11;
+
+/// The part of the ray that a ball around the shape holds: {first, last}, empty if last < first.
+glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
+  const glm::dvec3 toCentre = shape.centre() - ray.origin;
+  const double radius = shape.radius() + 2.0;
+  const double middle = glm::dot(toCentre, ray.direction);
+  const double half2 = radius * radius - (glm::dot(toCentre, toCentre) - middle * middle);
+  if (half2 <= 0.0) return {0.0, -1.0};
+  const double half = std::sqrt(half2);
+  return {std::max(middle - half, 0.0), middle + half};
+}
+
+/// The surface between `outside` and `inside` along the ray; secant and bisection in turn, so that neither a
+/// bent nor a jumping value keeps it from closing in.
+double refineHit(const Shape& shape, const Ray& ray, double outside, double inside, double dOut, double dIn) {
+  for (int i = 0; i < 24 && inside - outside > 1e-4; ++i) {
+    const double share = i % 2 == 0 ? std::clamp(dOut / (dOut - dIn), 0.01, 0.99) : 0.5;
+    const double t = outside + share * (inside - outside);
+    const double d = shape.distance(ray.origin + t * ray.direction);
+    if (std::abs(d) < 1e-4) return t;
+    (d > 0.0 ? outside : inside) = t;
+    (d > 0.0 ? dOut : dIn) = d;
+  }
+  return inside;
+}
+
+}  // namespace
+
+std::optional<double> trace(const Shape& shape, const Ray& ray) {
+  const glm::dvec2 part = clipToBall(shape, ray);
+  double before = part.x, dBefore = INFINITY;
+  for (double t = part.x; t <= part.y;) {
+    const double d = shape.distance(ray.origin + t * ray.direction);
+    if (d <= 0.0) return t > part.x ? refineHit(shape, ray, before, t, dBefore, d) : t;
+    before = t;
+    dBefore = d;
+    t += std::max(kCaution * d, kLeastStep);
+  }
+  return std::nullopt;
+}
+
+double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3& toLight) {
+  const Ray ray{point, toLight};
+  const glm::dvec2 part = clipToBall(shape, ray);
+  double clear = 1.0;  // narrowest angle passed so far, over the light's
+  for (double t = std::max(part.x, 0.5); t <= part.y;) {
+    const glm::dvec3 p = point + t * toLight;
+    const double d = shape.distance(p);
+    if (d <= 0.0) return 0.0;
+    clear = std::min(clear, shape.openDistance(p) / (kLightSize * t));
+    if (clear < 0.01) return 0.0;
+    t += std::max(kCaution * d, 4 * kLeastStep);
+  }
+  return clear * clear * (3.0 - 2.0 * clear);
+}
+
+double ambientOpenness(const Shape& shape, const glm::dvec3& point, const glm::dvec3& normal) {
+  double blocked = 0.0, weight = 1.0, total = 0.0;
+  for (const double share : {0.015, 0.035, 0.07, 0.13, 0.22}) {
+    const double height = share * shape.radius();
+    const double open = shape.openDistance(point + height * normal);
+    blocked += weight * std::clamp(1.0 - open / height, 0.0, 1.0);
+    total += weight;
+    weight *= 0.8;
+  }
+  return std::max(1.0 - 1.1 * blocked / total, 0.0);
+}
+
+}  // namespace raymap

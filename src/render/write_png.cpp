@@ -1,0 +1,31 @@
+#include <png.h>
+#include <raymap/error.h>
+#include <raymap/render.h>
+
+#include <ostream>
+#include <string>
+
+#include "io/atomic_file.h"
+
+namespace raymap {
+
+void writePng(const std::filesystem::path& path, const Picture& picture) {
+  const auto isValid = [](int side) { return side >= 1 && side <= kMaxPictureSide; };
+  if (!isValid(picture.width) || !isValid(picture.height) ||
+      picture.rgb.size() != 3 * size_t(picture.width) * size_t(picture.height))
+    throw Error(ErrorCode::Usage, path.string() + ": a picture of " + std::to_string(picture.width) + " x " +
+                                      std::to_string(picture.height) + " pixels with " +
+                                      std::to_string(picture.rgb.size()) + " bytes cannot be written");
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = png_uint_32(picture.width);
+  image.height = png_uint_32(picture.height);
+  image.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::vector<char> bytes(size);
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+    throw Error(ErrorCode::File, path.string() + ": the picture cannot be encoded: " + image.message);
+  writeAtomically(path, [&](std::ostream& out) { out.write(bytes.data(), std::streamsize(size)); });
+}
+
+}  // namespace raymap

@@ -1,0 +1,274 @@
+#include <gtest/gtest.h>
+#include <png.h>
+#include <raymap/raymap.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "analytic_fields.h"
+#include "render/camera.h"
+#include "render/field_sampler.h"
+#include "render/shape.h"
+#include "render/sphere_trace.h"
+
+namespace raymap {
+namespace {
+
+using analytic::cube;
+using analytic::sampled;
+
+Field ball(int n, double radius) {
+  return sampled(cube(n, 2.0), [&](const glm::dvec3& p) { return analytic::sphere(p, radius); });
+}
+
+/// Pixels whose middle sees the shape.
+size_t silhouette(const Field& field, const RenderOptions& options) {
+  const Shape shape(field, options);
+  const Camera camera(options, shape);
+  size_t hits = 0;
+  for (int y = 0; y < options.height; ++y)
+    for (int x = 0; x < options.width; ++x) hits += trace(shape, camera.ray(x + 0.5, y + 0.5)) ? 1 : 0;
+  return hits;
+}
+
+ErrorCode refusal(const Field& field, const RenderOptions& options) {
+  try {
+    renderField(field, options);
+  } catch (const Error& error) {
+    return error.code();
+  }
+  ADD_FAILURE() << "not refused";
+  return ErrorCode::Unsupported;
+}
+
+TEST(FieldSampler, ReproducesALinearFunction) {
+  const Grid grid{{5, 6, 7}, {1.0, 2.0, 3.0}, 0.5};
+  const Field field = sampled(grid, [](const glm::dvec3& p) { return p.x + 2 * p.y - 3 * p.z + 20; });
+  const FieldSampler sampler(field);
+  const glm::dvec3 at(1.25, 3.5, 2.75);
+  const glm::dvec3 p = grid.position(at);
+  EXPECT_NEAR(sampler.value(at), (p.x + 2 * p.y - 3 * p.z + 20) / 0.5, 1e-5);
+  const glm::dvec3 g = sampler.gradient(at);
+  EXPECT_NEAR(glm::length(g - glm::dvec3(1, 2, -3)), 0.0, 1e-5);
+}
+
+TEST(FieldSampler, NeverOverestimatesOutsideTheGrid) {
+  const Field field = ball(32, 0.7);
+  const FieldSampler sampler(field);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> where(-40.0, 70.0);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 s(where(random), where(random), where(random));
+    const double exact = analytic::sphere(field.grid.position(s), 0.7) / field.grid.spacing;
+    EXPECT_LE(sampler.value(s), exact + 0.05) << s.x << " " << s.y << " " << s.z;
+  }
+}
+
+TEST(Shape, NormalsMirrorWithTheField) {
+  const auto lopsided = [](const glm::dvec3& p) {
+    return std::min(analytic::sphere(p - glm::dvec3(0.2, 0.1, 0.0), 0.4),
+                    analytic::box(p + glm::dvec3(0.3, 0.0, 0.1), {0.3, 0.2, 0.4}));
+  };
+  const Field field = sampled(cube(40, 2.0), lopsided);
+  const Field mirror = sampled(cube(40, 2.0), [&](const glm::dvec3& p) {
+    return lopsided({-p.x, p.y, p.z});
+  });
+  const Shape shape(field, {}), mirrored(mirror, {});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> where(4.0, 35.0);
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 p(where(random), where(random), where(random));
+    const glm::dvec3 n = shape.normal(p);
+    const glm::dvec3 m = mirrored.normal({39.0 - p.x, p.y, p.z});
+    EXPECT_NEAR(glm::length(n - glm::dvec3(-m.x, m.y, m.z)), 0.0, 1e-4);
+  }
+}
+
+TEST(Render, SilhouetteOfASphereIsItsProjectedDisc) {
+  RenderOptions options{.width = 240, .height = 180};
+  const Field field = ball(64, 0.7);
+  const Shape shape(field, options);
+  const Camera camera(options, shape);
+  const double distance = glm::length(camera.eye() - shape.centre());
+  const double radius = 0.7 / field.grid.spacing;
+  const double disc = std::tan(std::asin(radius / distance)) / camera.pixelAngle();  // in pixels
+  const double pixels = double(silhouette(field, options));
+  EXPECT_NEAR(std::sqrt(pixels / std::numbers::pi), disc, 0.5);
+  EXPECT_GT(disc, 0.35 * options.height);  // it fills the picture
+}
+
+TEST(Render, BandedFieldTracesLikeTheWholeOne) {
+  const RenderOptions options{.width = 120, .height = 90};
+  const auto shape = [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.2); };
+  const Field whole = sampled(cube(48, 2.0), shape);
+  Field banded = sampled(cube(48, 2.0), [&](const glm::dvec3& p) { return std::clamp(shape(p), -0.1, 0.1); });
+  banded.band = 0.1;
+  const double pixels = double(silhouette(whole, options));
+  EXPECT_GT(pixels, 500.0);
+  EXPECT_NEAR(double(silhouette(banded, options)) / pixels, 1.0, 0.02);
+}
+
+TEST(Render, UnsignedFieldShowsItsSurface) {
+  const RenderOptions options{.width = 120, .height = 90};
+  const Field field =
+      sampled(cube(48, 2.0), [](const glm::dvec3& p) { return std::abs(analytic::sphere(p, 0.7)); });
+  EXPECT_NEAR(double(silhouette(field, options)) / double(silhouette(ball(48, 0.7), options)), 1.0, 0.03);
+}
+
+TEST(Render, CutShowsTheInsideAndShellHollowsIt) {
+  // Straight from the front: the cut face of the ball is a disc, that of the shell a ring.
+  RenderOptions options{.width = 200, .height = 200, .direction = {0, 0, -1}, .cut = true};
+  const Field field = ball(64, 0.7);
+  const auto cutFace = [&] {
+    const Shape shape(field, options);
+    const Camera camera(options, shape);
+    const double scale = glm::dot(shape.centre() - camera.eye(), camera.forward()) * camera.pixelAngle();
+    size_t pixels = 0;
+    for (int y = 0; y < options.height; ++y)
+      for (int x = 0; x < options.width; ++x) {
+        const Ray ray = camera.ray(x + 0.5, y + 0.5);
+        const auto t = trace(shape, ray);
+        pixels += t && shape.isOnCutFace(ray.origin + *t * ray.direction) ? 1 : 0;
+      }
+    return double(pixels) * scale * scale * field.grid.spacing * field.grid.spacing;  // area, mesh units
+  };
+  const double pi = std::numbers::pi;
+  EXPECT_NEAR(cutFace(), pi * 0.49, 0.05);
+  options.shell = 0.2;
+  EXPECT_NEAR(cutFace(), pi * (0.49 - 0.25), 0.05);
+}
+
+TEST(Render, PictureIsTheSameForAnyNumberOfThreads) {
+  const Field field = ball(32, 0.7);
+  const RenderOptions one{.width = 80, .height = 60, .threads = 1};
+  const RenderOptions four{.width = 80, .height = 60, .threads = 4};
+  EXPECT_EQ(renderField(field, one).rgb, renderField(field, four).rgb);
+}
+
+TEST(Render, EmptyFieldIsAnEmptyPicture) {
+  const Field far = sampled(cube(8, 2.0), [](const glm::dvec3&) { return 100.0; });
+  const Picture picture = renderField(far, {.width = 16, .height = 12});
+  for (int x = 1; x < 16; ++x) EXPECT_EQ(picture.rgb[size_t(x) * 3], picture.rgb[0]);
+}
+
+TEST(Render, ReportsProgressAndStops) {
+  const Field field = ball(16, 0.7);
+  std::atomic<int> calls{0};
+  RenderOptions options{.width = 32, .height = 24};
+  options.progress = [&](double done) {
+    EXPECT_GE(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    return ++calls > 0;
+  };
+  renderField(field, options);
+  EXPECT_GT(calls.load(), 1);
+  options.progress = [](double) { return false; };
+  EXPECT_EQ(refusal(field, options), ErrorCode::Cancelled);
+}
+
+TEST(Render, RefusesWhatCannotBeDrawn) {
+  Field field = ball(16, 0.7);
+  EXPECT_EQ(refusal(Field{}, {}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.width = 0}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.height = 1 << 20}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.direction = {0, 0, 0}}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.up = {NAN, 0, 0}}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.fieldOfView = 180.0}), ErrorCode::Usage);
+  EXPECT_EQ(refusal(field, {.shell = -1.0}), ErrorCode::Usage);
+  field.band = 0.1;
+  EXPECT_EQ(refusal(field, {.shell = 0.2}), ErrorCode::Usage);
+  field.distance[77] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(refusal(field, {}), ErrorCode::Input);
+}
+
+TEST(Slice, LiesAsDocumented) {
+  // A box that is long in x, medium in y, short in z, off towards high x, y and z.
+  const Grid grid{{40, 30, 20}, {0.5, 0.5, 0.5}, 1.0};
+  const Field field = sampled(grid, [](const glm::dvec3& p) {
+    return analytic::box(p - glm::dvec3(30, 22, 14), {8, 6, 4});
+  });
+  const auto isInside = [](const Picture& p, int x, int y) {
+    const uint8_t* pixel = p.rgb.data() + 3 * (size_t(y) * p.width + x);
+    return pixel[2] > pixel[0] + 10;  // cool
+  };
+  const Picture z = renderSlice(field, 2, 14, 400);  // x right, y up, 10 pixels a sample
+  ASSERT_EQ(z.height, 300);
+  EXPECT_TRUE(isInside(z, 300, 300 - 220));
+  EXPECT_FALSE(isInside(z, 100, 300 - 220));
+  EXPECT_FALSE(isInside(z, 300, 220));
+  const Picture y = renderSlice(field, 1, 22, 400);  // x right, z up
+  ASSERT_EQ(y.height, 200);
+  EXPECT_TRUE(isInside(y, 300, 200 - 140));
+  EXPECT_FALSE(isInside(y, 300, 140));
+  const Picture x = renderSlice(field, 0, 30, 300);  // y right, z up
+  ASSERT_EQ(x.height, 200);
+  EXPECT_TRUE(isInside(x, 220, 200 - 140));
+  EXPECT_FALSE(isInside(x, 80, 200 - 140));
+  EXPECT_FALSE(isInside(x, 220, 140));
+}
+
+TEST(Slice, DrawsTheZeroContourWhereItIs) {
+  const Field field = ball(50, 0.6);
+  const Picture slice = renderSlice(field, 2, -1, 500);  // 250 pixels a unit, through z = 0.02
+  const double radius = 250.0 * std::sqrt(0.36 - 0.02 * 0.02);
+  for (int step = 0; step < 64; ++step) {
+    const double angle = step * std::numbers::pi / 32;
+    const int x = int(250 + radius * std::cos(angle)), y = int(250 - radius * std::sin(angle));
+    EXPECT_LT(slice.rgb[3 * (size_t(y) * 500 + size_t(x))], 120) << angle;
+  }
+}
+
+TEST(Slice, RefusesWhatDoesNotExist) {
+  const Field field = ball(8, 0.7);
+  EXPECT_THROW(renderSlice(field, 3), Error);
+  EXPECT_THROW(renderSlice(field, 2, 8), Error);
+  EXPECT_THROW(renderSlice(field, 2, -1, 0), Error);
+  const Field needle = sampled({{1, 100000, 1}, {0, 0, 0}, 1.0}, [](const glm::dvec3& p) { return p.y; });
+  EXPECT_THROW(renderSlice(needle, 2), Error);
+}
+
+TEST(Slice, SurvivesWhatIsNotFinite) {
+  Field field = ball(8, 0.7);
+  field.distance[100] = std::numeric_limits<float>::infinity();
+  field.distance[300] = std::numeric_limits<float>::quiet_NaN();
+  for (int axis = 0; axis < 3; ++axis)
+    for (int index = 0; index < 8; ++index) EXPECT_EQ(renderSlice(field, axis, index, 32).height, 32);
+}
+
+TEST(WritePng, ReadsBackTheSame) {
+  Picture picture{7, 5, {}};
+  for (int i = 0; i < 7 * 5 * 3; ++i) picture.rgb.push_back(uint8_t(i * 37));
+  const auto path = std::filesystem::path(testing::TempDir()) / "raymap_render_test.png";
+  writePng(path, picture);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0) << image.message;
+  EXPECT_EQ(image.width, 7u);
+  EXPECT_EQ(image.height, 5u);
+  image.format = PNG_FORMAT_RGB;
+  std::vector<uint8_t> read(PNG_IMAGE_SIZE(image));
+  ASSERT_NE(png_image_finish_read(&image, nullptr, read.data(), 0, nullptr), 0) << image.message;
+  EXPECT_EQ(read, picture.rgb);
+  std::filesystem::remove(path);
+}
+
+TEST(WritePng, RefusesWhatItCannotWrite) {
+  EXPECT_THROW(writePng("unwritten.png", Picture{}), Error);
+  EXPECT_THROW(writePng("unwritten.png", Picture{4, 4, std::vector<uint8_t>(47)}), Error);
+  EXPECT_FALSE(std::filesystem::exists("unwritten.png"));
+  try {
+    writePng("/nonexistent/folder/picture.png", Picture{1, 1, {1, 2, 3}});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::File);
+    EXPECT_NE(std::string(error.what()).find("/nonexistent/folder"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace raymap
