@@ -18,14 +18,26 @@ struct RayMap {
   struct Axis {
     Buffer<uint64_t> starts;
     Buffer<RayStep> steps;
+
+    std::span<const RayStep> line(size_t id) const {
+      return {steps.data() + starts[id], size_t(starts[id + 1] - starts[id])};
+    }
   };
   glm::ivec3 dims{0};
   std::array<Axis, 3> axes;
 
-  /// Eq. 7: r of `sample` along `axis`; samples outside the grid are allowed.
+  /// Eq. 7: r of `sample` along `axis`; samples outside the grid are allowed. Paper: no crossings lie outside
+  /// the grid. Here: those before the first and beyond the last sample of a line count, at index -1 and m.
   int32_t ray(int axis, glm::ivec3 sample) const;
-  /// Eq. 6: signed crossings of the segment from `from` towards `to` along `axis`.
+  /// Its twin: faces crossed, whichever way they point.
+  int32_t unsignedRay(int axis, glm::ivec3 sample) const;
+  /// Eq. 6: signed crossings of the segment from `from` along `axis` to coordinate `to`.
   int32_t segment(int axis, glm::ivec3 from, int to) const;
+  /// Signed crossings of a whole line: the ray from before the first sample.
+  int32_t total(int axis, size_t line) const;
+
+ private:
+  const RayStep* find(int axis, const glm::ivec3& sample) const;
 };
 
 void buildRayMap(glm::ivec3 dims, const Crossings& crossings, RayMap& map);
