@@ -9,7 +9,7 @@ namespace raymap {
 /// What is right and wrong with a mesh, measured after welding vertices at exactly equal positions.
 struct Diagnostics {
   size_t vertices = 0;        ///< As stored.
-  size_t weldedVertices = 0;  ///< Distinct positions that faces use.
+  size_t weldedVertices = 0;  ///< Distinct positions, used by a face or not.
   size_t triangles = 0;
   size_t boundaryEdges = 0;     ///< Edges with one face.
   size_t nonManifoldEdges = 0;  ///< Edges with more than two faces.

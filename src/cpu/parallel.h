@@ -3,12 +3,14 @@
 // The only file that includes oneTBB.
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 namespace raymap {
 
@@ -29,6 +31,9 @@ void parallelFor(size_t count, size_t grain, Work&& work) {
 /// Runs `work` with at most `threads` threads; 0 = all of the machine's.
 template <class Work>
 void withThreads(int threads, Work&& work) {
+  // Without a limit of its own, TBB prints a warning when asked for more threads than there are cores.
+  std::optional<tbb::global_control> limit;
+  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute(work);
 }

@@ -1,0 +1,50 @@
+#include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "mesh_file.h"
+
+namespace raymap {
+
+namespace {
+
+struct Format {
+  std::string_view extension;
+  Mesh (*read)(const MeshFile& file);
+};
+
+constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, Format{".stl", readStl},
+                              Format{".off", readOff}};
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+[[noreturn]] void failExtension(const std::filesystem::path& path) {
+  std::string known;
+  for (const Format& format : kFormats) known.append(" ").append(format.extension);
+  throw Error(ErrorCode::Unsupported,
+              path.string() + ": cannot tell the format of this file by its name; known are" + known);
+}
+
+}  // namespace
+
+Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
+  const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
+  if (format == kFormats.end()) failExtension(path);
+  const Buffer<std::byte> bytes = loadFile(path);
+  return format->read({bytes, path, warn});
+}
+
+std::vector<std::string> meshExtensions() {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  return extensions;
+}
+
+}  // namespace raymap

@@ -1,0 +1,52 @@
+#pragma once
+
+// Meshes in cell units, for the tests of single stages.
+
+#include <raymap/grid.h>
+
+#include "cell_mesh.h"
+#include "cpu/parallel.h"
+#include "progress.h"
+#include "shapes.h"
+
+namespace raymap {
+
+/// A mesh in cell units that owns its triangles.
+struct OwnCellMesh : CellMesh {
+  std::vector<glm::uvec3> own;
+
+  OwnCellMesh(const Mesh& mesh, const Grid& grid) : own(mesh.triangles) {
+    vertices.resize(mesh.vertices.size());
+    for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+      vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
+    triangles = own;
+    dims = grid.dims;
+  }
+  /// The same surface back as a mesh, whose unit is the cell: what a reference must be measured against.
+  Mesh asMesh() const { return {{vertices.begin(), vertices.end()}, own, glm::dvec3(0.0)}; }
+};
+
+/// A progress that reports to nobody.
+struct Silent {
+  Options options;
+  Stats stats;
+  Progress progress{options, stats};
+};
+
+/// Triangles of many sizes, 0.02 to 20 cells, all around a grid of these dims and a little beyond.
+inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto point = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  for (uint32_t i = 0; i < uint32_t(count); ++i) {
+    const glm::dvec3 at = point() * (glm::dvec3(dims) + 2.0) - 1.5;
+    const double size = 0.02 * std::pow(1000.0, unit(random));
+    for (int c = 0; c < 3; ++c) p.push_back(at + size * (point() - 0.5));
+    t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  return {makeMesh(p, std::move(t)), Grid{dims, glm::dvec3(0.0), 1.0}};
+}
+
+}  // namespace raymap
