@@ -16,8 +16,8 @@ struct Format {
   Mesh (*read)(const MeshFile& file);
 };
 
-constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, Format{".stl", readStl},
-                              Format{".off", readOff}};
+constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly},   Format{".stl", readStl},
+                              Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf}};
 
 std::string lowerExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
