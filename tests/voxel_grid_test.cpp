@@ -4,6 +4,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "cells.h"
 #include "reference.h"
@@ -103,8 +104,12 @@ TEST(VoxelGrid, GivesATriangleOnAFaceToBothCells) {
 }
 
 TEST(VoxelGrid, IsTheSameForAnyNumberOfThreads) {
-  const OwnCellMesh mesh = cellSoup(20000, {20, 30, 25}, 1);
+  const OwnCellMesh mesh = cellSoup(20000, {70, 60, 55}, 1);  // several blocks of the prefix sum
   const VoxelGrid one = build(mesh, 1);
+  EXPECT_EQ(one.starts[one.cells.count()], one.triangles.size());
+  EXPECT_TRUE(std::ranges::is_sorted(one.starts));
+  for (size_t c = 0; c < one.cells.count(); ++c)
+    ASSERT_TRUE(std::ranges::adjacent_find(one.list(c), std::greater_equal<>()) == one.list(c).end());
   for (const int threads : {2, 8}) {
     const VoxelGrid many = build(mesh, threads);
     EXPECT_TRUE(std::ranges::equal(one.starts, many.starts));

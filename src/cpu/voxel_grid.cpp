@@ -1,9 +1,4 @@
 // Krayer & Müller 2019, §3.1, Fig. 2.
-//
-// Paper: conservative rasterization along the dominant axis, then a triangle-box test in each cell along z.
-// Here: rows of cells along x; each separating axis bounds the cell centre by a slab, so that the cells of a
-// row that touch the triangle are one interval, found without testing cells: because a large triangle then
-// costs no more than the cells it touches.
 
 #include "voxel_grid.h"
 
@@ -11,12 +6,11 @@
 
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 
+#include "cell_runs.h"
 #include "parallel.h"
-#include "triangle.h"
 
 namespace raymap {
 
@@ -24,109 +18,24 @@ namespace {
 
 constexpr size_t kTriangleGrain = 2048;
 constexpr size_t kCellGrain = size_t{1} << 16;
-// Cells grow by this share of the triangle's reach, to make up for rounding in double precision.
-constexpr double kSlack = 1e-12;
-
-struct Interval {
-  double low;
-  double high;
-
-  /// Keeps x with low <= factor * x <= high.
-  void clip(double factor, double from, double to) {
-    if (factor == 0.0) {
-      if (from > 0.0 || to < 0.0) high = -INFINITY;
-      return;
-    }
-    const double a = from / factor, b = to / factor;
-    low = std::max(low, std::min(a, b));
-    high = std::min(high, std::max(a, b));
-  }
-  bool isEmpty() const { return !(low <= high); }
-  int first() const { return static_cast<int>(std::ceil(low)); }
-  int last() const { return static_cast<int>(std::floor(high)); }
-};
-
-/// A triangle relative to the lowest cell that its bounds touch, in cells.
-struct LocalTriangle {
-  std::array<glm::dvec3, 3> corner;
-  glm::ivec3 base;
-  glm::ivec3 last;  ///< Highest cell that its bounds touch; below `base` if outside the lattice.
-  bool isCut;       ///< Some of its bounds lies outside the lattice.
-
-  double reach() const {
-    const glm::dvec3 far = glm::max(glm::max(glm::abs(corner[0]), glm::abs(corner[1])), glm::abs(corner[2]));
-    return std::max({far.x, far.y, far.z});
-  }
-};
-
-LocalTriangle localTriangle(const CellMesh& mesh, const CellLattice& cells, size_t triangle) {
-  LocalTriangle local;
-  for (int c = 0; c < 3; ++c)
-    local.corner[c] = (glm::dvec3(mesh.corner(triangle, c)) - cells.first) / cells.size;
-  const glm::dvec3 low = glm::min(glm::min(local.corner[0], local.corner[1]), local.corner[2]);
-  const glm::dvec3 high = glm::max(glm::max(local.corner[0], local.corner[1]), local.corner[2]);
-  const glm::dvec3 dims(cells.dims);
-  const glm::dvec3 lowest = glm::ceil(low - 0.5), highest = glm::floor(high + 0.5);
-  local.base = glm::clamp(lowest, glm::dvec3(0.0), dims);
-  local.last = glm::clamp(highest, glm::dvec3(-1.0), dims - 1.0);
-  local.isCut = glm::dvec3(local.base) != lowest || glm::dvec3(local.last) != highest;
-  for (glm::dvec3& corner : local.corner) corner -= glm::dvec3(local.base);
-  return local;
-}
-
-/// Calls visit(first, end) with the indices of every run of cells along x that the triangle touches.
-template <class Visit>
-void forEachRun(const CellMesh& mesh, const CellLattice& cells, size_t triangle, Visit&& visit) {
-  const LocalTriangle local = localTriangle(mesh, cells, triangle);
-  const glm::ivec3 extent = local.last - local.base;
-  if (extent.x < 0 || extent.y < 0 || extent.z < 0) return;
-  const auto run = [&](int first, int last, int j, int k) {
-    const size_t row = cells.index(local.base + glm::ivec3(0, j, k));
-    if (first <= last) visit(row + first, row + last + 1);
-  };
-  // Within one line of cells the bounds decide.
-  if (!local.isCut && (extent.x > 0) + (extent.y > 0) + (extent.z > 0) <= 1) {
-    for (int k = 0; k <= extent.z; ++k)
-      for (int j = 0; j <= extent.y; ++j) run(0, extent.x, j, k);
-    return;
-  }
-  const std::array<Slab, 10> slabs = triangleBoxSlabs(local.corner, kSlack * (1.0 + local.reach()));
-  const Slab& plane = slabs[0];
-  for (int k = 0; k <= extent.z; ++k) {
-    Interval rows{0.0, double(extent.y)};  // Edges seen along x bound j,
-    Interval slice{0.0, double(extent.x)};
-    for (int e = 1; e <= 3; ++e) {
-      const Slab &alongX = slabs[e], &alongY = slabs[3 + e];
-      rows.clip(alongX.axis.y, alongX.low - alongX.axis.z * k, alongX.high - alongX.axis.z * k);
-      slice.clip(alongY.axis.x, alongY.low - alongY.axis.z * k, alongY.high - alongY.axis.z * k);
-    }
-    if (rows.isEmpty() || slice.isEmpty()) continue;
-    for (int j = rows.first(); j <= rows.last(); ++j) {
-      Interval row = slice;  // seen along y and z, and the plane, i.
-      const double offset = plane.axis.y * j + plane.axis.z * k;
-      row.clip(plane.axis.x, plane.low - offset, plane.high - offset);
-      for (int e = 7; e <= 9; ++e)
-        row.clip(slabs[e].axis.x, slabs[e].low - slabs[e].axis.y * j, slabs[e].high - slabs[e].axis.y * j);
-      if (!row.isEmpty()) run(row.first(), row.last(), j, k);
-    }
-  }
-}
-
-/// Turns counts[1..] into the running total of everything before each, which it returns for the end.
+/// Replaces each count, which starts at index 1, by the sum of those before it; returns the sum of all.
 uint64_t prefixSum(Buffer<uint64_t>& starts) {
-  const size_t count = starts.size() - 1;
-  std::vector<uint64_t> sums((count + kCellGrain - 1) / kCellGrain);
-  parallelFor(count, kCellGrain, [&](size_t begin, size_t end) {
-    sums[begin / kCellGrain] = std::accumulate(&starts[begin + 1], starts.data() + end + 1, uint64_t{0});
+  const size_t blocks = (starts.size() - 1 + kCellGrain - 1) / kCellGrain;
+  const auto block = [&](size_t b) {
+    return std::span<uint64_t>(starts).subspan(1 + b * kCellGrain,
+                                               std::min(kCellGrain, starts.size() - 1 - b * kCellGrain));
+  };
+  std::vector<uint64_t> sums(blocks + 1);
+  parallelFor(blocks, 1, [&](size_t b, size_t) {
+    const std::span<uint64_t> counts = block(b);
+    sums[b] = std::accumulate(counts.begin(), counts.end(), uint64_t{0});
   });
   std::exclusive_scan(sums.begin(), sums.end(), sums.begin(), uint64_t{0});
-  const uint64_t total =
-      sums.back() + std::accumulate(&starts[1 + (sums.size() - 1) * kCellGrain], starts.end(), uint64_t{0});
-  parallelFor(count, kCellGrain, [&](size_t begin, size_t end) {
-    uint64_t* part = starts.data() + begin + 1;
-    std::exclusive_scan(part, starts.data() + end + 1, part, sums[begin / kCellGrain]);
+  parallelFor(blocks, 1, [&](size_t b, size_t) {
+    const std::span<uint64_t> counts = block(b);
+    std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), sums[b]);
   });
-  return total;
+  return sums[blocks];
 }
 
 void checkListBytes(uint64_t entries, size_t maxListBytes) {
