@@ -1,0 +1,115 @@
+// Runs one method on one case and prints what it cost as one line of JSON. One process a run, so that nobody
+// inherits another's warm memory; bench/compare.py alternates the methods and makes the table.
+
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "meshes.h"
+#include "methods.h"
+
+namespace raymap::bench {
+
+namespace {
+
+const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kMethods = {
+    {"raymap", runRaymap},
+    {"raymap_winding", runRaymapWinding},
+#ifdef RAYMAP_BENCH_EMBREE
+    {"embree", runEmbree},
+#endif
+#ifdef RAYMAP_BENCH_OPENVDB
+    {"openvdb", runOpenvdb},
+#endif
+};
+
+struct Usage {
+  double wall, cpu, peakMegabytes;
+
+  static Usage now() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now().time_since_epoch();
+    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime), double(usage.ru_maxrss) / 1024.0};
+  }
+};
+
+nlohmann::json describe(const Case& input) {
+  const glm::dvec3 origin = input.grid.origin;
+  return {{"dims", {input.grid.dims.x, input.grid.dims.y, input.grid.dims.z}},
+          {"origin", {origin.x, origin.y, origin.z}},
+          {"spacing", input.grid.spacing},
+          {"triangles", input.mesh.triangles.size()}};
+}
+
+template <class T>
+void writeRaw(const std::string& path, const T* data, size_t count) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(data), std::streamsize(count * sizeof(T)));
+  if (!file.flush()) throw Error(ErrorCode::File, path + ": cannot be written");
+}
+
+/// Mesh and description for programs in other languages: NAME.vertices (double x 3), NAME.triangles (uint32 x 3).
+void exportMesh(const Mesh& mesh, const std::string& name) {
+  std::vector<glm::dvec3> positions;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));
+  writeRaw(name + ".vertices", positions.data(), positions.size());
+  writeRaw(name + ".triangles", mesh.triangles.data(), mesh.triangles.size());
+}
+
+int run(int argc, char** argv) {
+  std::string method, mesh = "bunny", output;
+  GridOptions gridOptions;
+  Case input;
+  input.threads = 2;
+  CLI::App app("Runs one method on one case.");
+  app.add_option("method", method, "a method, or `export` or `list`")->required();
+  app.add_option("--mesh", mesh, "bunny, holes, million, sphere or a file");
+  app.add_option("--resolution", gridOptions.resolution);
+  app.add_option("--threads", input.threads);
+  app.add_option("--band", input.band, "samples; 0 = the whole box");
+  app.add_option("--output", output, "where to write the samples as raw floats, or the mesh");
+  CLI11_PARSE(app, argc, argv);
+
+  if (method == "list") {
+    for (const auto& [name, unused] : kMethods) std::puts(name.c_str());
+    return 0;
+  }
+  input.mesh = benchMesh(mesh);
+  input.grid = fitGrid(input.mesh, gridOptions);
+  nlohmann::json report = describe(input);
+  if (method == "export") {
+    exportMesh(input.mesh, output);
+  } else {
+    Buffer<float> values;
+    const Usage before = Usage::now();
+    kMethods.at(method)(input, values);
+    const Usage after = Usage::now();
+    report["wall"] = after.wall - before.wall;
+    report["cpu"] = after.cpu - before.cpu;
+    report["megabytes"] = after.peakMegabytes - before.peakMegabytes;
+    if (!output.empty()) writeRaw(output, values.data(), values.size());
+  }
+  std::puts(report.dump().c_str());
+  return 0;
+}
+
+}  // namespace
+
+}  // namespace raymap::bench
+
+int main(int argc, char** argv) {
+  try {
+    return raymap::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "peers: %s\n", error.what());
+    return 1;
+  }
+}

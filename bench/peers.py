@@ -1,0 +1,111 @@
+"""Runs one Python peer on one case and prints what it cost as one line of JSON, as the program `peers` does.
+
+The case comes from `peers export`: NAME.vertices, NAME.triangles and the line it printed.
+"""
+
+import argparse
+import json
+import os
+import resource
+import sys
+import time
+
+
+def usage():
+    u = resource.getrusage(resource.RUSAGE_SELF)
+    return time.monotonic(), u.ru_utime + u.ru_stime, u.ru_maxrss / 1024
+
+
+def sample_positions(case, dtype):
+    """All samples, x fastest; not part of any peer's time."""
+    import numpy as np
+
+    axes = [case["origin"][a] + case["spacing"] * np.arange(case["dims"][a]) for a in range(3)]
+    z, y, x = np.meshgrid(axes[2], axes[1], axes[0], indexing="ij")
+    return np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1).astype(dtype)
+
+
+def igl_signed_distance(vertices, triangles, case, threads):
+    import igl
+
+    samples = sample_positions(case, "float64")
+    kind = igl.SignedDistanceType.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER
+    return lambda: igl.signed_distance(samples, vertices, triangles, kind)[0]
+
+
+def igl_winding(vertices, triangles, case, threads):
+    import igl
+
+    samples = sample_positions(case, "float64")
+    return lambda: igl.fast_winding_number(vertices, triangles, samples)
+
+
+def open3d(vertices, triangles, case, threads):
+    import numpy as np
+    import open3d
+
+    samples = open3d.core.Tensor(sample_positions(case, "float32"))
+    vertices = open3d.core.Tensor(vertices.astype(np.float32))
+    triangles = open3d.core.Tensor(triangles.astype(np.uint32))
+
+    def run():
+        scene = open3d.t.geometry.RaycastingScene(nthreads=threads)
+        scene.add_triangles(vertices, triangles)
+        return scene.compute_signed_distance(samples, nthreads=threads).numpy()
+
+    return run
+
+
+def mesh2sdf(vertices, triangles, case, threads):
+    """Its grid is always a cube of size^3 samples, from -1 in steps of 2 / size."""
+    import mesh2sdf.core
+    import numpy as np
+
+    nx, ny, nz = case["dims"]
+    size = max(nx, ny, nz)
+    scale = 2.0 / (size * case["spacing"])
+    vertices = ((vertices - np.array(case["origin"])) * scale - 1.0).astype(np.float32)
+    triangles = triangles.astype(np.int32)
+    return lambda: (mesh2sdf.core.compute(vertices, triangles, size) / scale).transpose(2, 1, 0)[:nz, :ny, :nx]
+
+
+METHODS = {f.__name__: f for f in (igl_signed_distance, igl_winding, open3d, mesh2sdf)}
+
+
+def available(name):
+    try:
+        __import__({"open3d": "open3d", "mesh2sdf": "mesh2sdf"}.get(name, "igl"))
+        return True
+    except Exception:  # A wheel may be there and still not load.
+        return False
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("method", choices=[*METHODS, "list"])
+    parser.add_argument("--mesh", help="NAME of the exported files")
+    parser.add_argument("--case", type=json.loads, help="the line that `peers export` printed")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--output", help="where to write the samples as raw floats")
+    arguments = parser.parse_args()
+    if arguments.method == "list":
+        print("\n".join(name for name in METHODS if available(name)))
+        return
+    os.environ["IGL_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = str(arguments.threads)
+
+    import numpy as np
+
+    vertices = np.fromfile(arguments.mesh + ".vertices", np.float64).reshape(-1, 3)
+    triangles = np.fromfile(arguments.mesh + ".triangles", np.uint32).reshape(-1, 3).astype(np.int64)
+    run = METHODS[arguments.method](vertices, triangles, arguments.case, arguments.threads)
+    before = usage()
+    values = run()
+    after = usage()
+    wall, cpu, megabytes = (b - a for a, b in zip(before, after))
+    if arguments.output:
+        np.ascontiguousarray(values, np.float32).tofile(arguments.output)
+    print(json.dumps({**arguments.case, "wall": wall, "cpu": cpu, "megabytes": megabytes}))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

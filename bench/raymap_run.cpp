@@ -1,0 +1,34 @@
+#include "cpu/backend.h"
+#include "cpu/parallel.h"
+#include "methods.h"
+
+namespace raymap::bench {
+
+void runRaymap(const Case& input, Buffer<float>& values) {
+  Options options;
+  options.threads = input.threads;
+  options.band = input.band;
+  Field field;
+  Generator().generate(input.mesh, input.grid, options, field);
+  values = std::move(field.distance);
+}
+
+void runRaymapWinding(const Case& input, Buffer<float>& values) {
+  Options options;
+  options.threads = input.threads;
+  options.winding = true;
+  Stats stats;
+  Progress progress(options, stats);
+  Field field;
+  withThreads(input.threads, [&] {
+    CpuBackend backend;
+    backend.begin(input.mesh, input.grid, options, progress);
+    backend.crossings();
+    backend.rayMap();
+    backend.winding();
+    backend.finish(field);
+  });
+  values = std::move(field.winding);
+}
+
+}  // namespace raymap::bench
