@@ -1,0 +1,31 @@
+#!/bin/sh
+# Builds everything in Release, runs the benchmarks and prints the tables of docs/performance.md:
+#   scripts/bench.sh [--rounds N] [--only TEXT]
+# Python peers (libigl, Open3D, mesh2sdf) are installed into build/bench/venv; one that does not install is left out.
+set -eu
+cd "$(dirname "$0")/.."
+build=build/bench
+
+cmake --preset release -B "$build" -DRAYMAP_BUILD_BENCH=ON -DRAYMAP_BUILD_TESTS=OFF >&2
+cmake --build "$build" >&2
+
+if [ ! -e "$build/venv/complete" ]; then
+  python3 -m venv "$build/venv" >&2
+  "$build/venv/bin/pip" install --quiet numpy >&2
+  for peer in libigl open3d mesh2sdf; do
+    "$build/venv/bin/pip" install --quiet "$peer" >&2 || echo "$peer does not install here" >&2
+  done
+  touch "$build/venv/complete"
+fi
+
+echo "## Machine"
+echo
+"$build/bin/machine"
+echo
+echo "## Stages"
+echo
+"$build/bin/stages_table"
+echo
+echo "## Peers"
+echo
+"$build/venv/bin/python" bench/compare.py "$build/bin/peers" "$@"
