@@ -50,7 +50,8 @@ ClosestPoint closestPoint(const glm::vec3& p, const std::array<glm::vec3, 3>& t)
 /// Angle-weighted pseudo-normals (Bærentzen & Aanæs 2005) of every triangle's corners, edges and face.
 class PseudoNormals {
  public:
-  explicit PseudoNormals(const Mesh& mesh) : mesh_(mesh), corners_(mesh.vertices.size()), faces_(mesh.triangles.size()) {
+  explicit PseudoNormals(const Mesh& mesh)
+      : mesh_(mesh), corners_(mesh.vertices.size()), faces_(mesh.triangles.size()) {
     edges_.resize(mesh.triangles.size());
     std::vector<std::pair<uint64_t, uint32_t>> halfEdges;
     halfEdges.reserve(3 * mesh.triangles.size());
@@ -77,13 +78,20 @@ class PseudoNormals {
 
   glm::vec3 operator()(uint32_t triangle, Feature feature) const {
     switch (feature) {
-      case Feature::CornerA: return corners_[mesh_.triangles[triangle].x];
-      case Feature::CornerB: return corners_[mesh_.triangles[triangle].y];
-      case Feature::CornerC: return corners_[mesh_.triangles[triangle].z];
-      case Feature::EdgeAb: return edges_[triangle][0];
-      case Feature::EdgeBc: return edges_[triangle][1];
-      case Feature::EdgeCa: return edges_[triangle][2];
-      case Feature::Face: break;
+      case Feature::CornerA:
+        return corners_[mesh_.triangles[triangle].x];
+      case Feature::CornerB:
+        return corners_[mesh_.triangles[triangle].y];
+      case Feature::CornerC:
+        return corners_[mesh_.triangles[triangle].z];
+      case Feature::EdgeAb:
+        return edges_[triangle][0];
+      case Feature::EdgeBc:
+        return edges_[triangle][1];
+      case Feature::EdgeCa:
+        return edges_[triangle][2];
+      case Feature::Face:
+        break;
     }
     return faces_[triangle];
   }
@@ -149,7 +157,8 @@ struct Scene {
 };
 
 /// One z slice, back and forth along x and y so that each sample lies beside the one before.
-void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, Walk walk, int k, float* slice) {
+void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, Walk walk, int k,
+               float* slice) {
   const glm::ivec3 dims = input.grid.dims;
   for (int j = 0; j < dims.y; ++j)
     for (int step = 0; step < dims.x; ++step) {

@@ -26,16 +26,16 @@ double best(int rounds, Work&& work) {
   for (int round = 0; round < rounds; ++round) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    seconds = std::min(seconds, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    seconds =
+        std::min(seconds, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
   return seconds;
 }
 
 template <class Work>
 void forParts(int threads, Work&& work) {
-  withThreads(threads, [&] {
-    parallelFor(kBytes / kPart, 1, [&](size_t part, size_t) { work(part * kPart); });
-  });
+  withThreads(threads,
+              [&] { parallelFor(kBytes / kPart, 1, [&](size_t part, size_t) { work(part * kPart); }); });
 }
 
 char* mapPages(bool huge) {
@@ -50,8 +50,8 @@ void measureCopy(int threads) {
   const double seconds = best(kRounds, [&] {
     forParts(threads, [&](size_t offset) { std::memcpy(&to[offset], &from[offset], kPart); });
   });
-  std::printf("| copy, bytes read + bytes written, %d thread%s | %.1f GB/s |\n", threads, threads > 1 ? "s" : "",
-              2e-9 * double(kBytes) / seconds);
+  std::printf("| copy, bytes read + bytes written, %d thread%s | %.1f GB/s |\n", threads,
+              threads > 1 ? "s" : "", 2e-9 * double(kBytes) / seconds);
 }
 
 void measureFirstTouch(int threads, bool huge) {
@@ -60,8 +60,8 @@ void measureFirstTouch(int threads, bool huge) {
     forParts(threads, [&](size_t offset) { std::memset(memory + offset, 1, kPart); });
     munmap(memory, kBytes);
   });
-  std::printf("| first touch of fresh memory, %s pages, %d thread%s | %.1f GB/s |\n", huge ? "huge" : "small", threads,
-              threads > 1 ? "s" : "", 1e-9 * double(kBytes) / seconds);
+  std::printf("| first touch of fresh memory, %s pages, %d thread%s | %.1f GB/s |\n", huge ? "huge" : "small",
+              threads, threads > 1 ? "s" : "", 1e-9 * double(kBytes) / seconds);
 }
 
 }  // namespace

@@ -78,8 +78,8 @@ Mesh withFiveHoles(Mesh mesh) {
   const Box box = bounds(mesh);
   const double radius = 0.05 * std::max({box.size().x, box.size().y, box.size().z});
   Positions centres;
-  for (const glm::dvec3& direction :
-       {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1)}) {
+  for (const glm::dvec3& direction : {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0),
+                                      glm::dvec3(0, 0, 1), glm::dvec3(0, 0, -1)}) {
     glm::dvec3 farthest = mesh.position(0);
     for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
       if (glm::dot(direction, mesh.position(v)) > glm::dot(direction, farthest)) farthest = mesh.position(v);

@@ -8,8 +8,8 @@ namespace raymap::bench {
 
 /// The meshes of the benchmarks: `bunny` (a bumpy sphere of similar size where the scan is not at hand),
 /// `holes` (the same with five holes cut into it), `million` (the same cut finer, more than a million
-/// triangles, gently displaced so that no patch is flat), `sphere` (always the bumpy sphere); anything else is
-/// the name of a file.
+/// triangles, gently displaced so that no patch is flat), `sphere` (always the bumpy sphere); anything else
+/// is the name of a file.
 Mesh benchMesh(const std::string& name);
 
 }  // namespace raymap::bench

@@ -37,7 +37,8 @@ struct Usage {
     getrusage(RUSAGE_SELF, &usage);
     const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now().time_since_epoch();
-    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime), double(usage.ru_maxrss) / 1024.0};
+    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime),
+            double(usage.ru_maxrss) / 1024.0};
   }
 };
 
@@ -56,7 +57,8 @@ void writeRaw(const std::string& path, const T* data, size_t count) {
   if (!file.flush()) throw Error(ErrorCode::File, path + ": cannot be written");
 }
 
-/// Mesh and description for programs in other languages: NAME.vertices (double x 3), NAME.triangles (uint32 x 3).
+/// Mesh and description for programs in other languages: NAME.vertices (double x 3), NAME.triangles (uint32 x
+/// 3).
 void exportMesh(const Mesh& mesh, const std::string& name) {
   std::vector<glm::dvec3> positions;
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));

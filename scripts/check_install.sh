@@ -1,0 +1,33 @@
+#!/bin/sh
+# Installs the library, static and shared, into build/install and builds and runs a small project against each: once
+# with find_package, once with pkg-config.
+set -eu
+cd "$(dirname "$0")/.."
+root=$(pwd)/build/install
+
+check() {  # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
+  build=$root/$1-build
+  prefix=$root/$1
+  rm -rf "$prefix" "$root/$1-consumer"
+  cmake --preset release -B "$build" -DBUILD_SHARED_LIBS="$2" -DRAYMAP_BUILD_TESTS=OFF -DCMAKE_INSTALL_PREFIX="$prefix" >"$root/$1.log"
+  cmake --build "$build" >>"$root/$1.log"
+  cmake --install "$build" >>"$root/$1.log"
+  "$prefix/bin/raymap" --version
+
+  echo "$1, find_package:"
+  cmake -S tests/consumer -B "$root/$1-consumer" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >>"$root/$1.log"
+  cmake --build "$root/$1-consumer" >>"$root/$1.log"
+  "$root/$1-consumer/consumer"
+
+  echo "$1, pkg-config:"
+  libraries=$(dirname "$(dirname "$(find "$prefix" -name raymap.pc)")")
+  # Unquoted: several words.
+  ${CXX:-c++} -std=c++20 tests/consumer/consumer.cpp -o "$root/$1-consumer/by_pkg_config" \
+    $(PKG_CONFIG_PATH="$libraries/pkgconfig" pkg-config --cflags --libs $3 raymap)
+  LD_LIBRARY_PATH="$libraries" "$root/$1-consumer/by_pkg_config"
+}
+
+mkdir -p "$root"
+check static OFF --static
+check shared ON ""
+echo "The installed library works, static and shared, with find_package and pkg-config."
