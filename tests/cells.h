@@ -5,6 +5,9 @@
 #include <raymap/grid.h>
 
 #include "cell_mesh.h"
+#include "cpu/cell_distance.h"
+#include "cpu/cell_level.h"
+#include "cpu/distance_transform.h"
 #include "cpu/parallel.h"
 #include "progress.h"
 #include "shapes.h"
@@ -47,6 +50,19 @@ inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
     t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   return {makeMesh(p, std::move(t)), Grid{dims, glm::dvec3(0.0), 1.0}};
+}
+
+/// The stages from the voxel grid to the distance transform.
+inline std::vector<CellLevel> nearestCells(const CellMesh& mesh) {
+  Silent silent;
+  std::vector<CellLevel> levels;
+  for (const CellLattice& cells : coverMesh(mesh)) {
+    CellLevel& level = levels.emplace_back();
+    buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, level.grid);
+    computeCellDistance(mesh, level.grid, silent.progress, level.squared);
+    transformDistance(cells.dims, silent.progress, level.squared, level.nearestCell);
+  }
+  return levels;
 }
 
 }  // namespace raymap

@@ -1,0 +1,89 @@
+#include "cpu/raster_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "cells.h"
+#include "reference.h"
+
+namespace raymap {
+namespace {
+
+std::vector<CellLevel> rasterize(const CellMesh& mesh, int threads = 0) {
+  Silent silent;
+  std::vector<CellLevel> levels;
+  withThreads(threads, [&] {
+    for (const CellLattice& cells : coverMesh(mesh)) {
+      CellLevel& level = levels.emplace_back();
+      level.grid.cells = cells;
+      rasterizeDistance(mesh, cells, silent.progress, level.squared);
+    }
+  });
+  return levels;
+}
+
+Buffer<float> rasterDistance(const CellMesh& mesh) {
+  Silent silent;
+  std::vector<CellLevel> levels = rasterize(mesh);
+  for (CellLevel& level : levels)
+    transformDistance(level.grid.cells.dims, silent.progress, level.squared, level.nearestCell);
+  Buffer<float> distance;
+  sampleRasterDistance(mesh.dims, levels, silent.progress, distance);
+  return distance;
+}
+
+/// |p - q|^2 + f(q), where q is the best cell, d the true distance. From above: (d + sqrt(3)/2)^2 + 3/4, as
+/// in refine_test.cpp; from below: |p - q| + sqrt(f(q)) >= d and f(q) <= 3/4. `slack`: the sample lies beside
+/// the centre that the transform looked from.
+void expectWithinBounds(const OwnCellMesh& mesh) {
+  const double size = coverMesh(mesh).back().size;
+  const double slack = coverMesh(mesh).size() > 1 ? std::sqrt(3.0) * size : 0.0;
+  const Mesh truth = mesh.asMesh();
+  const Buffer<float> distance = rasterDistance(mesh);
+  for (size_t s = 0; s < distance.size(); s += 7) {
+    const double expected = reference::distance(truth, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
+    const double half = std::sqrt(0.75);
+    const double upper = size * std::hypot(expected / size + half, half) + slack;
+    ASSERT_LE(distance[s], upper + 1e-4) << s;
+    ASSERT_GE(distance[s], expected - half * size - 1e-4) << s;
+  }
+}
+
+TEST(RasterDistance, IsWhatTheListsGive) {
+  Silent silent;
+  const OwnCellMesh mesh = cellSoup(2000, {33, 20, 27}, 3);
+  std::vector<CellLevel> levels = rasterize(mesh);
+  ASSERT_EQ(levels.size(), 2u);
+  for (const CellLevel& level : levels) {
+    VoxelGrid grid;
+    buildVoxelGrid(mesh, level.grid.cells, SIZE_MAX, silent.progress, grid);
+    Buffer<float> expected;
+    computeCellDistance(mesh, grid, silent.progress, expected);
+    EXPECT_TRUE(std::ranges::equal(level.squared, expected));
+  }
+}
+
+TEST(RasterDistance, ErrsByNoMoreThanTheTheorySays) {
+  for (const Mesh& mesh : {shapes::sphere(1.0, 4), shapes::torus(1.0, 0.3, 60, 30), shapes::soup(100, 2)})
+    expectWithinBounds({mesh, fitGrid(mesh, {.resolution = 30})});
+}
+
+TEST(RasterDistance, SeesTheMeshOutsideTheBox) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 60, 30);
+  for (const Box& box : {Box{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)},
+                         Box{glm::dvec3(2.0), glm::dvec3(3.0)}, Box{glm::dvec3(-0.2), glm::dvec3(0.2)}})
+    expectWithinBounds({mesh, fitGrid(mesh, {.resolution = 20, .box = box})});
+}
+
+TEST(RasterDistance, IsTheSameForAnyNumberOfThreads) {
+  const OwnCellMesh mesh = cellSoup(20000, {20, 30, 25}, 1);
+  const std::vector<CellLevel> one = rasterize(mesh, 1);
+  for (const int threads : {2, 8}) {
+    const std::vector<CellLevel> many = rasterize(mesh, threads);
+    for (size_t l = 0; l < one.size(); ++l) EXPECT_TRUE(std::ranges::equal(one[l].squared, many[l].squared));
+  }
+}
+
+}  // namespace
+}  // namespace raymap
