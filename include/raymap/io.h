@@ -19,6 +19,9 @@ using Warn = std::function<void(std::string_view)>;
 /// Throws `Error(File)` or `Error(Input)` naming the file, the element and the value.
 Mesh readMesh(const std::filesystem::path& path, const Warn& warn = {});
 
+/// Writes binary .ply, like `writeField`.
+void writeMesh(const std::filesystem::path& path, const Mesh& mesh);
+
 /// File name endings, with the dot and in lower case, that `readMesh` / `readField` / `writeField` know.
 std::vector<std::string> meshExtensions();
 std::vector<std::string> fieldExtensions();

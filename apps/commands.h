@@ -1,0 +1,15 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace raymap {
+
+// One file per subcommand; each adds its options and what to run.
+void addGenerate(CLI::App& app);
+void addInfo(CLI::App& app);
+void addRender(CLI::App& app);
+void addCompare(CLI::App& app);
+void addConvert(CLI::App& app);
+void addExample(CLI::App& app);
+
+}  // namespace raymap

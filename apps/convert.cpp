@@ -1,0 +1,25 @@
+#include <raymap/raymap.h>
+
+#include "checks.h"
+#include "commands.h"
+
+namespace raymap {
+
+void addConvert(CLI::App& app) {
+  struct Arguments {
+    std::filesystem::path from, to;
+  };
+  CLI::App* command = app.add_subcommand("convert", "Write a field in another format");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("from", arguments->from, ".vdb, .nrrd, .npz, .npy or .vti")
+      ->type_name("FIELD")
+      ->required();
+  command->add_option("to", arguments->to, "The same")->type_name("FIELD")->required();
+  command->footer("Example:\n  raymap convert bunny.vdb bunny.nrrd");
+  command->callback([arguments] {
+    checkOutputs({{"FIELD", arguments->to, fieldExtensions()}});
+    writeField(arguments->to, readField(arguments->from));
+  });
+}
+
+}  // namespace raymap

@@ -1,0 +1,25 @@
+#include <raymap/raymap.h>
+
+#include "checks.h"
+#include "commands.h"
+#include "example_mesh.h"
+
+namespace raymap {
+
+void addExample(CLI::App& app) {
+  struct Arguments {
+    std::filesystem::path mesh;
+    bool holes = false;
+  };
+  CLI::App* command =
+      app.add_subcommand("example", "Write a mesh to try things on: a globe, 95,000 triangles");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("-o,--output", arguments->mesh, "Mesh to write, .ply")->type_name("FILE")->required();
+  command->add_flag("--holes", arguments->holes, "Tear holes into it");
+  command->callback([arguments] {
+    checkOutputs({{"--output", arguments->mesh, {".ply"}}});
+    writeMesh(arguments->mesh, makeExampleMesh(arguments->holes));
+  });
+}
+
+}  // namespace raymap

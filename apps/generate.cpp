@@ -1,0 +1,266 @@
+#include <raymap/raymap.h>
+
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <ostream>
+
+#include "checks.h"
+#include "commands.h"
+#include "io/atomic_file.h"
+#include "report.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, DistanceMode> kDistances{{"exact", DistanceMode::Exact},
+                                                     {"neighbours", DistanceMode::Neighbours},
+                                                     {"cell", DistanceMode::Cell},
+                                                     {"raster", DistanceMode::Raster}};
+const std::map<std::string, SignMode> kSigns{{"harmonic", SignMode::Harmonic},
+                                             {"paths", SignMode::Paths},
+                                             {"evolution", SignMode::Evolution},
+                                             {"rays", SignMode::Rays},
+                                             {"none", SignMode::None}};
+
+constexpr const char* kFooter = R"(Examples:
+  raymap generate bunny.obj -o bunny.vdb
+      128 samples along the longest side, exact distance, sign right even where the mesh is broken
+  raymap generate bunny.obj -o bunny.nrrd --voxel-size 0.5 --bounds 0 0 0 100 80 60
+      samples half a unit apart in a box of your own
+  raymap generate car.glb -o car.vdb --resolution 256 --band 3
+      only three samples to either side of the surface, as level sets want it
+  raymap generate scan.ply -o scan.npz --winding w.npy --confidence c.npy --stats scan.json
+      and how sure the sign is, and what was wrong with the mesh)";
+
+struct Arguments {
+  fs::path mesh, field, triangleIds, winding, confidence, stats;
+  GridOptions grid;
+  std::vector<double> bounds;
+  std::string distance = "exact", sign = "harmonic", device = "auto";
+  Options options;
+};
+
+/// One run, as the summary and the statistics tell it.
+struct Report {
+  Diagnostics found;
+  Grid grid;
+  Stats stats;
+  double loadMilliseconds = 0.0;
+  double writeMilliseconds = 0.0;
+  std::vector<fs::path> written;
+};
+
+std::vector<Output> outputs(const Arguments& arguments) {
+  return {{"--output", arguments.field, fieldExtensions()},
+          {"--triangle-ids", arguments.triangleIds, fieldExtensions()},
+          {"--winding", arguments.winding, fieldExtensions()},
+          {"--confidence", arguments.confidence, fieldExtensions()},
+          {"--stats", arguments.stats, {".json"}}};
+}
+
+double secondsSinceStart() {
+  using namespace std::chrono;
+  return duration<double>(steady_clock::now().time_since_epoch()).count();
+}
+
+template <class Work>
+double milliseconds(Work&& work) {
+  const double start = secondsSinceStart();
+  work();
+  return 1e3 * (secondsSinceStart() - start);
+}
+
+void finishOptions(Arguments& arguments) {
+  Options& options = arguments.options;
+  options.distance = kDistances.at(arguments.distance);
+  options.sign = kSigns.at(arguments.sign);
+  options.triangleIds = !arguments.triangleIds.empty();
+  options.winding = !arguments.winding.empty();
+  options.confidence = !arguments.confidence.empty();
+  if (options.sign == SignMode::None && (options.winding || options.confidence))
+    throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
+  if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
+    arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+    if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
+      throw Error(ErrorCode::Usage, "--bounds: each of x0 y0 z0 must be less than its x1 y1 z1");
+  }
+}
+
+void makeField(const Mesh& mesh, const Arguments& arguments, Report& report, Field& field) {
+  ProgressLine line;
+  Options options = arguments.options;
+  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+  Generator generator;
+  generator.generate(mesh, report.grid, options, field);
+  report.stats = generator.stats();
+}
+
+void writeAll(const Arguments& arguments, const Field& field, Report& report) {
+  const auto write = [&](const fs::path& path, const char* name) {
+    if (path.empty()) return;
+    writeField(path, field, name);
+    report.written.push_back(path);
+  };
+  write(arguments.field, "distance");
+  write(arguments.triangleIds, "triangle");
+  write(arguments.winding, "winding");
+  write(arguments.confidence, "confidence");
+}
+
+Json describe(const Arguments& arguments, const Report& report) {
+  const Grid& grid = report.grid;
+  return {{"raymap", RAYMAP_VERSION},
+          {"mesh", {{"file", arguments.mesh.string()}, {"load_ms", report.loadMilliseconds}}},
+          {"diagnostics", toJson(report.found)},
+          {"grid",
+           {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
+            {"origin", toJson(grid.origin)},
+            {"spacing", grid.spacing},
+            {"samples", grid.sampleCount()}}},
+          {"options",
+           {{"distance", arguments.distance},
+            {"sign", arguments.sign},
+            {"passes", arguments.options.passes},
+            {"threshold", arguments.options.threshold},
+            {"band", arguments.options.band},
+            {"invert", arguments.options.invert},
+            {"threads", arguments.options.threads}}},
+          {"stages", toJson(report.stats)},
+          {"total_ms", report.stats.totalMilliseconds},
+          {"write_ms", report.writeMilliseconds},
+          {"doubtful_share", report.stats.doubtfulShare},
+          {"generator_bytes", report.stats.bytes},
+          {"peak_memory_bytes", peakMemory()}};
+}
+
+void print(const Arguments& arguments, const Report& report) {
+  const Grid& grid = report.grid;
+  std::printf("%s: %s triangles, wrong with it: %s\n", arguments.mesh.string().c_str(),
+              grouped(report.found.triangles).c_str(), describeDefects(report.found).c_str());
+  std::printf("grid: %d x %d x %d = %s samples, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
+              grouped(grid.sampleCount()).c_str(), grid.spacing);
+  std::printf("  %-20s %10.1f ms\n", "load", report.loadMilliseconds);
+  for (const Stats::Stage& stage : report.stats.stages)
+    std::printf("  %-20s %10.1f ms\n", stage.name.c_str(), stage.milliseconds);
+  std::printf("  %-20s %10.1f ms\n", "write", report.writeMilliseconds);
+  std::printf("field: %.1f ms, peak memory %s", report.stats.totalMilliseconds,
+              sizeText(peakMemory()).c_str());
+  if (arguments.options.sign != SignMode::None)
+    std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
+  std::printf("\n");
+  for (const fs::path& path : report.written)
+    std::printf("wrote %s, %s\n", path.string().c_str(), sizeText(fs::file_size(path)).c_str());
+}
+
+void run(Arguments& arguments) {
+  finishOptions(arguments);
+  checkOutputs(outputs(arguments));
+  Report report;
+  Mesh mesh;
+  report.loadMilliseconds = milliseconds([&] { mesh = readMesh(arguments.mesh, warn); });
+  report.found = diagnose(mesh);
+  report.grid = fitGrid(mesh, arguments.grid);
+  Field field;
+  makeField(mesh, arguments, report, field);
+  report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
+  if (!arguments.stats.empty()) {
+    writeAtomically(arguments.stats,
+                    [&](std::ostream& out) { out << describe(arguments, report).dump(2) << "\n"; });
+    report.written.push_back(arguments.stats);
+  }
+  print(arguments, report);
+}
+
+template <class Map>
+CLI::IsMember oneOf(const Map& modes) {
+  std::vector<std::string> names;
+  for (const auto& mode : modes) names.push_back(mode.first);
+  return CLI::IsMember(names);
+}
+
+void addGridOptions(CLI::App& command, Arguments& arguments) {
+  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
+                                               "Samples along the longest side (default 128)");
+  resolution->check(numberFrom(1))->group("Grid");
+  command
+      .add_option("--voxel-size", arguments.grid.voxelSize,
+                  "Distance between samples, in the mesh's units, instead of --resolution")
+      ->check(numberFrom(0, true))
+      ->excludes(resolution)
+      ->group("Grid");
+  CLI::Option* bounds = command.add_option("--bounds", arguments.bounds,
+                                           "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's, padded)");
+  bounds->expected(6)->group("Grid");
+  command
+      .add_option("--padding", arguments.grid.padding,
+                  "Padding of the mesh's bounds, as a share of its longest side (default 0.1)")
+      ->check(numberFrom(0))
+      ->excludes(bounds)
+      ->group("Grid");
+}
+
+void addMethodOptions(CLI::App& command, Arguments& arguments) {
+  Options& options = arguments.options;
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->group("Method");
+  };
+  add("--distance", arguments.distance, "Distance to the closest triangle of all, or a faster guess (exact)")
+      ->check(oneOf(kDistances));
+  add("--sign", arguments.sign, "How inside is told from outside (harmonic)")->check(oneOf(kSigns));
+  add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
+      ->check(numberFrom(1));
+  add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
+      ->check(numberFrom(0, true));
+  add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
+      ->check(numberFrom(0));
+  command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
+}
+
+void addMachineOptions(CLI::App& command, Arguments& arguments) {
+  command
+      .add_option("--device", arguments.device, "What computes it (default auto; only the CPU in this build)")
+      ->check(CLI::IsMember({"auto", "cpu"}))
+      ->group("Machine");
+  command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
+      ->check(numberFrom(0))
+      ->group("Machine");
+  command
+      .add_option("--memory-limit", arguments.options.memoryLimit,
+                  "Refuse to need more than this, e.g. 2GB (default: what the machine has left)")
+      ->transform(CLI::AsSizeValue(false))
+      ->group("Machine");
+}
+
+void addOutputOptions(CLI::App& command, Arguments& arguments) {
+  const auto add = [&](const char* name, fs::path& path, const char* help) {
+    return command.add_option(name, path, help)->type_name("FILE")->group("Files");
+  };
+  add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .npy or .vti")->required();
+  add("--triangle-ids", arguments.triangleIds, "Also the closest triangle of each sample,");
+  add("--winding", arguments.winding, "the winding number,");
+  add("--confidence", arguments.confidence, "how sure the sign is, 0 to 1,");
+  add("--stats", arguments.stats, "and figures of the mesh, the grid and each stage as .json");
+}
+
+}  // namespace
+
+void addGenerate(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("generate", "Make a signed distance field from a mesh");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("mesh", arguments->mesh, "OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+      ->type_name("MESH")
+      ->required();
+  addOutputOptions(*command, *arguments);
+  addGridOptions(*command, *arguments);
+  addMethodOptions(*command, *arguments);
+  addMachineOptions(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

@@ -1,0 +1,76 @@
+#include <raymap/error.h>
+
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "commands.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr const char* kFooter = R"(Try it:
+  raymap example -o globe.ply
+  raymap generate globe.ply -o globe.vdb --resolution 256
+  raymap render globe.vdb -o globe.png
+
+'raymap COMMAND --help' shows a command's options and examples.
+
+Exit codes: 0 done, 2 an option makes no sense, 3 a file's content is not valid, 4 a file cannot be
+read or written, 5 not enough memory, 6 cancelled, 7 not supported by this build, 1 a bug of ours,
+130 or 143 stopped by Ctrl-C or SIGTERM.)";
+
+int fail(int code, const std::string& message) {
+  std::fprintf(stderr, "raymap: error: %s\n", message.c_str());
+  return code;
+}
+
+/// "raymap generate", as far as the command line was understood.
+std::string commandName(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
+  return name;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
+  app.set_version_flag("--version", "raymap " RAYMAP_VERSION);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+  addGenerate(app);
+  addInfo(app);
+  addRender(app);
+  addCompare(app);
+  addConvert(app);
+  addExample(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(static_cast<int>(ErrorCode::Usage),
+                std::string(error.what()) + "; see " + commandName(app) + " --help");
+  }
+}
+
+}  // namespace
+
+}  // namespace raymap
+
+int main(int argc, char** argv) {
+  using namespace raymap;
+  catchSignals();
+  try {
+    return run(argc, argv);
+  } catch (const Error& error) {
+    const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
+    return fail(isStopped ? 128 + caughtSignal() : static_cast<int>(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(static_cast<int>(ErrorCode::Memory), "out of memory; use a lower resolution");
+  } catch (const std::exception& error) {
+    return fail(1, std::string("this is a bug, please report it: ") + error.what());
+  }
+}

@@ -1,0 +1,102 @@
+#include <raymap/raymap.h>
+
+#include "checks.h"
+#include "commands.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Examples:
+  raymap render globe.vdb -o globe.png
+  raymap render globe.ply -o globe.png --resolution 256    (makes the field first)
+  raymap render globe.vdb -o half.png --cut --shell 0.05   (a hollow half)
+  raymap render globe.vdb -o slice.png --slice z           (iso-lines and the zero contour))";
+
+struct Arguments {
+  fs::path input, picture;
+  std::string slice;
+  int index = -1;
+  int resolution = 256;
+  int threads = 0;
+  std::vector<int> size{1024, 768};
+  std::vector<double> direction, up;
+  RenderOptions options;
+};
+
+Field makeField(const Arguments& arguments) {
+  const Mesh mesh = readMesh(arguments.input, warn);
+  ProgressLine line;
+  Options options;
+  options.threads = arguments.threads;
+  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+  return generate(mesh, fitGrid(mesh, {.resolution = arguments.resolution}), options);
+}
+
+void setVector(const std::vector<double>& numbers, glm::dvec3& vector) {
+  if (!numbers.empty()) vector = {numbers[0], numbers[1], numbers[2]};
+}
+
+void run(Arguments& arguments) {
+  checkOutputs({{"--output", arguments.picture, {".png"}}});
+  RenderOptions& options = arguments.options;
+  options.width = arguments.size[0];
+  options.height = arguments.size[1];
+  setVector(arguments.direction, options.direction);
+  setVector(arguments.up, options.up);
+  if (glm::length(glm::cross(options.direction, options.up)) < 1e-9)
+    throw Error(ErrorCode::Usage, "--direction and --up must be two different directions, not zero");
+  const bool isField = hasExtension(arguments.input, fieldExtensions());
+  const Field field = isField ? readField(arguments.input) : makeField(arguments);
+  const Picture picture = arguments.slice.empty() ? renderField(field, options)
+                                                  : renderSlice(field, arguments.slice[0] - 'x',
+                                                                arguments.index, arguments.size[0]);
+  writePng(arguments.picture, picture);
+}
+
+void addSliceOptions(CLI::App& command, Arguments& arguments) {
+  CLI::Option* slice = command.add_option("--slice", arguments.slice,
+                                          "Iso-lines in a slice across this axis instead of the surface");
+  slice->check(CLI::IsMember({"x", "y", "z"}));
+  command.add_option("--index", arguments.index, "Which slice, in samples (default: the middle one)")
+      ->check(numberFrom(0))
+      ->needs(slice);
+}
+
+void addViewOptions(CLI::App& command, Arguments& arguments) {
+  command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
+      ->expected(2)
+      ->check(CLI::Range(1, 16384));
+  command.add_option("--direction", arguments.direction, "Where the camera looks (default -0.6 -0.45 -1)")
+      ->expected(3);
+  command.add_option("--up", arguments.up, "What is up (default 0 1 0)")->expected(3);
+  command.add_flag("--cut", arguments.options.cut, "Show half");
+  command
+      .add_option("--shell", arguments.options.shell,
+                  "Hollow it out, leaving a wall this thick, in the mesh's units")
+      ->check(numberFrom(0, true));
+}
+
+}  // namespace
+
+void addRender(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("render", "Draw a field, or a mesh through its field");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("input", arguments->input, "A mesh or a field")->type_name("MESH|FIELD")->required();
+  command->add_option("-o,--output", arguments->picture, "Picture to write, .png")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--resolution", arguments->resolution, "Of the field made from a mesh (default 256)")
+      ->check(numberFrom(1));
+  command->add_option("--threads", arguments->threads, "Threads for that; 0 = all (default)")
+      ->check(numberFrom(0));
+  addViewOptions(*command, *arguments);
+  addSliceOptions(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

@@ -1,0 +1,79 @@
+#include "report.h"
+
+#include <sys/resource.h>
+
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace raymap {
+
+Json toJson(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Json toJson(const Diagnostics& found) {
+  return {{"vertices", found.vertices},
+          {"vertices_welded", found.weldedVertices},
+          {"triangles", found.triangles},
+          {"watertight", found.watertight},
+          {"consistently_oriented", found.consistentlyOriented},
+          {"balanced", found.balanced},
+          {"components", found.components},
+          {"boundary_edges", found.boundaryEdges},
+          {"nonmanifold_edges", found.nonManifoldEdges},
+          {"flipped_edges", found.flippedEdges},
+          {"degenerate_faces", found.degenerateFaces},
+          {"duplicate_faces", found.duplicateFaces},
+          {"signed_volume", found.signedVolume},
+          {"area", found.area},
+          {"bbox_min", toJson(found.bounds.min)},
+          {"bbox_max", toJson(found.bounds.max)}};
+}
+
+Json toJson(const Stats& stats) {
+  Json stages = Json::array();
+  for (const Stats::Stage& stage : stats.stages)
+    stages.push_back({{"name", stage.name}, {"ms", stage.milliseconds}});
+  return stages;
+}
+
+std::string describeDefects(const Diagnostics& found) {
+  const std::array<std::pair<size_t, const char*>, 5> defects{{{found.boundaryEdges, "boundary edges"},
+                                                               {found.nonManifoldEdges, "non-manifold edges"},
+                                                               {found.flippedEdges, "flipped edges"},
+                                                               {found.degenerateFaces, "degenerate faces"},
+                                                               {found.duplicateFaces, "duplicate faces"}}};
+  std::string text;
+  for (const auto& [count, name] : defects)
+    if (count > 0) text += (text.empty() ? "" : ", ") + grouped(count) + " " + name;
+  return text.empty() ? "nothing" : text;
+}
+
+std::string grouped(size_t number) {
+  const std::string digits = std::to_string(number);
+  std::string text;
+  for (size_t d = 0; d < digits.size(); ++d) {
+    if (d > 0 && (digits.size() - d) % 3 == 0) text += ',';
+    text += digits[d];
+  }
+  return text;
+}
+
+std::string sizeText(size_t bytes) {
+  const std::array<const char*, 4> units{"kB", "MB", "GB", "TB"};
+  double size = double(bytes) / 1000.0;
+  size_t unit = 0;
+  for (; size >= 1000.0 && unit + 1 < units.size(); ++unit) size /= 1000.0;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g %s", size, units[unit]);
+  return text.data();
+}
+
+size_t peakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return size_t(usage.ru_maxrss) * 1024;  // Linux counts in kilobytes.
+}
+
+}  // namespace raymap
