@@ -1,0 +1,69 @@
+#include <raymap/io.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <ostream>
+
+#include "atomic_file.h"
+#include "field_formats.h"
+
+namespace raymap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Format {
+  std::string_view extension;
+  Field (*read)(const fs::path& path);
+  void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
+};
+
+constexpr std::array kFormats{
+    Format{".nrrd", readNrrd, writeNrrd},
+    Format{".npy", readNpy, writeNpy},
+};
+
+const Format& formatOf(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const auto found = std::ranges::find(kFormats, extension, &Format::extension);
+  if (found != kFormats.end()) return *found;
+  std::string known;
+  for (const Format& format : kFormats) known.append(" ").append(format.extension);
+  throw Error(ErrorCode::Usage,
+              path.string() + ": '" + extension + "' is no kind of field; use one of" + known);
+}
+
+NamedArray arrayOf(const Field& field, std::string_view name) {
+  const auto arrays = arraysOf(field);
+  const auto found = std::ranges::find(arrays, name, &NamedArray::name);
+  if (found == arrays.end())
+    throw Error(ErrorCode::Usage, "the field has no array '" + std::string(name) + "' to write");
+  return *found;
+}
+
+}  // namespace
+
+std::vector<std::string> fieldExtensions() {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  return extensions;
+}
+
+Field readField(const fs::path& path) {
+  return formatOf(path).read(path);
+}
+
+void writeField(const fs::path& path, const Field& field, std::string_view name) {
+  const Format& format = formatOf(path);
+  const NamedArray array = arrayOf(field, name);
+  for (const NamedArray& each : arraysOf(field))
+    if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))
+      throw Error(ErrorCode::Usage,
+                  "the field's array '" + std::string(each.name) + "' does not fit its grid");
+  writeAtomically(path, [&](std::ostream& out) { format.write(out, field, array); });
+}
+
+}  // namespace raymap

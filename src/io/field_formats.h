@@ -1,0 +1,17 @@
+#pragma once
+
+#include "field_array.h"
+
+#include <iosfwd>
+
+// One pair per format, for readField and writeField. Writers get arrays that fit the grid.
+
+namespace raymap {
+
+Field readNrrd(const std::filesystem::path& path);
+void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
+
+Field readNpy(const std::filesystem::path& path);
+void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
+
+}  // namespace raymap

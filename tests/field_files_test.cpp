@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+#include <raymap/error.h>
+#include <raymap/io.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+#include <string>
+
+namespace raymap {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Sides that all differ, so that no two axes can be exchanged unseen; an origin off the centre; a spacing
+/// that no decimal of a few digits gives.
+Grid oddGrid() {
+  return {{19, 7, 11}, {-3.25, 1e6 + 0.1, 0.7}, 1.0 / 3.0};
+}
+
+/// A sphere's distance, with every array.
+Field sphereField(const Grid& grid, double band) {
+  Field field;
+  field.grid = grid;
+  field.band = band;
+  field.distance.resize(grid.sampleCount());
+  field.triangle.resize(grid.sampleCount());
+  field.winding.resize(grid.sampleCount());
+  field.confidence.resize(grid.sampleCount());
+  const glm::dvec3 centre = grid.position(0.5 * glm::dvec3(grid.dims - 1));
+  for (int k = 0; k < grid.dims.z; ++k)
+    for (int j = 0; j < grid.dims.y; ++j)
+      for (int i = 0; i < grid.dims.x; ++i) {
+        const size_t s = grid.index({i, j, k});
+        const double d = glm::length(grid.position({i, j, k}) - centre) - 2.5 * grid.spacing;
+        field.distance[s] = static_cast<float>(band > 0.0 ? std::clamp(d, -band, band) : d);
+        field.triangle[s] = band > 0.0 && std::abs(d) >= band ? kNoTriangle : static_cast<uint32_t>(s * 7919);
+        field.winding[s] = d < 0.0 ? 1.0F : static_cast<float>(0.01 * i);
+        field.confidence[s] = static_cast<float>(1.0 / (1.0 + static_cast<double>(s)));
+      }
+  return field;
+}
+
+template <class T>
+void expectSameBits(const Buffer<T>& a, const Buffer<T>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(T)), 0);
+}
+
+class FieldFiles : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "raymap-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& name = "field") const { return folder_ / (name + GetParam()); }
+  bool hasGrid() const { return GetParam() != ".npy"; }
+  void expectSameGrid(const Field& a, const Field& b) const {
+    EXPECT_EQ(a.grid.dims, b.grid.dims);
+    if (!hasGrid()) return;
+    EXPECT_EQ(a.grid, b.grid);
+    EXPECT_EQ(a.band, b.band);
+  }
+  std::string bytes() const {
+    std::stringstream text;
+    text << std::ifstream(file(), std::ios::binary).rdbuf();
+    return text.str();
+  }
+  void setBytes(const std::string& content) const { std::ofstream(file(), std::ios::binary) << content; }
+  /// Reads what `content` makes of the file: a field, or an error that names the file.
+  void expectRefused(const std::string& content, const std::string& what) const {
+    setBytes(content);
+    try {
+      readField(file());
+      ADD_FAILURE() << what << " was read";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(file().string()), std::string::npos) << e.what();
+      EXPECT_TRUE(e.code() == ErrorCode::Input || e.code() == ErrorCode::Unsupported) << e.what();
+    }
+  }
+
+  fs::path folder_;
+};
+
+TEST_P(FieldFiles, KeepEveryBitOfADenseField) {
+  const Field field = sphereField(oddGrid(), 0.0);
+  writeField(file(), field);
+  const Field back = readField(file());
+  expectSameGrid(back, field);
+  expectSameBits(back.distance, field.distance);
+}
+
+TEST_P(FieldFiles, KeepEveryBitOfABand) {
+  Field field = sphereField({{40, 35, 50}, {-1.5, 20.0, 0.125}, 0.1}, 0.3);
+  writeField(file(), field);
+  const Field back = readField(file());
+  expectSameGrid(back, field);
+  expectSameBits(back.distance, field.distance);
+}
+
+TEST_P(FieldFiles, KeepOddValues) {
+  Field field = sphereField({{5, 4, 3}, {0, 0, 0}, 2.0}, 0.0);
+  field.distance[0] = -0.0F;
+  field.distance[7] = std::numeric_limits<float>::denorm_min();
+  field.distance[59] = -std::numeric_limits<float>::max();
+  writeField(file(), field);
+  expectSameBits(readField(file()).distance, field.distance);
+}
+
+TEST_P(FieldFiles, KeepOneSample) {
+  Field field = sphereField({{1, 1, 1}, {1, 2, 3}, 0.5}, 0.0);
+  writeField(file(), field);
+  const Field back = readField(file());
+  expectSameGrid(back, field);
+  expectSameBits(back.distance, field.distance);
+}
+
+TEST_P(FieldFiles, KeepTheOtherArrays) {
+  const Field field = sphereField(oddGrid(), 0.4);
+  for (const std::string name : {"triangle", "winding", "confidence"}) {
+    writeField(file(name), field, name);
+    const Field back = readField(file(name));
+    expectSameGrid(back, field);
+    if (name == "triangle") expectSameBits(back.triangle, field.triangle);
+    if (hasGrid() && name == "winding") expectSameBits(back.winding, field.winding);
+    if (hasGrid() && name == "confidence") expectSameBits(back.confidence, field.confidence);
+  }
+}
+
+TEST_P(FieldFiles, WriteTheSameBytesTwice) {
+  const Field field = sphereField(oddGrid(), 0.0);
+  writeField(file(), field);
+  const std::string first = bytes();
+  writeField(file(), field);
+  EXPECT_EQ(first, bytes());
+}
+
+TEST_P(FieldFiles, RefuseEveryTruncation) {
+  writeField(file(), sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.0));
+  const std::string whole = bytes();
+  for (size_t length = 0; length < whole.size(); length += 1 + whole.size() / 97)
+    expectRefused(whole.substr(0, length), "a file cut to " + std::to_string(length) + " bytes");
+}
+
+TEST_P(FieldFiles, RefuseTextAndZeros) {
+  expectRefused("", "nothing");
+  expectRefused("solid text\nfacet normal 0 0 1\n", "text");
+  expectRefused(std::string(5000, '\0'), "zeros");
+  expectRefused(std::string(5000, '('), "brackets");
+}
+
+TEST_P(FieldFiles, SurviveDamage) {
+  writeField(file(), sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.3));
+  const std::string whole = bytes();
+  for (size_t at = 0; at < whole.size(); at += 1 + whole.size() / 211) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    setBytes(damaged);
+    try {
+      const Field field = readField(file());  // A changed sample is no error.
+      EXPECT_GE(
+          field.distance.size() + field.winding.size() + field.confidence.size() + field.triangle.size(),
+          field.grid.sampleCount());
+    } catch (const Error&) {
+      continue;
+    }
+  }
+}
+
+TEST_P(FieldFiles, NameWhatIsMissing) {
+  Field field = sphereField(oddGrid(), 0.0);
+  EXPECT_THROW(writeField(file(), field, "colour"), Error);
+  field.winding.release();
+  EXPECT_THROW(writeField(file(), field, "winding"), Error);
+  field.distance.resize(5);
+  EXPECT_THROW(writeField(file(), field), Error);
+  EXPECT_FALSE(fs::exists(file()));
+  EXPECT_THROW(readField(file("missing")), Error);
+  EXPECT_THROW(readField(folder_), Error);
+}
+
+std::string formatName(const testing::TestParamInfo<std::string>& info) {
+  return info.param.substr(1);
+}
+INSTANTIATE_TEST_SUITE_P(Formats, FieldFiles, testing::ValuesIn(fieldExtensions()), formatName);
+
+class HeaderFiles : public FieldFiles {};
+INSTANTIATE_TEST_SUITE_P(Nrrd, HeaderFiles, testing::Values(".nrrd"), formatName);
+
+std::string nrrd(const std::string& lines, const std::string& samples = std::string(8, '\0')) {
+  return "NRRD0004\ntype: float\ndimension: 3\nendian: little\n" + lines + "\n" + samples;
+}
+
+TEST_P(HeaderFiles, RefuseWrongCounts) {
+  expectRefused(nrrd("sizes: 4000000000 4000000000 4000000000\nencoding: raw\n"), "a huge grid");
+  expectRefused(nrrd("sizes: 2000000000 2000000000 2000000000\nencoding: gzip\n"), "a huge grid");
+  expectRefused(nrrd("sizes: 2 1 2\nencoding: raw\n"), "more samples than there are");
+  expectRefused(nrrd("sizes: 0 1 1\nencoding: raw\n"), "no samples");
+  expectRefused(nrrd("sizes: -1 -1 2\nencoding: raw\n"), "a negative side");
+  expectRefused(nrrd("sizes: 2 1\nencoding: raw\n"), "two sides");
+  expectRefused(nrrd("sizes: 2 1 1\nencoding: hex\n"), "another encoding");
+  expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nspacings: 1 1 nan\n"), "a spacing that is no number");
+  expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nspacings: 1 2 1\n"), "boxes");
+  expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nspace origin: (inf,0,0)\n"), "an infinite origin");
+  expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nband:=-1\n"), "a negative band");
+}
+
+TEST_P(HeaderFiles, ConvertDoublesAndBigEndian) {
+  const double values[] = {1.5, -2.25};
+  std::string raw(reinterpret_cast<const char*>(values), sizeof values);
+  std::reverse(raw.begin(), raw.end());  // Big endian, in the opposite order.
+  setBytes(
+      "NRRD0001\ntype: double\ndimension: 3\nsizes: 2 1 1\nendian: big\nencoding: raw\nspacings: 2 2 2\n\n" +
+      raw);
+  const Field field = readField(file());
+  EXPECT_EQ(field.distance[0], -2.25F);
+  EXPECT_EQ(field.distance[1], 1.5F);
+  EXPECT_EQ(field.grid.spacing, 2.0);
+}
+
+}  // namespace
+}  // namespace raymap
