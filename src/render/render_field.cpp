@@ -20,10 +20,10 @@ namespace {
 // near-vertical edges get all four levels.
 constexpr glm::dvec2 kSubPixels[] = {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}};
 
-const Colour kSun = 2.6 * srgb(255, 244, 228);
+const Colour kSun = 3.0 * srgb(255, 244, 228);
 const Colour kSky = 0.85 * srgb(214, 230, 255);
 const Colour kBounce = 0.42 * srgb(255, 226, 198);
-const Colour kClay = srgb(222, 150, 92);
+const Colour kClay = srgb(226, 158, 104);
 
 class Scene {
  public:
@@ -33,7 +33,7 @@ class Scene {
         camera_(options, shape_),
         height_(options.height),
         toLight_(glm::normalize(-0.45 * camera_.right() - 0.55 * camera_.forward() + 0.95 * up_)),
-        lineStep_(roundedUp(-shape_.extent().deepest / 12.0 * field.grid.spacing) / field.grid.spacing) {}
+        lineStep_(roundedUp(shape_.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {}
 
   Colour pixel(int x, int y) const {
     Colour sum(0.0);
@@ -51,7 +51,7 @@ class Scene {
   }
   double floorShade(const Ray& ray) const;
   Colour surface(const Ray& ray, double t) const;
-  Colour material(const glm::dvec3& p, double t) const;
+  Colour cutFace(const glm::dvec3& p, const glm::dvec3& n, double t) const;
 
   glm::dvec3 up_;
   Shape shape_;
@@ -72,16 +72,19 @@ double Scene::floorShade(const Ray& ray) const {
   return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
 }
 
-Colour Scene::material(const glm::dvec3& p, double t) const {
-  if (!shape_.isOnCutFace(p)) return kClay;
+/// The cut face is a drawing, not a thing: the colours of a slice, unlit but for what stands on it.
+Colour Scene::cutFace(const glm::dvec3& p, const glm::dvec3& n, double t) const {
   const double d = shape_.fieldDistance(p);
-  const Colour ground = distanceColour(std::min(d, -1e-9), -shape_.extent().deepest);
-  return drawIsoLines(ground, d, t * camera_.pixelAngle(), lineStep_);
+  const Colour ground = distanceColour(std::min(d, -1e-9), shape_.depth());
+  return (0.6 + 0.4 * ambientOpenness(shape_, p, n)) *
+         drawContour(drawIsoLines(ground, d, t * camera_.pixelAngle(), lineStep_), d,
+                     t * camera_.pixelAngle(), kContour);
 }
 
 Colour Scene::surface(const Ray& ray, double t) const {
   const glm::dvec3 p = ray.origin + t * ray.direction;
   const glm::dvec3 n = shape_.normal(p);
+  if (shape_.isOnCutFace(p)) return cutFace(p, n, t);
   const double facing = glm::dot(n, toLight_);
   const double sun = facing > 0.0 ? facing * softShadow(shape_, p + n, toLight_) : 0.0;
   const double open = ambientOpenness(shape_, p, n);
@@ -90,7 +93,7 @@ Colour Scene::surface(const Ray& ray, double t) const {
   const double grazing = std::pow(1.0 - std::clamp(-glm::dot(n, ray.direction), 0.0, 1.0), 5.0);
   const double shine = std::pow(std::max(glm::dot(n, glm::normalize(toLight_ - ray.direction)), 0.0), 50.0) *
                        (sun > 0.0 ? sun : 0.0);
-  const Colour lit = 0.5 * material(p, t) * incoming + 0.25 * grazing * open * kSky + 0.12 * shine * kSun;
+  const Colour lit = 0.5 * kClay * incoming + 0.25 * grazing * open * kSky + 0.12 * shine * kSun;
   return lit * (1.0 + lit / 4.0) / (1.0 + lit);  // highlights bend instead of clipping
 }
 

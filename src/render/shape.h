@@ -44,7 +44,11 @@ class Shape {
   /// How far the shape reaches along each unit direction, from sample (0,0,0).
   std::vector<double> reach(std::span<const glm::dvec3> directions) const;
 
-  const Extent& extent() const { return extent_; }
+  /// How deep the material is where it is deepest; never 0.
+  double depth() const {
+    const double solid = std::max(level_ - extent_.deepest, 1e-9);
+    return wall_ > 0.0 ? std::min(wall_, solid) : solid;
+  }
   glm::dvec3 centre() const { return 0.5 * (extent_.min + extent_.max); }
   double radius() const { return 0.5 * glm::length(extent_.max - extent_.min); }
 

@@ -61,14 +61,23 @@ std::optional<double> trace(const Shape& shape, const Ray& ray) {
 double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3& toLight) {
   const Ray ray{point, toLight};
   const glm::dvec2 part = clipToBall(shape, ray);
-  double clear = 1.0;  // narrowest angle passed so far, over the light's
+  double clear = 1.0;                   // narrowest angle passed so far, over the light's
+  double dBefore = 1e9, stepped = 1.0;  // as if nothing had been near
   for (double t = std::max(part.x, 0.5); t <= part.y;) {
     const glm::dvec3 p = point + t * toLight;
     const double d = shape.distance(p);
     if (d <= 0.0) return 0.0;
-    clear = std::min(clear, shape.openDistance(p) / (kLightSize * t));
+    // The steps straddle the narrowest place at random. Two distances a step apart tell where between them
+    // it was and how narrow, if what they saw was flat: that leaves no ripples.
+    const double back = (stepped * stepped + d * d - dBefore * dBefore) / (2.0 * stepped);
+    const bool isBetween = back > 0.0 && back < std::min(stepped, d);
+    const double narrowest =
+        shape.openDistance(p) * (isBetween ? std::sqrt(1.0 - back * back / (d * d)) : 1.0);
+    clear = std::min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
     if (clear < 0.01) return 0.0;
-    t += std::max(kCaution * d, 4 * kLeastStep);
+    dBefore = d;
+    stepped = std::max(kCaution * d, 4 * kLeastStep);
+    t += stepped;
   }
   return clear * clear * (3.0 - 2.0 * clear);
 }
