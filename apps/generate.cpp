@@ -1,6 +1,8 @@
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <ostream>
@@ -179,7 +181,8 @@ void run(Arguments& arguments) {
 template <class Map>
 CLI::IsMember oneOf(const Map& modes) {
   std::vector<std::string> names;
-  for (const auto& mode : modes) names.push_back(mode.first);
+  std::transform(modes.begin(), modes.end(), std::back_inserter(names),
+                 [](const auto& mode) { return mode.first; });
   return CLI::IsMember(names);
 }
 

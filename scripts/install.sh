@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs, by apt, those packages that are missing: to build and test, and with --checks what CI's checks need too.
+# The names are the same on Debian 12 and Ubuntu 24.04.
+set -euo pipefail
+
+packages=(
+  ca-certificates git            # to get here
+  g++ cmake ninja-build          # to build
+  libtbb-dev                     # threads
+  libhwy-dev                     # SIMD
+  libglm-dev                     # vectors
+  libassimp-dev                  # FBX, DAE and 3MF
+  nlohmann-json3-dev             # glTF, statistics
+  libpng-dev zlib1g-dev          # pictures, compressed fields
+  libcli11-dev                   # the command line
+  libgtest-dev                   # tests
+)
+checks=(
+  ccache                         # so that the second build of a file is free
+  clang clang-format clang-tidy  # fuzzing, formatting, static checks
+  pkg-config                     # the installed library
+)
+if [[ ${1:-} == --checks ]]; then packages+=("${checks[@]}"); fi
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then exit 0; fi
+
+asRoot=(env DEBIAN_FRONTEND=noninteractive)
+if [[ $(id -u) -ne 0 ]]; then asRoot=(sudo "${asRoot[@]}"); fi
+if [[ $(id -u) -ne 0 ]] && ! command -v sudo >/dev/null; then
+  echo "Missing: ${missing[*]}. Install them as root, or install sudo." >&2
+  exit 1
+fi
+echo "Installing ${missing[*]}"
+install=(apt-get install -y -q --no-install-recommends "${missing[@]}")
+# A fresh machine has no package lists, or stale ones: fetch them only then.
+"${asRoot[@]}" "${install[@]}" </dev/null || {
+  "${asRoot[@]}" apt-get update -q </dev/null
+  "${asRoot[@]}" "${install[@]}" </dev/null
+}

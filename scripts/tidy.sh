@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# clang-tidy over our own sources, in parallel; arguments choose files: scripts/tidy.sh apps/main.cpp
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cmake --preset release >/dev/null
+files=("$@")
+if [[ ${#files[@]} -eq 0 ]]; then mapfile -t files < <(git ls-files 'src/*.cpp' 'apps/*.cpp'); fi
+printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/release --quiet
