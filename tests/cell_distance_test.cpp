@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "cells.h"
+#include "cpu/closest_triangles.h"
 #include "cpu/triangle.h"
 #include "reference.h"
 
@@ -28,6 +30,29 @@ TEST(TriangleDistance, MeetsTheReferenceOnAllKindsOfTriangles) {
     const glm::vec3 c = i % 11 == 10 ? a : a + 0.3f * (b - a) + width * point();
     const double expected = reference::triangleDistance(p, a, b, c);
     ASSERT_NEAR(std::sqrt(triangleSquaredDistance(p, a, b, c)), expected, 1e-5) << i;
+  }
+}
+
+TEST(TriangleDistance, IsTheSameForABatch) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> at(-8.0f, 8.0f);
+  OwnCellMesh mesh = cellSoup(900, {12, 12, 12}, 6);
+  for (size_t t = 0; t < 900; t += 3) mesh.vertices[3 * t + 2] = mesh.vertices[3 * t + t % 2];  // degenerate
+  std::vector<uint32_t> all(900);
+  std::iota(all.begin(), all.end(), 0);
+  PointBatch batch;
+  batch.count = 101;
+  for (size_t i = 0; i < batch.count; ++i) {
+    batch.x[i] = 4.0f + at(random), batch.y[i] = 4.0f + at(random), batch.z[i] = 4.0f + at(random);
+    batch.squared[i] = INFINITY;
+  }
+  findClosestTriangles(mesh, all, batch);
+  for (size_t i = 0; i < batch.count; ++i) {
+    const glm::vec3 p(batch.x[i], batch.y[i], batch.z[i]);
+    double closest = INFINITY;
+    for (const uint32_t t : all) closest = std::min(closest, referenceSquared(mesh, t, p));
+    ASSERT_NEAR(std::sqrt(batch.squared[i]), std::sqrt(closest), 1e-5);
+    ASSERT_NEAR(std::sqrt(referenceSquared(mesh, batch.triangle[i], p)), std::sqrt(closest), 1e-5);
   }
 }
 

@@ -27,6 +27,7 @@ void atomicMin(float& target, float value) {
 float squaredDistance(const CellLevel& level, const CellPoint& p) {
   const CellLattice& cells = level.grid.cells;
   const size_t c = cells.index(p.cell);
+  if (p.at == glm::vec3(p.cell)) return level.squared[c];
   const glm::vec3 nearest(cells.cell(level.nearestCell[c]));
   const float shift = squaredLength(p.at - nearest) - squaredLength(glm::vec3(p.cell) - nearest);
   return std::max(0.0f, level.squared[c] + shift);

@@ -1,4 +1,8 @@
 // Krayer & Müller 2019, §3.3, end.
+//
+// Paper: each sample by itself. Here: samples by blocks, those with the same nearest cell together, because
+// they share their triangles: collected once, without duplicates, and measured from several samples at a
+// time.
 
 #include "refine.h"
 
@@ -6,125 +10,126 @@
 #include <cmath>
 
 #include "cell_trees.h"
+#include "closest_triangles.h"
 #include "distance_transform.h"
 #include "parallel.h"
-#include "triangle.h"
 
 namespace raymap {
 
 namespace {
 
-/// A ball around each triangle: what lies beyond the closest so far need not be measured.
-struct Ball {
-  glm::vec3 centre;
-  float radius;
-};
+constexpr int kSide = 8;
+constexpr uint32_t kBlock = kSide * kSide * kSide;
+static_assert(kBlock <= PointBatch::kCapacity);
 
-Buffer<Ball> makeBalls(const CellMesh& mesh) {
-  Buffer<Ball> balls(mesh.triangles.size());
-  parallelFor(balls.size(), 4096, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
-      const glm::vec3 centre = 0.5f * (glm::min(glm::min(a, b), c) + glm::max(glm::max(a, b), c));
-      const float squared =
-          std::max({squaredLength(a - centre), squaredLength(b - centre), squaredLength(c - centre)});
-      // Larger by more than rounding, so that it can never hide the closest triangle.
-      balls[t] = {centre, 1.0001f * std::sqrt(squared) + 1e-5f};
-    }
-  });
-  return balls;
-}
-
-/// The triangles that belong to one nearest cell of one level.
-class Candidates {
+class BlockRefiner {
  public:
-  Candidates(const CellMesh& mesh, std::span<const Ball> balls, const CellLevel& level,
-             const CellTrees& trees, int reach)
-      : mesh_(mesh), balls_(balls), level_(level), trees_(trees), reach_(reach) {}
+  BlockRefiner(const CellMesh& mesh, std::span<const CellLevel> levels, std::span<const CellTrees> trees,
+               int reach)
+      : mesh_(mesh), levels_(levels), trees_(trees), reach_(reach) {}
 
-  /// Takes the closest triangle of those that `sample`'s nearest cell and its neighbours list. A run of
-  /// samples mostly has the same ones: the last sample's triangle is then a good start.
-  void search(const glm::ivec3& sample, Closest& closest) {
-    const CellLattice& cells = level_.grid.cells;
-    const uint32_t nearest = level_.nearestCell[cells.index(CellPoint(cells, sample).cell)];
-    if (nearest == kNoCell) return;
-    const glm::vec3 p(sample);
-    Closest own;
-    if (nearest != nearest_) {
-      collect(nearest);
-    } else {
-      own.take(squaredDistance(p, last_), last_);
-    }
-    for (const uint32_t cell : lists_) searchCell(cell, p, own);
-    last_ = own.triangle;
-    closest.take(own.squared, own.triangle);
+  void refine(const glm::ivec3& low, Buffer<float>& distance, Buffer<uint32_t>& triangle) {
+    closest_.fill({});
+    for (size_t l = 0; l < levels_.size(); ++l) refineLevel(l, low);
+    forEachSample(low, [&](uint32_t i, const glm::ivec3& sample) {
+      const size_t s = CellLattice{mesh_.dims}.index(sample);
+      distance[s] = std::sqrt(closest_[i].squared);
+      triangle[s] = closest_[i].triangle;
+    });
   }
 
  private:
-  void collect(uint32_t nearest) {
-    const CellLattice& cells = level_.grid.cells;
-    nearest_ = nearest;
-    lists_.assign(1, nearest);
-    const glm::ivec3 at = cells.cell(nearest);
-    const glm::ivec3 low = glm::max(at - reach_, glm::ivec3(0));
-    const glm::ivec3 high = glm::min(at + reach_, cells.dims - 1);
-    for (int k = low.z; k <= high.z; ++k)
-      for (int j = low.y; j <= high.y; ++j)
-        for (int i = low.x; i <= high.x; ++i) {
-          const auto cell = static_cast<uint32_t>(cells.index({i, j, k}));
-          if (cell != nearest && !level_.grid.list(cell).empty()) lists_.push_back(cell);
-        }
+  template <class Visit>
+  void forEachSample(const glm::ivec3& low, Visit&& visit) const {
+    const glm::ivec3 size = glm::min(mesh_.dims - low, glm::ivec3(kSide));
+    for (int k = 0; k < size.z; ++k)
+      for (int j = 0; j < size.y; ++j)
+        for (int i = 0; i < size.x; ++i)
+          visit(static_cast<uint32_t>((k * kSide + j) * kSide + i), low + glm::ivec3(i, j, k));
   }
 
-  void searchCell(uint32_t cell, const glm::vec3& p, Closest& closest) const {
-    const auto list = level_.grid.list(cell);
-    if (list.size() > CellTrees::kCrowd) return trees_.search(cell, p, closest);
-    float reach = std::sqrt(closest.squared);
-    for (const uint32_t t : list) {
-      const Ball& ball = balls_[t];
-      const float far = reach + ball.radius;
-      if (squaredLength(p - ball.centre) > far * far) continue;
-      closest.take(squaredDistance(p, t), t);
-      reach = std::sqrt(closest.squared);
+  void refineLevel(size_t l, const glm::ivec3& low) {
+    const CellLevel& level = levels_[l];
+    const CellLattice& cells = level.grid.cells;
+    byCell_.clear();
+    forEachSample(low, [&](uint32_t i, const glm::ivec3& sample) {
+      const uint32_t nearest = level.nearestCell[cells.index(CellPoint(cells, sample).cell)];
+      if (nearest != kNoCell) byCell_.push_back(uint64_t{nearest} * kBlock + i);
+    });
+    std::sort(byCell_.begin(), byCell_.end());
+    for (size_t begin = 0, end = 0; begin < byCell_.size(); begin = end) {
+      const uint64_t nearest = byCell_[begin] / kBlock;
+      while (end < byCell_.size() && byCell_[end] / kBlock == nearest) ++end;
+      collect(level.grid, cells.cell(nearest));
+      measure(trees_[l], low, {byCell_.data() + begin, end - begin});
     }
   }
 
-  float squaredDistance(const glm::vec3& p, uint32_t t) const {
-    return triangleSquaredDistance(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2));
+  /// The triangles of a nearest cell and its neighbours, in ascending order, but for those of crowded cells.
+  void collect(const VoxelGrid& grid, const glm::ivec3& nearest) {
+    candidates_.clear();
+    crowded_.clear();
+    const glm::ivec3 low = glm::max(nearest - reach_, glm::ivec3(0));
+    const glm::ivec3 high = glm::min(nearest + reach_, grid.cells.dims - 1);
+    for (int k = low.z; k <= high.z; ++k)
+      for (int j = low.y; j <= high.y; ++j)
+        for (int i = low.x; i <= high.x; ++i) {
+          const size_t cell = grid.cells.index({i, j, k});
+          const auto list = grid.list(cell);
+          if (list.size() > CellTrees::kCrowd) {
+            crowded_.push_back(cell);
+          } else {
+            candidates_.insert(candidates_.end(), list.begin(), list.end());
+          }
+        }
+    if (reach_ == 0) return;
+    std::sort(candidates_.begin(), candidates_.end());
+    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
+  }
+
+  void measure(const CellTrees& trees, const glm::ivec3& low, std::span<const uint64_t> samples) {
+    batch_.count = samples.size();
+    for (size_t n = 0; n < samples.size(); ++n) {
+      const auto i = static_cast<int>(samples[n] % kBlock);
+      batch_.x[n] = static_cast<float>(low.x + i % kSide);
+      batch_.y[n] = static_cast<float>(low.y + i / kSide % kSide);
+      batch_.z[n] = static_cast<float>(low.z + i / (kSide * kSide));
+      batch_.squared[n] = INFINITY;
+      batch_.triangle[n] = Closest().triangle;
+    }
+    findClosestTriangles(mesh_, candidates_, batch_);
+    for (size_t n = 0; n < samples.size(); ++n) {
+      Closest own{batch_.squared[n], batch_.triangle[n]};
+      for (const size_t cell : crowded_) trees.search(cell, {batch_.x[n], batch_.y[n], batch_.z[n]}, own);
+      closest_[samples[n] % kBlock].take(own.squared, own.triangle);
+    }
   }
 
   const CellMesh& mesh_;
-  std::span<const Ball> balls_;
-  const CellLevel& level_;
-  const CellTrees& trees_;
+  std::span<const CellLevel> levels_;
+  std::span<const CellTrees> trees_;
   int reach_;
-  uint32_t nearest_ = kNoCell;
-  uint32_t last_ = 0;
-  std::vector<uint32_t> lists_;
+  std::array<Closest, kBlock> closest_;
+  std::vector<uint64_t> byCell_;  ///< Nearest cell * kBlock + place in the block.
+  std::vector<uint32_t> candidates_;
+  std::vector<size_t> crowded_;
+  PointBatch batch_;
 };
 
 }  // namespace
 
 void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int reach, Progress& progress,
                     Buffer<float>& distance, Buffer<uint32_t>& triangle) {
-  const CellLattice samples{mesh.dims};
-  const size_t rows = size_t(mesh.dims.y) * mesh.dims.z;
-  const Buffer<Ball> balls = makeBalls(mesh);
+  constexpr size_t kBlocksAtOnce = 16;
+  const CellLattice blocks{(mesh.dims + kSide - 1) / kSide};
   std::vector<CellTrees> trees;
   for (const CellLevel& level : levels) trees.emplace_back(mesh, level.grid, progress);
-  distance.resize(samples.count());
-  triangle.resize(samples.count());
-  parallelFor(rows, 16, [&](size_t begin, size_t end) {
-    progress.report(double(begin) / double(rows));
-    std::vector<Candidates> candidates;
-    for (size_t l = 0; l < levels.size(); ++l)
-      candidates.emplace_back(mesh, balls, levels[l], trees[l], reach);
-    for (size_t s = begin * mesh.dims.x; s < end * mesh.dims.x; ++s) {
-      Closest closest;
-      for (Candidates& level : candidates) level.search(samples.cell(s), closest);
-      distance[s] = std::sqrt(closest.squared);
-      triangle[s] = closest.triangle;
-    }
+  distance.resize(CellLattice{mesh.dims}.count());
+  triangle.resize(distance.size());
+  parallelFor(blocks.count(), kBlocksAtOnce, [&](size_t begin, size_t end) {
+    progress.report(double(begin) / double(blocks.count()));
+    BlockRefiner refiner(mesh, levels, trees, reach);
+    for (size_t b = begin; b < end; ++b) refiner.refine(kSide * blocks.cell(b), distance, triangle);
   });
 }
 
