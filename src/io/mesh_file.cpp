@@ -17,6 +17,10 @@ uint64_t memoryLimit() {
   return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
 }
 
+[[noreturn]] void failRead(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ErrorCode::File, path.string() + ": cannot read it: " + why);
+}
+
 [[noreturn]] void failTooLarge(const std::filesystem::path& path, uint64_t bytes) {
   throw Error(ErrorCode::Memory, path.string() + ": reading it needs " + std::to_string(bytes >> 20) +
                                      " MiB, more than half of this machine's memory (" +
@@ -63,27 +67,27 @@ void MeshFile::warnThat(const std::string& what) const {
   if (warn) warn(path.string() + ": " + what);
 }
 
-Buffer<std::byte> loadFile(const std::filesystem::path& path) {
+uint64_t regularFileSize(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
-  const auto failOpen = [&](const std::string& why) {
-    throw Error(ErrorCode::File, path.string() + ": cannot read it: " + why);
-  };
-  if (error) failOpen(error.message());
-  if (std::filesystem::is_directory(status)) failOpen("it is a folder");
-  if (!std::filesystem::is_regular_file(status)) failOpen("it is not a regular file");
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) failOpen(error.message());
+  if (error) failRead(path, error.message());
+  if (std::filesystem::is_directory(status)) failRead(path, "it is a folder");
+  if (!std::filesystem::is_regular_file(status)) failRead(path, "it is not a regular file");
+  const uint64_t size = std::filesystem::file_size(path, error);
+  if (error) failRead(path, error.message());
   if (size > memoryLimit()) failTooLarge(path, size);
+  return size;
+}
 
+Buffer<std::byte> loadFile(const std::filesystem::path& path) {
+  const uint64_t size = regularFileSize(path);
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) failOpen(std::generic_category().message(errno));
+  if (!file) failRead(path, std::generic_category().message(errno));
   std::setvbuf(file.get(), nullptr, _IONBF, 0);
   Buffer<std::byte> bytes(size);
   errno = 0;
-  const size_t got = std::fread(bytes.data(), 1, size, file.get());
-  if (got != size)
-    failOpen(errno != 0 ? std::generic_category().message(errno) : "it shrank while being read");
+  if (std::fread(bytes.data(), 1, size, file.get()) != size)
+    failRead(path, errno != 0 ? std::generic_category().message(errno) : "it shrank while being read");
   return bytes;
 }
 

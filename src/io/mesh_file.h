@@ -33,6 +33,8 @@ Mesh readOff(const MeshFile& file);
 Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 
+/// Throws `Error(File)` if it is none, or `Error(Memory)` if it is too large to read.
+uint64_t regularFileSize(const std::filesystem::path& path);
 /// The whole of a regular file. Throws `Error(File)` or `Error(Memory)`.
 Buffer<std::byte> loadFile(const std::filesystem::path& path);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 
+#include "import_mesh.h"
 #include "mesh_file.h"
 
 namespace raymap {
@@ -13,11 +14,12 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Mesh (*read)(const MeshFile& file);
+  Mesh (*read)(const MeshFile& file);  ///< Null: by Assimp, in a child process.
 };
 
 constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly},   Format{".stl", readStl},
-                              Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf}};
+                              Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf},
+                              Format{".3mf", nullptr}, Format{".fbx", nullptr},   Format{".dae", nullptr}};
 
 std::string lowerExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
@@ -37,6 +39,7 @@ std::string lowerExtension(const std::filesystem::path& path) {
 Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
   const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
   if (format == kFormats.end()) failExtension(path);
+  if (!format->read) return importMesh(path, warn);
   const Buffer<std::byte> bytes = loadFile(path);
   return format->read({bytes, path, warn});
 }
