@@ -22,11 +22,10 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   Field field;
   withThreads(input.threads, [&] {
     CpuBackend backend;
-    backend.begin(input.mesh, input.grid, options, progress);
+    backend.begin(input.mesh, input.grid, options, progress, field);
     backend.crossings();
     backend.rayMap();
     backend.winding();
-    backend.finish(field);
   });
   values = std::move(field.winding);
 }

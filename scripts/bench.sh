@@ -18,13 +18,9 @@ if [ ! -e "$build/venv/complete" ]; then
   touch "$build/venv/complete"
 fi
 
-echo "## Machine"
+echo "## Machine and stages"
 echo
-"$build/bin/machine"
-echo
-echo "## Stages"
-echo
-"$build/bin/stages_table"
+"$build/bin/stages_bench" --benchmark_min_time=0.2 --benchmark_format=json 2>/dev/null | python3 bench/stages_table.py
 echo
 echo "## Peers"
 echo
