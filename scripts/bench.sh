@@ -1,10 +1,11 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Builds everything in Release, runs the benchmarks and prints the tables of docs/performance.md:
 #   scripts/bench.sh [--rounds N] [--only TEXT]
 # Python peers (libigl, Open3D, mesh2sdf) are installed into build/bench/venv; one that does not install is left out.
-set -eu
-cd "$(dirname "$0")/.."
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=build/bench
+scripts/install.sh --bench >&2
 
 cmake --preset release -B "$build" -DRAYMAP_BUILD_BENCH=ON -DRAYMAP_BUILD_TESTS=OFF >&2
 cmake --build "$build" >&2

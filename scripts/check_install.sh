@@ -1,11 +1,11 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Installs the library, static and shared, into build/install and builds and runs a small project against each: once
 # with find_package, once with pkg-config.
-set -eu
-cd "$(dirname "$0")/.."
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
 root=$(pwd)/build/install
 
-check() {  # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
+check() { # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
   build=$root/$1-build
   prefix=$root/$1
   rm -rf "$prefix" "$root/$1-consumer"

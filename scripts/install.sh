@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs, by apt, those packages that are missing: to build and test, and with --checks what CI's checks need too.
+# Installs, by apt, those packages that are missing: to build and test, with --checks what CI's checks need too, and with
+# --bench what the benchmarks need.
 # The names are the same on Debian 12 and Ubuntu 24.04.
 set -euo pipefail
 
@@ -20,6 +21,14 @@ checks=(
   clang clang-format clang-tidy  # fuzzing, formatting, static checks
   pkg-config                     # the installed library
 )
+peers=(
+  libbenchmark-dev               # single stages
+  libembree-dev                  # exact peer
+  libopenvdb-dev libboost-dev libboost-iostreams-dev  # narrow-band peer, and what its headers need
+  python3-venv                   # the Python peers come from PyPI,
+  libusb-1.0-0 libgl1 libgomp1   # and one of them needs these
+)
+if [[ ${1:-} == --bench ]]; then packages+=("${peers[@]}"); fi
 if [[ ${1:-} == --checks ]]; then packages+=("${checks[@]}"); fi
 
 missing=()
