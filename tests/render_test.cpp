@@ -156,6 +156,15 @@ TEST(Render, EmptyFieldIsAnEmptyPicture) {
   for (int x = 1; x < 16; ++x) EXPECT_EQ(picture.rgb[size_t(x) * 3], picture.rgb[0]);
 }
 
+TEST(Render, SolidIsCutOffByTheGrid) {
+  // All inside, far deeper than the grid is large: what shows is the grid's own box.
+  RenderOptions options{.width = 100, .height = 100, .direction = {0, 0, -1}};
+  for (const double depth : {1.0, 50.0, 1e30}) {
+    const Field field = sampled(cube(16, 2.0), [&](const glm::dvec3&) { return -depth; });
+    EXPECT_NEAR(double(silhouette(field, options)), 86.0 * 86.0, 400.0) << depth;
+  }
+}
+
 TEST(Render, ReportsProgressAndStops) {
   const Field field = ball(16, 0.7);
   std::atomic<int> calls{0};
@@ -182,6 +191,9 @@ TEST(Render, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(refusal(field, {.shell = -1.0}), ErrorCode::Usage);
   field.band = 0.1;
   EXPECT_EQ(refusal(field, {.shell = 0.2}), ErrorCode::Usage);
+  Field tiny = ball(16, 0.7);
+  tiny.grid.spacing = 1e-310;  // no distance is finite in such samples
+  EXPECT_EQ(refusal(tiny, {}), ErrorCode::Input);
   field.distance[77] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(refusal(field, {}), ErrorCode::Input);
 }

@@ -39,7 +39,9 @@ struct RenderOptions {
 /// picture. A field without a negative sample (an unsigned one) has no inside: it is drawn as a thin skin
 /// around its surface, at 0.7 of the spacing, the least that leaves no gap between samples. `cut` removes the
 /// half nearer to the camera along the horizontal grid axis that points to it most; the cut face shows the
-/// distance inside as `renderSlice` does. Same field and options, same picture, for any number of threads.
+/// distance inside as `renderSlice` does. The grid's box cuts off what reaches it. Same field and options,
+/// same picture, for any number of threads. Throws `Error`: Usage, Input if a sample is not finite,
+/// Cancelled.
 Picture renderField(const Field& field, const RenderOptions& options = {});
 
 /// A slice through the middle (or at sample `index`) across axis 0, 1 or 2, seen with y right and z up

@@ -28,7 +28,9 @@ class FieldSampler {
   /// the closest point q of the box, at least value(q) from q and never at an acute angle to the way there,
   /// so Pythagoras bounds it from below (a sum of both would be too far to step).
   double value(const glm::dvec3& p) const {
-    const glm::dvec3 q = glm::clamp(p, glm::dvec3(0.0), last_);
+    glm::dvec3 q;
+    for (int a = 0; a < 3; ++a)
+      q[a] = std::max(0.0, std::min(p[a], last_[a]));  // in this order, NaN becomes 0
     const double inGrid = trilinear(q);
     if (q == p) return inGrid;
     return std::hypot(glm::length(p - q), std::max(inGrid, 0.0));

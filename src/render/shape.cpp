@@ -16,25 +16,29 @@ namespace {
 constexpr double kSkin = 0.7;
 
 [[noreturn]] void refuseSample(glm::ivec3 sample, float value) {
-  throw Error(ErrorCode::Input, "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) +
-                                    ", " + std::to_string(sample.z) + ") of the field is " +
-                                    std::to_string(value) +
-                                    ": a field to draw must be finite; make it again or replace the value");
+  throw Error(ErrorCode::Input,
+              "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
+                  std::to_string(sample.z) + ") of the field is " + std::to_string(value) +
+                  ": a field to draw must be finite, in samples too; make it again or replace the value");
 }
 
 /// Calls `visit(position, d)` for every sample of a sheet with d <= 0, a ball of radius -d that the solid
-/// contains; returns the least value.
+/// contains; returns the least value. The grid's box cuts the solid off, and so the balls.
 template <class Visit>
 double visitInside(const Field& field, int k, double level, Visit&& visit) {
   double least = INFINITY;
   const double scale = 1.0 / field.grid.spacing;
+  const glm::dvec3 last(field.grid.dims - 1);
   const float* value = field.distance.data() + field.grid.index({0, 0, k});
   for (int j = 0; j < field.grid.dims.y; ++j)
     for (int i = 0; i < field.grid.dims.x; ++i, ++value) {
-      if (!std::isfinite(*value)) refuseSample({i, j, k}, *value);
       const double d = *value * scale - level;
+      if (!std::isfinite(d)) refuseSample({i, j, k}, *value);
       least = std::min(least, d);
-      if (d <= 0.0) visit(glm::dvec3(i, j, k), d);
+      if (d > 0.0) continue;
+      const glm::dvec3 p(i, j, k);
+      const glm::dvec3 toBorder = glm::min(p, last - p);
+      visit(p, std::max(d, -std::min({toBorder.x, toBorder.y, toBorder.z})));
     }
   return least;
 }
