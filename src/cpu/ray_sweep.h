@@ -21,6 +21,7 @@ class RaySweep {
  public:
   explicit RaySweep(const RayMap& map);
 
+  const RayMap& map() const { return map_; }
   size_t rowLength() const { return size_t(map_.dims.x); }
   size_t sampleCount() const { return size_t(map_.dims.x) * size_t(map_.dims.y) * size_t(map_.dims.z); }
 

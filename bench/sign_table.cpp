@@ -1,0 +1,190 @@
+// How often each sign mode differs from the exact generalized winding number on broken meshes: a table in
+// Markdown. `sign_table [FOLDER [RESOLUTION]]`: FOLDER holds further meshes, by name in kPublished.
+
+#include <raymap/raymap.h>
+
+#include "cpu/crossings.h"
+#include "cpu/parallel.h"
+#include "cpu/ray_map.h"
+#include "cpu/winding.h"
+#include "reference.h"
+#include "shapes.h"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace raymap;
+
+/// Sampled so that the exact number, which looks at every triangle, stays affordable.
+constexpr double kTriangleTests = 4e8;
+
+const char* const kPublished[] = {"common3d__beetle.obj",
+                                  "common3d__teapot.obj",
+                                  "trimesh__suzanne.ply",
+                                  "libigl__truck.obj",
+                                  "meshlab__greek_helmet.obj",
+                                  "geogram__SaraPezzini.obj",
+                                  "fast-winding-n__pig-head.ply",
+                                  "assimp__Wuson.stl",
+                                  "mitsuba-data__bunny_lowres.ply",
+                                  "meshlab__many_small_holes.ply",
+                                  "odedstein__demosthenes-low-res.obj",
+                                  "draco__bun_zipper.ply"};
+
+struct Row {
+  std::string name;
+  Mesh mesh;
+};
+
+Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::uvec3&)>& keep) {
+  Mesh result = mesh;
+  std::erase_if(result.triangles, [&](const glm::uvec3& t) { return !keep(t); });
+  return result;
+}
+
+/// Cuts round holes, of a share of the diagonal, around random vertices.
+Mesh withHoles(const Mesh& mesh, int count, double radius, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<glm::dvec3> centres;
+  for (int h = 0; h < count; ++h) centres.push_back(mesh.position(random() % mesh.vertices.size()));
+  const double reach = radius * glm::length(bounds(mesh).size());
+  return keepTriangles(mesh, [&](const glm::uvec3& t) {
+    const glm::dvec3 middle = (mesh.position(t.x) + mesh.position(t.y) + mesh.position(t.z)) / 3.0;
+    return std::none_of(centres.begin(), centres.end(),
+                        [&](const glm::dvec3& c) { return glm::length(middle - c) < reach; });
+  });
+}
+
+Mesh withMissingFaces(const Mesh& mesh, double share, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  return keepTriangles(mesh, [&](const glm::uvec3&) { return unit(random) >= share; });
+}
+
+/// Moves every corner of every face by itself, by up to a share of the longest side along each axis.
+Mesh shaken(const Mesh& mesh, double share, unsigned seed) {
+  std::mt19937 random(seed);
+  const glm::dvec3 size = bounds(mesh).size();
+  const double reach = share * std::max({size.x, size.y, size.z});
+  std::uniform_real_distribution<double> move(-reach, reach);
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto first = static_cast<uint32_t>(p.size());
+    for (int c = 0; c < 3; ++c)
+      p.push_back(mesh.position(t[c]) + glm::dvec3(move(random), move(random), move(random)));
+    triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return makeMesh(p, std::move(triangles));
+}
+
+std::vector<Row> brokenVariants(const std::string& name, const Mesh& mesh) {
+  return {{name + ", one hole", withHoles(mesh, 1, 0.06, 1)},
+          {name + ", five holes", withHoles(mesh, 5, 0.06, 2)},
+          {name + ", 20 % of faces missing", withMissingFaces(mesh, 0.2, 3)},
+          {name + ", all corners moved 1.5 %", shaken(mesh, 0.015, 4)}};
+}
+
+struct Mode {
+  const char* name;
+  SignMode sign;
+};
+constexpr Mode kModes[] = {{"6 rays", SignMode::Rays},
+                           {"paths, 5 passes", SignMode::Paths},
+                           {"evolution, 5 steps", SignMode::Evolution},
+                           {"harmonic", SignMode::Harmonic}};
+
+/// The exact number at every `stride`-th sample.
+std::vector<double> exactNumbers(const Mesh& mesh, const Grid& grid, size_t stride) {
+  std::vector<double> exact((grid.sampleCount() + stride - 1) / stride);
+  parallelFor(exact.size(), 64, [&](size_t begin, size_t end) {
+    for (size_t e = begin; e < end; ++e) {
+      const size_t s = e * stride, nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
+      const glm::dvec3 at(double(s % nx), double(s / nx % ny), double(s / nx / ny));
+      exact[e] = reference::windingNumber(mesh, grid.position(at));
+    }
+  });
+  return exact;
+}
+
+RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
+  CellMesh cells;
+  cells.vertices.resize(mesh.vertices.size());
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
+  cells.triangles = mesh.triangles;
+  cells.dims = grid.dims;
+  Crossings crossings;
+  countCrossings(cells, crossings);
+  RayMap map;
+  buildRayMap(grid.dims, crossings, map);
+  return map;
+}
+
+void printCell(const std::vector<double>& exact, size_t stride,
+               const std::function<double(size_t)>& winding) {
+  size_t wrong = 0;
+  double error = 0.0;
+  for (size_t e = 0; e < exact.size(); ++e) {
+    const double w = winding(e * stride);
+    wrong += (std::abs(w) > 0.5) != (std::abs(exact[e]) > 0.5);
+    error += std::abs(w - exact[e]);
+  }
+  std::printf(" %.3f %% (%.4f) |", 100.0 * double(wrong) / double(exact.size()),
+              error / double(exact.size()));
+  std::fflush(stdout);
+}
+
+void printRow(const Row& row, int resolution) {
+  const Grid grid = fitGrid(row.mesh, {.resolution = resolution});
+  const double work = double(grid.sampleCount()) * double(row.mesh.triangles.size());
+  const size_t stride = size_t(work / kTriangleTests) | 1;
+  const std::vector<double> exact = exactNumbers(row.mesh, grid, stride);
+  const RayMap map = rayMapOf(row.mesh, grid);
+  std::printf("| %s |", row.name.c_str());
+  printCell(exact, stride, [&](size_t s) {
+    const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
+    return double(map.ray(0, {int(s % nx), int(s / nx % ny), int(s / nx / ny)}));
+  });
+  for (const Mode& mode : kModes) {
+    Options options;
+    options.sign = mode.sign;
+    Stats stats;
+    Progress progress(options, stats);
+    Buffer<float> winding;
+    Winding().compute(map, options, progress, winding);
+    printCell(exact, stride, [&](size_t s) { return double(winding[s]); });
+  }
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int resolution = argc > 2 ? std::atoi(argv[2]) : 48;
+  std::vector<Row> rows = brokenVariants("torus", shapes::torus(1.0, 0.4, 60, 30));
+  if (argc > 1) {
+    const std::filesystem::path folder = argv[1];
+    for (const char* name : {"common3d__spot.obj", "libigl__bunny.off"})
+      if (std::filesystem::exists(folder / name))
+        for (Row& row : brokenVariants(name, readMesh(folder / name))) rows.push_back(std::move(row));
+    for (const char* name : kPublished)
+      if (std::filesystem::exists(folder / name)) rows.push_back({name, readMesh(folder / name)});
+  }
+  std::printf("| wrong signs (mean error of w) | 1 ray |");
+  for (const Mode& mode : kModes) std::printf(" %s |", mode.name);
+  std::printf("\n|---|---|---|---|---|---|\n");
+  for (const Row& row : rows) try {
+      printRow(row, resolution);
+    } catch (const Error& error) {
+      std::fprintf(stderr, "%s: %s\n", row.name.c_str(), error.what());
+    }
+  return 0;
+}

@@ -1,0 +1,112 @@
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
+// the field whose differences along all lattice edges come as close as possible to their crossing counts (Eq.
+// 5).
+
+#include "winding_harmonic.h"
+
+#include "winding_transfer.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr int kMargin = 4;  // even, so that a lattice's first sample lies on the next coarser lattice
+constexpr int kCoarsestSamples = 8;
+constexpr int kCoarsestSweeps = 60;
+
+/// The grid itself on level 0; coarser lattices reach `kMargin` of their cells farther on every side, so that
+/// the field may fade out where nothing is left of it.
+LatticeBox boxOf(const glm::ivec3& dims, int level) {
+  LatticeBox box{.level = level, .low = glm::ivec3(0), .dims = dims};
+  if (level > 0) {
+    box.low = glm::ivec3(-kMargin);
+    for (int c = 0; c < 3; ++c) box.dims[c] = ((dims[c] - 1) >> level) + 2 + 2 * kMargin;
+  }
+  return box;
+}
+
+int coarsestLevel(const glm::ivec3& dims) {
+  int level = 2;
+  while ((std::max({dims.x, dims.y, dims.z}) - 1) >> level >= kCoarsestSamples) ++level;
+  return level;
+}
+
+class Hierarchy {
+ public:
+  Hierarchy(std::vector<HarmonicLevel>& levels, Buffer<float>& winding)
+      : levels_(levels), winding_(winding) {}
+
+  /// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves
+  /// an error below that of the lattice itself (docs/signs.md), and costs less than anything that needs more.
+  void solve(size_t l) {
+    HarmonicLevel& level = levels_[l];
+    float* values = l == 0 ? winding_.data() : level.values.data();
+    const RightHandSide jumps{.jumps = &level.jumps};
+    if (isCoarsest(l)) {
+      std::fill_n(values, level.box.sampleCount(), 0.0f);
+      relax(level.box, jumps, values, kCoarsestSweeps);
+      return;
+    }
+    prolongField(levels_[l + 1].box, levels_[l + 1].values.data(), level.box, level.jumps, values);
+    improve(l, jumps, values);
+  }
+
+ private:
+  bool isCoarsest(size_t l) const { return l + 1 == levels_.size(); }
+
+  static void relax(const LatticeBox& box, const RightHandSide& rightHandSide, float* values, int sweeps) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) relaxField(box, rightHandSide, values);
+  }
+
+  /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it
+  /// has no jumps.
+  void improve(size_t l, const RightHandSide& rightHandSide, float* values) {
+    const LatticeBox& box = levels_[l].box;
+    HarmonicLevel& coarse = levels_[l + 1];
+    relax(box, rightHandSide, values, 1);
+    restrictResidual(box, rightHandSide, values, coarse.box, coarse.residual.data());
+    const RightHandSide residual{.values = coarse.residual.data()};
+    float* correction = coarse.correction.data();
+    std::fill_n(correction, coarse.box.sampleCount(), 0.0f);
+    if (isCoarsest(l + 1))
+      relax(coarse.box, residual, correction, kCoarsestSweeps);
+    else
+      improve(l + 1, residual, correction);
+    addCorrection(coarse.box, correction, box, values);
+    relax(box, rightHandSide, values, 1);
+  }
+
+  std::vector<HarmonicLevel>& levels_;
+  Buffer<float>& winding_;
+};
+
+void buildLevel(const RayMap& map, size_t l, HarmonicLevel& level) {
+  level.box = boxOf(map.dims, int(l));
+  for (int axis = 0; axis < 3; ++axis) level.jumps[size_t(axis)].collect(map, level.box, axis);
+  if (l == 0) return;
+  for (Buffer<float>* field : {&level.values, &level.correction, &level.residual})
+    field->resize(level.box.sampleCount());
+}
+
+}  // namespace
+
+size_t HarmonicScratch::bytes() const {
+  size_t sum = 0;
+  for (const HarmonicLevel& level : levels) {
+    sum += level.values.capacityBytes() + level.correction.capacityBytes() + level.residual.capacityBytes();
+    for (const JumpRows& jumps : level.jumps) sum += jumps.bytes();
+  }
+  return sum;
+}
+
+void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding) {
+  scratch.levels.resize(size_t(coarsestLevel(map.dims)) + 1);
+  Hierarchy hierarchy(scratch.levels, winding);
+  for (size_t l = scratch.levels.size(); l-- > 0;) {
+    buildLevel(map, l, scratch.levels[l]);
+    hierarchy.solve(l);
+    progress.report(1.0 / double(size_t{1} << 3 * l));
+  }
+}
+
+}  // namespace raymap

@@ -1,0 +1,175 @@
+// Krayer & Müller 2019, §3.5, Eq. 9-11: curves that go elsewhere first.
+
+#include "winding_paths.h"
+
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+namespace raymap {
+
+namespace {
+
+constexpr int kPathsPerPoint = 6;  // xyz, xzy, yxz, yzx, zxy, zyx
+constexpr int kRays = 6;
+
+/// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over the box of half the
+/// grid's size around the sample, so that any number of passes is well spaced.
+glm::ivec3 builtInOffset(int pass, const glm::ivec3& dims) {
+  constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1
+  const double steps[3] = {1.0 / kRoot, 1.0 / (kRoot * kRoot), 1.0 / (kRoot * kRoot * kRoot)};
+  glm::ivec3 offset;
+  for (int c = 0; c < 3; ++c) {
+    const double turn = 0.5 + (pass + 1) * steps[c];
+    offset[c] = static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * dims[c]));
+  }
+  return offset;
+}
+
+glm::ivec3 offsetOf(const Options& options, int pass, const glm::ivec3& dims) {
+  if (options.offsets.empty()) return builtInOffset(pass, dims);
+  // From `dims` on the point lies outside for every sample, and farther changes nothing.
+  return glm::clamp(options.offsets[size_t(pass) % options.offsets.size()], -dims, dims);
+}
+
+/// Walks from the samples of a row to their offset points, along the edges of the box between them.
+class PathRow {
+ public:
+  PathRow(const RayMap& map, const std::array<Buffer<int32_t>, 3>& rays)
+      : map_(map), rays_(rays), from_(size_t(map.dims.x)), to_(from_.size()), sum_(from_.size()) {}
+
+  /// The signed crossings of the six paths from each sample of row (j, k) to its offset point, added up.
+  const std::vector<int32_t>& countPaths(int j, int k, const glm::ivec3& offset) {
+    std::fill(sum_.begin(), sum_.end(), 0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 4; ++side) {
+        // The edge along `axis` where the axes u and v have, or have not, been walked yet: it belongs to two
+        // of the six paths if it comes first or last, and to one if it comes second.
+        const LineAxes across(axis);
+        glm::ivec3 start(0);
+        start[across.u] = side & 1 ? offset[across.u] : 0;
+        start[across.v] = side & 2 ? offset[across.v] : 0;
+        glm::ivec3 end = start;
+        end[axis] = offset[axis];
+        const int32_t paths = side == 0 || side == 3 ? 2 : 1;
+        fetch(axis, start.x, j + start.y, k + start.z, from_.data());
+        fetch(axis, end.x, j + end.y, k + end.z, to_.data());
+        for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += paths * (from_[i] - to_[i]);  // Eq. 6
+      }
+    return sum_;
+  }
+
+ private:
+  /// Eq. 7: r along `axis` at the samples (i + shift, j, k).
+  void fetch(int axis, int shift, int j, int k, int32_t* row) const {
+    const glm::ivec3 dims = map_.dims;
+    const int begin = std::clamp(-shift, 0, dims.x), end = std::clamp(dims.x - shift, begin, dims.x);
+    int32_t before = 0;  // at samples before the row: only a ray along it sees anything
+    const bool jInside = j >= 0 && j < dims.y, kInside = k >= 0 && k < dims.z;
+    if (jInside && kInside) {
+      const size_t first = (size_t(k) * dims.y + j) * dims.x;
+      if (axis == 0) before = map_.total(0, first / dims.x);
+      const int32_t* rays = rays_[axis].data() + first + shift;
+      for (int i = begin; i < end; ++i) row[i] = rays[i];
+    } else if ((axis == 1 && j < 0 && kInside) || (axis == 2 && k < 0 && jInside)) {
+      const size_t firstLine = size_t(axis == 1 ? k : j) * dims.x;
+      for (int i = begin; i < end; ++i) row[i] = map_.total(axis, firstLine + size_t(i + shift));
+    } else {
+      std::fill(row + begin, row + end, 0);
+    }
+    std::fill(row, row + begin, before);
+    std::fill(row + end, row + dims.x, 0);
+  }
+
+  const RayMap& map_;
+  const std::array<Buffer<int32_t>, 3>& rays_;
+  std::vector<int32_t> from_, to_, sum_;
+};
+
+/// The values at the offset points of row (j, k). Paper: six rays there too. Here: 0 outside the grid,
+/// because no surface lies there and every ray that misses the grid knows it.
+void fetchValues(const glm::ivec3& dims, const glm::ivec3& offset, int j, int k, const Buffer<float>& values,
+                 std::vector<float>& row) {
+  std::fill(row.begin(), row.end(), 0.0f);
+  j += offset.y;
+  k += offset.z;
+  if (j < 0 || j >= dims.y || k < 0 || k >= dims.z) return;
+  const float* first = values.data() + (size_t(k) * dims.y + j) * dims.x;
+  for (int i = std::max(0, -offset.x); i < std::min(dims.x, dims.x - offset.x); ++i)
+    row[size_t(i)] = first[i + offset.x];
+}
+
+void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
+  for (Buffer<int32_t>& r : rays) r.resize(sweep.sampleCount());
+  sweep.run([&](const RayRow& row) {
+    const size_t count = sweep.rowLength();
+    std::copy_n(row.x, count, rays[0].data() + row.first);
+    std::copy_n(row.y, count, rays[1].data() + row.first);
+    std::copy_n(row.z, count, rays[2].data() + row.first);
+  });
+}
+
+/// Calls `work(paths, j, k, first)` for every row.
+template <class Work>
+void forEachRow(const RayMap& map, const PathScratch& scratch, Progress& progress, double before,
+                double share, Work&& work) {
+  std::atomic<int> planes{0};
+  parallelFor(size_t(map.dims.z), 4, [&](size_t begin, size_t end) {
+    PathRow paths(map, scratch.rays);
+    for (int k = int(begin); k < int(end); ++k) {
+      for (int j = 0; j < map.dims.y; ++j) work(paths, j, k, (size_t(k) * map.dims.y + j) * map.dims.x);
+      progress.report(before + share * ++planes / map.dims.z);
+    }
+  });
+}
+
+}  // namespace
+
+size_t PathScratch::bytes() const {
+  return rays[0].capacityBytes() + rays[1].capacityBytes() + rays[2].capacityBytes() + next.capacityBytes();
+}
+
+void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
+                  Buffer<float>& winding) {
+  const RayMap& map = sweep.map();
+  fillRays(sweep, scratch.rays);
+  scratch.next.resize(winding.size());
+  const float curves = float(kRays + kRays * kPathsPerPoint * options.passes);
+  forEachRow(map, scratch, progress, 0.0, 1.0, [&](PathRow& paths, int j, int k, size_t first) {
+    std::vector<float> sum(sweep.rowLength()), there(sweep.rowLength());
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] = kRays * winding[first + i];
+    for (int pass = 0; pass < options.passes; ++pass) {
+      const glm::ivec3 offset = offsetOf(options, pass, map.dims);
+      const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
+      fetchValues(map.dims, offset, j, k, winding, there);
+      for (size_t i = 0; i < sum.size(); ++i)  // Eq. 9, summed over the six paths
+        sum[i] += kRays * (float(counts[i]) + kPathsPerPoint * there[i]);
+    }
+    for (size_t i = 0; i < sum.size(); ++i) scratch.next[first + i] = sum[i] / curves;
+  });
+  winding.swap(scratch.next);
+}
+
+void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
+                 Buffer<float>& winding) {
+  const RayMap& map = sweep.map();
+  fillRays(sweep, scratch.rays);
+  scratch.next.resize(winding.size());
+  for (int step = 0; step < options.passes; ++step) {
+    const glm::ivec3 offset = offsetOf(options, step, map.dims);
+    const double share = 1.0 / options.passes;
+    forEachRow(map, scratch, progress, step * share, share, [&](PathRow& paths, int j, int k, size_t first) {
+      std::vector<float> there(sweep.rowLength());
+      const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
+      fetchValues(map.dims, offset, j, k, winding, there);
+      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n is the same at every sample, 6 * 7^t,
+      // so that it cancels and no count grows with the steps.
+      for (size_t i = 0; i < there.size(); ++i)
+        scratch.next[first + i] =
+            (winding[first + i] + float(counts[i]) + kPathsPerPoint * there[i]) / (1 + kPathsPerPoint);
+    });
+    winding.swap(scratch.next);
+  }
+}
+
+}  // namespace raymap
