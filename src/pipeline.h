@@ -13,7 +13,7 @@ namespace raymap {
 template <class B>
 concept Backend = requires(B b, const Mesh& mesh, const Grid& grid, const Options& options,
                            Progress& progress, Field& field) {
-  b.begin(mesh, grid, options, progress);
+  b.begin(mesh, grid, options, progress, field);
   b.voxelGrid();
   b.cellDistance();
   b.distanceTransform();
@@ -24,7 +24,7 @@ concept Backend = requires(B b, const Mesh& mesh, const Grid& grid, const Option
   b.rayMap();
   b.winding();
   b.sign();
-  b.finish(field);
+  b.finish();
 };
 
 template <Backend B>
@@ -35,17 +35,19 @@ void runPipeline(B& backend, const Mesh& mesh, const Grid& grid, const Options& 
   };
 
   // The mesh in cell units, where sample (i, j, k) lies at (i, j, k).
-  progress.stage("begin", [&] { backend.begin(mesh, grid, options, progress); });
+  progress.stage("begin", [&] { backend.begin(mesh, grid, options, progress, field); });
 
   // Unsigned distance, and the closest triangle.
   if (options.distance == DistanceMode::Exact) {
     stage("exact_distance", &B::exactDistance);  // Ours: the true closest triangle.
-  } else if (options.distance == DistanceMode::Raster) {
-    stage("raster_distance", &B::rasterDistance);  // §3.3, last paragraph: one pass over the triangles,
-    stage("distance_transform", &B::distanceTransform);  // spread by the transform alone.
   } else {
-    stage("voxel_grid", &B::voxelGrid);                  // §3.1: which triangles touch which cell.
-    stage("cell_distance", &B::cellDistance);            // §3.3: how close they come to its centre.
+    if (options.distance == DistanceMode::Raster) {
+      stage("raster_distance",
+            &B::rasterDistance);  // §3.3, end: every triangle writes its distance to the cells.
+    } else {
+      stage("voxel_grid", &B::voxelGrid);        // §3.1: which triangles touch which cell.
+      stage("cell_distance", &B::cellDistance);  // §3.3: how close they come to its centre.
+    }
     stage("distance_transform", &B::distanceTransform);  // §3.3, Alg. 1-2: the nearest occupied cell.
     stage("refine", &B::refine);                         // §3.3, end: the distance to its triangles.
   }
@@ -57,7 +59,7 @@ void runPipeline(B& backend, const Mesh& mesh, const Grid& grid, const Options& 
     stage("winding", &B::winding);      // §3.5, Eq. 9-11, and the harmonic solve.
     stage("sign", &B::sign);            // §3.5: threshold, confidence.
   }
-  progress.stage("finish", [&] { backend.finish(field); });
+  stage("finish", &B::finish);  // Mesh units.
 }
 
 }  // namespace raymap

@@ -25,7 +25,7 @@ Result refine(const CellMesh& mesh, int reach, int threads = 0) {
   Result result;
   withThreads(threads, [&] {
     result.levels = nearestCells(mesh);
-    refineDistance(mesh, result.levels, reach, silent.progress, result.distance, result.triangle);
+    refineDistance(mesh, result.levels, reach, silent.progress, result.distance, &result.triangle);
   });
   return result;
 }
@@ -174,7 +174,7 @@ TEST(Refine, StopsWhenCancelled) {
   silent.options.progress = [](std::string_view, double) { return false; };
   Buffer<float> distance;
   Buffer<uint32_t> triangle;
-  EXPECT_THROW(refineDistance(mesh, levels, 1, silent.progress, distance, triangle), Error);
+  EXPECT_THROW(refineDistance(mesh, levels, 1, silent.progress, distance, &triangle), Error);
 }
 
 }  // namespace

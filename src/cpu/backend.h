@@ -1,24 +1,23 @@
 #pragma once
 
-#include "cell_distance.h"
+#include <vector>
+
+#include "cell_level.h"
 #include "cell_mesh.h"
 #include "crossings.h"
-#include "distance_transform.h"
 #include "exact_distance.h"
 #include "progress.h"
-#include "raster_distance.h"
 #include "ray_map.h"
-#include "refine.h"
-#include "sign.h"
-#include "voxel_grid.h"
 #include "winding.h"
 
 namespace raymap {
 
-/// The CPU's twin of every stage of pipeline.h. Holds all buffers, and keeps them between runs.
+/// The CPU's twin of every stage of pipeline.h. Holds what lies between the mesh and the field, and keeps
+/// that memory between runs.
 class CpuBackend {
  public:
-  void begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress);
+  /// Takes the mesh into cell units and sizes the field. The references must live until `finish`.
+  void begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress, Field& field);
   void voxelGrid();
   void cellDistance();
   void distanceTransform();
@@ -29,7 +28,33 @@ class CpuBackend {
   void rayMap();
   void winding();
   void sign();
-  void finish(Field& field);
+  /// Brings the distances into the mesh's units.
+  void finish();
+
+  /// Share of samples whose six rays disagree.
+  double doubtfulShare() const { return windingSummary_.doubtfulShare; }
+  /// Bytes held, the field not counted.
+  size_t bytes() const;
+
+  /// Bytes that a run will hold at most, the field counted, from sizes alone.
+  static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+
+ private:
+  Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }
+
+  const Options* options_ = nullptr;
+  Progress* progress_ = nullptr;
+  Field* field_ = nullptr;
+  size_t memoryLimit_ = 0;
+
+  CellMesh mesh_;
+  std::vector<CellLevel> levels_;  // of the paper's distance stages
+  ExactDistance exactDistance_;
+  Crossings crossings_;
+  RayMap rayMap_;
+  Winding windingSolver_;
+  WindingSummary windingSummary_;
+  Buffer<float> winding_;
 };
 
 }  // namespace raymap

@@ -28,13 +28,13 @@ class BlockRefiner {
                int reach)
       : mesh_(mesh), levels_(levels), trees_(trees), reach_(reach) {}
 
-  void refine(const glm::ivec3& low, Buffer<float>& distance, Buffer<uint32_t>& triangle) {
+  void refine(const glm::ivec3& low, Buffer<float>& distance, Buffer<uint32_t>* triangle) {
     closest_.fill({});
     for (size_t l = 0; l < levels_.size(); ++l) refineLevel(l, low);
     forEachSample(low, [&](uint32_t i, const glm::ivec3& sample) {
       const size_t s = CellLattice{mesh_.dims}.index(sample);
       distance[s] = std::sqrt(closest_[i].squared);
-      triangle[s] = closest_[i].triangle;
+      if (triangle) (*triangle)[s] = closest_[i].triangle;
     });
   }
 
@@ -119,13 +119,13 @@ class BlockRefiner {
 }  // namespace
 
 void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int reach, Progress& progress,
-                    Buffer<float>& distance, Buffer<uint32_t>& triangle) {
+                    Buffer<float>& distance, Buffer<uint32_t>* triangle) {
   constexpr size_t kBlocksAtOnce = 16;
   const CellLattice blocks{(mesh.dims + kSide - 1) / kSide};
   std::vector<CellTrees> trees;
   for (const CellLevel& level : levels) trees.emplace_back(mesh, level.grid, progress);
   distance.resize(CellLattice{mesh.dims}.count());
-  triangle.resize(distance.size());
+  if (triangle) triangle->resize(distance.size());
   parallelFor(blocks.count(), kBlocksAtOnce, [&](size_t begin, size_t end) {
     progress.report(double(begin) / double(blocks.count()));
     BlockRefiner refiner(mesh, levels, trees, reach);

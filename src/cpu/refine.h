@@ -8,6 +8,6 @@ namespace raymap {
 /// cell and, with `reach` 1, of that cell's 26 neighbours too, over all levels; and the closest of those
 /// triangles, the lowest of several.
 void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int reach, Progress& progress,
-                    Buffer<float>& distance, Buffer<uint32_t>& triangle);
+                    Buffer<float>& distance, Buffer<uint32_t>* triangle);
 
 }  // namespace raymap

@@ -1,0 +1,151 @@
+#include "backend.h"
+
+#include <raymap/error.h>
+
+#include <cmath>
+#include <string>
+
+#include "cell_distance.h"
+#include "distance_transform.h"
+#include "memory.h"
+#include "parallel.h"
+#include "raster_distance.h"
+#include "refine.h"
+#include "sign.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kGrain = size_t{1} << 16;
+
+void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells) {
+  cells.dims = grid.dims;
+  cells.triangles = mesh.triangles;
+  cells.vertices.resize(mesh.vertices.size());
+  const glm::dvec3 shift = mesh.origin - grid.origin;
+  parallelFor(mesh.vertices.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v)
+      cells.vertices[v] = glm::vec3((shift + glm::dvec3(mesh.vertices[v])) / grid.spacing);
+  });
+}
+
+}  // namespace
+
+size_t CpuBackend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
+  const bool exact = options.distance == DistanceMode::Exact;
+  const bool raster = options.distance == DistanceMode::Raster;
+  size_t perSample = sizeof(float);
+  if (options.triangleIds || (!exact && !raster)) perSample += sizeof(uint32_t);
+  if (!exact) perSample += sizeof(float) + sizeof(uint32_t) + (raster ? 0 : sizeof(uint64_t));
+  if (options.sign != SignMode::None) perSample += sizeof(float);
+  if (options.sign == SignMode::Harmonic) perSample += 10;
+  if (options.sign == SignMode::Evolution) perSample += sizeof(float);
+  if (options.confidence) perSample += sizeof(float);
+  const size_t perTriangle = exact ? 100 : 32;
+  return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
+         mesh.vertices.size() * sizeof(glm::vec3);
+}
+
+void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress,
+                       Field& field) {
+  options_ = &options;
+  progress_ = &progress;
+  field_ = &field;
+  memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
+  toCellUnits(mesh, grid, mesh_);
+  const size_t count = grid.sampleCount();
+  field.grid = grid;
+  field.band = options.band * grid.spacing;
+  field.distance.resize(count);
+  field.triangle.resize(options.triangleIds ? count : 0);
+  field.winding.resize(options.winding && options.sign != SignMode::None ? count : 0);
+  field.confidence.resize(options.confidence && options.sign != SignMode::None ? count : 0);
+  windingSummary_ = {};
+}
+
+void CpuBackend::exactDistance() {
+  exactDistance_.compute(mesh_, options_->band, *progress_, field_->distance,
+                         options_->triangleIds ? &field_->triangle : nullptr);
+}
+
+void CpuBackend::voxelGrid() {
+  const std::vector<CellLattice> lattices = coverMesh(mesh_);
+  levels_.resize(lattices.size());
+  const size_t held = bytes();
+  for (size_t l = 0; l < lattices.size(); ++l)
+    buildVoxelGrid(mesh_, lattices[l], memoryLimit_ > held ? memoryLimit_ - held : 0, *progress_,
+                   levels_[l].grid);
+}
+
+void CpuBackend::cellDistance() {
+  for (CellLevel& level : levels_) computeCellDistance(mesh_, level.grid, *progress_, level.squared);
+}
+
+void CpuBackend::rasterDistance() {
+  const std::vector<CellLattice> lattices = coverMesh(mesh_);
+  levels_.resize(lattices.size());
+  for (size_t l = 0; l < lattices.size(); ++l) {
+    levels_[l].grid.cells = lattices[l];
+    rasterizeDistance(mesh_, lattices[l], *progress_, levels_[l].squared);
+  }
+}
+
+void CpuBackend::distanceTransform() {
+  for (CellLevel& level : levels_)
+    transformDistance(level.grid.cells.dims, *progress_, level.squared, level.nearestCell);
+}
+
+void CpuBackend::refine() {
+  if (options_->distance == DistanceMode::Raster) {
+    sampleRasterDistance(mesh_.dims, levels_, *progress_, field_->distance);
+    return;
+  }
+  const int reach = options_->distance == DistanceMode::Neighbours ? 1 : 0;
+  refineDistance(mesh_, levels_, reach, *progress_, field_->distance,
+                 options_->triangleIds ? &field_->triangle : nullptr);
+}
+
+void CpuBackend::crossings() {
+  countCrossings(mesh_, crossings_);
+}
+
+void CpuBackend::rayMap() {
+  buildRayMap(mesh_.dims, crossings_, rayMap_);
+}
+
+void CpuBackend::winding() {
+  windingSummary_ = windingSolver_.compute(rayMap_, *options_, *progress_, windingBuffer());
+}
+
+void CpuBackend::sign() {
+  applySign(windingBuffer(), options_->threshold, options_->invert, field_->distance);
+  if (options_->confidence)
+    computeConfidence(rayMap_, windingBuffer(), options_->threshold, field_->confidence);
+}
+
+void CpuBackend::finish() {
+  const auto scale = static_cast<float>(field_->grid.spacing);
+  const auto band = options_->band > 0.0 ? static_cast<float>(options_->band) : INFINITY;
+  parallelFor(field_->distance.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      float& d = field_->distance[i];
+      d = std::max(-band, std::min(d, band)) * scale;
+    }
+  });
+}
+
+size_t CpuBackend::bytes() const {
+  size_t total = mesh_.vertices.capacityBytes() + exactDistance_.bytes() + windingSolver_.bytes() +
+                 winding_.capacityBytes();
+  for (const CellLevel& level : levels_)
+    total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
+             level.squared.capacityBytes() + level.nearestCell.capacityBytes();
+  for (const AxisCrossings& axis : crossings_)
+    total += axis.starts.capacityBytes() + axis.entries.capacityBytes();
+  for (const RayMap::Axis& axis : rayMap_.axes)
+    total += axis.starts.capacityBytes() + axis.steps.capacityBytes();
+  return total;
+}
+
+}  // namespace raymap

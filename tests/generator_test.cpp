@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <cstring>
+
+#include "reference.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+bool same(const Buffer<float>& a, const Buffer<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+TEST(Generator, GivesTheSignedDistanceOfASphere) {
+  const Mesh mesh = shapes::sphere(1.0, 4, {5, -3, 2});
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  const Field field = generate(mesh, grid);
+  for (size_t k = 0; k < field.distance.size(); ++k) {
+    const glm::ivec3 s(k % grid.dims.x, k / grid.dims.x % grid.dims.y, k / grid.dims.x / grid.dims.y);
+    const double exact = glm::distance(grid.position(glm::dvec3(s)), glm::dvec3(5, -3, 2)) - 1.0;
+    ASSERT_NEAR(field.distance[k], exact, 0.006) << k;
+  }
+}
+
+TEST(Generator, ReusesItsBuffersAndGivesTheSame) {
+  const Mesh mesh = shapes::soup(200, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 32});
+  Generator generator;
+  Field first, again;
+  Options options;
+  options.winding = options.confidence = options.triangleIds = true;
+  generator.generate(mesh, grid, options, first);
+  const size_t held = generator.stats().bytes;
+  generator.generate(shapes::sphere(1.0, 3), grid, {}, again);
+  generator.generate(mesh, grid, options, again);
+  EXPECT_TRUE(same(first.distance, again.distance));
+  EXPECT_TRUE(same(first.winding, again.winding));
+  EXPECT_LE(generator.stats().bytes, held + (held / 2));
+}
+
+TEST(Generator, DoesNotDependOnTheNumberOfThreads) {
+  const Mesh mesh = shapes::soup(300, 5);
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  for (const DistanceMode distance :
+       {DistanceMode::Exact, DistanceMode::Neighbours, DistanceMode::Cell, DistanceMode::Raster})
+    for (const SignMode sign : {SignMode::Harmonic, SignMode::Paths, SignMode::Evolution, SignMode::Rays}) {
+      Options options;
+      options.distance = distance;
+      options.sign = sign;
+      options.threads = 1;
+      const Field one = generate(mesh, grid, options);
+      for (const int threads : {2, 8}) {
+        options.threads = threads;
+        EXPECT_TRUE(same(one.distance, generate(mesh, grid, options).distance))
+            << int(distance) << int(sign) << threads;
+      }
+    }
+}
+
+TEST(Generator, StopsWhenAskedAndLeavesNothing) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 64});
+  for (const int stopAt : {0, 1, 3, 6}) {
+    int calls = 0;
+    Options options;
+    options.progress = [&](std::string_view, double) { return calls++ < stopAt; };
+    Field field;
+    try {
+      Generator().generate(mesh, grid, options, field);
+      FAIL() << stopAt;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+    }
+    EXPECT_TRUE(field.distance.empty());
+  }
+}
+
+TEST(Generator, NamesTheMemoryItNeeds) {
+  const Mesh mesh = shapes::sphere(1.0, 2);
+  Options options;
+  options.memoryLimit = 1 << 20;
+  try {
+    generate(mesh, fitGrid(mesh, {.resolution = 256}), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Memory);
+    EXPECT_NE(std::string(error.what()).find("only 1 MiB"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Generator, RefusesWhatIsNoMesh) {
+  Mesh mesh = shapes::sphere(1.0, 1);
+  const Grid grid = fitGrid(mesh, {.resolution = 16});
+  mesh.vertices[7].y = NAN;
+  EXPECT_THROW(generate(mesh, grid), Error);
+  mesh.triangles.clear();
+  EXPECT_THROW(generate(mesh, grid), Error);
+}
+
+TEST(Generator, ClampsToTheBand) {
+  const Mesh mesh = shapes::torus(1.0, 0.4, 60, 30);
+  const Grid grid = fitGrid(mesh, {.resolution = 50});
+  const Field full = generate(mesh, grid);
+  Options options;
+  options.band = 3.0;
+  const Field band = generate(mesh, grid, options);
+  const auto limit = static_cast<float>(3.0 * grid.spacing);
+  for (size_t k = 0; k < full.distance.size(); ++k)
+    ASSERT_NEAR(band.distance[k], std::clamp(full.distance[k], -limit, limit), 1e-5 * grid.spacing);
+}
+
+TEST(Generator, InvertsOnRequest) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Grid grid = fitGrid(mesh, {.resolution = 16});
+  Options options;
+  options.invert = true;
+  const Field plain = generate(mesh, grid), inverted = generate(mesh, grid, options);
+  for (size_t k = 0; k < plain.distance.size(); ++k) ASSERT_EQ(plain.distance[k], -inverted.distance[k]);
+}
+
+}  // namespace
+}  // namespace raymap
