@@ -11,3 +11,8 @@ find_package(PNG REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(assimp REQUIRED)
+find_package(Imath REQUIRED)  # half floats in OpenVDB's headers
+# Debian's packages of the first and the last have no CMake configuration; all are linked by name.
+find_path(MINIZIP_INCLUDE minizip/unzip.h REQUIRED)
+find_path(PUGIXML_INCLUDE pugixml.hpp REQUIRED)
+find_path(OPENVDB_INCLUDE openvdb/openvdb.h REQUIRED)

@@ -21,8 +21,9 @@ struct Format {
 };
 
 constexpr std::array kFormats{
-    Format{".nrrd", readNrrd, writeNrrd},
-    Format{".npy", readNpy, writeNpy},
+    Format{".nrrd", readNrrd, writeNrrd}, Format{".npy", readNpy, writeNpy},
+    Format{".npz", readNpz, writeNpz},    Format{".vti", readVti, writeVti},
+    Format{".vdb", readVdb, writeVdb},
 };
 
 const Format& formatOf(const fs::path& path) {

@@ -14,4 +14,13 @@ void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
 Field readNpy(const std::filesystem::path& path);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
 
+Field readNpz(const std::filesystem::path& path);
+void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
+
+Field readVti(const std::filesystem::path& path);
+void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
+
+Field readVdb(const std::filesystem::path& path);
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array);
+
 }  // namespace raymap
