@@ -2,8 +2,8 @@
 include(CMakePackageConfigHelpers)
 
 # Packages the library links but never shows in a header: a static library hands them on, a shared one does not.
-set(RAYMAP_PRIVATE_PACKAGES Threads TBB hwy PNG ZLIB)
-set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy libpng zlib")
+set(RAYMAP_PRIVATE_PACKAGES Threads TBB hwy PNG ZLIB Imath)
+set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy libpng zlib pugixml minizip Imath")
 
 set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 install(TARGETS raymap EXPORT raymapTargets)

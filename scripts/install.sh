@@ -13,6 +13,8 @@ packages=(
   libassimp-dev                  # FBX, DAE and 3MF
   nlohmann-json3-dev             # glTF, statistics
   libpng-dev zlib1g-dev          # pictures, compressed fields
+  libpugixml-dev libminizip-dev  # .vti, .npz
+  libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
   libgtest-dev                   # tests
 )
@@ -24,7 +26,6 @@ checks=(
 peers=(
   libbenchmark-dev               # single stages
   libembree-dev                  # exact peer
-  libopenvdb-dev libboost-dev libboost-iostreams-dev  # narrow-band peer, and what its headers need
   python3-venv                   # the Python peers come from PyPI,
   libusb-1.0-0 libgl1 libgomp1   # and one of them needs these
 )
