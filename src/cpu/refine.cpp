@@ -90,10 +90,10 @@ class BlockRefiner {
   void measure(const CellTrees& trees, const glm::ivec3& low, std::span<const uint64_t> samples) {
     batch_.count = samples.size();
     for (size_t n = 0; n < samples.size(); ++n) {
-      const auto i = static_cast<int>(samples[n] % kBlock);
-      batch_.x[n] = static_cast<float>(low.x + i % kSide);
-      batch_.y[n] = static_cast<float>(low.y + i / kSide % kSide);
-      batch_.z[n] = static_cast<float>(low.z + i / (kSide * kSide));
+      const glm::ivec3 sample = low + CellLattice{glm::ivec3(kSide)}.cell(samples[n] % kBlock);
+      batch_.x[n] = static_cast<float>(sample.x);
+      batch_.y[n] = static_cast<float>(sample.y);
+      batch_.z[n] = static_cast<float>(sample.z);
       batch_.squared[n] = INFINITY;
       batch_.triangle[n] = Closest().triangle;
     }
