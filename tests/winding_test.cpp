@@ -111,5 +111,155 @@ TEST(Winding, SameForAnyNumberOfThreads) {
   }
 }
 
+struct Deviation {
+  double wrongSigns = 0.0;  ///< Share of samples.
+  double meanError = 0.0;
+};
+
+Deviation deviationOf(const Mesh& mesh, const Grid& grid, SignMode mode) {
+  const Buffer<float> winding = windingOf(mesh, grid, mode).winding;
+  Deviation sum;
+  for (size_t s = 0; s < winding.size(); ++s) {
+    const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
+    const glm::dvec3 at(double(s % nx), double(s / nx % ny), double(s / nx / ny));
+    const double exact = reference::windingNumber(mesh, grid.position(at));
+    sum.wrongSigns += (std::abs(exact) > 0.5) != (std::abs(winding[s]) > 0.5);
+    sum.meanError += std::abs(exact - winding[s]);
+  }
+  return {sum.wrongSigns / double(winding.size()), sum.meanError / double(winding.size())};
+}
+
+TEST(Winding, NearTheGeneralizedNumberOnASphereWithAHole) {
+  const glm::dvec3 hole = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
+  Mesh mesh = shapes::sphere(1.0, 3);
+  std::erase_if(mesh.triangles,
+                [&](const glm::uvec3& t) { return glm::dot(mesh.position(t.x), hole) > 0.9; });
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  const Deviation rays = deviationOf(mesh, grid, SignMode::Rays);
+  const Deviation harmonic = deviationOf(mesh, grid, SignMode::Harmonic);
+  EXPECT_LT(rays.wrongSigns, 0.01);
+  EXPECT_LT(deviationOf(mesh, grid, SignMode::Paths).wrongSigns, 0.01);
+  EXPECT_LT(deviationOf(mesh, grid, SignMode::Evolution).wrongSigns, 0.01);
+  EXPECT_LT(harmonic.wrongSigns, 0.001);
+  EXPECT_LT(harmonic.meanError, 0.005);
+  EXPECT_LT(harmonic.meanError, 0.25 * rays.meanError);
+}
+
+TEST(Winding, NearTheGeneralizedNumberWithAFifthOfTheFacesMissing) {
+  Mesh mesh = shapes::sphere(1.0, 3);
+  std::mt19937 random(11);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3&) { return random() % 5 == 0; });
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  EXPECT_LT(deviationOf(mesh, grid, SignMode::Rays).wrongSigns, 0.04);
+  EXPECT_LT(deviationOf(mesh, grid, SignMode::Paths).wrongSigns, 0.02);
+  EXPECT_LT(deviationOf(mesh, grid, SignMode::Evolution).wrongSigns, 0.02);
+  const Deviation harmonic = deviationOf(mesh, grid, SignMode::Harmonic);
+  EXPECT_LT(harmonic.wrongSigns, 0.004);
+  EXPECT_LT(harmonic.meanError, 0.03);
+}
+
+/// Triangles whose corners are exact in single precision, inside the box of 24 cells but for a margin of 4.
+Mesh exactSoup(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<glm::dvec3> p(size_t(count) * 3);
+  std::vector<glm::uvec3> t;
+  for (glm::dvec3& v : p)
+    for (int c = 0; c < 3; ++c) v[c] = 4.0 + double(random() % 16384) / 1024.0 + 1.0 / 2048.0;
+  for (uint32_t i = 0; i < uint32_t(count); ++i) t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  return makeMesh(p, std::move(t));
+}
+
+template <class Move>
+Mesh moved(const Mesh& mesh, Move&& move) {
+  std::vector<glm::dvec3> p;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(move(mesh.position(v)));
+  return makeMesh(p, mesh.triangles);
+}
+
+/// The same field, and the one over the moved mesh, at the samples that `move` links.
+template <class Move>
+void expectMovesAlong(const Mesh& mesh, Move&& move, SignMode mode, float tolerance) {
+  const Grid grid = unitGrid({25, 25, 25});
+  const Buffer<float> before = windingOf(mesh, grid, mode).winding;
+  const Buffer<float> after = windingOf(moved(mesh, move), grid, mode).winding;
+  for (int k = 4; k < 21; ++k)
+    for (int j = 4; j < 21; ++j)
+      for (int i = 4; i < 21; ++i) {
+        const glm::ivec3 s(i, j, k), to(glm::round(move(glm::dvec3(s))));
+        ASSERT_NEAR(before[grid.index(s)], after[grid.index(to)], tolerance) << i << " " << j << " " << k;
+      }
+}
+
+TEST(Winding, FollowsTheMesh) {
+  const Mesh mesh = exactSoup(60, 5);
+  const auto shift = [](const glm::dvec3& p) { return p + glm::dvec3(2, -1, 3); };
+  const auto turn = [](const glm::dvec3& p) { return glm::dvec3(24.0 - p.y, p.x, p.z); };
+  const auto relabel = [](const glm::dvec3& p) { return glm::dvec3(p.y, p.z, p.x); };
+  expectMovesAlong(mesh, shift, SignMode::Rays, 0.0f);
+  expectMovesAlong(mesh, turn, SignMode::Rays, 1e-6f);
+  expectMovesAlong(mesh, relabel, SignMode::Rays, 1e-6f);
+  // The coarse lattices lie differently: what one V-cycle leaves, not rounding.
+  expectMovesAlong(mesh, shift, SignMode::Harmonic, 0.35f);
+  expectMovesAlong(mesh, turn, SignMode::Harmonic, 0.35f);
+  expectMovesAlong(mesh, relabel, SignMode::Harmonic, 0.35f);
+}
+
+TEST(Winding, TheOrderOfTrianglesDoesNotMatter) {
+  const Mesh mesh = shapes::soup(300, 9);
+  Mesh reversed = mesh;
+  std::reverse(reversed.triangles.begin(), reversed.triangles.end());
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  for (const SignMode mode : kModes) {
+    const Buffer<float> a = windingOf(mesh, grid, mode).winding, b = windingOf(reversed, grid, mode).winding;
+    EXPECT_EQ(0, std::memcmp(a.data(), b.data(), a.size() * sizeof(float))) << "mode " << int(mode);
+  }
+}
+
+TEST(Winding, AnOffsetOfZeroAddsNothingToTheRays) {
+  const Mesh mesh = shapes::soup(100, 9);
+  const RayMap map = rayMapOf(mesh, fitGrid(mesh, {.resolution = 16}));
+  Options options;
+  options.offsets = {{0, 0, 0}};
+  options.sign = SignMode::Rays;
+  const Buffer<float> rays = windingOf(map, options).winding;
+  for (const SignMode mode : {SignMode::Paths, SignMode::Evolution}) {
+    options.sign = mode;
+    const Buffer<float> same = windingOf(map, options).winding;
+    for (size_t s = 0; s < rays.size(); ++s) ASSERT_NEAR(rays[s], same[s], 1e-4f);
+  }
+}
+
+TEST(Winding, OffsetsBeyondTheGridEndAtZero) {
+  // From far outside, every path is a ray: Eq. 6 counts what lies between.
+  const Mesh mesh = shapes::soup(40, 2);
+  const Grid grid = fitGrid(mesh, {.resolution = 12});
+  const RayMap map = rayMapOf(mesh, grid);
+  Options options;
+  options.sign = SignMode::Paths;
+  options.passes = 1;
+  options.offsets = {{1000000000, 0, 0}};
+  const Buffer<float> winding = windingOf(map, options).winding;
+  options.sign = SignMode::Rays;
+  const Buffer<float> rays = windingOf(map, options).winding;
+  for (int i = 0; i < grid.dims.x; ++i) {
+    const glm::ivec3 s(i, 5, 6);
+    const double expected = (6.0 * rays[grid.index(s)] + 36.0 * map.ray(0, s)) / 42.0;
+    EXPECT_NEAR(winding[grid.index(s)], expected, 1e-4);
+  }
+}
+
+TEST(Winding, ThinGrids) {
+  const Mesh closed = shapes::sphere(3.0, 3, {4, 4, 4});
+  const Mesh open = shapes::soup(200, 4);
+  for (const glm::ivec3 dims :
+       {glm::ivec3(1, 1, 1), glm::ivec3(1, 9, 9), glm::ivec3(9, 1, 2), glm::ivec3(2, 2, 9)}) {
+    const Grid grid{.dims = dims, .origin = glm::dvec3(4, 4, 4) - 0.5 * glm::dvec3(dims - 1), .spacing = 1.0};
+    expectExact(closed, grid);
+    const Grid inSoup{.dims = dims, .origin = glm::dvec3(0.05), .spacing = 0.1};
+    for (const SignMode mode : kModes)
+      for (const float w : windingOf(open, inSoup, mode).winding) ASSERT_LT(std::abs(w), 100.0f);
+  }
+}
+
 }  // namespace
 }  // namespace raymap

@@ -32,7 +32,7 @@ enum class SignMode {
 struct Options {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
-  int passes = 5;                   ///< Passes P of `Paths` and steps of `Evolution`.
+  int passes = 5;  ///< Passes P of `Paths` (one offset point each), steps of `Evolution` (four).
   std::vector<glm::ivec3> offsets;  ///< Offset points, in samples, taken in turn; empty = the built-in set.
   double threshold = 0.5;           ///< Inside means |winding number| > threshold.
   double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.

@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kPathsPerPoint = 6;  // xyz, xzy, yxz, yzx, zxy, zyx
 constexpr int kRays = 6;
+// Offset points of one step of the evolution. With a single one the field would nearly be that point's.
+constexpr int kPointsPerStep = 4;
 
 /// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over the box of half the
 /// grid's size around the sample, so that any number of passes is well spaced.
@@ -155,18 +157,21 @@ void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progre
   const RayMap& map = sweep.map();
   fillRays(sweep, scratch.rays);
   scratch.next.resize(winding.size());
+  const double share = 1.0 / options.passes;
   for (int step = 0; step < options.passes; ++step) {
-    const glm::ivec3 offset = offsetOf(options, step, map.dims);
-    const double share = 1.0 / options.passes;
     forEachRow(map, scratch, progress, step * share, share, [&](PathRow& paths, int j, int k, size_t first) {
-      std::vector<float> there(sweep.rowLength());
-      const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
-      fetchValues(map.dims, offset, j, k, winding, there);
-      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n is the same at every sample, 6 * 7^t,
+      std::vector<float> sum(winding.data() + first, winding.data() + first + sweep.rowLength());
+      std::vector<float> there(sum.size());
+      for (int point = 0; point < kPointsPerStep; ++point) {
+        const glm::ivec3 offset = offsetOf(options, step * kPointsPerStep + point, map.dims);
+        const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
+        fetchValues(map.dims, offset, j, k, winding, there);
+        for (size_t i = 0; i < sum.size(); ++i) sum[i] += float(counts[i]) + kPathsPerPoint * there[i];
+      }
+      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n is the same at every sample, 6 * 25^t,
       // so that it cancels and no count grows with the steps.
-      for (size_t i = 0; i < there.size(); ++i)
-        scratch.next[first + i] =
-            (winding[first + i] + float(counts[i]) + kPathsPerPoint * there[i]) / (1 + kPathsPerPoint);
+      for (size_t i = 0; i < sum.size(); ++i)
+        scratch.next[first + i] = sum[i] / float(1 + kPathsPerPoint * kPointsPerStep);
     });
     winding.swap(scratch.next);
   }

@@ -19,7 +19,7 @@ struct PathScratch {
 void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
                   Buffer<float>& winding);
 
-/// §3.5, Eq. 10-11: P steps, each with one offset point, on the field that the step before left.
+/// §3.5, Eq. 10-11: P steps, each with four offset points, on the field that the step before left.
 void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
                  Buffer<float>& winding);
 

@@ -1,0 +1,85 @@
+// Every mesh of the shared folder whose winding number is a whole number everywhere.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "sign_scene.h"
+
+namespace raymap {
+namespace {
+
+std::filesystem::path meshFolder() {
+  const char* folder = std::getenv("RAYMAP_MESHES");
+  return folder ? folder : RAYMAP_SHARED_MESHES;
+}
+
+/// The names of the well-formed meshes that the list calls balanced.
+std::vector<std::string> balancedMeshes() {
+  std::ifstream list(meshFolder() / "MESHES.tsv");
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> result;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, '\t');) result.push_back(cell);
+    return result;
+  };
+  std::vector<std::string> names;
+  std::string line;
+  std::getline(list, line);
+  std::map<std::string, size_t> column;
+  for (const std::string& title : cells(line)) column.emplace(title, column.size());
+  while (std::getline(list, line)) {
+    const std::vector<std::string> row = cells(line);
+    if (row.at(column.at("balanced")) == "yes" && row.at(column.at("kind")) != "malformed")
+      names.push_back(row.at(column.at("file")));
+  }
+  return names;
+}
+
+/// At random samples, as many as the size of the mesh leaves time for.
+size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const std::vector<Buffer<float>>& windings) {
+  constexpr size_t kTriangleTests = 3'000'000;
+  const size_t samples = std::clamp<size_t>(kTriangleTests / mesh.triangles.size(), 4, 300);
+  std::mt19937 random(17);
+  size_t wrong = 0;
+  for (size_t n = 0; n < samples; ++n) {
+    const glm::ivec3 s(int(random() % uint32_t(grid.dims.x)), int(random() % uint32_t(grid.dims.y)),
+                       int(random() % uint32_t(grid.dims.z)));
+    const glm::dvec3 p = grid.position(glm::dvec3(s));
+    const bool inside = std::abs(reference::windingNumber(mesh, p)) > 0.5;
+    for (const Buffer<float>& winding : windings)
+      if (inside != (std::abs(winding[grid.index(s)]) > 0.5f) &&
+          reference::distance(mesh, p) > 1e-6 * diagonal(mesh))
+        ++wrong;
+  }
+  return wrong;
+}
+
+TEST(Sign, NoBalancedMeshHasAWrongSign) {
+  if (!std::filesystem::exists(meshFolder() / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  size_t tried = 0;
+  for (const std::string& name : balancedMeshes()) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = readMesh(meshFolder() / name);
+    const Grid grid = fitGrid(mesh, {.resolution = 64});
+    const RayMap map = rayMapOf(mesh, grid);
+    std::vector<Buffer<float>> windings;
+    for (const SignMode mode : {SignMode::Rays, SignMode::Paths, SignMode::Evolution, SignMode::Harmonic}) {
+      Options options;
+      options.sign = mode;
+      WindingResult result = windingOf(map, options);
+      EXPECT_EQ(result.summary.doubtfulShare, 0.0);
+      windings.push_back(std::move(result.winding));
+    }
+    EXPECT_EQ(countWrongSigns(mesh, grid, windings), 0u);
+    ++tried;
+  }
+  EXPECT_GT(tried, 0u);
+}
+
+}  // namespace
+}  // namespace raymap
