@@ -5,7 +5,8 @@ include(CMakePackageConfigHelpers)
 set(RAYMAP_PRIVATE_PACKAGES Threads TBB hwy PNG ZLIB Imath)
 set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy libpng zlib pugixml minizip Imath")
 
-set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  DEFINE_SYMBOL "")  # so that the compiler cache serves static and shared builds alike
 install(TARGETS raymap EXPORT raymapTargets)
 install(DIRECTORY include/raymap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
