@@ -188,6 +188,18 @@ std::vector<double> GltfDocument::numbers(const Json& object, const char* key, s
   return result;
 }
 
+uint64_t GltfDocument::accessorCount(uint64_t accessor) const {
+  const Json& json = element("accessors", accessor);
+  const std::string what = "accessors[" + std::to_string(accessor) + "]";
+  if (!json.contains("bufferView")) file_.fail(what + " has no bufferView");
+  uint64_t stride = 0;
+  const uint64_t count = number(json, "count"), room = bufferView(number(json, "bufferView"), stride).size();
+  if (count > room)
+    file_.fail(what + " has " + counted(count, "element") + ", beyond its bufferView of " +
+               counted(room, "byte"));
+  return count;
+}
+
 std::span<const std::byte> GltfDocument::bufferView(uint64_t index, uint64_t& stride) const {
   const Json& view = element("bufferViews", index);
   const uint64_t buffer = number(view, "buffer");
@@ -221,8 +233,7 @@ template <class Put>
 void GltfDocument::readAccessor(uint64_t accessor, uint64_t elementBytes, Put put) const {
   const Json& json = element("accessors", accessor);
   const std::string what = "accessors[" + std::to_string(accessor) + "]";
-  if (!json.contains("bufferView")) file_.fail(what + " has no bufferView");
-  const View base = view(json, number(json, "count"), elementBytes, what);
+  const View base = view(json, accessorCount(accessor), elementBytes, what);
   for (uint64_t i = 0; i < base.count; ++i) put(i, base.data + i * base.stride);
   if (const auto sparse = json.find("sparse"); sparse != json.end()) {
     if (!sparse->is_object()) file_.fail(what + ": 'sparse' is no object");

@@ -26,7 +26,8 @@ class GltfDocument {
   /// `count` numbers, or none if the key is missing.
   std::vector<double> numbers(const Json& object, const char* key, size_t count) const;
 
-  uint64_t accessorCount(uint64_t accessor) const { return number(element("accessors", accessor), "count"); }
+  /// At most the bytes of its bufferView.
+  uint64_t accessorCount(uint64_t accessor) const;
   std::vector<glm::dvec3> positions(uint64_t accessor) const;
   std::vector<uint32_t> vertexIndices(uint64_t accessor) const;
 

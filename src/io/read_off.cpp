@@ -28,8 +28,9 @@ void readKeyword(const MeshFile& file, TextScanner& text) {
 
 uint64_t readCount(const MeshFile& file, TextScanner& text, std::string_view noun) {
   const int64_t count = text.integer();
+  if (count < 0) text.fail("a negative count: " + std::to_string(count));
   // Every vertex and every face takes at least two characters.
-  if (count < 0 || static_cast<uint64_t>(count) > file.bytes.size() / 2)
+  if (static_cast<uint64_t>(count) > file.bytes.size() / 2)
     text.fail("the file announces " + counted(static_cast<uint64_t>(count), noun) + ", but has only " +
               counted(file.bytes.size(), "byte"));
   return static_cast<uint64_t>(count);

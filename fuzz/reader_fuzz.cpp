@@ -1,0 +1,18 @@
+// Any bytes give a valid mesh or an Error.
+
+#include <raymap/error.h>
+
+#include <cstdlib>
+
+#include "io/mesh_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  try {
+    const raymap::MeshFile file{std::as_bytes(std::span(data, size)), "/nonexistent/mesh",
+                                [](std::string_view) {}};
+    validate(raymap::RAYMAP_READER(file));
+  } catch (const raymap::Error& error) {
+    if (std::string_view(error.what()).empty()) std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "import_samples.h"
+
+namespace raymap {
+namespace {
+
+using samples::contains;
+using samples::isSquare;
+using samples::TemporaryFile;
+
+Mesh readAs(const std::string& extension, const std::string& bytes) {
+  const TemporaryFile file("import" + extension, bytes);
+  return readMesh(file.path());
+}
+
+std::string errorAs(const std::string& extension, const std::string& bytes) {
+  try {
+    readAs(extension, bytes);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(ImportMesh, ReadsEachFormat) {
+  EXPECT_TRUE(isSquare(readAs(".3mf", samples::threeMf())));
+  EXPECT_TRUE(isSquare(readAs(".dae", samples::dae())));
+  EXPECT_TRUE(isSquare(readAs(".fbx", samples::fbx())));
+  EXPECT_TRUE(isSquare(readAs(".DAE", samples::dae())));
+}
+
+TEST(ImportMesh, AppliesComponentsOf3mf) {
+  const std::string resources =
+      R"(<object id="2" type="model"><components>)"
+      R"(<component objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/>)"
+      R"(<component objectid="1" transform="0 1 0 -1 0 0 0 0 1 0 0 0"/></components></object>)"
+      R"(<object id="3" type="model"><components><component objectid="2" transform="2 0 0 0 2 0 0 0 2 0 0 0"/>)"
+      R"(</components></object>)";
+  const Mesh mesh = readAs(
+      ".3mf",
+      samples::threeMf(resources,
+                       R"(<item objectid="3" transform="1 0 0 0 1 0 0 0 1 0 0 100"/><item objectid="1"/>)"));
+  EXPECT_EQ(mesh.triangles.size(), 6u);
+  EXPECT_EQ(bounds(mesh).min, glm::dvec3(-2, 0, 0));
+  EXPECT_EQ(bounds(mesh).max, glm::dvec3(22, 2, 100));
+}
+
+TEST(ImportMesh, AppliesNodesAndInstancesOfDae) {
+  const Mesh mesh = readAs(
+      ".dae",
+      samples::dae(
+          R"(<node><translate>0 0 5</translate><node><scale>-1 3 1</scale><instance_geometry url="#g"/>)"
+          R"(</node></node><node><instance_geometry url="#g"/></node>)"));
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_EQ(bounds(mesh).min, glm::dvec3(-1, 0, 0));
+  EXPECT_EQ(bounds(mesh).max, glm::dvec3(1, 3, 5));
+  EXPECT_EQ(samples::areaVector(mesh), glm::dvec3(0, 0, 4)) << "the mirrored instance faces the same way";
+}
+
+TEST(ImportMesh, SaysWhatTheImporterSays) {
+  EXPECT_TRUE(contains(errorAs(".3mf", "no archive"), "import.3mf: "));
+  EXPECT_TRUE(contains(errorAs(".dae", "<COLLADA"), "import.dae: "));
+  EXPECT_TRUE(
+      contains(errorAs(".fbx", std::string("Kaydara FBX Binary  \0\x1a\0\x4c\x1d\0\0\xff\xff\xff\xff", 31)),
+               "import.fbx: "));
+}
+
+TEST(ImportMesh, CanBeUsedByManyThreads) {
+  const TemporaryFile file("threads.dae", samples::dae());
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) threads.emplace_back([&] { EXPECT_TRUE(isSquare(readMesh(file.path()))); });
+  for (std::thread& thread : threads) thread.join();
+}
+
+/// Puts a program in the importer's place.
+class InPlaceOfTheImporter {
+ public:
+  explicit InPlaceOfTheImporter(const std::string& script)
+      : file_("importer", "#!/bin/sh\n" + script + "\n") {
+    std::filesystem::permissions(file_.path(), std::filesystem::perms::owner_all);
+    setenv("RAYMAP_IMPORT", file_.path().c_str(), 1);
+  }
+  ~InPlaceOfTheImporter() { unsetenv("RAYMAP_IMPORT"); }
+
+ private:
+  TemporaryFile file_;
+};
+
+TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
+  {
+    const InPlaceOfTheImporter crash("kill -SEGV $$");
+    EXPECT_TRUE(
+        contains(errorAs(".dae", ""), "import.dae: cannot read it: the importer crashed on it (Segm"));
+  }
+  {
+    const InPlaceOfTheImporter stall("ulimit -t 1; while :; do :; done");
+    EXPECT_TRUE(contains(errorAs(".dae", ""), "it took too long"));
+  }
+  {
+    const InPlaceOfTheImporter silence("exit 3");
+    EXPECT_TRUE(contains(errorAs(".dae", ""), "the importer ended with code 3"));
+  }
+  {
+    const InPlaceOfTheImporter babble("printf 'this is no header at all, but long enough'");
+    EXPECT_TRUE(contains(errorAs(".dae", ""), "speaks another version"));
+  }
+  {
+    // A header that announces 2^56 vertices.
+    const InPlaceOfTheImporter liar(
+        R"(printf 'RMI1\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0')");
+    EXPECT_TRUE(contains(errorAs(".dae", ""), "more than half of this machine's memory"));
+  }
+  setenv("RAYMAP_IMPORT", "/nonexistent/importer", 1);
+  EXPECT_TRUE(contains(errorAs(".dae", ""), "cannot start /nonexistent/importer"));
+  unsetenv("RAYMAP_IMPORT");
+}
+
+}  // namespace
+}  // namespace raymap

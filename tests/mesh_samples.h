@@ -1,0 +1,158 @@
+#pragma once
+
+// Small mesh files made on the spot: a unit square in z = 0 as two triangles, unless said otherwise.
+
+#include <gtest/gtest.h>
+#include <raymap/error.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "io/mesh_file.h"
+
+namespace raymap::samples {
+
+/// The bytes of a value, the other way round if asked.
+template <class T>
+std::string raw(T value, bool swap = false) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return swap ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+}
+
+template <class T>
+std::string raw(std::initializer_list<T> values, bool swap = false) {
+  std::string bytes;
+  for (const T value : values) bytes += raw(value, swap);
+  return bytes;
+}
+
+inline const std::string kTextStl =
+    "solid square\n"
+    "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 0 0\n  vertex 1 1 0\n endloop\nendfacet\n"
+    "facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 1 1 0\n  vertex 0 1 0\n endloop\nendfacet\n"
+    "endsolid square\n";
+
+inline std::string binaryStl(uint32_t announced = 2) {
+  std::string bytes(80, ' ');
+  bytes += raw(announced);
+  bytes += raw<float>({0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0}) + raw<uint16_t>(0);
+  bytes += raw<float>({0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0}) + raw<uint16_t>(0);
+  return bytes;
+}
+
+inline const std::string kPlyElements =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+inline const std::string kTextPly =
+    "ply\nformat ascii 1.0\n" + kPlyElements + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+
+inline std::string binaryPly(bool bigEndian = false) {
+  return std::string("ply\nformat binary_") + (bigEndian ? "big" : "little") + "_endian 1.0\n" +
+         kPlyElements + raw<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, bigEndian) + raw<uint8_t>(4) +
+         raw<int32_t>({0, 1, 2, 3}, bigEndian);
+}
+
+inline const std::string kOff = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+inline const std::string kObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+/// What glTF files refer to: the square's corners, then its six indices.
+inline std::string gltfBuffer() {
+  return raw<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + raw<uint16_t>({0, 1, 2, 0, 2, 3});
+}
+
+/// `nodes` and `primitive` are JSON; `buffer` is all but the braces of buffers[0].
+inline std::string gltf(const std::string& buffer, const std::string& nodes = R"({"mesh":0})",
+                        const std::string& primitive = R"("attributes":{"POSITION":0},"indices":1)") {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
+         R"(],"meshes":[{"primitives":[{)" + primitive + R"(}]}],"accessors":[)" +
+         R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)" +
+         R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],"bufferViews":[)" +
+         R"({"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{)" +
+         buffer + "}]}";
+}
+
+inline std::string glb(std::string json, const std::string& buffer = gltfBuffer()) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto size = [](const std::string& bytes) { return static_cast<uint32_t>(bytes.size()); };
+  return "glTF" + raw<uint32_t>({2, 12 + 8 + size(json) + 8 + size(buffer)}) + raw(size(json)) + "JSON" +
+         json + raw(size(buffer)) + std::string("BIN\0", 4) + buffer;
+}
+
+inline std::string glb() {
+  return glb(gltf(R"("byteLength":60)"));
+}
+
+/// `swapped`, with one occurrence of `from` replaced: what is wrong with a sample stays readable.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+using Reader = Mesh (*)(const MeshFile& file);
+
+struct Reading {
+  Mesh mesh;
+  std::string warnings;  ///< A line each.
+};
+
+inline Reading read(Reader reader, const std::string& bytes) {
+  Reading result;
+  const MeshFile file{std::as_bytes(std::span(bytes)), "sample.mesh",
+                      [&](std::string_view text) { result.warnings.append(text) += '\n'; }};
+  result.mesh = reader(file);
+  return result;
+}
+
+/// The message of the Error that reading throws; empty if it throws none.
+inline std::string errorOf(Reader reader, const std::string& bytes) {
+  try {
+    read(reader, bytes);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// The sum of the faces' normals times their areas: (0, 0, 1) for the square.
+inline glm::dvec3 areaVector(const Mesh& mesh) {
+  glm::dvec3 sum(0.0);
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.position(t.x);
+    sum += 0.5 * glm::cross(mesh.position(t.y) - a, mesh.position(t.z) - a);
+  }
+  return sum;
+}
+
+/// For EXPECT_TRUE, which then shows the text.
+inline testing::AssertionResult contains(const std::string& text, const std::string& part) {
+  if (text.find(part) != text.npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "'" << part << "' is not in '" << text << "'";
+}
+
+inline bool isSquare(const Mesh& mesh) {
+  const Box box = bounds(mesh);
+  return mesh.triangles.size() == 2 && box.min == glm::dvec3(0, 0, 0) && box.max == glm::dvec3(1, 1, 0) &&
+         areaVector(mesh) == glm::dvec3(0, 0, 1);
+}
+
+/// A file that goes with the object.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& bytes)
+      : path_(std::filesystem::temp_directory_path() / ("raymap_" + std::to_string(getpid()) + "_" + name)) {
+    std::ofstream(path_, std::ios::binary) << bytes;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace raymap::samples

@@ -1,0 +1,133 @@
+#include <gtest/gtest.h>
+
+#include "mesh_samples.h"
+
+namespace raymap {
+namespace {
+
+using samples::contains;
+using samples::errorOf;
+using samples::glb;
+using samples::gltf;
+using samples::isSquare;
+using samples::read;
+using samples::replaced;
+
+const std::string kBytes = R"("byteLength":60)";
+// samples::gltfBuffer() in base64.
+const std::string kDataUri =
+    R"("byteLength":60,"uri":"data:application/octet-stream;base64,)"
+    "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA\"";
+
+/// The square, seen through these nodes.
+Mesh squareUnder(const std::string& nodes) {
+  return read(readGltf, glb(gltf(kBytes, nodes))).mesh;
+}
+
+TEST(ReadGltf, ReadsBinaryEmbeddedAndExternalBuffers) {
+  EXPECT_TRUE(isSquare(read(readGltf, glb()).mesh));
+  EXPECT_TRUE(isSquare(read(readGltf, gltf(kDataUri)).mesh));
+  const samples::TemporaryFile buffer("square corners.bin", samples::gltfBuffer());
+  std::string name = buffer.path().filename().string();
+  name = replaced(name, " ", "%20");
+  const samples::TemporaryFile file("external.gltf", gltf(R"("byteLength":60,"uri":")" + name + "\""));
+  EXPECT_TRUE(isSquare(readMesh(file.path())));
+}
+
+TEST(ReadGltf, AppliesNodesAndInstances) {
+  Box box = bounds(squareUnder(R"({"translation":[10,0,0],"children":[1]},{"scale":[2,3,1],"mesh":0})"));
+  EXPECT_EQ(box.min, glm::dvec3(10, 0, 0));
+  EXPECT_EQ(box.max, glm::dvec3(12, 3, 0));
+
+  box = bounds(squareUnder(R"({"matrix":[0,1,0,0,-1,0,0,0,0,0,1,0,0,0,5,1],"mesh":0})"));
+  EXPECT_EQ(box.min, glm::dvec3(-1, 0, 5));
+  EXPECT_EQ(box.max, glm::dvec3(0, 1, 5));
+
+  // A quarter turn around z is the same as the matrix above.
+  box = bounds(squareUnder(R"({"rotation":[0,0,0.7071067811865476,0.7071067811865476],"mesh":0})"));
+  EXPECT_NEAR(box.min.x, -1, 1e-7);
+  EXPECT_NEAR(box.max.y, 1, 1e-7);
+
+  const Mesh both = squareUnder(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,7]})");
+  EXPECT_EQ(both.triangles.size(), 4u);
+  EXPECT_EQ(bounds(both).max.z, 7.0);
+}
+
+TEST(ReadGltf, TurnsMirroredInstancesOutwards) {
+  EXPECT_EQ(samples::areaVector(squareUnder(R"({"scale":[-1,1,1],"mesh":0})")), glm::dvec3(0, 0, 1));
+}
+
+TEST(ReadGltf, TakesAllRootsWithoutADefaultScene) {
+  const std::string text =
+      replaced(gltf(kBytes, R"({"mesh":0},{"children":[2]},{"mesh":0})"), R"("scene":0,)", "");
+  EXPECT_EQ(read(readGltf, glb(text)).mesh.triangles.size(), 4u);
+}
+
+TEST(ReadGltf, ReadsStripsFansAndPlainVertices) {
+  const auto withPrimitive = [](const std::string& primitive) {
+    return read(readGltf, glb(gltf(kBytes, R"({"mesh":0})", R"("attributes":{"POSITION":0},)" + primitive)));
+  };
+  EXPECT_TRUE(isSquare(withPrimitive(R"("mode":6)").mesh));
+  EXPECT_EQ(withPrimitive(R"("mode":5)").mesh.triangles.size(), 2u);
+  EXPECT_TRUE(contains(withPrimitive(R"("mode":4)").warnings, "ends within a triangle"));
+  const std::string lines =
+      gltf(kBytes, R"({"mesh":0})",
+           R"("attributes":{"POSITION":0},"mode":1},{"attributes":{"POSITION":0},"mode":6)");
+  EXPECT_TRUE(contains(read(readGltf, glb(lines)).warnings, "1 primitive of points or lines"));
+}
+
+TEST(ReadGltf, ReadsSparseAndNormalizedAccessors) {
+  // The third corner takes the place of the first.
+  const std::string sparse =
+      R"("count":4,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":0,"byteOffset":24}})";
+  const Mesh moved = read(readGltf, glb(replaced(gltf(kBytes), R"("count":4)", sparse))).mesh;
+  EXPECT_EQ(moved.position(0), glm::dvec3(1, 1, 0));
+
+  std::string corners;
+  for (const uint8_t c : {0, 0, 0, 255, 0, 0, 255, 255, 0, 0, 255, 0}) corners += static_cast<char>(c);
+  corners.resize(48);
+  const std::string bytes = replaced(gltf(kBytes), "5126", R"(5121,"normalized":true)");
+  EXPECT_TRUE(isSquare(read(readGltf, glb(bytes, corners + samples::gltfBuffer().substr(48))).mesh));
+}
+
+TEST(ReadGltf, NamesWhatIsWrong) {
+  const auto error = [](const std::string& from, const std::string& to,
+                        const std::string& nodes = R"({"mesh":0})") {
+    return errorOf(readGltf, glb(replaced(gltf(kBytes, nodes), from, to)));
+  };
+  EXPECT_TRUE(
+      contains(error(R"("count":4)", R"("count":5)"), "accessors[0] has 5 elements of 12 bytes from byte 0"));
+  EXPECT_TRUE(
+      contains(error(R"("count":4)", R"("count":4000000000)"), "accessors[0] has 4000000000 elements"));
+  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":-4)"), "'count' is no count"));
+  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":18446744073709551615)"), "'count' is no count"));
+  EXPECT_TRUE(
+      contains(error(R"("count":4)", R"("count":3)"), "vertex 3 is out of range (it has 3 vertices)"));
+  EXPECT_TRUE(contains(error(R"("byteOffset":48)", R"("byteOffset":49)"), "covers bytes 49 to 61"));
+  EXPECT_TRUE(contains(error(kBytes, R"("byteLength":61)"), "buffer 0 announces 61 bytes, but has 60"));
+  EXPECT_TRUE(contains(error("5126", "5130"), "unknown componentType 5130"));
+  EXPECT_TRUE(contains(error("VEC3", "VEC2"), "should have type VEC3"));
+  EXPECT_TRUE(
+      contains(error(R"("indices":1)", R"("indices":2)"), "accessors[2] does not exist: the file has 2"));
+  EXPECT_TRUE(contains(error(R"("nodes":[0])", R"("nodes":[7])"), "nodes[7] does not exist"));
+  EXPECT_TRUE(
+      contains(error("", "", R"({"children":[1]},{"children":[0],"mesh":0})"), "nodes[0] is reached twice"));
+  EXPECT_TRUE(contains(error(R"("scene":0,)", "", R"({"children":[1]},{"children":[0],"mesh":0})"), "cycle"));
+  EXPECT_TRUE(contains(error("{", R"({"extensionsRequired":["KHR_draco_mesh_compression"],)"),
+                       "needs the glTF extension KHR_draco_mesh_compression"));
+  EXPECT_TRUE(contains(errorOf(readGltf, R"({"asset")"), "no valid JSON"));
+  EXPECT_TRUE(contains(errorOf(readGltf, "[]"), "its JSON is no object"));
+  EXPECT_EQ(errorOf(readGltf, "{}"), "sample.mesh: the file has no triangles");
+}
+
+TEST(ReadGltf, FetchesNothingFromElsewhere) {
+  for (const char* uri : {"http://127.0.0.1/a.bin", "file:///etc/passwd", "/etc/passwd", "%2Fetc%2Fpasswd"})
+    EXPECT_TRUE(contains(errorOf(readGltf, gltf(R"("byteLength":1,"uri":")" + std::string(uri) + "\"")),
+                         "only files beside it are read"))
+        << uri;
+  EXPECT_TRUE(contains(errorOf(readGltf, gltf(R"("byteLength":60,"uri":"missing.bin")")),
+                       "missing.bin: cannot read"));
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include "mesh_samples.h"
+
+namespace raymap {
+namespace {
+
+using samples::binaryPly;
+using samples::contains;
+using samples::errorOf;
+using samples::isSquare;
+using samples::kTextPly;
+using samples::raw;
+using samples::read;
+using samples::replaced;
+
+TEST(ReadPly, ReadsTextAndBothByteOrders) {
+  EXPECT_TRUE(isSquare(read(readPly, kTextPly).mesh));
+  EXPECT_TRUE(isSquare(read(readPly, binaryPly(false)).mesh));
+  EXPECT_TRUE(isSquare(read(readPly, binaryPly(true)).mesh));
+}
+
+TEST(ReadPly, TakesAllLineEndsOfTheHeader) {
+  const std::string plain = binaryPly();
+  const size_t headerEnd = plain.find("end_header\n") + 11;
+  for (const char* end : {"\r\n", "\r"}) {
+    std::string header;
+    for (const char c : plain.substr(0, headerEnd)) header += c == '\n' ? end : std::string(1, c);
+    EXPECT_TRUE(isSquare(read(readPly, header + plain.substr(headerEnd)).mesh))
+        << testing::PrintToString(end);
+  }
+}
+
+TEST(ReadPly, KeepsDataThatBeginsLikeALineEnd) {
+  // The first coordinate's first byte is LF, right after a header whose lines end in CR.
+  std::string header = "ply\rformat binary_little_endian 1.0\r" + samples::kPlyElements;
+  for (char& c : header)
+    if (c == '\n') c = '\r';
+  const float odd = std::bit_cast<float>(0x3f80000au);
+  const Mesh mesh = read(readPly, header + raw<float>({odd, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) +
+                                      raw<uint8_t>(4) + raw<int32_t>({0, 1, 2, 3}))
+                        .mesh;
+  EXPECT_NEAR(mesh.position(0).x, odd, 1e-7);
+}
+
+TEST(ReadPly, ReadsTriangleStrips) {
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  const std::string corners = raw<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+  EXPECT_TRUE(isSquare(read(readPly, header + corners + raw<int32_t>({4, 0, 1, 2, 3})).mesh));
+  EXPECT_TRUE(isSquare(read(readPly, header + corners + raw<int32_t>({8, 0, 1, 2, -1, 1, 3, 2, -1})).mesh));
+  EXPECT_TRUE(isSquare(read(readPly, header + corners + raw<int32_t>({6, 0, 1, 2, 3, 3, 3})).mesh))
+      << "degenerate end";
+}
+
+TEST(ReadPly, TakesElementsAndPropertiesInAnyOrder) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nobj_info by hand\nelement camera 1\nproperty float focal\nproperty list uchar "
+      "float k\n"
+      "element face 1\nproperty uchar flags\nproperty list ushort uint vertex_index\nproperty list uchar "
+      "float uv\n"
+      "element vertex 4\nproperty uchar red\nproperty double z\nproperty short y\nproperty float x\n"
+      "element nothing 4000000000\nend_header\n"
+      "50 2 0.1 0.2\n0 4 0 1 2 3 2 0.5 0.5\n9 0 0 0\n9 0 0 1\n9 0 1 1\n9 0 1 0\n";
+  EXPECT_TRUE(isSquare(read(readPly, text).mesh));
+}
+
+TEST(ReadPly, TakesAnyTypesInLists) {
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty double x\nproperty double "
+      "y\nproperty double "
+      "z\nelement face 1\nproperty list float double vertex_indices\nend_header\n";
+  EXPECT_TRUE(isSquare(read(readPly, header + raw<double>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) +
+                                         raw<float>(4) + raw<double>({0, 1, 2, 3}))
+                           .mesh));
+}
+
+TEST(ReadPly, LeavesUnusedVerticesAlone) {
+  EXPECT_TRUE(isSquare(
+      read(readPly, replaced(replaced(kTextPly, "vertex 4", "vertex 5"), "4 0 1", "nan 0 0\n4 0 1")).mesh));
+}
+
+TEST(ReadPly, NamesWhatIsWrong) {
+  EXPECT_EQ(errorOf(readPly, replaced(kTextPly, "4 0 1 2 3", "4 0 1 2 99")),
+            "sample.mesh: face 0: vertex index 99 is out of range (the file has 4 vertices)");
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "4 0 1 2 3", "4 0 1 2 -1")), "vertex index -1"));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(binaryPly(), "face 1", "face 4000000000")),
+                       "announces 4000000000 faces of at least 1 byte"));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "vertex 4", "vertex 4000000000")),
+                       "announces 4000000000 vertices"));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "4 0 1", "4000000000 0 1")),
+                       "announces 4000000000 values"));
+  EXPECT_TRUE(contains(errorOf(readPly, binaryPly().substr(0, binaryPly().size() - 1)), "cut short"));
+  EXPECT_TRUE(
+      contains(errorOf(readPly, replaced(kTextPly, "1 1 0", "1 nan 0")), "vertex 2 (used by triangle 0)"));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "float y", "float why")), "no property y"));
+  EXPECT_TRUE(
+      contains(errorOf(readPly, replaced(kTextPly, "float y", "floot y")), "line 5: expected the type"));
+  EXPECT_TRUE(
+      contains(errorOf(readPly, replaced(kTextPly, "ascii", "ebcdic")), "unknown PLY format 'ebcdic'"));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "end_header", "")), "expected element, property"));
+  EXPECT_TRUE(
+      contains(errorOf(readPly, replaced(kTextPly, "element face", "element vertex")), "two elements"));
+  EXPECT_TRUE(contains(errorOf(readPly, "play\n"), "does not begin with 'ply'"));
+}
+
+}  // namespace
+}  // namespace raymap
