@@ -127,6 +127,27 @@ TEST(Crossings, RefusesVerticesTooFarAway) {
   }
 }
 
+TEST(Crossings, FoldsInRoundsWhatDoesNotFitIntoOne) {
+  // 200 sheets over 256 x 256 lines: 13 million crossings, at no more than 17 places of each line.
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  for (uint32_t sheet = 0; sheet < 200; ++sheet) {
+    const double z = 0.25 + 0.0799 * sheet;
+    for (const glm::dvec3& corner :
+         {glm::dvec3(-600, -600, z), glm::dvec3(1200, -600, z), glm::dvec3(-600, 1200, z)})
+      p.push_back(corner);
+    t.emplace_back(3 * sheet, 3 * sheet + 1, 3 * sheet + 2);
+  }
+  const auto crossings = crossingsOf(makeMesh(p, std::move(t)), unitGrid(256, 256, 16));
+  EXPECT_TRUE(crossings[0].entries.empty());
+  for (size_t line = 0; line < 256 * 256; ++line) {
+    int sum = 0;
+    for (const Crossing& c : lineOf(crossings[2], line)) sum += c.signedCount;
+    ASSERT_EQ(sum, 200);
+    ASSERT_EQ(lineOf(crossings[2], line).size(), 16u);
+  }
+}
+
 TEST(Crossings, SameForAnyNumberOfThreadsAndOrder) {
   const Mesh mesh = shapes::soup(20000, 7);
   const Grid grid = fitGrid(mesh, {.resolution = 24});

@@ -7,6 +7,8 @@
 
 #include "crossings.h"
 
+#include "crossings_exact.h"
+#include "crossings_lines.h"
 #include "parallel.h"
 
 #include <raymap/error.h>
@@ -20,21 +22,19 @@ namespace raymap {
 
 namespace {
 
-__extension__ using Int128 = __int128;
-using FixedVertex = glm::i64vec3;
-
 constexpr size_t kTrianglesPerChunk = 4096;
-constexpr size_t kLinesPerTask = 4096;
+// All chunks together stop for a fold into the lines when they have so many: memory stays bounded by the
+// samples even where millions of triangles cover the whole grid.
+constexpr size_t kRecordsPerRound = size_t{1} << 22;
+constexpr size_t kRecordsPerReport = size_t{1} << 12;
 constexpr int kMaxFractionBits = 20;
 constexpr int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits
 constexpr int64_t kNarrowExtent = int64_t{1} << 30;  // up to here orient2d fits into 64 bits
 
-struct Record {
-  uint32_t line;
-  int32_t index;
-  int32_t sign;
+/// Some of the triangles: those before `next` have been scanned.
+struct Chunk {
+  size_t next, end;
 };
-using ChunkRecords = std::array<std::vector<Record>, 3>;
 
 /// The lattice that triangles are scanned over, in units of 2^-fractionBits cells.
 struct Lattice {
@@ -100,81 +100,6 @@ FixedVertex snap(const glm::vec3& p, double scale) {
   return {round(p.x), round(p.y), round(p.z)};
 }
 
-template <class Wide>
-Wide floorDivide(Wide numerator, Wide positiveDenominator) {
-  const Wide quotient = numerator / positiveDenominator;
-  return quotient - (numerator % positiveDenominator < 0);
-}
-
-/// orient2d of a directed edge and the displaced lattice line, positive to the edge's left.
-template <class Wide>
-class EdgeFunction {
- public:
-  EdgeFunction(const FixedVertex& from, const FixedVertex& to, LineAxes axes, int bits)
-      : du_(to[axes.u] - from[axes.u]),
-        dv_(to[axes.v] - from[axes.v]),
-        u_(from[axes.u]),
-        v_(from[axes.v]),
-        bits_(bits),
-        // The displacement adds du * e_v - dv * e_u, and e_u is infinitely larger than e_v.
-        tie_(dv_ < 0 || (dv_ == 0 && du_ > 0) ? 1 : 0) {}
-
-  /// Positive for lines to the left of the edge; the tie rule is added in.
-  Wide at(int64_t u, int64_t v) const {
-    return Wide(du_) * ((v << bits_) - v_) - Wide(dv_) * ((u << bits_) - u_) + tie_;
-  }
-  Wide stepU() const { return -Wide(dv_) * (Wide(1) << bits_); }
-
-  /// Shrinks [begin, end) of row v to lines that may lie to the left; never drops one that does.
-  void narrow(int64_t v, int64_t& begin, int64_t& end) const {
-    if (dv_ == 0) return;
-    const double crossing =
-        std::ldexp(double(u_) + double(du_) * double((v << bits_) - v_) / double(dv_), -bits_);
-    if (dv_ > 0)
-      end = static_cast<int64_t>(std::clamp(crossing + 2.0, double(begin), double(end)));
-    else
-      begin = static_cast<int64_t>(std::clamp(crossing - 1.0, double(begin), double(end)));
-  }
-
- private:
-  int64_t du_, dv_, u_, v_;
-  int bits_;
-  int tie_;
-};
-
-/// The plane of a triangle, normal towards plus `axis`, for finding the lattice edge that a line crosses.
-template <class Wide>
-class DepthFunction {
- public:
-  DepthFunction(const std::array<FixedVertex, 3>& p, int axis, LineAxes axes, int bits)
-      : origin_(p[0]), axis_(axis), axes_(axes), bits_(bits) {
-    const FixedVertex a = p[1] - p[0], b = p[2] - p[0];
-    normal_ = {Wide(a.y) * b.z - Wide(a.z) * b.y, Wide(a.z) * b.x - Wide(a.x) * b.z,
-               Wide(a.x) * b.y - Wide(a.y) * b.x};
-    if (normal_[axis] < 0)
-      for (Wide& n : normal_) n = -n;
-    // The displacement adds n . (e, e^2, e^3): its first component that is not zero decides.
-    const Wide first = normal_[0] != 0 ? normal_[0] : normal_[1] != 0 ? normal_[1] : normal_[2];
-    tie_ = first > 0 ? 1 : 0;
-  }
-
-  /// The last sample of line (u, v) below the plane: the largest i with n . (sample - origin) < 0.
-  int64_t lastBelow(int64_t u, int64_t v) const {
-    const Int128 across = Int128(normal_[axes_.u]) * ((u << bits_) - origin_[axes_.u]) +
-                          Int128(normal_[axes_.v]) * ((v << bits_) - origin_[axes_.v]);
-    const auto height = static_cast<int64_t>(floorDivide<Int128>(-across - tie_, normal_[axis_]));
-    return (origin_[axis_] + height) >> bits_;
-  }
-
- private:
-  FixedVertex origin_;
-  std::array<Wide, 3> normal_;
-  int axis_;
-  LineAxes axes_;
-  int bits_;
-  int tie_;
-};
-
 struct LineRange {
   int64_t begin, end;
   bool isEmpty() const { return begin >= end; }
@@ -188,7 +113,7 @@ LineRange linesOf(int64_t a, int64_t b, int64_t c, int dim, const Lattice& latti
 /// Records the crossings of one triangle with the lines along `axis` in the given ranges.
 template <class Wide>
 void scanTriangle(std::array<FixedVertex, 3> p, int axis, LineRange us, LineRange vs, const Lattice& lattice,
-                  std::vector<Record>& records) {
+                  std::vector<LineRecord>& records) {
   const LineAxes axes(axis);
   const Wide area = Wide(p[1][axes.u] - p[0][axes.u]) * (p[2][axes.v] - p[0][axes.v]) -
                     Wide(p[1][axes.v] - p[0][axes.v]) * (p[2][axes.u] - p[0][axes.u]);
@@ -219,7 +144,7 @@ void scanTriangle(std::array<FixedVertex, 3> p, int axis, LineRange us, LineRang
   }
 }
 
-void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, ChunkRecords& records) {
+void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, LineRecords& records) {
   std::array<LineRange, 3> lines{};
   int64_t extent = 0;
   for (int c = 0; c < 3; ++c) {
@@ -238,83 +163,39 @@ void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, C
   }
 }
 
-std::vector<ChunkRecords> scanTriangles(const CellMesh& mesh, const Lattice& lattice) {
-  std::vector<ChunkRecords> chunks(chunkCount(mesh));
+/// Scans triangles of the chunk until it is done or all chunks together have found enough.
+void scanChunk(const CellMesh& mesh, const Lattice& lattice, std::atomic<size_t>& found, Chunk& chunk,
+               LineRecords& records) {
   const double scale = std::ldexp(1.0, lattice.fractionBits);
-  forEachTriangle(mesh, [&](size_t chunk, size_t t) {
+  size_t reported = 0;
+  while (chunk.next < chunk.end && found < kRecordsPerRound) {
+    const size_t t = chunk.next++;
     scanTriangle(
         {snap(mesh.corner(t, 0), scale), snap(mesh.corner(t, 1), scale), snap(mesh.corner(t, 2), scale)},
-        lattice, chunks[chunk]);
-  });
-  return chunks;
-}
-
-/// Sorts a line's crossings by index and adds up those with the same one; returns how many are left.
-size_t mergeLine(Crossing* begin, Crossing* end) {
-  if (begin == end) return 0;
-  std::sort(begin, end, [](const Crossing& a, const Crossing& b) { return a.index < b.index; });
-  Crossing* last = begin;
-  for (Crossing* next = begin + 1; next < end; ++next) {
-    if (next->index == last->index) {
-      last->signedCount += next->signedCount;
-      last->unsignedCount += next->unsignedCount;
-    } else {
-      *++last = *next;
-    }
+        lattice, records);
+    const size_t count = records[0].size() + records[1].size() + records[2].size();
+    if (count - reported >= kRecordsPerReport) found += count - std::exchange(reported, count);
   }
-  return size_t(last + 1 - begin);
-}
-
-/// Counting sort by line. The order within a line depends on the threads, so it is sorted afterwards.
-void sortByLine(const std::vector<ChunkRecords>& chunks, int axis, size_t lines, AxisCrossings& result) {
-  Buffer<uint64_t>& starts = result.starts;
-  starts.resize(lines + 1);
-  std::fill(starts.begin(), starts.end(), 0);
-  const auto forEachRecord = [&](auto&& work) {
-    parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
-      for (const Record& record : chunks[chunk][axis]) work(record);
-    });
-  };
-  forEachRecord(
-      [&](const Record& r) { std::atomic_ref(starts[r.line]).fetch_add(1, std::memory_order_relaxed); });
-  uint64_t total = 0;
-  for (uint64_t& start : starts) total += std::exchange(start, total);
-  // starts[line + 1] counts up from the line's begin to its end, which is where the next line begins.
-  for (size_t line = lines; line > 0; --line) starts[line] = starts[line - 1];
-  result.entries.resize(total);
-  forEachRecord([&](const Record& r) {
-    const uint64_t at = std::atomic_ref(starts[r.line + 1]).fetch_add(1, std::memory_order_relaxed);
-    result.entries[at] = {r.index, r.sign, 1};
-  });
-}
-
-void mergeLines(size_t lines, AxisCrossings& result) {
-  std::vector<uint32_t> lengths(lines);
-  parallelFor(lines, kLinesPerTask, [&](size_t begin, size_t end) {
-    for (size_t line = begin; line < end; ++line)
-      lengths[line] = static_cast<uint32_t>(mergeLine(result.entries.data() + result.starts[line],
-                                                      result.entries.data() + result.starts[line + 1]));
-  });
-  uint64_t to = 0;
-  for (size_t line = 0; line < lines; ++line) {
-    const uint64_t from = std::exchange(result.starts[line], to);
-    for (uint32_t e = 0; e < lengths[line]; ++e) result.entries[to++] = result.entries[from + e];
-  }
-  result.starts[lines] = to;
-  result.entries.resize(to);
 }
 
 }  // namespace
 
 void countCrossings(const CellMesh& mesh, Crossings& crossings) {
   const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
-  const std::vector<ChunkRecords> chunks = scanTriangles(mesh, lattice);
-  for (int axis = 0; axis < 3; ++axis) {
-    const LineAxes axes(axis);
-    const size_t lines = size_t(mesh.dims[axes.u]) * size_t(mesh.dims[axes.v]);
-    sortByLine(chunks, axis, lines, crossings[axis]);
-    mergeLines(lines, crossings[axis]);
-  }
+  std::vector<Chunk> chunks(chunkCount(mesh));
+  for (size_t c = 0; c < chunks.size(); ++c)
+    chunks[c] = {c * kTrianglesPerChunk, std::min((c + 1) * kTrianglesPerChunk, mesh.triangles.size())};
+  std::vector<LineRecords> records(chunks.size());
+  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(mesh.dims, axis), crossings[axis]);
+  const auto isDone = [](const Chunk& chunk) { return chunk.next == chunk.end; };
+  do {
+    std::atomic<size_t> found{0};
+    parallelFor(chunks.size(), 1, [&](size_t c, size_t) {
+      for (auto& list : records[c]) list.clear();
+      scanChunk(mesh, lattice, found, chunks[c], records[c]);
+    });
+    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, crossings[axis]);
+  } while (!std::all_of(chunks.begin(), chunks.end(), isDone));
 }
 
 }  // namespace raymap
