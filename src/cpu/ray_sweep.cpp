@@ -22,7 +22,7 @@ RaySweep::Changes RaySweep::collectChanges(const RayMap& map, int axis) {
           for (size_t s = 0; s < steps.size() && steps[s].index + 1 < map.dims[axis]; ++s) {
             const int32_t after = s + 1 < steps.size() ? steps[s + 1].signedSum : 0;
             if (after == steps[s].signedSum) continue;
-            const size_t sample = size_t(steps[s].index + 1);
+            const size_t sample = size_t(steps[s].index) + 1;
             work(axis == 1 ? v * size_t(ny) + sample : sample * size_t(ny) + v,
                  Change{x, after - steps[s].signedSum});
           }

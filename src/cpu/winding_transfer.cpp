@@ -53,8 +53,8 @@ class Interpolation {
 
   void fillRow(int j, int k, float* row) const {
     const float* from = coarse_.row(from_, j / 2 + shift_.y, k / 2 + shift_.z) + shift_.x;
-    const int pairs = fine_.dims.x / 2;
-    for (int i = 0; i < pairs; ++i) {
+    const size_t pairs = size_t(fine_.dims.x) / 2;
+    for (size_t i = 0; i < pairs; ++i) {
       row[2 * i] = from[i];
       row[2 * i + 1] = 0.5f * (from[i] + from[i + 1]);
     }
@@ -117,7 +117,7 @@ class ResidualPlanes {
 
   void addRow(float weight, float* row) const {
     const float* r = residual_.data() + 1;
-    for (int i = 0; i < size_.x; ++i)
+    for (ptrdiff_t i = 0; i < size_.x; ++i)
       row[i] += weight * (0.5f * r[2 * i] + 0.25f * (r[2 * i - 1] + r[2 * i + 1]));
   }
 
