@@ -14,7 +14,8 @@ namespace {
 constexpr uint64_t kLargest = uint64_t{1}
                               << 48;  // Sums and products of two counts stay in 64 bits below this.
 
-enum ComponentType : uint64_t { kInt8 = 5120, kUInt8, kInt16, kUInt16, kUInt32 = 5125, kFloat };
+// Component types by their numbers in the file.
+constexpr uint64_t kInt8 = 5120, kUInt8 = 5121, kInt16 = 5122, kUInt16 = 5123, kUInt32 = 5125, kFloat = 5126;
 
 uint64_t componentBytes(uint64_t type) {
   switch (type) {

@@ -20,7 +20,8 @@ struct Instance {
   glm::dmat4 transform{1.0};
 };
 
-enum Mode : uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
+// Primitive modes by their numbers in the file.
+constexpr uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 
 glm::dmat4 localTransform(const GltfDocument& document, const Json& node) {
   const std::vector<double> matrix = document.numbers(node, "matrix", 16);

@@ -46,6 +46,7 @@ Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
 
 std::vector<std::string> meshExtensions() {
   std::vector<std::string> extensions;
+  extensions.reserve(kFormats.size());
   for (const Format& format : kFormats) extensions.emplace_back(format.extension);
   return extensions;
 }
