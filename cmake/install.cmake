@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 
 # Packages the library links but never shows in a header: a static library hands them on, a shared one does not.
 set(RAYMAP_PRIVATE_PACKAGES Threads TBB hwy PNG ZLIB Imath)
-set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy libpng zlib pugixml minizip Imath")
+set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy-contrib libhwy libpng zlib pugixml minizip Imath")
 
 set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
   DEFINE_SYMBOL "")  # so that the compiler cache serves static and shared builds alike
