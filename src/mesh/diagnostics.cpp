@@ -1,8 +1,8 @@
 #include <raymap/diagnostics.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <compare>
 #include <numeric>
 
 #include "cpu/parallel.h"
@@ -17,14 +17,14 @@ constexpr double kDegenerateHeight = 1e-6;  // Share of the longest edge.
 struct WeldKey {
   std::array<uint32_t, 3> bits;
   uint32_t vertex;
-  auto operator<=>(const WeldKey&) const = default;
+  bool operator<(const WeldKey& other) const { return bits < other.bits; }
 };
 
 /// An edge between two welded vertices, and whether its face walks it from the lower one to the higher one.
 struct Edge {
-  uint32_t low, high;
+  uint64_t ends;
   bool forward;
-  auto operator<=>(const Edge&) const = default;
+  bool operator<(const Edge& other) const { return ends < other.ends; }
 };
 
 /// Which distinct position each vertex has.
@@ -96,14 +96,13 @@ void countEdges(const std::vector<glm::uvec3>& faces, Diagnostics& found) {
   for (const glm::uvec3& face : faces)
     for (int c = 0; c < 3; ++c) {
       const uint32_t a = face[c], b = face[(c + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), a < b});
+      edges.push_back({uint64_t{std::min(a, b)} << 32 | std::max(a, b), a < b});
     }
   tbb::parallel_sort(edges.begin(), edges.end());
   found.watertight = found.balanced = !faces.empty();
   for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
     size_t forward = 0;
-    for (; end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high;
-         ++end)
+    for (; end < edges.size() && edges[end].ends == edges[begin].ends; ++end)
       forward += edges[end].forward ? 1 : 0;
     const size_t count = end - begin;
     if (count == 1) ++found.boundaryEdges;

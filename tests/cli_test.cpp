@@ -1,0 +1,242 @@
+// Runs the real binary as a user would.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string readFile(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Result {
+  int code;
+  std::string out, err;
+};
+
+class Cli : public ::testing::Test {
+ protected:
+  // The space is there to be stumbled over.
+  Cli() : folder_(fs::temp_directory_path() / ("raymap cli " + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Cli() override { fs::remove_all(folder_); }
+
+  /// Runs `raymap arguments` in the folder; `prefix` goes before it.
+  Result run(const std::string& arguments, const std::string& prefix = "") const {
+    const std::string command = "cd '" + folder_.string() + "' && " + prefix + " '" RAYMAP_BINARY "' " +
+                                arguments + " >.out 2>.err </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(folder_ / ".out"),
+            readFile(folder_ / ".err")};
+  }
+
+  Result succeed(const std::string& arguments) const {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.code, 0) << arguments << "\n" << result.err;
+    EXPECT_EQ(result.err, "") << arguments;
+    return result;
+  }
+
+  /// One line on stderr that holds `message`, nothing on stdout, and the code.
+  void expectFailure(const std::string& arguments, ErrorCode code, const std::string& message) const {
+    SCOPED_TRACE(arguments);
+    const Result result = run(arguments);
+    EXPECT_EQ(result.code, static_cast<int>(code)) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(result.err.rfind("raymap: error: ", 0), 0u) << result.err;
+    EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+  }
+
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  Json json(const std::string& name) const { return Json::parse(readFile(path(name))); }
+  void writeTorus() const { writeMesh(path("torus.ply"), shapes::torus(2.0, 0.7, 40, 24)); }
+  /// What is in the folder, hidden files but the captured output included.
+  size_t fileCount() const {
+    size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      count += entry.path().filename() != ".out" && entry.path().filename() != ".err" ? 1 : 0;
+    return count;
+  }
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(Cli, HelpsAndTellsItsVersion) {
+  EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
+  const std::string help = succeed("--help").out;
+  for (const char* word : {"generate", "info", "render", "compare", "convert", "example", "Exit codes"})
+    EXPECT_NE(help.find(word), std::string::npos) << word;
+  const std::string generate = succeed("generate --help").out;
+  for (const char* option :
+       {"--output", "--resolution", "--voxel-size", "--bounds", "--padding", "--distance", "--sign",
+        "--passes", "--threshold", "--band", "--invert", "--device", "--threads", "--memory-limit",
+        "--triangle-ids", "--winding", "--confidence", "--stats", "Examples:"})
+    EXPECT_NE(generate.find(option), std::string::npos) << option;
+  const std::string render = succeed("render --help").out;
+  for (const char* option :
+       {"--cut", "--shell", "--slice", "--index", "--resolution", "--size", "--direction"})
+    EXPECT_NE(render.find(option), std::string::npos) << option;
+}
+
+TEST_F(Cli, WritesTheExampleMesh) {
+  succeed("example -o globe.ply");
+  const Json whole = Json::parse(succeed("info globe.ply --json").out);
+  EXPECT_TRUE(whole["watertight"]);
+  EXPECT_TRUE(whole["consistently_oriented"]);
+  EXPECT_EQ(whole["degenerate_faces"], 0);
+  EXPECT_EQ(whole["components"], 2);
+  EXPECT_GT(whole["triangles"], 90000);
+  succeed("example -o torn.ply --holes");
+  EXPECT_GT(Json::parse(succeed("info torn.ply --json").out)["boundary_edges"], 300);
+}
+
+TEST_F(Cli, MakesAFieldOfAMesh) {
+  writeTorus();
+  const Result result = succeed(
+      "generate torus.ply -o torus.nrrd --resolution 40 --triangle-ids ids.npy --winding w.npy "
+      "--confidence c.npy --stats stats.json");
+  EXPECT_NE(result.out.find("wrong with it: nothing"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("wrote torus.nrrd"), std::string::npos) << result.out;
+  const Field field = readField(path("torus.nrrd"));
+  EXPECT_EQ(std::max({field.grid.dims.x, field.grid.dims.y, field.grid.dims.z}), 40);
+  const glm::ivec3 middle = field.grid.dims / 2;
+  EXPECT_NEAR(field.distance[field.grid.index(middle)], 1.3, 0.1);  // In the torus's hole,
+  const int inside = int((2.0 - field.grid.origin.x) / field.grid.spacing);
+  EXPECT_LT(field.distance[field.grid.index({inside, middle.y, middle.z})], -0.5);  // and in its tube.
+  for (const char* name : {"ids.npy", "w.npy", "c.npy"}) EXPECT_TRUE(fs::exists(path(name))) << name;
+}
+
+TEST_F(Cli, TellsWhatTheRunWasLike) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  mesh.triangles.pop_back();
+  writeMesh(path("torn.ply"), mesh);
+  succeed("generate torn.ply -o torn.nrrd --voxel-size 0.25 --threads 2 --stats stats.json");
+  const Json stats = json("stats.json");
+  const Grid grid = readField(path("torn.nrrd")).grid;
+  EXPECT_EQ(stats["grid"]["dims"], Json({grid.dims.x, grid.dims.y, grid.dims.z}));
+  EXPECT_EQ(stats["grid"]["samples"], grid.sampleCount());
+  EXPECT_EQ(stats["grid"]["spacing"], 0.25);
+  EXPECT_EQ(stats["diagnostics"]["boundary_edges"], 3);
+  EXPECT_EQ(stats["diagnostics"], Json::parse(succeed("info torn.ply --json").out));
+  EXPECT_EQ(stats["options"]["threads"], 2);
+  EXPECT_GT(stats["doubtful_share"], 0.0);
+  EXPECT_GT(stats["peak_memory_bytes"], grid.sampleCount() * sizeof(float));
+  double sum = 0.0;
+  for (const Json& stage : stats["stages"]) sum += stage["ms"].get<double>();
+  EXPECT_GT(stats["stages"].size(), 3u);
+  EXPECT_LE(sum, stats["total_ms"].get<double>() * 1.001);
+}
+
+TEST_F(Cli, CoversTheBoxAskedFor) {
+  writeTorus();
+  succeed("generate torus.ply -o box.nrrd --voxel-size 0.5 --bounds -4 -3 -1 4 3 1");
+  const Grid grid = readField(path("box.nrrd")).grid;
+  EXPECT_EQ(grid.dims, glm::ivec3(16, 12, 4));
+  EXPECT_DOUBLE_EQ(grid.origin.x, -3.75);
+}
+
+TEST_F(Cli, ConvertsAndCompares) {
+  writeTorus();
+  succeed("generate torus.ply -o a.nrrd --resolution 24");
+  for (const char* name : {"b.npz", "b.vti", "b.vdb", "b.nrrd"}) {
+    succeed(std::string("convert a.nrrd ") + name);
+    const Json found = Json::parse(succeed(std::string("compare a.nrrd --json ") + name).out);
+    EXPECT_EQ(found["max"], 0.0) << name;
+    EXPECT_EQ(found["sign_differences"], 0) << name;
+  }
+  succeed("generate torus.ply -o inverted.nrrd --resolution 24 --invert");
+  const Json found = Json::parse(succeed("compare a.nrrd inverted.nrrd --json -o difference.png").out);
+  EXPECT_EQ(found["sign_differences"], found["samples"]);
+  EXPECT_TRUE(fs::exists(path("difference.png")));
+}
+
+TEST_F(Cli, DrawsPictures) {
+  writeTorus();
+  succeed("generate torus.ply -o torus.nrrd --resolution 24");
+  succeed("render torus.nrrd -o picture.png --size 64 48");
+  const std::string png = readFile(path("picture.png"));
+  ASSERT_GT(png.size(), 24u);
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));  // IHDR: width, height.
+  succeed("render torus.nrrd -o cut.png --size 64 48 --cut --shell 0.2");
+  EXPECT_NE(readFile(path("cut.png")), png);
+  succeed("render torus.ply -o direct.png --resolution 24 --size 64 48");
+  EXPECT_EQ(readFile(path("direct.png")), png);
+  succeed("render torus.nrrd -o slice.png --slice z --index 3");
+  EXPECT_TRUE(fs::exists(path("slice.png")));
+}
+
+TEST_F(Cli, RefusesWhatMakesNoSense) {
+  writeTorus();
+  const auto refuse = [&](const std::string& options, const std::string& message) {
+    expectFailure("generate torus.ply -o f.nrrd " + options, ErrorCode::Usage, message);
+  };
+  refuse("--resolution 0", "--resolution: must be a number at least 1, not 0");
+  refuse("--resolution many", "--resolution");
+  refuse("--voxel-size 0", "--voxel-size");
+  refuse("--voxel-size nan", "--voxel-size: must be a number above 0, not nan");
+  refuse("--voxel-size 1 --resolution 3", "--voxel-size excludes --resolution");
+  refuse("--bounds 0 0 0 1 1", "--bounds");
+  refuse("--bounds 1 0 0 0 1 1", "--bounds: each of x0 y0 z0 must be less");
+  refuse("--padding -1", "--padding");
+  refuse("--band -3", "--band");
+  refuse("--threshold 0", "--threshold");
+  refuse("--passes 0", "--passes");
+  refuse("--threads -1", "--threads");
+  refuse("--distance roughly", "--distance");
+  refuse("--sign none --winding w.npy", "--winding and --confidence need a sign");
+  refuse("--winding f.nrrd", "another option already writes this file");
+  refuse("--winding w.txt", "must end in one of");
+  refuse("--stats stats.txt", "must end in one of .json");
+  refuse("--no-such-option", "--no-such-option");
+  expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
+  expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
+  expectFailure("", ErrorCode::Usage, "subcommand is required; see raymap --help");
+  expectFailure("paint torus.ply", ErrorCode::Usage, "raymap --help");
+  expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");
+  expectFailure("render torus.ply -o f.png --direction 0 1 0", ErrorCode::Usage, "--direction and --up");
+  EXPECT_EQ(fileCount(), 1u);
+}
+
+TEST_F(Cli, NamesTheFileThatIsWrong) {
+  writeTorus();
+  std::ofstream(path("text.ply")) << "This is no mesh.\n";
+  std::ofstream(path("text.nrrd")) << "This is no field.\n";
+  expectFailure("info nothing.ply", ErrorCode::File, "nothing.ply");
+  expectFailure("info text.ply", ErrorCode::Input, "text.ply");
+  expectFailure("convert text.nrrd f.npz", ErrorCode::Input, "text.nrrd");
+  expectFailure("generate torus.ply -o no/f.nrrd", ErrorCode::File, "there is no folder no");
+  expectFailure("generate torus.ply -o f.nrrd --memory-limit 1MB --resolution 200", ErrorCode::Memory, "");
+  EXPECT_FALSE(fs::exists(path("f.nrrd")));
+}
+
+TEST_F(Cli, LeavesNothingBehindWhenStopped) {
+  writeTorus();
+  // Far more passes than anyone waits for.
+  const std::string forever = "generate torus.ply -o f.nrrd --sign paths --passes 10000000 --winding w.npy";
+  EXPECT_EQ(run(forever, "timeout --preserve-status -s INT 1").code, 130);
+  EXPECT_EQ(run(forever, "timeout --preserve-status -s TERM 1").code, 143);
+  EXPECT_EQ(fileCount(), 1u);
+}
+
+}  // namespace
+}  // namespace raymap
