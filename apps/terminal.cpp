@@ -21,8 +21,15 @@ std::atomic<int> caught{0};
 std::atomic<bool> isCancellable{false};
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
+constexpr unsigned kPatience = 2;  // Seconds for the work to notice that it is cancelled.
+
 extern "C" void onSignal(int signal) {
-  if (isCancellable && caught.exchange(signal) == 0) return;
+  if (signal == SIGALRM)
+    signal = caught;
+  else if (isCancellable && caught.exchange(signal) == 0) {
+    alarm(kPatience);
+    return;
+  }
   removeTemporaries();
   _exit(128 + signal);
 }
@@ -34,7 +41,7 @@ void warn(std::string_view message) {
 }
 
 void catchSignals() {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onSignal);
+  for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, onSignal);
 }
 
 int caughtSignal() {

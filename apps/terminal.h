@@ -9,7 +9,8 @@ namespace raymap {
 void warn(std::string_view message);
 
 /// From now on SIGINT and SIGTERM end the program at once, without a half-written file; while a
-/// `ProgressLine` lives, the first of them cancels the work through its callback instead.
+/// `ProgressLine` lives, the first of them cancels the work through its callback instead, and ends the
+/// program only if that takes longer than two seconds.
 void catchSignals();
 
 /// The signal that cancelled the work, or 0.
