@@ -29,6 +29,14 @@ const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kM
 #endif
 };
 
+/// Not from getrusage: that one remembers the peak of the program that started this one.
+double peakMegabytesNow() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kilobytes = 0.0; word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
+  return 0.0;
+}
+
 struct Usage {
   double wall, cpu, peakMegabytes;
 
@@ -42,8 +50,7 @@ struct Usage {
     getrusage(RUSAGE_SELF, &usage);
     const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now().time_since_epoch();
-    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime),
-            double(usage.ru_maxrss) / 1024.0};
+    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime), peakMegabytesNow()};
   }
 };
 

@@ -7,6 +7,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import resource
 import sys
 import time
@@ -14,7 +15,9 @@ import time
 
 def usage():
     u = resource.getrusage(resource.RUSAGE_SELF)
-    return time.monotonic(), u.ru_utime + u.ru_stime, u.ru_maxrss / 1024
+    # Not ru_maxrss: that one remembers the peak of the program that started this one.
+    peak = re.search(r"VmHWM:\s*(\d+)", pathlib.Path("/proc/self/status").read_text())
+    return time.monotonic(), u.ru_utime + u.ru_stime, int(peak[1]) / 1024
 
 
 def sample_positions(case, dtype):
