@@ -52,8 +52,9 @@ using Float = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
 constexpr size_t kLanes = 8;
-/// A node may stay whole in the list of a block this many times as wide as its radius.
-constexpr float kNodeShare = 1.0f;
+/// A node stays whole in the list of a block if its radius is at most this share of half the block's side, or
+/// one cell: measured best from coarse to fine meshes.
+constexpr float kNodeShare = 0.7f;
 
 /// One value per lane, whatever the width of the machine's vectors.
 struct Lanes {
@@ -68,20 +69,26 @@ HWY_INLINE uint32_t bits(Mask mask) {
   return out[0];
 }
 
-/// A triangle read for all lanes at once: every lane the same, or each its own.
-struct SameTriangle {
-  const FramedTriangle& t;
-#define RAYMAP_FIELD(name, member)   \
-  HWY_INLINE Float name() const {    \
-    return hn::Set(Tag(), t.member); \
-  }
-  RAYMAP_FIELD(ax, a.x)
-  RAYMAP_FIELD(ay, a.y) RAYMAP_FIELD(az, a.z) RAYMAP_FIELD(xx, x.x) RAYMAP_FIELD(xy, x.y)
-      RAYMAP_FIELD(xz, x.z) RAYMAP_FIELD(yx, y.x) RAYMAP_FIELD(yy, y.y) RAYMAP_FIELD(yz, y.z)
-          RAYMAP_FIELD(zx, z.x) RAYMAP_FIELD(zy, z.y) RAYMAP_FIELD(zz, z.z) RAYMAP_FIELD(bx, bx)
-              RAYMAP_FIELD(cx, cx) RAYMAP_FIELD(cy, cy) RAYMAP_FIELD(ibc, inverseBc2)
-                  RAYMAP_FIELD(ica, inverseCa2)
-#undef RAYMAP_FIELD
+/// How a packet is read: one of its eight for all lanes, or each lane its own.
+struct One {
+  uint32_t lane;
+  HWY_INLINE Float operator()(const float* field) const { return hn::Set(Tag(), field[lane]); }
+};
+struct Each {
+  size_t i;
+  HWY_INLINE Float operator()(const float* field) const { return hn::Load(Tag(), field + i); }
+};
+
+template <class Read>
+struct Triangle {
+  const TrianglePacket& p;
+  Read read;
+};
+
+template <class Read>
+struct Disc {
+  const DiscPacket& p;
+  Read read;
 };
 
 /// A point, or an offset, in a triangle's frame.
@@ -89,41 +96,43 @@ struct Local {
   Float u, v, w;
 };
 
-template <class T>
-HWY_INLINE Local rotate(const T& t, Float x, Float y, Float z) {
-  return {hn::MulAdd(x, t.xx(), hn::MulAdd(y, t.xy(), hn::Mul(z, t.xz()))),
-          hn::MulAdd(x, t.yx(), hn::MulAdd(y, t.yy(), hn::Mul(z, t.yz()))),
-          hn::MulAdd(x, t.zx(), hn::MulAdd(y, t.zy(), hn::Mul(z, t.zz())))};
+template <class Read>
+HWY_INLINE Local rotate(const Triangle<Read>& t, Float x, Float y, Float z) {
+  return {hn::MulAdd(x, t.read(t.p.xx), hn::MulAdd(y, t.read(t.p.xy), hn::Mul(z, t.read(t.p.xz)))),
+          hn::MulAdd(x, t.read(t.p.yx), hn::MulAdd(y, t.read(t.p.yy), hn::Mul(z, t.read(t.p.yz)))),
+          hn::MulAdd(x, t.read(t.p.zx), hn::MulAdd(y, t.read(t.p.zy), hn::Mul(z, t.read(t.p.zz))))};
 }
 
-template <class T>
-HWY_INLINE Local toLocal(const T& t, Float px, Float py, Float pz) {
-  return rotate(t, hn::Sub(px, t.ax()), hn::Sub(py, t.ay()), hn::Sub(pz, t.az()));
+template <class Read>
+HWY_INLINE Local toLocal(const Triangle<Read>& t, Float px, Float py, Float pz) {
+  return rotate(t, hn::Sub(px, t.read(t.p.ax)), hn::Sub(py, t.read(t.p.ay)), hn::Sub(pz, t.read(t.p.az)));
 }
 
 /// The least of the three edge functions: positive where (u, v) lies inside the triangle, never so if
 /// it has no area.
-template <class T>
-HWY_INLINE Float insideness(const T& t, Float u, Float v, Float ub, Float ex) {
-  return hn::Min(v,
-                 hn::Min(hn::MulSub(ex, v, hn::Mul(t.cy(), ub)), hn::MulSub(t.cy(), u, hn::Mul(t.cx(), v))));
+template <class Read>
+HWY_INLINE Float insideness(const Triangle<Read>& t, Float u, Float v, Float ub, Float ex) {
+  return hn::Min(v, hn::Min(hn::MulSub(ex, v, hn::Mul(t.read(t.p.cy), ub)),
+                            hn::MulSub(t.read(t.p.cy), u, hn::Mul(t.read(t.p.cx), v))));
 }
 
 /// The offset to a point from the closest point of the triangle.
-template <class T>
-HWY_INLINE Local offsetFrom(const T& t, const Local& p) {
+template <class Read>
+HWY_INLINE Local offsetFrom(const Triangle<Read>& t, const Local& p) {
   const Tag d;
   const Float u = p.u, v = p.v;
   const Float zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  const Float bx = t.bx(), cx = t.cx(), cy = t.cy();
+  const Float bx = t.read(t.p.bx), cx = t.read(t.p.cx), cy = t.read(t.p.cy);
   const Float ex = hn::Sub(cx, bx), ub = hn::Sub(u, bx);
   // Offsets from the closest points of the three edges.
   const Float abU = hn::Sub(u, hn::Min(hn::Max(u, zero), bx));
   const Float ab2 = hn::MulAdd(abU, abU, hn::Mul(v, v));
-  const Float s = hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.ibc()), zero), one);
+  const Float s =
+      hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.read(t.p.inverseBc2)), zero), one);
   const Float bcU = hn::NegMulAdd(s, ex, ub), bcV = hn::NegMulAdd(s, cy, v);
   const Float bc2 = hn::MulAdd(bcU, bcU, hn::Mul(bcV, bcV));
-  const Float r = hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.ica()), zero), one);
+  const Float r =
+      hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.read(t.p.inverseCa2)), zero), one);
   const Float caU = hn::NegMulAdd(r, cx, u), caV = hn::NegMulAdd(r, cy, v);
   const Float ca2 = hn::MulAdd(caU, caU, hn::Mul(caV, caV));
   const Mask bcCloser = hn::Lt(bc2, ab2);
@@ -141,27 +150,29 @@ HWY_INLINE Float squared(const Local& o) {
 }
 
 /// The squared distance alone: no need to know which edge is closest.
-template <class T>
-HWY_INLINE Float squaredDistance(const T& t, const Local& p) {
+template <class Read>
+HWY_INLINE Float squaredDistance(const Triangle<Read>& t, const Local& p) {
   const Tag d;
   const Float u = p.u, v = p.v;
   const Float zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  const Float bx = t.bx(), cx = t.cx(), cy = t.cy();
+  const Float bx = t.read(t.p.bx), cx = t.read(t.p.cx), cy = t.read(t.p.cy);
   const Float ex = hn::Sub(cx, bx), ub = hn::Sub(u, bx);
   const Float abU = hn::Sub(u, hn::Min(hn::Max(u, zero), bx));
   const Float ab2 = hn::MulAdd(abU, abU, hn::Mul(v, v));
-  const Float s = hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.ibc()), zero), one);
+  const Float s =
+      hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.read(t.p.inverseBc2)), zero), one);
   const Float bcU = hn::NegMulAdd(s, ex, ub), bcV = hn::NegMulAdd(s, cy, v);
   const Float bc2 = hn::MulAdd(bcU, bcU, hn::Mul(bcV, bcV));
-  const Float r = hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.ica()), zero), one);
+  const Float r =
+      hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.read(t.p.inverseCa2)), zero), one);
   const Float caU = hn::NegMulAdd(r, cx, u), caV = hn::NegMulAdd(r, cy, v);
   const Float ca2 = hn::MulAdd(caU, caU, hn::Mul(caV, caV));
   const Mask outside = hn::Le(insideness(t, u, v, ub, ex), zero);
   return hn::MulAdd(p.w, p.w, hn::IfThenElseZero(outside, hn::Min(hn::Min(ab2, bc2), ca2)));
 }
 
-template <class T>
-HWY_INLINE Float squaredDistance(const T& t, Float px, Float py, Float pz) {
+template <class Read>
+HWY_INLINE Float squaredDistance(const Triangle<Read>& t, Float px, Float py, Float pz) {
   return squaredDistance(t, toLocal(t, px, py, pz));
 }
 
@@ -170,31 +181,31 @@ struct Tangent {
   Float d, gx, gy, gz;
 };
 
-HWY_INLINE Tangent tangent(const FramedTriangle& triangle, Float px, Float py, Float pz) {
+template <class Read>
+HWY_INLINE Tangent tangent(const Triangle<Read>& t, Float px, Float py, Float pz) {
   const Tag tag;
-  const SameTriangle t{triangle};
   const Local o = offsetFrom(t, toLocal(t, px, py, pz));
   const Float d = hn::Sqrt(squared(o));
   const Float inverse = hn::Div(hn::Set(tag, 1.0f), hn::Max(d, hn::Set(tag, 1e-20f)));
   const Float u = hn::Mul(o.u, inverse), v = hn::Mul(o.v, inverse), w = hn::Mul(o.w, inverse);
-  return {d, hn::MulAdd(u, t.xx(), hn::MulAdd(v, t.yx(), hn::Mul(w, t.zx()))),
-          hn::MulAdd(u, t.xy(), hn::MulAdd(v, t.yy(), hn::Mul(w, t.zy()))),
-          hn::MulAdd(u, t.xz(), hn::MulAdd(v, t.yz(), hn::Mul(w, t.zz())))};
+  return {d, hn::MulAdd(u, t.read(t.p.xx), hn::MulAdd(v, t.read(t.p.yx), hn::Mul(w, t.read(t.p.zx)))),
+          hn::MulAdd(u, t.read(t.p.xy), hn::MulAdd(v, t.read(t.p.yy), hn::Mul(w, t.read(t.p.zy)))),
+          hn::MulAdd(u, t.read(t.p.xz), hn::MulAdd(v, t.read(t.p.yz), hn::Mul(w, t.read(t.p.zz))))};
 }
 
 /// The tangent plane of the distance to a disc with thickness; zero inside it.
-HWY_INLINE Tangent tangent(const Disc& disc, Float px, Float py, Float pz) {
+template <class Read>
+HWY_INLINE Tangent tangent(const Disc<Read>& disc, Float px, Float py, Float pz) {
   const Tag tag;
-  const Float nx = hn::Set(tag, disc.normal.x), ny = hn::Set(tag, disc.normal.y),
-              nz = hn::Set(tag, disc.normal.z);
-  const Float qx = hn::Sub(px, hn::Set(tag, disc.centre.x)), qy = hn::Sub(py, hn::Set(tag, disc.centre.y)),
-              qz = hn::Sub(pz, hn::Set(tag, disc.centre.z));
+  const Float nx = disc.read(disc.p.nx), ny = disc.read(disc.p.ny), nz = disc.read(disc.p.nz);
+  const Float qx = hn::Sub(px, disc.read(disc.p.cx)), qy = hn::Sub(py, disc.read(disc.p.cy)),
+              qz = hn::Sub(pz, disc.read(disc.p.cz));
   const Float height = hn::MulAdd(qx, nx, hn::MulAdd(qy, ny, hn::Mul(qz, nz)));
   const Float q2 = hn::MulAdd(qx, qx, hn::MulAdd(qy, qy, hn::Mul(qz, qz)));
   const Float tiny = hn::Set(tag, 1e-20f), zero = hn::Zero(tag);
   const Float rho = hn::Sqrt(hn::Max(hn::NegMulAdd(height, height, q2), tiny));
-  const Float beside = hn::Max(hn::Sub(rho, hn::Set(tag, disc.radius)), zero);
-  const Float above = hn::Max(hn::Sub(hn::Abs(height), hn::Set(tag, disc.halfThickness)), zero);
+  const Float beside = hn::Max(hn::Sub(rho, disc.read(disc.p.radius)), zero);
+  const Float above = hn::Max(hn::Sub(hn::Abs(height), disc.read(disc.p.halfThickness)), zero);
   const Float d = hn::Sqrt(hn::MulAdd(beside, beside, hn::Mul(above, above)));
   const Float inverse = hn::Div(hn::Set(tag, 1.0f), hn::Max(d, tiny));
   const Float radial = hn::Div(hn::Mul(beside, inverse), rho);
@@ -204,18 +215,18 @@ HWY_INLINE Tangent tangent(const Disc& disc, Float px, Float py, Float pz) {
 }
 
 /// The squared distance to a disc with thickness.
-HWY_INLINE Float squaredDistance(const Disc& disc, Float px, Float py, Float pz) {
+template <class Read>
+HWY_INLINE Float squaredDistance(const Disc<Read>& disc, Float px, Float py, Float pz) {
   const Tag tag;
-  const Float qx = hn::Sub(px, hn::Set(tag, disc.centre.x)), qy = hn::Sub(py, hn::Set(tag, disc.centre.y)),
-              qz = hn::Sub(pz, hn::Set(tag, disc.centre.z));
-  const Float height =
-      hn::MulAdd(qx, hn::Set(tag, disc.normal.x),
-                 hn::MulAdd(qy, hn::Set(tag, disc.normal.y), hn::Mul(qz, hn::Set(tag, disc.normal.z))));
+  const Float qx = hn::Sub(px, disc.read(disc.p.cx)), qy = hn::Sub(py, disc.read(disc.p.cy)),
+              qz = hn::Sub(pz, disc.read(disc.p.cz));
+  const Float height = hn::MulAdd(qx, disc.read(disc.p.nx),
+                                  hn::MulAdd(qy, disc.read(disc.p.ny), hn::Mul(qz, disc.read(disc.p.nz))));
   const Float q2 = hn::MulAdd(qx, qx, hn::MulAdd(qy, qy, hn::Mul(qz, qz)));
   const Float zero = hn::Zero(tag);
   const Float rho = hn::Sqrt(hn::Max(hn::NegMulAdd(height, height, q2), zero));
-  const Float beside = hn::Max(hn::Sub(rho, hn::Set(tag, disc.radius)), zero);
-  const Float above = hn::Max(hn::Sub(hn::Abs(height), hn::Set(tag, disc.halfThickness)), zero);
+  const Float beside = hn::Max(hn::Sub(rho, disc.read(disc.p.radius)), zero);
+  const Float above = hn::Max(hn::Sub(hn::Abs(height), disc.read(disc.p.halfThickness)), zero);
   return hn::MulAdd(beside, beside, hn::Mul(above, above));
 }
 
@@ -249,27 +260,6 @@ HWY_INLINE glm::ivec3 octant(size_t lane) {
   return {lane & 1, lane >> 1 & 1, lane >> 2};
 }
 
-#ifdef RAYMAP_COUNT
-struct Counters {
-  std::atomic<long> tri{0}, node{0}, exTri{0}, exNode{0}, near{0}, finTri{0}, finEval{0}, finNode{0},
-      calls[8]{}, listTri[8]{}, listNode[8]{};
-  ~Counters() {
-    if (!tri) return;
-    printf("tri %ld node %ld exTri %ld exNode %ld near %ld| finTri %ld evals %ld node %ld\n", tri.load(),
-           node.load(), exTri.load(), exNode.load(), near.load(), finTri.load(), finEval.load(),
-           finNode.load());
-    for (int i = 0; i < 8; i++)
-      if (calls[i])
-        printf(" lvl %d calls %ld tris/call %.1f nodes/call %.1f\n", i, calls[i].load(),
-               double(listTri[i]) / calls[i], double(listNode[i]) / calls[i]);
-  }
-};
-inline Counters gC;
-#define COUNT(x, n) gC.x += (n)
-#else
-#define COUNT(x, n)
-#endif
-
 /// Halves one block after another; each thread has its own.
 class BlockRefiner {
  public:
@@ -283,7 +273,7 @@ class BlockRefiner {
   void run(glm::ivec3 low) {
     Candidates all;
     all.nodes.push_back(tree_.root());
-    all.closest = tree_.representative(tree_.root());
+    all.closest = 0;
     refine(low, kTopSide, all, 0);
   }
 
@@ -291,10 +281,10 @@ class BlockRefiner {
   /// The eight halves of a block.
   struct Level {
     Candidates candidates[kLanes];
-    Lanes x, y, z;             // their centres
-    Lanes distance;            // of the closest triangle to the centres
-    uint32_t closest[kLanes];  // that triangle
-    Lanes corners[8];          // its distance at the corners, minus the tolerance
+    Lanes x, y, z;                         // their centres
+    Lanes distance;                        // of the closest triangle to the centres
+    alignas(64) uint32_t closest[kLanes];  // that triangle
+    Lanes corners[8];                      // its distance at the corners, minus the tolerance
     std::vector<StoredTangent> triangles, nodes;
   };
 
@@ -304,9 +294,6 @@ class BlockRefiner {
     const int half = side / 2;
     const float reach = 0.5f * static_cast<float>(half - 1);
     uint32_t active = placeHalves(low, half, reach, level);
-    COUNT(calls[depth], 1);
-    COUNT(listTri[depth], candidates.triangles.size());
-    COUNT(listNode[depth], candidates.nodes.size());
     measure(candidates, level);
     if (job_.band > 0.0f) active = skipFar(low, half, reach, active, level);
     if (!active) return;
@@ -348,22 +335,27 @@ class BlockRefiner {
   HWY_NOINLINE void measure(const Candidates& candidates, Level& level) {
     level.triangles.resize(candidates.triangles.size());
     level.nodes.resize(candidates.nodes.size());
-    COUNT(tri, candidates.triangles.size());
-    COUNT(node, candidates.nodes.size());
+    bounds_.resize(candidates.nodes.size());
+    Lanes squared;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
       const Float x = level.x.load(i), y = level.y.load(i), z = level.z.load(i);
-      Nearest nearest(candidates.closest,
-                      hn::Sqrt(squaredDistance(SameTriangle{tree_.triangle(candidates.closest)}, x, y, z)));
+      Nearest nearest(candidates.closest, hn::Sqrt(squaredDistance(triangle(candidates.closest), x, y, z)));
       for (size_t k = 0; k < candidates.triangles.size(); ++k) {
-        const Tangent t = tangent(tree_.triangle(candidates.triangles[k]), x, y, z);
+        const Tangent t = tangent(triangle(candidates.triangles[k]), x, y, z);
         level.triangles[k].store(i, t);
         nearest.take(candidates.triangles[k], t.d);
       }
-      nearest.store(i, level.distance, level.closest);
-      for (size_t k = 0; k < candidates.nodes.size(); ++k)
-        level.nodes[k].store(i, tangent(tree_.disc(candidates.nodes[k]), x, y, z));
+      nearest.distance = hn::Mul(nearest.distance, nearest.distance);
+      nearest.store(i, squared, level.closest);
+      for (size_t k = 0; k < candidates.nodes.size(); ++k) {
+        const Tangent t = tangent(disc(candidates.nodes[k]), x, y, z);
+        level.nodes[k].store(i, t);
+        bounds_[k].store(i, hn::Mul(t.d, t.d));
+      }
     }
-    if (!candidates.nodes.empty()) searchNodes(candidates, level);
+    if (!candidates.nodes.empty())
+      searchNodes(candidates.nodes, bounds_, {level.x, level.y, level.z, squared, level.closest});
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
   }
 
   /// The smallest value so far in each lane, and whose it is.
@@ -386,72 +378,77 @@ class BlockRefiner {
     }
   };
 
-  /// Looks for triangles below the candidate nodes that are closer to the centres.
-  void searchNodes(const Candidates& candidates, Level& level) {
-    // Start from a good leaf in every direction: the node closest to each centre holds one.
-    uint32_t last = kNoTriangle;
-    for (size_t lane = 0; lane < kLanes; ++lane) {
-      size_t best = 0;
-      for (size_t k = 1; k < candidates.nodes.size(); ++k)
-        if (level.nodes[k].d.v[lane] < level.nodes[best].d.v[lane]) best = k;
-      if (level.nodes[best].d.v[lane] >= level.distance.v[lane] || candidates.nodes[best] == last) continue;
-      last = candidates.nodes[best];
-      descend(last, lane, level);
+  /// Points in lanes, and what is closest to them so far.
+  struct Points {
+    const Lanes &x, &y, &z;
+    Lanes& squared;
+    uint32_t* closest;
+  };
+
+  /// Looks for closer triangles below nodes whose squared distances are at least `bounds`.
+  HWY_NOINLINE void searchNodes(const std::vector<uint32_t>& nodes, const std::vector<Lanes>& bounds,
+                                const Points& points) {
+    const auto visit = [&](uint32_t node, size_t lane) {
+      Closest closest{points.squared.v[lane], points.closest[lane]};
+      searchBelow(node, {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
+      points.squared.v[lane] = closest.squared;
+      points.closest[lane] = closest.triangle;
+    };
+    // The node that may come closest holds a good start.
+    Lanes least;
+    alignas(64) uint32_t first[kLanes];
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
+      Nearest nearest(0, bounds[0].load(i));
+      for (size_t k = 1; k < nodes.size(); ++k) nearest.take(static_cast<uint32_t>(k), bounds[k].load(i));
+      nearest.store(i, least, first);
     }
-    for (size_t k = 0; k < candidates.nodes.size(); ++k) {
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      if (least.v[lane] < points.squared.v[lane]) visit(nodes[first[lane]], lane);
+    for (size_t k = 0; k < nodes.size(); ++k) {
       uint32_t open = 0;
       for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
-        open |= bits(hn::Lt(level.nodes[k].d.load(i), level.distance.load(i)));
-      if (open) stack_.emplace_back(candidates.nodes[k], 0);
-    }
-    while (!stack_.empty()) {
-      const uint32_t node = stack_.back().first;
-      stack_.pop_back();
-      const SurfaceTree::Range children = tree_.children(node);
-      if (tree_.isLeaf(node)) {
-        COUNT(near, children.end - children.begin);
-        approach(children, level);
-        continue;
-      }
-      COUNT(near, children.end - children.begin);
-      for (uint32_t n = children.begin; n < children.end; ++n) {
-        uint32_t open = 0;
-        for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
-          const Float best = level.distance.load(i);
-          open |=
-              bits(hn::Lt(squaredDistance(tree_.disc(n), level.x.load(i), level.y.load(i), level.z.load(i)),
-                          hn::Mul(best, best)));
-        }
-        if (open) stack_.emplace_back(n, 0);
-      }
+        open |= bits(hn::Lt(bounds[k].load(i), points.squared.load(i))) << i;
+      forEachLane(open, [&](size_t lane) {
+        if (first[lane] != k) visit(nodes[k], lane);
+      });
     }
   }
 
-  /// Follows the children closest to the lane's centre down to a leaf, and takes its triangles where they are
-  /// closest.
-  void descend(uint32_t node, size_t lane, Level& level) const {
-    const glm::vec3 p(level.x.v[lane], level.y.v[lane], level.z.v[lane]);
-    SurfaceTree::Range children = tree_.children(node);
-    while (!tree_.isLeaf(node)) {
-      float best = INFINITY;
-      for (uint32_t n = children.begin; n < children.end; ++n) {
-        const glm::vec3 q = p - tree_.disc(n).centre;
-        const float d = glm::dot(q, q);
-        if (d < best) best = d, node = n;
-      }
-      children = tree_.children(node);
-    }
-    approach(children, level);
-  }
+  /// The closest triangle so far to a point.
+  struct Closest {
+    float squared;
+    uint32_t triangle;
+  };
 
-  /// Takes these triangles as the closest where they are.
-  void approach(SurfaceTree::Range triangles, Level& level) const {
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
-      Nearest nearest(i, level.distance, level.closest);
-      for (uint32_t t = triangles.begin; t < triangles.end; ++t)
-        nearest.take(t, hn::Sqrt(squaredDistance(SameTriangle{tree_.triangle(t)}, level.x.load(i),
-                                                 level.y.load(i), level.z.load(i))));
-      nearest.store(i, level.distance, level.closest);
+  /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.
+  void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
+    const uint32_t packet = tree_.childPacket(node);
+    const Tag tag;
+    const Float x = hn::Set(tag, p.x), y = hn::Set(tag, p.y), z = hn::Set(tag, p.z);
+    Lanes squared;
+    uint32_t open = 0;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Float d = tree_.isLeaf(node)
+                          ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
+                          : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
+      squared.store(i, d);
+      open |= bits(hn::Lt(d, hn::Set(tag, closest.squared))) << i;
+    }
+    if (tree_.isLeaf(node)) {
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < closest.squared)
+          closest = {squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+      });
+      return;
+    }
+    while (open) {
+      size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < squared.v[next]) next = lane;
+      });
+      if (!(squared.v[next] < closest.squared)) return;
+      open &= ~(1u << next);
+      searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
     }
   }
 
@@ -477,7 +474,7 @@ class BlockRefiner {
   /// Distances of the lane's closest triangle at the corners of its half; returns their squares.
   void measureCorners(size_t lane, float reach, Level& level, Lanes* squares = nullptr) const {
     const Tag tag;
-    const SameTriangle t{tree_.triangle(level.closest[lane])};
+    const Triangle<One> t = triangle(level.closest[lane]);
     const Float r = hn::Set(tag, reach);
     Lanes d;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
@@ -530,27 +527,25 @@ class BlockRefiner {
     };
     for (size_t k = 0; k < candidates.triangles.size(); ++k)
       offer(candidates.triangles[k], active & survivors(level.triangles[k], reachLanes, level));
-    offer(candidates.closest, active & survivors(tree_.triangle(candidates.closest), reachLanes, level));
+    offer(candidates.closest, active & survivors(triangle(candidates.closest), reachLanes, level));
     for (size_t k = 0; k < candidates.nodes.size(); ++k)
       if (const uint32_t lanes = active & survivors(level.nodes[k], reachLanes, level))
         stack_.emplace_back(candidates.nodes[k], lanes);
-    const float wide = kNodeShare * (reach + 0.5f);
+    const float wide = std::max(kNodeShare * (reach + 0.5f), 1.0f);
     while (!stack_.empty()) {
       const auto [node, lanes] = stack_.back();
       stack_.pop_back();
-      if (tree_.disc(node).radius <= wide) {
+      if (tree_.radius(node) <= wide) {
         keepNode(node, lanes);
         continue;
       }
-      const SurfaceTree::Range children = tree_.children(node);
+      const uint32_t first = tree_.childPacket(node) * kPacket;
       if (tree_.isLeaf(node)) {
-        COUNT(exTri, children.end - children.begin);
-        for (uint32_t t = children.begin; t < children.end; ++t)
-          offer(t, lanes & survivors(tree_.triangle(t), reachLanes, level));
+        for (uint32_t t = first; t < first + kPacket; ++t)
+          offer(t, lanes & survivors(triangle(t), reachLanes, level));
       } else {
-        COUNT(exNode, children.end - children.begin);
-        for (uint32_t n = children.begin; n < children.end; ++n)
-          if (const uint32_t kept = lanes & survivors(tree_.disc(n), reachLanes, level))
+        for (uint32_t n = first; n < first + kPacket; ++n)
+          if (const uint32_t kept = lanes & survivors(disc(n), reachLanes, level))
             stack_.emplace_back(n, kept);
       }
     }
@@ -568,65 +563,61 @@ class BlockRefiner {
     for (size_t half = 0; half < kLanes; ++half) {
       measureCorners(half, kReach, level, &samples_.squared[half]);
       std::fill_n(samples_.closest[half], kLanes, level.closest[half]);
+      level.candidates[half].reset(level.closest[half]);
     }
     prune(
         candidates, kReach, active, level,
-        [&](uint32_t t, uint32_t halves) {
-          finishTriangles({t, t + 1}, halves, level);
-        },
-        [&](uint32_t n, uint32_t halves) { finishNode(n, halves, level); });
-    forEachLane(active, [&](size_t half) { write(low + 2 * octant(half), half); });
+        [&](uint32_t t, uint32_t halves) { finishTriangle(t, halves, level); },
+        [&](uint32_t n, uint32_t halves) {
+          forEachLane(halves, [&](size_t half) { level.candidates[half].nodes.push_back(n); });
+        });
+    forEachLane(active, [&](size_t half) {
+      finishNodes(half, level);
+      write(low + 2 * octant(half), half);
+    });
   }
 
-  void finishNode(uint32_t node, uint32_t halves, const Level& level) {
+  /// Looks below the nodes left to a half, one sample at a time: their triangles are small beside the
+  /// spacing.
+  void finishNodes(size_t half, Level& level) {
+    const std::vector<uint32_t>& nodes = level.candidates[half].nodes;
+    if (nodes.empty()) return;
     const Tag tag;
     const Float reach = hn::Set(tag, 0.5f);
-    COUNT(finNode, 1);
-    uint32_t open = 0;
-    forEachLane(halves, [&](size_t half) {
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-        const Float d = squaredDistance(tree_.disc(node),
-                                        hn::MulAdd(signX_.load(i), reach, hn::Set(tag, level.x.v[half])),
-                                        hn::MulAdd(signY_.load(i), reach, hn::Set(tag, level.y.v[half])),
-                                        hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half])));
-        if (!hn::AllFalse(tag, hn::Lt(d, samples_.squared[half].load(i)))) open |= 1u << half;
-      }
-    });
-    if (!open) return;
-    const SurfaceTree::Range children = tree_.children(node);
-    if (tree_.isLeaf(node)) {
-      finishTriangles(children, open, level);
-    } else {
-      for (uint32_t n = children.begin; n < children.end; ++n) finishNode(n, open, level);
+    bounds_.resize(nodes.size());
+    Lanes x, y, z;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Float px = hn::MulAdd(signX_.load(i), reach, hn::Set(tag, level.x.v[half]));
+      const Float py = hn::MulAdd(signY_.load(i), reach, hn::Set(tag, level.y.v[half]));
+      const Float pz = hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half]));
+      x.store(i, px), y.store(i, py), z.store(i, pz);
+      for (size_t k = 0; k < nodes.size(); ++k)
+        bounds_[k].store(i, squaredDistance(disc(nodes[k]), px, py, pz));
     }
+    searchNodes(nodes, bounds_, {x, y, z, samples_.squared[half], samples_.closest[half]});
   }
 
-  /// Takes these triangles as the closest of the samples where they are.
-  HWY_INLINE void finishTriangles(SurfaceTree::Range triangles, uint32_t halves, const Level& level) {
+  /// Takes the triangle as the closest of the samples where it is.
+  HWY_INLINE void finishTriangle(uint32_t id, uint32_t halves, const Level& level) {
     const Tag tag;
-    for (uint32_t id = triangles.begin; id < triangles.end; ++id) {
-      COUNT(finTri, 1);
-      const SameTriangle t{tree_.triangle(id)};
-      // The samples of a half lie at the same offsets from its centre in every half.
-      Lanes u, v, w;
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-        const Local centre = toLocal(t, level.x.load(i), level.y.load(i), level.z.load(i));
-        u.store(i, centre.u), v.store(i, centre.v), w.store(i, centre.w);
-      }
-      const Float reach = hn::Set(tag, 0.5f);
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-        const Local offset = rotate(t, hn::Mul(signX_.load(i), reach), hn::Mul(signY_.load(i), reach),
-                                    hn::Mul(signZ_.load(i), reach));
-        forEachLane(halves, [&](size_t half) {
-          COUNT(finEval, 1);
-          const Local p{hn::Add(hn::Set(tag, u.v[half]), offset.u),
-                        hn::Add(hn::Set(tag, v.v[half]), offset.v),
-                        hn::Add(hn::Set(tag, w.v[half]), offset.w)};
-          Nearest nearest(i, samples_.squared[half], samples_.closest[half]);
-          nearest.take(id, squaredDistance(t, p));
-          nearest.store(i, samples_.squared[half], samples_.closest[half]);
-        });
-      }
+    const Triangle<One> t = triangle(id);
+    // The samples of a half lie at the same offsets from its centre in every half.
+    Lanes u, v, w;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Local centre = toLocal(t, level.x.load(i), level.y.load(i), level.z.load(i));
+      u.store(i, centre.u), v.store(i, centre.v), w.store(i, centre.w);
+    }
+    const Float reach = hn::Set(tag, 0.5f);
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Local offset = rotate(t, hn::Mul(signX_.load(i), reach), hn::Mul(signY_.load(i), reach),
+                                  hn::Mul(signZ_.load(i), reach));
+      forEachLane(halves, [&](size_t half) {
+        const Local p{hn::Add(hn::Set(tag, u.v[half]), offset.u), hn::Add(hn::Set(tag, v.v[half]), offset.v),
+                      hn::Add(hn::Set(tag, w.v[half]), offset.w)};
+        Nearest nearest(i, samples_.squared[half], samples_.closest[half]);
+        nearest.take(id, squaredDistance(t, p));
+        nearest.store(i, samples_.squared[half], samples_.closest[half]);
+      });
     }
   }
 
@@ -641,15 +632,21 @@ class BlockRefiner {
       const bool beyond = job_.band > 0.0f && distance.v[s] > job_.band;
       job_.distance[index] = beyond ? job_.band : distance.v[s];
       if (job_.triangle)
-        job_.triangle[index] = beyond ? kNoTriangle : tree_.triangle(samples_.closest[half][s]).id;
+        job_.triangle[index] = beyond ? kNoTriangle : tree_.triangleId(samples_.closest[half][s]);
     }
   }
+
+  HWY_INLINE Triangle<One> triangle(uint32_t t) const {
+    return {tree_.triangles(t / kPacket), {t % kPacket}};
+  }
+  HWY_INLINE Disc<One> disc(uint32_t node) const { return {tree_.discs(node / kPacket), {node % kPacket}}; }
 
   const ExactDistanceJob& job_;
   const SurfaceTree& tree_;
   Lanes signX_, signY_, signZ_;  // of the eight corners of a half
   Level levels_[4];
   Samples samples_;
+  std::vector<Lanes> bounds_;
   std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, lanes
 };
 

@@ -45,15 +45,11 @@ uint32_t hilbertIndex(glm::uvec3 p) {
   return spread(p.x) << 2 | spread(p.y) << 1 | spread(p.z);
 }
 
-glm::dvec3 anyPerpendicular(const glm::dvec3& x) {
-  const glm::dvec3 axis = std::abs(x.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  return glm::normalize(glm::cross(x, axis));
-}
-
-/// `v` with unit length, or a fallback if it has none.
-glm::dvec3 direction(const glm::dvec3& v, const glm::dvec3& fallback) {
+/// `v` with unit length; if it has none, some direction across `x`.
+glm::dvec3 direction(const glm::dvec3& v, const glm::dvec3& x) {
   const double length = glm::length(v);
-  return length > 0.0 ? v / length : fallback;
+  if (length > 0.0) return v / length;
+  return glm::normalize(glm::cross(x, std::abs(x.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }
 
 float inverseSquare(const glm::dvec2& v) {
@@ -61,9 +57,12 @@ float inverseSquare(const glm::dvec2& v) {
   return length2 > 1e-30 ? static_cast<float>(1.0 / length2) : 0.0f;
 }
 
-/// The longest edge becomes ab, so that c lies over it and slivers keep a sound frame.
-FramedTriangle frameTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t id) {
-  const double ab = glm::distance(a, b), bc = glm::distance(b, c), ca = glm::distance(c, a);
+/// Writes a triangle into a lane. The longest edge becomes ab, so that c lies over it and slivers keep a
+/// sound frame.
+void writeTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t id, TrianglePacket& packet,
+                   uint32_t lane) {
+  const auto square = [](const glm::dvec3& v) { return glm::dot(v, v); };
+  const double ab = square(b - a), bc = square(c - b), ca = square(a - c);
   if (bc >= ab && bc >= ca) {
     std::swap(a, b);
     std::swap(b, c);
@@ -71,126 +70,191 @@ FramedTriangle frameTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t 
     std::swap(a, c);
     std::swap(b, c);
   }
-  const glm::dvec3 x = direction(b - a, {1, 0, 0});
-  const glm::dvec3 z = direction(glm::cross(x, c - a), anyPerpendicular(x));
+  const glm::dvec3 e = c - a;
+  const double length = glm::distance(a, b);
+  const glm::dvec3 x = length > 0.0 ? (b - a) / length : glm::dvec3(1, 0, 0);
+  const glm::dvec3 z = direction(glm::cross(x, e), x);
   const glm::dvec3 y = glm::cross(z, x);
-  const glm::dvec2 b2(glm::distance(a, b), 0.0);
-  const glm::dvec2 c2(glm::dot(c - a, x), glm::dot(c - a, y));
-  return {a, x, y, z, float(b2.x), float(c2.x), float(c2.y), inverseSquare(c2 - b2), inverseSquare(c2), id};
-}
-
-}  // namespace
-
-void SurfaceTree::build(const CellMesh& mesh) {
-  sortTriangles(mesh);
-  buildDiscs(mesh);
-}
-
-void SurfaceTree::sortTriangles(const CellMesh& mesh) {
-  const size_t count = mesh.triangles.size();
-  glm::vec3 low(INFINITY), high(-INFINITY);
-  for (size_t t = 0; t < count; ++t) {
-    const glm::vec3 sum = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
-    low = glm::min(low, sum);
-    high = glm::max(high, sum);
-  }
-  const glm::vec3 size = high - low;
-  const float scale = ((1 << kCurveBits) - 1) / std::max({size.x, size.y, size.z, 1e-20f});
-  keys_.resize(count);
-  parallelFor(count, kGrain, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      const glm::vec3 sum = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
-      keys_[t] = uint64_t(hilbertIndex(glm::uvec3((sum - low) * scale))) << 32 | t;
-    }
-  });
-  hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
-  triangles_.resize(count);
-  parallelFor(count, kGrain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const auto t = static_cast<uint32_t>(keys_[i]);
-      triangles_[i] = frameTriangle(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), t);
-    }
-  });
-}
-
-namespace {
-
-/// The disc around corners of sorted triangles [begin, end).
-Disc boundTriangles(const CellMesh& mesh, const Buffer<FramedTriangle>& triangles, uint32_t begin,
-                    uint32_t end) {
-  glm::vec3 normal(0.0f), low(INFINITY), high(-INFINITY);
-  const auto forEachCorner = [&](auto&& visit) {
-    for (uint32_t t = begin; t < end; ++t)
-      for (int c = 0; c < 3; ++c) visit(mesh.corner(triangles[t].id, c));
+  const glm::dvec2 b2(length, 0.0), c2(glm::dot(e, x), glm::dot(e, y));
+  const auto write = [lane](const glm::dvec3& v, float* fx, float* fy, float* fz) {
+    fx[lane] = static_cast<float>(v.x), fy[lane] = static_cast<float>(v.y),
+    fz[lane] = static_cast<float>(v.z);
   };
-  for (uint32_t t = begin; t < end; ++t) {
-    const FramedTriangle& f = triangles[t];
-    normal += f.z * (f.bx * f.cy);
+  write(a, packet.ax, packet.ay, packet.az);
+  write(x, packet.xx, packet.xy, packet.xz);
+  write(y, packet.yx, packet.yy, packet.yz);
+  write(z, packet.zx, packet.zy, packet.zz);
+  packet.bx[lane] = static_cast<float>(b2.x);
+  packet.cx[lane] = static_cast<float>(c2.x);
+  packet.cy[lane] = static_cast<float>(c2.y);
+  packet.inverseBc2[lane] = inverseSquare(c2 - b2);
+  packet.inverseCa2[lane] = inverseSquare(c2);
+  packet.id[lane] = id;
+}
+
+struct Disc {
+  glm::vec3 centre, normal;
+  float radius, halfThickness;
+};
+
+void writeDisc(const Disc& disc, DiscPacket& packet, uint32_t lane) {
+  packet.cx[lane] = disc.centre.x, packet.cy[lane] = disc.centre.y, packet.cz[lane] = disc.centre.z;
+  packet.nx[lane] = disc.normal.x, packet.ny[lane] = disc.normal.y, packet.nz[lane] = disc.normal.z;
+  packet.radius[lane] = disc.radius;
+  packet.halfThickness[lane] = disc.halfThickness;
+}
+
+Disc readDisc(const DiscPacket& packet, uint32_t lane) {
+  return {{packet.cx[lane], packet.cy[lane], packet.cz[lane]},
+          {packet.nx[lane], packet.ny[lane], packet.nz[lane]},
+          packet.radius[lane],
+          packet.halfThickness[lane]};
+}
+
+/// No point comes near: fills the lanes of a packet that hold no node.
+constexpr float kOutOfReach = 1e15f;
+
+/// The disc around points, across a direction.
+Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalSum) {
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (size_t p = 0; p < count; ++p) {
+    low = glm::min(low, points[p]);
+    high = glm::max(high, points[p]);
   }
-  forEachCorner([&](const glm::vec3& p) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  });
-  const float length = glm::length(normal);
-  normal = length > 1e-12f ? normal / length : glm::vec3(triangles[begin].z);
+  const float length = glm::length(normalSum);
+  const glm::vec3 normal = length > 1e-12f ? normalSum / length : glm::vec3(0, 0, 1);
   glm::vec3 centre = 0.5f * (low + high);
   float front = -INFINITY, back = INFINITY, radius2 = 0.0f;
-  forEachCorner([&](const glm::vec3& p) {
-    const glm::vec3 q = p - centre;
+  for (size_t p = 0; p < count; ++p) {
+    const glm::vec3 q = points[p] - centre;
     const float height = glm::dot(q, normal);
     front = std::max(front, height);
     back = std::min(back, height);
     radius2 = std::max(radius2, glm::dot(q, q) - height * height);
-  });
+  }
   centre += 0.5f * (front + back) * normal;
   return {centre, normal, std::sqrt(std::max(radius2, 0.0f)), 0.5f * (front - back)};
 }
 
 }  // namespace
 
-void SurfaceTree::buildDiscs(const CellMesh& mesh) {
-  const auto count = static_cast<uint32_t>(triangles_.size());
-  levelStarts_ = {0};
-  uint32_t nodes = (count + kLeafSize - 1) / kLeafSize;
-  for (;; nodes = (nodes + kArity - 1) / kArity) {
-    levelStarts_.push_back(levelStarts_.back() + nodes);
+void SurfaceTree::build(const CellMesh& mesh) {
+  sortTriangles(mesh);
+  const auto count = static_cast<uint32_t>(mesh.triangles.size());
+  const auto packets = [](uint32_t n) { return (n + kPacket - 1) / kPacket; };
+  levelStarts_.clear();
+  levelCounts_.clear();
+  uint32_t start = 0;
+  for (uint32_t nodes = packets(count);; nodes = packets(nodes)) {
+    levelStarts_.push_back(start);
+    levelCounts_.push_back(nodes);
+    start += packets(nodes) * kPacket;
     if (nodes == 1) break;
   }
-  discs_.resize(levelStarts_.back());
-  uint64_t span = kLeafSize;
-  for (size_t l = 0; l + 1 < levelStarts_.size(); ++l, span *= kArity) {
-    const uint32_t first = levelStarts_[l];
-    parallelFor(levelStarts_[l + 1] - first, std::max<size_t>(1, kGrain / span),
-                [&](size_t begin, size_t end) {
-                  for (size_t n = begin; n < end; ++n)
-                    discs_[first + n] =
-                        boundTriangles(mesh, triangles_, static_cast<uint32_t>(n * span),
-                                       static_cast<uint32_t>(std::min<uint64_t>(count, (n + 1) * span)));
-                });
+  leafCount_ = levelCounts_[0];
+  triangles_.resize(leafCount_);
+  discs_.resize(start / kPacket);
+  buildLeaves(mesh);
+  for (uint32_t level = 1; level < levelStarts_.size(); ++level) buildLevel(level);
+}
+
+void SurfaceTree::sortTriangles(const CellMesh& mesh) {
+  const size_t count = mesh.triangles.size();
+  const auto thrice = [&](size_t t) { return mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2); };
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (const glm::vec3& v : mesh.vertices) {
+    low = glm::min(low, v);
+    high = glm::max(high, v);
   }
+  const glm::vec3 size = 3.0f * (high - low);
+  const float scale = ((1 << kCurveBits) - 1) / std::max({size.x, size.y, size.z, 1e-20f});
+  keys_.resize(count);
+  parallelFor(count, kGrain, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      const glm::vec3 p = glm::clamp((thrice(t) - 3.0f * low) * scale, 0.0f, float((1 << kCurveBits) - 1));
+      keys_[t] = uint64_t(hilbertIndex(glm::uvec3(p))) << 32 | t;
+    }
+  });
+  hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
 }
 
-uint32_t SurfaceTree::level(uint32_t node) const {
-  uint32_t l = 0;
-  while (node >= levelStarts_[l + 1]) ++l;
-  return l;
+void SurfaceTree::buildLeaves(const CellMesh& mesh) {
+  const size_t count = mesh.triangles.size();
+  const uint32_t packets = (leafCount_ + kPacket - 1) / kPacket;
+  parallelFor(packets, 16, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      for (uint32_t lane = 0; lane < kPacket; ++lane) {
+        const size_t leaf = p * kPacket + lane;
+        if (leaf >= leafCount_) {
+          writeDisc({glm::vec3(kOutOfReach), {0, 0, 1}, 0.0f, 0.0f}, discs_[p], lane);
+          continue;
+        }
+        glm::vec3 corners[3 * kPacket], normal(0.0f);
+        for (uint32_t t = 0; t < kPacket; ++t) {
+          const auto id = static_cast<uint32_t>(keys_[std::min(leaf * kPacket + t, count - 1)]);
+          glm::vec3* corner = corners + 3 * t;
+          for (int c = 0; c < 3; ++c) corner[c] = mesh.corner(id, c);
+          normal += glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+          writeTriangle(corner[0], corner[1], corner[2], id, triangles_[leaf], t);
+        }
+        writeDisc(boundPoints(corners, 3 * kPacket, normal), discs_[p], lane);
+      }
+    }
+  });
 }
 
-SurfaceTree::Range SurfaceTree::children(uint32_t node) const {
-  const uint32_t l = level(node);
-  if (l == 0)
-    return {node * kLeafSize, std::min((node + 1) * kLeafSize, static_cast<uint32_t>(triangles_.size()))};
-  const uint32_t begin = levelStarts_[l - 1] + (node - levelStarts_[l]) * kArity;
-  return {begin, std::min(begin + kArity, levelStarts_[l])};
+namespace {
+
+/// The disc around the discs of a packet.
+Disc boundDiscs(const DiscPacket& packet, uint32_t count) {
+  glm::vec3 centres[kPacket], normal(0.0f);
+  for (uint32_t lane = 0; lane < count; ++lane) {
+    const Disc disc = readDisc(packet, lane);
+    centres[lane] = disc.centre;
+    normal += disc.normal * (disc.radius * disc.radius);
+  }
+  Disc bound = boundPoints(centres, count, normal);
+  // The discs reach beyond their centres: by this much along the common normal and across it.
+  float front = 0.0f, back = 0.0f, radius = 0.0f;
+  for (uint32_t lane = 0; lane < count; ++lane) {
+    const Disc disc = readDisc(packet, lane);
+    const glm::vec3 q = disc.centre - bound.centre;
+    const float height = glm::dot(q, bound.normal);
+    const float cosine = std::min(1.0f, std::abs(glm::dot(disc.normal, bound.normal)));
+    const float sine = std::sqrt(1.0f - cosine * cosine);
+    const float along = disc.radius * sine + disc.halfThickness * cosine;
+    const float across =
+        std::min(disc.radius + disc.halfThickness * sine, std::hypot(disc.radius, disc.halfThickness));
+    front = std::max(front, height + along);
+    back = std::min(back, height - along);
+    radius = std::max(radius, std::sqrt(std::max(glm::dot(q, q) - height * height, 0.0f)) + across);
+  }
+  return {bound.centre + 0.5f * (front + back) * bound.normal, bound.normal, radius, 0.5f * (front - back)};
 }
 
-uint32_t SurfaceTree::representative(uint32_t node) const {
-  const uint32_t l = level(node);
-  uint64_t span = kLeafSize;
-  for (uint32_t i = 0; i < l; ++i) span *= kArity;
-  const uint64_t begin = (node - levelStarts_[l]) * span;
-  const uint64_t end = std::min<uint64_t>(begin + span, triangles_.size());
-  return static_cast<uint32_t>((begin + end) / 2);
+}  // namespace
+
+void SurfaceTree::buildLevel(uint32_t level) {
+  const uint32_t count = levelCounts_[level], below = levelCounts_[level - 1];
+  const uint32_t firstPacket = levelStarts_[level] / kPacket, firstChild = levelStarts_[level - 1] / kPacket;
+  const uint32_t packets = (count + kPacket - 1) / kPacket;
+  parallelFor(packets, 64, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p)
+      for (uint32_t lane = 0; lane < kPacket; ++lane) {
+        const auto node = static_cast<uint32_t>(p * kPacket + lane);
+        const Disc disc =
+            node < count ? boundDiscs(discs_[firstChild + node], std::min(kPacket, below - node * kPacket))
+                         : Disc{glm::vec3(kOutOfReach), {0, 0, 1}, 0.0f, 0.0f};
+        writeDisc(disc, discs_[firstPacket + p], lane);
+      }
+  });
+}
+
+uint32_t SurfaceTree::childPacket(uint32_t node) const {
+  if (isLeaf(node)) return node;
+  uint32_t level = 1;
+  while (level + 1 < levelStarts_.size() && node >= levelStarts_[level + 1]) ++level;
+  return levelStarts_[level - 1] / kPacket + (node - levelStarts_[level]);
 }
 
 size_t SurfaceTree::bytes() const {
