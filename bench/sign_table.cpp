@@ -121,8 +121,11 @@ RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
     cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
   cells.triangles = mesh.triangles;
   cells.dims = grid.dims;
+  const Options options;
+  Stats stats;
+  Progress progress(options, stats);
   Crossings crossings;
-  countCrossings(cells, crossings);
+  countCrossings(cells, progress, crossings);
   RayMap map;
   buildRayMap(grid.dims, crossings, map);
   return map;

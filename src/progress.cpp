@@ -12,11 +12,16 @@ double Progress::now() {
 }
 
 void Progress::report(double done) {
+  done_ = done;
+  poll();
+}
+
+void Progress::poll() {
   if (!options_.progress) return;
   if (!cancelled_) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return;  // Another thread is reporting: this step may be skipped.
-    if (!options_.progress(name_, done)) cancelled_ = true;
+    if (!options_.progress(name_, done_)) cancelled_ = true;
   }
   if (cancelled_) throw Error(ErrorCode::Cancelled, std::string("cancelled during ") + name_);
 }

@@ -22,8 +22,11 @@ class Progress {
     stats_.stages.push_back({name, now() - start});
   }
 
-  /// Called by a stage, from any thread, with the share that is done. Throws `Error(Cancelled)`.
+  /// Called by a stage, from any thread, every few milliseconds, with the share that is done. Throws
+  /// `Error(Cancelled)`.
   void report(double done);
+  /// The same where a stage cannot tell how far it is: repeats the last share.
+  void poll();
 
  private:
   static double now();  // milliseconds
@@ -32,6 +35,7 @@ class Progress {
   Stats& stats_;
   const char* name_ = "";
   std::mutex mutex_;
+  std::atomic<double> done_{0.0};
   std::atomic<bool> cancelled_{false};
 };
 

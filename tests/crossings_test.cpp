@@ -15,12 +15,6 @@ Grid unitGrid(int nx, int ny, int nz) {
   return {.dims = {nx, ny, nz}, .origin = glm::dvec3(0.0), .spacing = 1.0};
 }
 
-Crossings crossingsOf(const Mesh& mesh, const Grid& grid) {
-  Crossings crossings;
-  countCrossings(cellMesh(mesh, grid), crossings);
-  return crossings;
-}
-
 std::span<const Crossing> lineOf(const AxisCrossings& axis, size_t line) {
   return {axis.entries.data() + axis.starts[line], size_t(axis.starts[line + 1] - axis.starts[line])};
 }

@@ -77,6 +77,43 @@ TEST(Generator, StopsWhenAskedAndLeavesNothing) {
   }
 }
 
+/// Cancels at the `stopAt`-th call that comes from `stage`; returns how far the stage was then.
+double shareWhenStopped(const Mesh& mesh, const Grid& grid, Options options, std::string_view stage,
+                        int stopAt) {
+  double share = INFINITY;
+  int calls = 0;
+  options.progress = [&](std::string_view name, double done) {
+    if (name != stage || ++calls < stopAt) return true;
+    EXPECT_EQ(calls, stopAt) << "it went on";
+    share = done;
+    return false;
+  };
+  Field field;
+  try {
+    Generator().generate(mesh, grid, options, field);
+    ADD_FAILURE() << stage << " asked only " << calls << " times";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+  }
+  return share;
+}
+
+TEST(Generator, StopsWithinALongStage) {
+  const Mesh mesh = shapes::soup(300, 5);
+  const Grid grid = fitGrid(mesh, {.resolution = 48});
+  Options options;
+  options.passes = 100'000'000;
+  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution}) {
+    options.sign = sign;
+    EXPECT_LT(shareWhenStopped(mesh, grid, options, "winding", 20), 1e-5);
+  }
+  EXPECT_LE(shareWhenStopped(mesh, grid, {}, "winding", 50), 1.0);  // harmonic
+  EXPECT_LE(shareWhenStopped(mesh, grid, {}, "crossings", 5), 1.0);
+  options.distance = DistanceMode::Neighbours;
+  for (const char* stage : {"voxel_grid", "cell_distance", "distance_transform", "refine"})
+    EXPECT_LE(shareWhenStopped(mesh, grid, options, stage, 3), 1.0);
+}
+
 TEST(Generator, NamesTheMemoryItNeeds) {
   const Mesh mesh = shapes::sphere(1.0, 2);
   Options options;

@@ -25,11 +25,18 @@ inline CellMesh cellMesh(const Mesh& mesh, const Grid& grid) {
   return cells;
 }
 
-inline RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
+inline Crossings crossingsOf(const Mesh& mesh, const Grid& grid) {
+  const Options options;
+  Stats stats;
+  Progress progress(options, stats);
   Crossings crossings;
-  countCrossings(cellMesh(mesh, grid), crossings);
+  countCrossings(cellMesh(mesh, grid), progress, crossings);
+  return crossings;
+}
+
+inline RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
   RayMap map;
-  buildRayMap(grid.dims, crossings, map);
+  buildRayMap(grid.dims, crossingsOf(mesh, grid), map);
   return map;
 }
 

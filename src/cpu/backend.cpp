@@ -107,7 +107,7 @@ void CpuBackend::refine() {
 }
 
 void CpuBackend::crossings() {
-  countCrossings(mesh_, crossings_);
+  countCrossings(mesh_, *progress_, crossings_);
 }
 
 void CpuBackend::rayMap() {

@@ -164,8 +164,10 @@ void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, L
 }
 
 /// Scans triangles of the chunk until it is done or all chunks together have found enough.
-void scanChunk(const CellMesh& mesh, const Lattice& lattice, std::atomic<size_t>& found, Chunk& chunk,
-               LineRecords& records) {
+void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress, std::atomic<size_t>& found,
+               Chunk& chunk, LineRecords& records) {
+  const auto report = [&] { progress.report(double(chunk.next) / double(mesh.triangles.size())); };
+  report();
   const double scale = std::ldexp(1.0, lattice.fractionBits);
   size_t reported = 0;
   while (chunk.next < chunk.end && found < kRecordsPerRound) {
@@ -174,13 +176,15 @@ void scanChunk(const CellMesh& mesh, const Lattice& lattice, std::atomic<size_t>
         {snap(mesh.corner(t, 0), scale), snap(mesh.corner(t, 1), scale), snap(mesh.corner(t, 2), scale)},
         lattice, records);
     const size_t count = records[0].size() + records[1].size() + records[2].size();
-    if (count - reported >= kRecordsPerReport) found += count - std::exchange(reported, count);
+    if (count - reported < kRecordsPerReport) continue;
+    found += count - std::exchange(reported, count);
+    report();
   }
 }
 
 }  // namespace
 
-void countCrossings(const CellMesh& mesh, Crossings& crossings) {
+void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
   const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
   std::vector<Chunk> chunks(chunkCount(mesh));
   for (size_t c = 0; c < chunks.size(); ++c)
@@ -192,7 +196,7 @@ void countCrossings(const CellMesh& mesh, Crossings& crossings) {
     std::atomic<size_t> found{0};
     parallelFor(chunks.size(), 1, [&](size_t c, size_t) {
       for (auto& list : records[c]) list.clear();
-      scanChunk(mesh, lattice, found, chunks[c], records[c]);
+      scanChunk(mesh, lattice, progress, found, chunks[c], records[c]);
     });
     for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, crossings[axis]);
   } while (!std::all_of(chunks.begin(), chunks.end(), isDone));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cell_mesh.h"
+#include "progress.h"
 
 #include <array>
 
@@ -35,6 +36,6 @@ using Crossings = std::array<AxisCrossings, 3>;
 /// exact integer arithmetic on vertices snapped to 2^-20 cells. So the six rays of a closed mesh agree at
 /// every sample. Snapping is coarser if a vertex lies more than 2^20 cells from sample (0, 0, 0); beyond 2^40
 /// cells: Error(Input).
-void countCrossings(const CellMesh& mesh, Crossings& crossings);
+void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings);
 
 }  // namespace raymap

@@ -37,22 +37,27 @@ float squaredDistance(const CellLevel& level, const CellPoint& p) {
 
 void rasterizeDistance(const CellMesh& mesh, const CellLattice& cells, Progress& progress,
                        Buffer<float>& squared) {
-  constexpr size_t kGrain = 2048;
+  constexpr size_t kGrain = 2048, kCellGrain = size_t{1} << 16;
   const size_t count = mesh.triangles.size();
   const auto perCell2 = static_cast<float>(1.0 / (cells.size * cells.size));
   squared.resize(cells.count());
-  parallelFor(cells.count(), size_t{1} << 16, [&](size_t begin, size_t end) {
+  parallelFor(cells.count(), kCellGrain, [&](size_t begin, size_t end) {
     std::fill(squared.data() + begin, squared.data() + end, emptyCell(cells.dims));
   });
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     progress.report(double(begin) / double(count));
+    size_t touched = 0;
     for (size_t t = begin; t < end; ++t) {
       const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
       forEachRun(mesh, cells, t, [&](size_t cell, size_t last) {
+        touched += last - cell;
         for (; cell < last; ++cell)
           atomicMin(squared[cell],
                     perCell2 * triangleSquaredDistance(glm::vec3(cells.centre(cells.cell(cell))), a, b, c));
       });
+      if (touched < kCellGrain) continue;
+      progress.poll();  // Large triangles.
+      touched = 0;
     }
   });
 }

@@ -127,9 +127,11 @@ void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int
   distance.resize(CellLattice{mesh.dims}.count());
   if (triangle) triangle->resize(distance.size());
   parallelFor(blocks.count(), kBlocksAtOnce, [&](size_t begin, size_t end) {
-    progress.report(double(begin) / double(blocks.count()));
     BlockRefiner refiner(mesh, levels, trees, reach);
-    for (size_t b = begin; b < end; ++b) refiner.refine(kSide * blocks.cell(b), distance, triangle);
+    for (size_t b = begin; b < end; ++b) {
+      progress.report(double(b) / double(blocks.count()));
+      refiner.refine(kSide * blocks.cell(b), distance, triangle);
+    }
   });
 }
 

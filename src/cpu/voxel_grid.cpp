@@ -83,10 +83,16 @@ void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxLi
   const auto forEachTriangle = [&](double start, auto&& work) {
     parallelFor(count, kTriangleGrain, [&](size_t begin, size_t end) {
       progress.report(start + 0.4 * double(begin) / double(count));
-      for (size_t t = begin; t < end; ++t)
+      size_t touched = 0;
+      for (size_t t = begin; t < end; ++t) {
         forEachRun(mesh, cells, t, [&](size_t c, size_t last) {
+          touched += last - c;
           for (; c < last; ++c) work(t, std::atomic_ref(grid.starts[c + 1]));
         });
+        if (touched < kCellGrain) continue;
+        progress.poll();  // Large triangles.
+        touched = 0;
+      }
     });
   };
   grid.cells = cells;

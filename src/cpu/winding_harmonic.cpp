@@ -33,8 +33,8 @@ int coarsestLevel(const glm::ivec3& dims) {
 
 class Hierarchy {
  public:
-  Hierarchy(std::vector<HarmonicLevel>& levels, Buffer<float>& winding)
-      : levels_(levels), winding_(winding) {}
+  Hierarchy(std::vector<HarmonicLevel>& levels, Progress& progress, Buffer<float>& winding)
+      : levels_(levels), progress_(progress), winding_(winding) {}
 
   /// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves
   /// an error below that of the lattice itself (docs/signs.md), and costs less than anything that needs more.
@@ -54,8 +54,8 @@ class Hierarchy {
  private:
   bool isCoarsest(size_t l) const { return l + 1 == levels_.size(); }
 
-  static void relax(const LatticeBox& box, const RightHandSide& rightHandSide, float* values, int sweeps) {
-    for (int sweep = 0; sweep < sweeps; ++sweep) relaxField(box, rightHandSide, values);
+  void relax(const LatticeBox& box, const RightHandSide& rightHandSide, float* values, int sweeps) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) relaxField(box, rightHandSide, progress_, values);
   }
 
   /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it
@@ -77,6 +77,7 @@ class Hierarchy {
   }
 
   std::vector<HarmonicLevel>& levels_;
+  Progress& progress_;
   Buffer<float>& winding_;
 };
 
@@ -101,7 +102,7 @@ size_t HarmonicScratch::bytes() const {
 
 void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding) {
   scratch.levels.resize(size_t(coarsestLevel(map.dims)) + 1);
-  Hierarchy hierarchy(scratch.levels, winding);
+  Hierarchy hierarchy(scratch.levels, progress, winding);
   for (size_t l = scratch.levels.size(); l-- > 0;) {
     buildLevel(map, l, scratch.levels[l]);
     hierarchy.solve(l);

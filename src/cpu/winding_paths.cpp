@@ -4,7 +4,7 @@
 
 #include <atomic>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace raymap {
 
@@ -17,28 +17,41 @@ constexpr int kPointsPerStep = 4;
 
 /// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over the box of half the
 /// grid's size around the sample, so that any number of passes is well spaced.
-glm::ivec3 builtInOffset(int pass, const glm::ivec3& dims) {
+glm::ivec3 builtInOffset(int64_t pass, const glm::ivec3& dims) {
   constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1
   const double steps[3] = {1.0 / kRoot, 1.0 / (kRoot * kRoot), 1.0 / (kRoot * kRoot * kRoot)};
   glm::ivec3 offset;
   for (int c = 0; c < 3; ++c) {
-    const double turn = 0.5 + (pass + 1) * steps[c];
+    const double turn = 0.5 + double(pass + 1) * steps[c];
     offset[c] = static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * dims[c]));
   }
   return offset;
 }
 
-glm::ivec3 offsetOf(const Options& options, int pass, const glm::ivec3& dims) {
+glm::ivec3 offsetOf(const Options& options, int64_t pass, const glm::ivec3& dims) {
   if (options.offsets.empty()) return builtInOffset(pass, dims);
   // From `dims` on the point lies outside for every sample, and farther changes nothing.
   return glm::clamp(options.offsets[size_t(pass) % options.offsets.size()], -dims, dims);
 }
 
+/// Counts the rows walked, once for each offset point.
+struct Walked {
+  Progress& progress;
+  double total;          ///< How many there will be.
+  size_t rowsPerReport;  ///< About a millisecond of work, however many points each row has.
+  std::atomic<uint64_t> done{0};
+};
+
 /// Walks from the samples of a row to their offset points, along the edges of the box between them.
 class PathRow {
  public:
-  PathRow(const RayMap& map, const std::array<Buffer<int32_t>, 3>& rays)
-      : map_(map), rays_(rays), from_(size_t(map.dims.x)), to_(from_.size()), sum_(from_.size()) {}
+  PathRow(const RayMap& map, const std::array<Buffer<int32_t>, 3>& rays, Walked& walked)
+      : map_(map),
+        rays_(rays),
+        walked_(walked),
+        from_(size_t(map.dims.x)),
+        to_(from_.size()),
+        sum_(from_.size()) {}
 
   /// The signed crossings of the six paths from each sample of row (j, k) to its offset point, added up.
   const std::vector<int32_t>& countPaths(int j, int k, const glm::ivec3& offset) {
@@ -58,7 +71,13 @@ class PathRow {
         fetch(axis, end.x, j + end.y, k + end.z, to_.data());
         for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += paths * (from_[i] - to_[i]);  // Eq. 6
       }
+    if (++unreported_ >= walked_.rowsPerReport) report();
     return sum_;
+  }
+
+  void report() {
+    walked_.done += std::exchange(unreported_, 0);
+    walked_.progress.report(double(walked_.done) / walked_.total);
   }
 
  private:
@@ -85,6 +104,8 @@ class PathRow {
 
   const RayMap& map_;
   const std::array<Buffer<int32_t>, 3>& rays_;
+  Walked& walked_;
+  uint64_t unreported_ = 0;
   std::vector<int32_t> from_, to_, sum_;
 };
 
@@ -113,16 +134,20 @@ void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
 
 /// Calls `work(paths, j, k, first)` for every row.
 template <class Work>
-void forEachRow(const RayMap& map, const PathScratch& scratch, Progress& progress, double before,
-                double share, Work&& work) {
-  std::atomic<int> planes{0};
+void forEachRow(const RayMap& map, const PathScratch& scratch, Walked& walked, Work&& work) {
   parallelFor(size_t(map.dims.z), 4, [&](size_t begin, size_t end) {
-    PathRow paths(map, scratch.rays);
+    PathRow paths(map, scratch.rays, walked);
     for (int k = int(begin); k < int(end); ++k) {
       for (int j = 0; j < map.dims.y; ++j) work(paths, j, k, (size_t(k) * map.dims.y + j) * map.dims.x);
-      progress.report(before + share * ++planes / map.dims.z);
+      paths.report();
     }
   });
+}
+
+Walked walks(const RayMap& map, Progress& progress, double points) {
+  constexpr size_t kSamplesPerReport = size_t{1} << 15;
+  return {progress, points * map.dims.y * map.dims.z,
+          std::max<size_t>(1, kSamplesPerReport / size_t(map.dims.x))};
 }
 
 }  // namespace
@@ -136,8 +161,9 @@ void averagePaths(const RaySweep& sweep, const Options& options, Progress& progr
   const RayMap& map = sweep.map();
   fillRays(sweep, scratch.rays);
   scratch.next.resize(winding.size());
-  const float curves = float(kRays + kRays * kPathsPerPoint * options.passes);
-  forEachRow(map, scratch, progress, 0.0, 1.0, [&](PathRow& paths, int j, int k, size_t first) {
+  const float curves = kRays * (1.0f + kPathsPerPoint * float(options.passes));
+  Walked walked = walks(map, progress, options.passes);
+  forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
     std::vector<float> sum(sweep.rowLength()), there(sweep.rowLength());
     for (size_t i = 0; i < sum.size(); ++i) sum[i] = kRays * winding[first + i];
     for (int pass = 0; pass < options.passes; ++pass) {
@@ -157,13 +183,13 @@ void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progre
   const RayMap& map = sweep.map();
   fillRays(sweep, scratch.rays);
   scratch.next.resize(winding.size());
-  const double share = 1.0 / options.passes;
+  Walked walked = walks(map, progress, double(kPointsPerStep) * options.passes);
   for (int step = 0; step < options.passes; ++step) {
-    forEachRow(map, scratch, progress, step * share, share, [&](PathRow& paths, int j, int k, size_t first) {
+    forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
       std::vector<float> sum(winding.data() + first, winding.data() + first + sweep.rowLength());
       std::vector<float> there(sum.size());
       for (int point = 0; point < kPointsPerStep; ++point) {
-        const glm::ivec3 offset = offsetOf(options, step * kPointsPerStep + point, map.dims);
+        const glm::ivec3 offset = offsetOf(options, int64_t{step} * kPointsPerStep + point, map.dims);
         const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
         fetchValues(map.dims, offset, j, k, winding, there);
         for (size_t i = 0; i < sum.size(); ++i) sum[i] += float(counts[i]) + kPathsPerPoint * there[i];

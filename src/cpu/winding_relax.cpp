@@ -37,12 +37,14 @@ void RightHandSide::clear(const LatticeBox& box, int j, int k, std::vector<float
     for (const JumpRows::Jump& jump : along.row(box.row(j, k))) scratch[size_t(jump.x)] = 0.0f;
 }
 
-void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, float* values) {
+void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress,
+                float* values) {
   const size_t slabs = (size_t(box.dims.z) + kPlanesPerSlab - 1) / kPlanesPerSlab;
   // Every second slab at a time: then no slab is read while a neighbour is being written.
   for (const int colour : {0, 1})
     for (const size_t parity : {0, 1})
       parallelFor((slabs + 1 - parity) / 2, 1, [&](size_t task, size_t) {
+        progress.poll();
         const size_t begin = (2 * task + parity) * kPlanesPerSlab;
         relaxSlab(box, rightHandSide, colour, int(begin), int(begin + kPlanesPerSlab), values);
       });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "progress.h"
 #include "winding_jumps.h"
 
 #include <array>
@@ -18,7 +19,7 @@ struct RightHandSide {
 };
 
 /// One red-black relaxation of all samples but the box's outermost ones, which keep their values.
-void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, float* values);
+void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress, float* values);
 
 /// Carries a field to the next finer lattice: a new sample between two old ones is the mean of what both ask
 /// of it over the lattice edges between, so that the field keeps its jumps where the crossings are.
