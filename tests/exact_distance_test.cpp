@@ -61,6 +61,24 @@ TEST(ExactDistance, SurvivesDegenerateTriangles) {
   EXPECT_LT(largestError(mesh, fitGrid(mesh, {.resolution = 40}), 2000), 1e-6);
 }
 
+TEST(ExactDistance, SurvivesTrianglesThatAreLines) {
+  // Two corners the same, or all on one line in no special direction: their normals are all rounding.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<glm::dvec3> p{{-1, -1, -1}, {1, 1, 1}};  // so that rounding does not move them much
+  std::vector<glm::uvec3> triangles;
+  for (uint32_t n = 0; n < 40; ++n) {
+    const glm::dvec3 a(uniform(random), uniform(random), uniform(random));
+    const glm::dvec3 b = a + 0.2 * glm::dvec3(uniform(random), uniform(random), uniform(random));
+    p.insert(p.end(), {a, b, 0.5 * (a + b)});
+    const uint32_t i = 3 * n + 2;
+    const glm::uvec3 kinds[] = {{i, i + 1, i}, {i, i, i + 1}, {i, i + 1, i + 1}, {i, i + 1, i + 2}};
+    triangles.push_back(kinds[n % 4]);
+  }
+  const Mesh mesh = makeMesh(p, triangles);
+  EXPECT_LT(largestError(mesh, fitGrid(mesh, {.resolution = 40}), 2000), 1e-6);
+}
+
 TEST(ExactDistance, LosesNothingFarFromTheOrigin) {
   Mesh mesh = shapes::torus(1.0, 0.3, 80, 40);
   mesh.origin += glm::dvec3(1e6, -2e6, 3e6);

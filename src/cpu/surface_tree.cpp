@@ -45,10 +45,12 @@ uint32_t hilbertIndex(glm::uvec3 p) {
   return spread(p.x) << 2 | spread(p.y) << 1 | spread(p.z);
 }
 
-/// `v` with unit length; if it has none, some direction across `x`.
-glm::dvec3 direction(const glm::dvec3& v, const glm::dvec3& x) {
+/// A unit vector across the unit vector `x` and across `e`. Where the cross product is mostly rounding, which
+/// may point along `x`, any direction across `x` will do: `e` lies along it.
+glm::dvec3 directionAcross(const glm::dvec3& x, const glm::dvec3& e) {
+  const glm::dvec3 v = glm::cross(x, e);
   const double length = glm::length(v);
-  if (length > 0.0) return v / length;
+  if (length > 1e-9 * glm::length(e)) return v / length;
   return glm::normalize(glm::cross(x, std::abs(x.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }
 
@@ -73,7 +75,7 @@ void writeTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t id, Triang
   const glm::dvec3 e = c - a;
   const double length = glm::distance(a, b);
   const glm::dvec3 x = length > 0.0 ? (b - a) / length : glm::dvec3(1, 0, 0);
-  const glm::dvec3 z = direction(glm::cross(x, e), x);
+  const glm::dvec3 z = directionAcross(x, e);
   const glm::dvec3 y = glm::cross(z, x);
   const glm::dvec2 b2(length, 0.0), c2(glm::dot(e, x), glm::dot(e, y));
   const auto write = [lane](const glm::dvec3& v, float* fx, float* fy, float* fz) {
