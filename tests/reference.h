@@ -24,7 +24,9 @@ inline double triangleDistance(const glm::dvec3& p, const glm::dvec3& a, const g
   const double edges =
       std::min({segmentDistance(p, a, b), segmentDistance(p, b, c), segmentDistance(p, c, a)});
   const double area = glm::length(n);
-  if (!(area > 0.0)) return edges;
+  // Where rounding decides which way the normal points, no point inside lies far from the edges.
+  const double longest2 = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
+  if (!(area > 1e-8 * longest2)) return edges;
   const bool inside = glm::dot(glm::cross(n, b - a), p - a) >= 0.0 &&
                       glm::dot(glm::cross(n, c - b), p - b) >= 0.0 &&
                       glm::dot(glm::cross(n, a - c), p - c) >= 0.0;
