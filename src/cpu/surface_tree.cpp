@@ -5,6 +5,8 @@
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "parallel.h"
@@ -16,26 +18,8 @@ namespace {
 constexpr int kCurveBits = 10;
 constexpr size_t kGrain = 2048;
 
-/// Position along the Hilbert curve of a point on a 2^10 lattice (Skilling 2004).
-uint32_t hilbertIndex(glm::uvec3 p) {
-  for (uint32_t q = 1u << (kCurveBits - 1); q > 1; q >>= 1) {
-    const uint32_t mask = q - 1;
-    for (int a = 0; a < 3; ++a) {
-      if (p[a] & q) {
-        p.x ^= mask;
-      } else {
-        const uint32_t t = (p.x ^ p[a]) & mask;
-        p.x ^= t;
-        p[a] ^= t;
-      }
-    }
-  }
-  p.y ^= p.x;
-  p.z ^= p.y;
-  uint32_t t = 0;
-  for (uint32_t q = 1u << (kCurveBits - 1); q > 1; q >>= 1)
-    if (p.z & q) t ^= q - 1;
-  p ^= t;
+/// Position along the Morton curve of a point on a 2^10 lattice.
+uint32_t mortonIndex(glm::uvec3 p) {
   const auto spread = [](uint32_t v) {
     v = (v | (v << 16)) & 0x030000ffu;
     v = (v | (v << 8)) & 0x0300f00fu;
@@ -57,6 +41,32 @@ glm::dvec3 directionAcross(const glm::dvec3& x, const glm::dvec3& e) {
 float inverseSquare(const glm::dvec2& v) {
   const double length2 = glm::dot(v, v);
   return length2 > 1e-30 ? static_cast<float>(1.0 / length2) : 0.0f;
+}
+
+/// Runs of the curve this long are put into better order: compact nodes are worth more than the curve's.
+constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket;
+
+struct Centroid {
+  glm::vec3 position;
+  uint64_t key;
+};
+
+/// Halves the run across its longest side until packets are left, each power of two a run of its own.
+void splitRun(Centroid* begin, size_t count) {
+  if (count <= kPacket) return;
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (size_t t = 0; t < count; ++t) {
+    low = glm::min(low, begin[t].position);
+    high = glm::max(high, begin[t].position);
+  }
+  const glm::vec3 size = high - low;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const size_t half = std::bit_ceil(count) / 2;
+  std::nth_element(begin, begin + half, begin + count, [axis](const Centroid& a, const Centroid& b) {
+    return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.key < b.key;
+  });
+  splitRun(begin, half);
+  splitRun(begin + half, count - half);
 }
 
 /// Writes a triangle into a lane. The longest edge becomes ab, so that c lies over it and slivers keep a
@@ -174,10 +184,20 @@ void SurfaceTree::sortTriangles(const CellMesh& mesh) {
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
       const glm::vec3 p = glm::clamp((thrice(t) - 3.0f * low) * scale, 0.0f, float((1 << kCurveBits) - 1));
-      keys_[t] = uint64_t(hilbertIndex(glm::uvec3(p))) << 32 | t;
+      keys_[t] = uint64_t(mortonIndex(glm::uvec3(p))) << 32 | t;
     }
   });
   hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
+  parallelFor((count + kRun - 1) / kRun, 4, [&](size_t begin, size_t end) {
+    std::array<Centroid, kRun> run;
+    for (size_t r = begin; r < end; ++r) {
+      uint64_t* keys = keys_.data() + r * kRun;
+      const size_t length = std::min(kRun, count - r * kRun);
+      for (size_t t = 0; t < length; ++t) run[t] = {thrice(static_cast<uint32_t>(keys[t])), keys[t]};
+      splitRun(run.data(), length);
+      for (size_t t = 0; t < length; ++t) keys[t] = run[t].key;
+    }
+  });
 }
 
 void SurfaceTree::buildLeaves(const CellMesh& mesh) {
