@@ -5,6 +5,17 @@
 
 namespace raymap {
 
+namespace {
+
+/// The distance, or what `generate` wrote by itself: winding, confidence or triangle numbers.
+std::string_view arrayToConvert(const Field& field) {
+  if (!field.distance.empty()) return "distance";
+  if (!field.winding.empty()) return "winding";
+  return field.confidence.empty() ? "triangle" : "confidence";
+}
+
+}  // namespace
+
 void addConvert(CLI::App& app) {
   struct Arguments {
     std::filesystem::path from, to;
@@ -18,7 +29,8 @@ void addConvert(CLI::App& app) {
   command->footer("Example:\n  raymap convert bunny.vdb bunny.nrrd");
   command->callback([arguments] {
     checkOutputs({{"FIELD", arguments->to, fieldExtensions()}});
-    writeField(arguments->to, readField(arguments->from));
+    const Field field = readField(arguments->from);
+    writeField(arguments->to, field, arrayToConvert(field));
   });
 }
 

@@ -2,7 +2,9 @@
 
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include "commands.h"
 #include "terminal.h"
@@ -34,6 +36,15 @@ std::string commandName(const CLI::App& app) {
   return name;
 }
 
+/// The arguments, last first as CLI11 wants them. It takes -.5 for an option, but not -0.5.
+std::vector<std::string> readArguments(int argc, char** argv) {
+  std::vector<std::string> arguments(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + 1));
+  for (std::string& argument : arguments)
+    if (argument.size() > 2 && argument.starts_with("-.") && argument[2] >= '0' && argument[2] <= '9')
+      argument.insert(1, "0");
+  return arguments;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
   app.set_version_flag("--version", "raymap " RAYMAP_VERSION);
@@ -47,7 +58,7 @@ int run(int argc, char** argv) {
   addConvert(app);
   addExample(app);
   try {
-    app.parse(argc, argv);
+    app.parse(readArguments(argc, argv));
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version

@@ -152,6 +152,11 @@ TEST_F(Cli, CoversTheBoxAskedFor) {
   const Grid grid = readField(path("box.nrrd")).grid;
   EXPECT_EQ(grid.dims, glm::ivec3(16, 12, 4));
   EXPECT_DOUBLE_EQ(grid.origin.x, -3.75);
+  // Numbers, not options, however they start.
+  succeed("generate torus.ply -o short.nrrd --voxel-size .25 --bounds -.5 -1e0 -.25e+1 .5 +1 -.5");
+  const Grid other = readField(path("short.nrrd")).grid;
+  EXPECT_EQ(other.dims, glm::ivec3(4, 8, 8));
+  EXPECT_DOUBLE_EQ(other.origin.z, -2.375);
 }
 
 TEST_F(Cli, ConvertsAndCompares) {
@@ -163,6 +168,9 @@ TEST_F(Cli, ConvertsAndCompares) {
     EXPECT_EQ(found["max"], 0.0) << name;
     EXPECT_EQ(found["sign_differences"], 0) << name;
   }
+  succeed("generate torus.ply -o c.nrrd --resolution 24 --winding w.nrrd");
+  succeed("convert w.nrrd w.npz");
+  EXPECT_GT(readField(path("w.npz")).winding.size(), 0u);
   succeed("generate torus.ply -o inverted.nrrd --resolution 24 --invert");
   const Json found = Json::parse(succeed("compare a.nrrd inverted.nrrd --json -o difference.png").out);
   EXPECT_EQ(found["sign_differences"], found["samples"]);

@@ -46,7 +46,7 @@ Grid fitGrid(const Mesh& mesh, const GridOptions& options) {
   const glm::dvec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
   if (box.isEmpty() || !(longest > 0.0) || !std::isfinite(longest))
-    throw Error(ErrorCode::Usage, "the box is empty: its maximum must exceed its minimum");
+    throw Error(ErrorCode::Usage, "the box is empty or not finite: its maximum must exceed its minimum");
   Grid grid;
   grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longest / options.resolution;
   for (int a = 0; a < 3; ++a) grid.dims[a] = samplesAlong(size[a], grid.spacing);

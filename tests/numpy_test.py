@@ -1,0 +1,76 @@
+"""NumPy sees array[i, j, k] of every .npy and .npz without a copy, and Raymap reads what NumPy writes.
+
+numpy_test.py RAYMAP; exits with 77 where NumPy is missing."""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+try:
+    import numpy as np
+except ImportError:
+    sys.exit(77)
+
+BOX = """v 0 0 0
+v 3 0 0
+v 0 2 0
+v 3 2 0
+v 0 0 1
+v 3 0 1
+v 0 2 1
+v 3 2 1
+f 1 3 4 2
+f 5 6 8 7
+f 1 2 6 5
+f 3 7 8 4
+f 1 5 7 3
+f 2 4 8 6
+"""
+
+
+def box_distance(p):
+    """Signed distance to the box above, for positions in the last axis."""
+    centre, half = np.array([1.5, 1.0, 0.5]), np.array([1.5, 1.0, 0.5])
+    q = np.abs(p - centre) - half
+    return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(axis=-1), 0)
+
+
+def main():
+    raymap = sys.argv[1]
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+
+        def run(*arguments):
+            subprocess.run([raymap, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        (folder / "box.obj").write_text(BOX)
+        run("generate", folder / "box.obj", "-o", folder / "box.npz", "--winding", folder / "w.npy",
+            "--voxel-size", 0.25, "--bounds", "-.61", -0.31, -0.82, 4, 2.5, 1.3)
+        field = np.load(folder / "box.npz")
+        distance, spacing = field["distance"], field["spacing"]
+        assert distance.dtype == np.float32 and distance.flags.f_contiguous, distance.flags
+        assert distance.shape == (19, 12, 9), distance.shape
+        index = np.stack(np.meshgrid(*map(np.arange, distance.shape), indexing="ij"), axis=-1)
+        truth = box_distance(field["origin"] + spacing * index)
+        np.testing.assert_allclose(distance, truth, atol=1e-6)
+
+        # Mapped into memory, so that nothing is copied.
+        winding = np.load(folder / "w.npy", mmap_mode="r")
+        assert winding.shape == distance.shape
+        np.testing.assert_allclose(winding, truth < 0, atol=1e-6)
+
+        # In NumPy's own order, too.
+        for order in "CF":
+            np.save(folder / "from.npy", np.array(truth, dtype=np.float32, order=order))
+            run("convert", folder / "from.npy", folder / "to.npy")
+            np.testing.assert_array_equal(np.load(folder / "to.npy"), truth.astype(np.float32))
+            np.savez_compressed(folder / "from.npz", distance=np.array(distance, order=order), origin=field["origin"],
+                                spacing=spacing)
+            run("convert", folder / "from.npz", folder / "to.npz")
+            again = np.load(folder / "to.npz")
+            np.testing.assert_array_equal(again["distance"], distance)
+            np.testing.assert_array_equal(again["origin"], field["origin"])
+
+
+main()
