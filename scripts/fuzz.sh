@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every mesh reader on damaged files for SECONDS each (default 20), with AddressSanitizer and
+# Runs every reader of meshes and fields on damaged files for SECONDS each (default 20), with AddressSanitizer and
 # UndefinedBehaviorSanitizer. Needs clang. What it learns stays in build/fuzz/corpus.
 set -euo pipefail
 cd "$(dirname "$0")/.."
