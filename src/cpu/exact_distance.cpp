@@ -37,8 +37,6 @@ struct ExactDistanceJob {
   uint32_t* triangle;  // may be null
 };
 
-constexpr int kTopSide = 16;
-
 }  // namespace raymap
 #endif
 
@@ -52,6 +50,7 @@ using Float = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
 constexpr size_t kLanes = 8;
+constexpr int kLargeSide = 32;
 /// A node stays whole in the list of a block if its radius is at most this share of half the block's side, or
 /// one cell: measured best from coarse to fine meshes.
 constexpr float kNodeShare = 0.7f;
@@ -280,11 +279,11 @@ class BlockRefiner {
     }
   }
 
-  void run(glm::ivec3 low) {
+  void run(glm::ivec3 low, int side) {
     Candidates all;
     all.nodes.push_back(tree_.root());
     all.closest = 0;
-    refine(low, kTopSide, all, 0);
+    refine(low, side, all, 0);
   }
 
  private:
@@ -497,18 +496,40 @@ class BlockRefiner {
     for (size_t c = 0; c < 8; ++c) level.corners[c].v[lane] = d.v[c];
   }
 
-  /// Lanes whose half may hold a sample to which this candidate is closest: its tangent plane lies below the
-  /// closest triangle's distance at some corner.
-  HWY_INLINE uint32_t survivors(const Tangent& t, size_t i, Float reach, const Level& level) const {
+  /// Where a candidate may be closest to some sample of a half: its tangent plane lies below the closest
+  /// triangle's distance at some corner.
+  template <class Corner>
+  static HWY_INLINE Mask mayWin(const Tangent& t, Float reach, Corner&& corner) {
     const Float x = hn::Mul(t.gx, reach), y = hn::Mul(t.gy, reach), z = hn::Mul(t.gz, reach);
     const Float low = hn::Sub(t.d, z), high = hn::Add(t.d, z);
     const Float sum = hn::Add(x, y), difference = hn::Sub(x, y);
-    const auto gap = [&](Float value, size_t c) { return hn::Sub(value, level.corners[c].load(i)); };
+    const auto gap = [&](Float value, size_t c) { return hn::Sub(value, corner(c)); };
     const Float a = hn::Min(gap(hn::Sub(low, sum), 0), gap(hn::Add(low, difference), 1));
     const Float b = hn::Min(gap(hn::Sub(low, difference), 2), gap(hn::Add(low, sum), 3));
     const Float c = hn::Min(gap(hn::Sub(high, sum), 4), gap(hn::Add(high, difference), 5));
     const Float d = hn::Min(gap(hn::Sub(high, difference), 6), gap(hn::Add(high, sum), 7));
-    return bits(hn::Lt(hn::Min(hn::Min(a, b), hn::Min(c, d)), hn::Zero(Tag()))) << i;
+    return hn::Lt(hn::Min(hn::Min(a, b), hn::Min(c, d)), hn::Zero(Tag()));
+  }
+
+  /// The halves in which one candidate may win.
+  HWY_INLINE uint32_t survivors(const Tangent& t, size_t i, Float reach, const Level& level) const {
+    return bits(mayWin(t, reach, [&](size_t c) { return level.corners[c].load(i); })) << i;
+  }
+
+  /// Of the halves in `lanes`, those in which each of a packet's eight may win.
+  template <class Shape>
+  HWY_INLINE void survivors(const Shape& packet, uint32_t lanes, Float reach, const Level& level,
+                            uint32_t (&halves)[kPacket]) const {
+    std::fill_n(halves, kPacket, 0u);
+    const Tag tag;
+    forEachLane(lanes, [&](size_t half) {
+      const Float x = hn::Set(tag, level.x.v[half]), y = hn::Set(tag, level.y.v[half]),
+                  z = hn::Set(tag, level.z.v[half]);
+      const auto corner = [&](size_t c) { return hn::Set(tag, level.corners[c].v[half]); };
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
+        forEachLane(bits(mayWin(tangent(packet(i), x, y, z), reach, corner)) << i,
+                    [&](size_t child) { halves[child] |= 1u << half; });
+    });
   }
 
   HWY_INLINE uint32_t survivors(const StoredTangent& t, Float reach, const Level& level) const {
@@ -549,14 +570,23 @@ class BlockRefiner {
         keepNode(node, lanes);
         continue;
       }
-      const uint32_t first = tree_.childPacket(node) * kPacket;
+      const uint32_t packet = tree_.childPacket(node), first = packet * kPacket;
+      uint32_t halves[kPacket];
       if (tree_.isLeaf(node)) {
-        for (uint32_t t = first; t < first + kPacket; ++t)
-          offer(t, lanes & survivors(triangle(t), reachLanes, level));
+        survivors(
+            [&](size_t i) {
+              return Triangle<Each>{tree_.triangles(packet), {i}};
+            },
+            lanes, reachLanes, level, halves);
+        for (uint32_t t = 0; t < kPacket; ++t) offer(first + t, halves[t]);
       } else {
-        for (uint32_t n = first; n < first + kPacket; ++n)
-          if (const uint32_t kept = lanes & survivors(disc(n), reachLanes, level))
-            stack_.emplace_back(n, kept);
+        survivors(
+            [&](size_t i) {
+              return Disc<Each>{tree_.discs(packet), {i}};
+            },
+            lanes, reachLanes, level, halves);
+        for (uint32_t n = 0; n < kPacket; ++n)
+          if (halves[n]) stack_.emplace_back(first + n, halves[n]);
       }
     }
   }
@@ -660,14 +690,22 @@ class BlockRefiner {
   std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, lanes
 };
 
+/// Large blocks share more work, small ones keep every thread busy.
+int topSide(glm::ivec3 dims) {
+  constexpr size_t kEnough = 64;
+  const glm::ivec3 large = (dims + kLargeSide - 1) / kLargeSide;
+  return size_t(large.x) * large.y * large.z >= kEnough ? kLargeSide : kLargeSide / 2;
+}
+
 void refineBlocks(const ExactDistanceJob& job, Progress& progress) {
-  const glm::ivec3 blocks = (job.dims + kTopSide - 1) / kTopSide;
+  const int side = topSide(job.dims);
+  const glm::ivec3 blocks = (job.dims + side - 1) / side;
   const size_t count = size_t(blocks.x) * blocks.y * blocks.z;
   std::atomic<size_t> done{0};
-  parallelFor(count, 8, [&](size_t begin, size_t end) {
+  parallelFor(count, 2, [&](size_t begin, size_t end) {
     BlockRefiner refiner(job);
     for (size_t b = begin; b < end; ++b)
-      refiner.run(kTopSide * glm::ivec3(b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y));
+      refiner.run(side * glm::ivec3(b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y), side);
     progress.report(double(done += end - begin) / double(count));
   });
 }
