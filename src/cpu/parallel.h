@@ -12,16 +12,52 @@
 #include <cstddef>
 #include <optional>
 
+#ifdef __SANITIZE_THREAD__
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+#endif
+
 namespace raymap {
+
+/// Tells ThreadSanitizer what it cannot see in a TBB that it did not instrument: all before a parallel loop
+/// happens before each part of it, and each part before all that follows. Between parts it sees races as
+/// ever.
+class LoopOrder {
+#ifdef __SANITIZE_THREAD__
+ public:
+  LoopOrder() {
+    __tsan_release(&start_);
+  }
+  ~LoopOrder() {
+    __tsan_acquire(&end_);
+  }
+
+  struct Part {
+    explicit Part(LoopOrder& loop) : order(loop) { __tsan_acquire(&order.start_); }
+    ~Part() { __tsan_release(&order.end_); }
+    LoopOrder& order;
+  };
+
+ private:
+  char start_ = 0, end_ = 0;
+#else
+ public:
+  struct Part {
+    explicit Part(LoopOrder&) {}
+  };
+#endif
+};
 
 /// Calls `work(begin, end)` on parts of [0, count) of at most `grain` elements. Which thread gets which part
 /// is not defined: work must not depend on it.
 template <class Work>
 void parallelFor(size_t count, size_t grain, Work&& work) {
   if (count == 0) return;
+  [[maybe_unused]] LoopOrder order;
   tbb::parallel_for(
       tbb::blocked_range<size_t>(0, count, grain),
       [&](const tbb::blocked_range<size_t>& range) {
+        [[maybe_unused]] const LoopOrder::Part part(order);
         for (size_t begin = range.begin(); begin < range.end(); begin += grain)
           work(begin, std::min(begin + grain, range.end()));
       },
