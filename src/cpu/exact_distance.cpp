@@ -115,33 +115,47 @@ HWY_INLINE Float insideness(const Triangle<Read>& t, Float u, Float v, Float ub,
                             hn::MulSub(t.read(t.p.cy), u, hn::Mul(t.read(t.p.cx), v))));
 }
 
-/// The offset to a point from the closest point of the triangle.
+/// Offsets to a point from the closest points of the three edges, in the plane, with their squares; and
+/// whether the point lies beside the face rather than over it.
+struct EdgeOffsets {
+  Float abU, abV, ab2, bcU, bcV, bc2, caU, caV, ca2;
+  Mask outside;
+};
+
 template <class Read>
-HWY_INLINE Local offsetFrom(const Triangle<Read>& t, const Local& p) {
+HWY_INLINE EdgeOffsets edgeOffsets(const Triangle<Read>& t, Float u, Float v) {
   const Tag d;
-  const Float u = p.u, v = p.v;
   const Float zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   const Float bx = t.read(t.p.bx), cx = t.read(t.p.cx), cy = t.read(t.p.cy);
   const Float ex = hn::Sub(cx, bx), ub = hn::Sub(u, bx);
-  // Offsets from the closest points of the three edges.
   const Float abU = hn::Sub(u, hn::Min(hn::Max(u, zero), bx));
-  const Float ab2 = hn::MulAdd(abU, abU, hn::Mul(v, v));
   const Float s =
       hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.read(t.p.inverseBc2)), zero), one);
   const Float bcU = hn::NegMulAdd(s, ex, ub), bcV = hn::NegMulAdd(s, cy, v);
-  const Float bc2 = hn::MulAdd(bcU, bcU, hn::Mul(bcV, bcV));
   const Float r =
       hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.read(t.p.inverseCa2)), zero), one);
   const Float caU = hn::NegMulAdd(r, cx, u), caV = hn::NegMulAdd(r, cy, v);
-  const Float ca2 = hn::MulAdd(caU, caU, hn::Mul(caV, caV));
-  const Mask bcCloser = hn::Lt(bc2, ab2);
-  const Float near2 = hn::Min(bc2, ab2);
-  const Mask caCloser = hn::Lt(ca2, near2);
-  const Float edgeU = hn::IfThenElse(caCloser, caU, hn::IfThenElse(bcCloser, bcU, abU));
-  const Float edgeV = hn::IfThenElse(caCloser, caV, hn::IfThenElse(bcCloser, bcV, v));
-  // Over the face there is no offset in the plane: all three edge functions are positive.
-  const Mask outside = hn::Le(insideness(t, u, v, ub, ex), zero);
-  return {hn::IfThenElseZero(outside, edgeU), hn::IfThenElseZero(outside, edgeV), p.w};
+  return {abU,
+          v,
+          hn::MulAdd(abU, abU, hn::Mul(v, v)),
+          bcU,
+          bcV,
+          hn::MulAdd(bcU, bcU, hn::Mul(bcV, bcV)),
+          caU,
+          caV,
+          hn::MulAdd(caU, caU, hn::Mul(caV, caV)),
+          hn::Le(insideness(t, u, v, ub, ex), zero)};
+}
+
+/// The offset to a point from the closest point of the triangle.
+template <class Read>
+HWY_INLINE Local offsetFrom(const Triangle<Read>& t, const Local& p) {
+  const EdgeOffsets e = edgeOffsets(t, p.u, p.v);
+  const Mask bcCloser = hn::Lt(e.bc2, e.ab2);
+  const Mask caCloser = hn::Lt(e.ca2, hn::Min(e.bc2, e.ab2));
+  const Float edgeU = hn::IfThenElse(caCloser, e.caU, hn::IfThenElse(bcCloser, e.bcU, e.abU));
+  const Float edgeV = hn::IfThenElse(caCloser, e.caV, hn::IfThenElse(bcCloser, e.bcV, e.abV));
+  return {hn::IfThenElseZero(e.outside, edgeU), hn::IfThenElseZero(e.outside, edgeV), p.w};
 }
 
 HWY_INLINE Float squared(const Local& o) {
@@ -151,23 +165,9 @@ HWY_INLINE Float squared(const Local& o) {
 /// The squared distance alone: no need to know which edge is closest.
 template <class Read>
 HWY_INLINE Float squaredDistance(const Triangle<Read>& t, const Local& p) {
-  const Tag d;
-  const Float u = p.u, v = p.v;
-  const Float zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  const Float bx = t.read(t.p.bx), cx = t.read(t.p.cx), cy = t.read(t.p.cy);
-  const Float ex = hn::Sub(cx, bx), ub = hn::Sub(u, bx);
-  const Float abU = hn::Sub(u, hn::Min(hn::Max(u, zero), bx));
-  const Float ab2 = hn::MulAdd(abU, abU, hn::Mul(v, v));
-  const Float s =
-      hn::Min(hn::Max(hn::Mul(hn::MulAdd(ub, ex, hn::Mul(v, cy)), t.read(t.p.inverseBc2)), zero), one);
-  const Float bcU = hn::NegMulAdd(s, ex, ub), bcV = hn::NegMulAdd(s, cy, v);
-  const Float bc2 = hn::MulAdd(bcU, bcU, hn::Mul(bcV, bcV));
-  const Float r =
-      hn::Min(hn::Max(hn::Mul(hn::MulAdd(u, cx, hn::Mul(v, cy)), t.read(t.p.inverseCa2)), zero), one);
-  const Float caU = hn::NegMulAdd(r, cx, u), caV = hn::NegMulAdd(r, cy, v);
-  const Float ca2 = hn::MulAdd(caU, caU, hn::Mul(caV, caV));
-  const Mask outside = hn::Le(insideness(t, u, v, ub, ex), zero);
-  return hn::MulAdd(p.w, p.w, hn::IfThenElseZero(outside, hn::Min(hn::Min(ab2, bc2), ca2)));
+  const EdgeOffsets e = edgeOffsets(t, p.u, p.v);
+  const Float edge2 = hn::Min(hn::Min(e.ab2, e.bc2), e.ca2);
+  return hn::MulAdd(p.w, p.w, hn::IfThenElseZero(e.outside, edge2));
 }
 
 template <class Read>
