@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "memory.h"
+
 namespace raymap {
 
 static_assert(std::endian::native == std::endian::little, "the writers copy memory to little-endian files");
@@ -137,6 +139,10 @@ size_t checkedSampleCount(const std::filesystem::path& path, const std::array<in
       throwInvalid(path, "declares " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " +
                              std::to_string(dims[2]) + " samples, more than its bytes can hold");
   }
+  const uint64_t bytes = count * elementSize(type), left = availableMemory();
+  if (bytes > left)
+    throw Error(ErrorCode::Memory, path.string() + ": its samples need " + std::to_string(bytes >> 20) +
+                                       " MiB, and only " + std::to_string(left >> 20) + " MiB are available");
   return count;
 }
 

@@ -63,7 +63,8 @@ struct ArrayLayout {
 };
 
 /// The number of samples, or an `Error(Input)` if a side is not positive, or more bytes are declared than the
-/// `available` ones could hold: nothing is allocated before this has passed.
+/// `available` ones could hold, and an `Error(Memory)` if they do not fit: nothing is allocated before this
+/// has passed.
 size_t checkedSampleCount(const std::filesystem::path& path, const std::array<int64_t, 3>& dims,
                           ElementType type, uint64_t available);
 /// What a deflated stream of `bytes` can grow to at most (zlib's own bound is 1032 to 1).

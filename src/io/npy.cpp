@@ -69,6 +69,7 @@ NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read
   if (length > kLongestHeader) throwInvalid(path, "its NumPy header is too long");
   std::string text(length, ' ');
   read(text.data(), text.size());
+  if (start[6] > 3 || !text.starts_with('{')) throwInvalid(path, "its NumPy header is none");
 
   NpyHeader header;
   const std::string_view type = valueAfter(path, text, "descr");
@@ -76,7 +77,10 @@ NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read
   if (type[0] != '\'' || quote == std::string_view::npos)
     throwUnsupported(path, "a NumPy array of records; save plain numbers");
   header.type = type.substr(1, quote - 1);
-  header.xFastest = valueAfter(path, text, "fortran_order").starts_with("True");
+  const std::string_view order = valueAfter(path, text, "fortran_order");
+  header.xFastest = order.starts_with("True");
+  if (!header.xFastest && !order.starts_with("False"))
+    throwInvalid(path, "its NumPy header has no valid fortran_order");
   header.shape = parseShape(path, valueAfter(path, text, "shape"));
   return header;
 }

@@ -7,6 +7,7 @@
 #include <exception>
 #include <memory>
 #include <ostream>
+#include <set>
 
 #include "field_formats.h"
 #include "npy.h"
@@ -177,10 +178,11 @@ void readEntry(const std::filesystem::path& path, Entry& entry, Field& field) {
   } else if (name == "band") {
     field.band = readDoubles(path, 1, read)[0];
   } else {
-    const glm::ivec3 before = field.grid.dims;
-    readNpyArray(path, field, name, readNpyHeader(path, read), entry.available(), read);
-    if (before != glm::ivec3(0) && before != field.grid.dims)
+    const NpyHeader header = readNpyHeader(path, read);
+    const glm::ivec3 d = field.grid.dims;
+    if (d != glm::ivec3(0) && header.shape != std::vector<int64_t>{d.x, d.y, d.z})
       throwInvalid(path, "the shape of '" + name + "' differs from the others'");
+    readNpyArray(path, field, name, header, entry.available(), read);
   }
 }
 
@@ -199,10 +201,12 @@ Field readNpz(const std::filesystem::path& path) {
   if (!zip) throwInvalid(path, "is no whole zip file");
   Field field;
   field.grid.spacing = 1.0;
+  std::set<std::string> seen;  // A name twice could stand for the same bytes, inflated over and over.
   int status = unzGoToFirstFile(zip.get());
   for (; status == UNZ_OK; status = unzGoToNextFile(zip.get())) {
     Entry entry(path, zip.get(), fileBytes);
     if (!isKnown(entry.name())) continue;
+    if (!seen.insert(entry.name()).second) throwInvalid(path, "it has '" + entry.name() + "' twice");
     entry.open();
     readEntry(path, entry, field);
     entry.close();

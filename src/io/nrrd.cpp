@@ -25,7 +25,9 @@ std::string trimmed(std::string_view text) {
 
 Header readHeader(InputFile& file) {
   constexpr size_t kLongestLine = 4096, kMostLines = 1000;
-  if (!file.readLine(kLongestLine).starts_with("NRRD000"))
+  constexpr std::string_view kMagic = "NRRD000";  // A digit follows.
+  const std::string magic = file.readLine(kLongestLine);
+  if (!magic.starts_with(kMagic) || magic.size() != kMagic.size() + 1)
     throwInvalid(file.path(), "does not begin as a NRRD");
   Header header;
   for (size_t lines = 0; lines < kMostLines; ++lines) {
@@ -110,7 +112,10 @@ Field readNrrd(const std::filesystem::path& path) {
     throwUnsupported(path, "encoding '" + encoding + "'; save it with raw or gzip");
 
   Field field;
-  const ArrayLayout layout{typeOf(path, header), valueOf(header, "endian", "little") == "big"};
+  const std::string endian = valueOf(header, "endian", "little");
+  if (endian != "little" && endian != "big")
+    throwInvalid(path, "'endian: " + endian + "' is neither little nor big");
+  const ArrayLayout layout{typeOf(path, header), endian == "big"};
   const auto dims = parseDims(valueOf(header, "sizes"));
   if (!dims) throwInvalid(path, "'sizes: " + valueOf(header, "sizes") + "' is not three whole numbers");
   checkedSampleCount(path, *dims, layout.type,

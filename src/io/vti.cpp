@@ -64,8 +64,9 @@ std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image
     if (!(std::abs(spacing[axis] - spacing[0]) <= kTolerance * std::abs(spacing[0])))
       throwUnsupported(file.path, "its cells are no cubes; resample it");
     const double first = extent[2 * axis], last = extent[2 * axis + 1];
-    if (!(std::abs(first) < 1e9 && std::abs(last) < 1e9))
-      throwInvalid(file.path, "its extent is out of range");
+    if (!(std::abs(first) < 1e9 && std::abs(last) < 1e9) || first != std::trunc(first) ||
+        last != std::trunc(last))
+      throwInvalid(file.path, "its extent is out of range, or not of whole numbers");
     dims[axis] = static_cast<int64_t>(last) - static_cast<int64_t>(first) + 1;
     grid.origin[static_cast<int>(axis)] = first == 0.0 ? origin[axis] : origin[axis] + first * spacing[0];
   }
@@ -135,9 +136,10 @@ void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::ar
     throwInvalid(file.path, "format '" + std::string(format) + "' is unknown");
   std::string_view text = isAppended ? file.appended : std::string_view(array.text().get());
   if (isAppended) {
-    const uint64_t offset = array.attribute("offset").as_ullong();
-    if (offset > text.size()) throwInvalid(file.path, "its samples begin beyond its end");
-    text.remove_prefix(offset);
+    const double offset = numbersOf(file, array, "offset", 1, "0")[0];
+    if (!(offset >= 0.0 && offset <= static_cast<double>(text.size())))
+      throwInvalid(file.path, "its samples begin outside of its appended data");
+    text.remove_prefix(static_cast<size_t>(offset));
   }
 
   ReadBytes read;
@@ -163,7 +165,8 @@ Field readVti(const fs::path& path) {
   file.path = path;
   load(file);
   const pugi::xml_node root = file.xml.child("VTKFile"), image = root.child("ImageData");
-  if (!image) throwInvalid(path, "it holds no ImageData");
+  if (!image || std::string_view(root.attribute("type").as_string()) != "ImageData")
+    throwInvalid(path, "it holds no ImageData");
   if (root.attribute("compressor"))
     throwUnsupported(path, "its data is compressed; save it without a compressor");
   file.bigEndian = std::string_view(root.attribute("byte_order").as_string()) == "BigEndian";
