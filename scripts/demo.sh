@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh
 cmake --preset release
-cmake --build --preset release --target raymap_cli raymap-import
+cmake --build --preset release --target raymap_cli
 
 raymap=build/release/bin/raymap
 out=out/demo

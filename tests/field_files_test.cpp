@@ -61,6 +61,8 @@ class FieldFiles : public testing::TestWithParam<std::string> {
 
   fs::path file(const std::string& name = "field") const { return folder_ / (name + GetParam()); }
   bool hasGrid() const { return GetParam() != ".npy"; }
+  /// How many places of a file to damage; a .vdb takes a process each time.
+  size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : most; }
   void expectSameGrid(const Field& a, const Field& b) const {
     EXPECT_EQ(a.grid.dims, b.grid.dims);
     if (!hasGrid()) return;
@@ -146,7 +148,7 @@ TEST_P(FieldFiles, RefuseEveryTruncationThatLosesSamples) {
   const Field field = sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.0);
   writeField(file(), field);
   const std::string whole = bytes();
-  for (size_t length = 0; length < whole.size(); length += 1 + whole.size() / 97) {
+  for (size_t length = 0; length < whole.size(); length += 1 + whole.size() / places(97)) {
     setBytes(whole.substr(0, length));
     try {
       expectSameBits(readField(file()).distance, field.distance);
@@ -167,7 +169,7 @@ TEST_P(FieldFiles, RefuseTextAndZeros) {
 TEST_P(FieldFiles, SurviveDamage) {
   writeField(file(), sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.3));
   const std::string whole = bytes();
-  for (size_t at = 0; at < whole.size(); at += 1 + whole.size() / 211) {
+  for (size_t at = 0; at < whole.size(); at += 1 + whole.size() / places(211)) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
     setBytes(damaged);

@@ -56,8 +56,8 @@ class MalformedField : public testing::TestWithParam<std::string> {};
 TEST_P(MalformedField, CutShort) {
   const std::string whole = wholeFile(GetParam());
   // The last of the parts are closing marks, which not every format needs.
-  for (size_t part = 0; part < 16; ++part) {
-    const size_t size = (whole.size() - 64) * part / 15;
+  for (size_t part = 0; part < 10; ++part) {
+    const size_t size = (whole.size() - 64) * part / 9;
     EXPECT_NE(refusal(GetParam(), whole.substr(0, size)), "") << "cut to " << size << " bytes";
   }
 }
@@ -82,7 +82,7 @@ TEST_P(MalformedField, AnyWordChanged) {
   // What is read in spite of the change has another sample, or another place.
   const std::string whole = wholeFile(GetParam());
   const size_t header = std::min<size_t>(whole.size() - 8, 700);
-  for (size_t at = 0; at < header; at += 1 + header / 12)
+  for (size_t at = 0; at < header; at += 1 + header / 6)
     for (const std::string& word : {std::string(8, '\xff'), raw(uint64_t{1} << 60)})
       refusal(GetParam(), std::string(whole).replace(at, word.size(), word));
 }
@@ -101,12 +101,11 @@ TEST(MalformedNrrd, WrongHeaders) {
       "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n"
       "spacings: 1 1 1\nspace origin: (0,0,0)\n\n" +
       std::string(32, '\1');
+  const std::string gzip = replaced(whole, "raw", "gzip");
   ASSERT_EQ(refusal(".nrrd", whole), "");
   for (const std::string side : kWrongSides)
-    for (const char* rest : {" 2 2", " 1 1"})
-      for (const char* encoding : {"raw", "gzip"})
-        EXPECT_NE(refusal(".nrrd", replaced(replaced(whole, "2 2 2", side + rest), "raw", encoding)), "")
-            << side;
+    for (const std::string& encoded : {whole, gzip})
+      EXPECT_NE(refusal(".nrrd", replaced(encoded, "2 2 2", side + " 1 1")), "") << side;
   for (const auto& [from, to] :
        std::vector<std::pair<std::string, std::string>>{{"float", "block"},
                                                         {"float", "int64"},
@@ -264,9 +263,8 @@ TEST(MalformedVti, WrongHeaders) {
 
 TEST(MalformedVdb, AnyWordChangedAnywhere) {
   const std::string whole = wholeFile(".vdb");
-  for (size_t at = 0; at + 4 < whole.size(); at += 1 + whole.size() / 30)
-    for (const std::string& word :
-         {std::string(4, '\xff'), std::string("\0\0\0\x7f", 4), std::string("text")})
+  for (size_t at = 0; at + 4 < whole.size(); at += 1 + whole.size() / 20)
+    for (const std::string& word : {std::string(4, '\xff'), std::string("text")})
       refusal(".vdb", std::string(whole).replace(at, word.size(), word));
 }
 

@@ -4,9 +4,7 @@
 
 namespace raymap {
 
-/// Reads a mesh with Assimp, in the child process `raymap-import` with limits on its memory and time, so that
-/// whatever a damaged file does to Assimp becomes an Error here. The program is looked for where the
-/// environment variable RAYMAP_IMPORT says, then beside this program or library, then where it was installed.
+/// Reads a mesh with Assimp, in a child process (see Importer).
 Mesh importMesh(const std::filesystem::path& path, const Warn& warn);
 
 }  // namespace raymap

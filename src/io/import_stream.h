@@ -1,21 +1,37 @@
 #pragma once
 
-// What `raymap-import` writes to its standard output: this header, the message, the positions (three doubles
-// each), then the triangles (three 32-bit indices each), in the machine's own byte order.
+// What `raymap-import` writes to its standard output, in the machine's own byte order: an ImportHeader, its
+// message, and unless that is an error either a MeshHeader, the positions (three doubles each) and the
+// triangles (three 32-bit indices each), or a VdbHeader and the samples (four bytes each, x fastest).
 
+#include <array>
 #include <cstdint>
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x31494d52;  // RMI1
+inline constexpr uint32_t kImportMagic = 0x32494d52;  // RMI2
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
-  uint32_t failed = 0;  ///< The message then says why; otherwise it is a warning, or empty.
-  uint64_t messageBytes = 0;
+  uint32_t errorCode = 0;     ///< Unless 0, an ErrorCode, and the message says why.
+  uint64_t messageBytes = 0;  ///< Without an error it is a warning, or empty.
+};
+static_assert(sizeof(ImportHeader) == 16);
+
+struct MeshHeader {
   uint64_t vertices = 0;
   uint64_t triangles = 0;
 };
-static_assert(sizeof(ImportHeader) == 32);
+static_assert(sizeof(MeshHeader) == 16);
+
+struct VdbHeader {
+  std::array<int64_t, 3> dims{};
+  std::array<double, 3> origin{};
+  double spacing = 0.0;
+  double band = 0.0;
+  uint64_t isWhole = 0;  ///< The samples are signed integers, not floats.
+  std::array<char, 16> name{};
+};
+static_assert(sizeof(VdbHeader) == 88);
 
 }  // namespace raymap
