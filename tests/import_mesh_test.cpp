@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <raymap/diagnostics.h>
 
 #include <cstdlib>
 #include <thread>
@@ -59,6 +60,29 @@ TEST(ImportMesh, AppliesNodesAndInstancesOfDae) {
   EXPECT_EQ(bounds(mesh).min, glm::dvec3(-1, 0, 0));
   EXPECT_EQ(bounds(mesh).max, glm::dvec3(1, 3, 5));
   EXPECT_EQ(samples::areaVector(mesh), glm::dvec3(0, 0, 4)) << "the mirrored instance faces the same way";
+}
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
+  EXPECT_LT(glm::distance(a, b), 1e-4 * glm::length(b)) << a.x << ' ' << a.y << ' ' << a.z;
+}
+
+// What Blender writes of one scene (data/make_scene.py): two nodes, one the other's parent, and an instance,
+// mirrored.
+TEST(ImportMesh, ReadsBinaryFbxInItsOwnUnitsAndAxes) {
+  const std::filesystem::path folder = RAYMAP_TEST_DATA;
+  const Diagnostics fbx = diagnose(readMesh(folder / "scene.fbx")),
+                    glb = diagnose(readMesh(folder / "scene.glb"));
+  for (const Diagnostics& scene : {fbx, glb}) {
+    EXPECT_EQ(scene.triangles, 28u);
+    EXPECT_EQ(scene.components, 3u);
+    EXPECT_TRUE(scene.watertight && scene.consistentlyOriented);
+  }
+  EXPECT_NEAR(glb.signedVolume, 5.375, 1e-4);  // Metres, y up.
+  expectNear(glb.bounds.min, {-4, 0, -5.232051});
+  expectNear(glb.bounds.max, {3.598076, 4.555351, -1});
+  EXPECT_NEAR(fbx.signedVolume, 5.375e6, 1e2);  // Centimetres, z up.
+  expectNear(fbx.bounds.min, {-400, 100, 0});
+  expectNear(fbx.bounds.max, {359.8076, 523.2051, 455.5351});
 }
 
 TEST(ImportMesh, SaysWhatTheImporterSays) {

@@ -1,5 +1,6 @@
 // Reads a mesh with Assimp, for `raymap-import`.
 
+#include <assimp/config.h>
 #include <assimp/scene.h>
 #include <raymap/error.h>
 
@@ -59,6 +60,9 @@ void appendNodes(const aiScene& scene, Result& result) {
 
 void sendMesh(const char* path) {
   Assimp::Importer importer;
+#ifdef AI_CONFIG_IMPORT_FBX_IGNORE_UP_DIRECTION  // Later versions turn FBX to y up unless told not to.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_IGNORE_UP_DIRECTION, true);
+#endif
   const aiScene* scene = importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) throw Error(ErrorCode::Input, importer.GetErrorString());
   Result result;
