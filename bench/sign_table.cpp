@@ -3,12 +3,10 @@
 
 #include <raymap/raymap.h>
 
-#include "cpu/crossings.h"
 #include "cpu/parallel.h"
-#include "cpu/ray_map.h"
-#include "cpu/winding.h"
 #include "reference.h"
 #include "shapes.h"
+#include "sign_scene.h"
 
 #include <array>
 #include <cstdio>
@@ -114,23 +112,6 @@ std::vector<double> exactNumbers(const Mesh& mesh, const Grid& grid, size_t stri
   return exact;
 }
 
-RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
-  CellMesh cells;
-  cells.vertices.resize(mesh.vertices.size());
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
-    cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
-  cells.triangles = mesh.triangles;
-  cells.dims = grid.dims;
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
-  Crossings crossings;
-  countCrossings(cells, progress, crossings);
-  RayMap map;
-  buildRayMap(grid.dims, crossings, map);
-  return map;
-}
-
 void printCell(const std::vector<double>& exact, size_t stride,
                const std::function<double(size_t)>& winding) {
   size_t wrong = 0;
@@ -159,10 +140,7 @@ void printRow(const Row& row, int resolution) {
   for (const Mode& mode : kModes) {
     Options options;
     options.sign = mode.sign;
-    Stats stats;
-    Progress progress(options, stats);
-    Buffer<float> winding;
-    Winding().compute(map, options, progress, winding);
+    const Buffer<float> winding = windingOf(map, options).winding;
     printCell(exact, stride, [&](size_t s) { return double(winding[s]); });
   }
   std::printf("\n");

@@ -8,10 +8,10 @@
 
 #include <chrono>
 #include <csignal>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <thread>
+
+#include "files.h"
 
 namespace raymap {
 namespace {
@@ -20,21 +20,10 @@ namespace fs = std::filesystem;
 
 class AtomicFile : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "raymap-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path file(const char* name) const { return folder_ / name; }
-  static std::string read(const fs::path& path) {
-    std::stringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
+  fs::path file(const char* name) const { return folder_.path() / name; }
   size_t entries() const {
-    return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return static_cast<size_t>(
+        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
   static void writeText(const fs::path& path, const std::string& text) {
     writeAtomically(path, [&](std::ostream& out) { out << text; });
@@ -67,14 +56,14 @@ class AtomicFile : public testing::Test {
     });
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(AtomicFile, WritesReplacesAndSeeks) {
   writeText(file("a"), "one");
-  EXPECT_EQ(read(file("a")), "one");
+  EXPECT_EQ(readBytes(file("a")), "one");
   writeText(file("a"), std::string(1 << 20, 'x') + "end");
-  EXPECT_EQ(read(file("a")), std::string(1 << 20, 'x') + "end");
+  EXPECT_EQ(readBytes(file("a")), std::string(1 << 20, 'x') + "end");
   writeAtomically(file("a"), [](std::ostream& out) {
     out << "0123456789";
     const auto end = out.tellp();
@@ -82,7 +71,7 @@ TEST_F(AtomicFile, WritesReplacesAndSeeks) {
     out.seekp(2) << "XY";
     out.seekp(end) << "!";
   });
-  EXPECT_EQ(read(file("a")), "01XY456789!");
+  EXPECT_EQ(readBytes(file("a")), "01XY456789!");
   EXPECT_EQ(entries(), 1U);
 }
 
@@ -92,11 +81,11 @@ TEST_F(AtomicFile, KeepsLinksAndPermissions) {
   fs::create_symlink("target", file("link"));
   writeText(file("link"), "new");
   EXPECT_TRUE(fs::is_symlink(file("link")));
-  EXPECT_EQ(read(file("target")), "new");
+  EXPECT_EQ(readBytes(file("target")), "new");
   EXPECT_EQ(fs::status(file("target")).permissions(), fs::perms(0640));
   fs::create_symlink("later", file("dangling"));
   writeText(file("dangling"), "made");
-  EXPECT_EQ(read(file("later")), "made");
+  EXPECT_EQ(readBytes(file("later")), "made");
 }
 
 TEST_F(AtomicFile, FailsLeavingTheOldFile) {
@@ -107,13 +96,13 @@ TEST_F(AtomicFile, FailsLeavingTheOldFile) {
                                  throw Error(ErrorCode::Cancelled, "stop");
                                }),
                Error);
-  EXPECT_EQ(read(file("a")), "old");
+  EXPECT_EQ(readBytes(file("a")), "old");
   EXPECT_EQ(entries(), 1U);
 }
 
 TEST_F(AtomicFile, RefusesFoldersAndMissingFolders) {
-  EXPECT_THROW(writeText(folder_, "x"), Error);
-  EXPECT_THROW(writeText(folder_ / "missing" / "a", "x"), Error);
+  EXPECT_THROW(writeText(folder_.path(), "x"), Error);
+  EXPECT_THROW(writeText(folder_.path() / "missing" / "a", "x"), Error);
   EXPECT_EQ(entries(), 0U);
 }
 
@@ -153,7 +142,7 @@ TEST_F(AtomicFile, KillLeavesTheOldFile) {
   writeText(file("a"), "old");
   const int status = endedBy(SIGKILL, [&](int begun) { writeForever(file("a"), begun); });
   EXPECT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(read(file("a")), "old");
+  EXPECT_EQ(readBytes(file("a")), "old");
 }
 
 TEST_F(AtomicFile, HandledSignalLeavesNothing) {

@@ -7,11 +7,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
+#include "files.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -20,11 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-std::string readFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 struct Result {
   int code;
   std::string out, err;
@@ -32,19 +27,12 @@ struct Result {
 
 class Cli : public ::testing::Test {
  protected:
-  // The space is there to be stumbled over.
-  Cli() : folder_(fs::temp_directory_path() / ("raymap cli " + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Cli() override { fs::remove_all(folder_); }
-
   /// Runs `raymap arguments` in the folder; `prefix` goes before it.
   Result run(const std::string& arguments, const std::string& prefix = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + prefix + " '" RAYMAP_BINARY "' " +
-                                arguments + " >.out 2>.err </dev/null";
+    const std::string command = "cd '" + folder_.path().string() + "' && " + prefix +
+                                " '" RAYMAP_BINARY "' " + arguments + " >.out 2>.err </dev/null";
     const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readFile(folder_ / ".out"),
-            readFile(folder_ / ".err")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readBytes(path(".out")), readBytes(path(".err"))};
   }
 
   Result succeed(const std::string& arguments) const {
@@ -65,19 +53,19 @@ class Cli : public ::testing::Test {
     EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
   }
 
-  fs::path path(const std::string& name) const { return folder_ / name; }
-  Json json(const std::string& name) const { return Json::parse(readFile(path(name))); }
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  Json json(const std::string& name) const { return Json::parse(readBytes(path(name))); }
   void writeTorus() const { writeMesh(path("torus.ply"), shapes::torus(2.0, 0.7, 40, 24)); }
   /// What is in the folder, hidden files but the captured output included.
   size_t fileCount() const {
     size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(folder_))
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
       count += entry.path().filename() != ".out" && entry.path().filename() != ".err" ? 1 : 0;
     return count;
   }
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(Cli, HelpsAndTellsItsVersion) {
@@ -181,14 +169,14 @@ TEST_F(Cli, DrawsPictures) {
   writeTorus();
   succeed("generate torus.ply -o torus.nrrd --resolution 24");
   succeed("render torus.nrrd -o picture.png --size 64 48");
-  const std::string png = readFile(path("picture.png"));
+  const std::string png = readBytes(path("picture.png"));
   ASSERT_GT(png.size(), 24u);
   EXPECT_EQ(png.substr(1, 3), "PNG");
   EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));  // IHDR: width, height.
   succeed("render torus.nrrd -o cut.png --size 64 48 --cut --shell 0.2");
-  EXPECT_NE(readFile(path("cut.png")), png);
+  EXPECT_NE(readBytes(path("cut.png")), png);
   succeed("render torus.ply -o direct.png --resolution 24 --size 64 48");
-  EXPECT_EQ(readFile(path("direct.png")), png);
+  EXPECT_EQ(readBytes(path("direct.png")), png);
   succeed("render torus.nrrd -o slice.png --slice z --index 3");
   EXPECT_TRUE(fs::exists(path("slice.png")));
 }

@@ -1,14 +1,14 @@
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <numeric>
-#include <sstream>
 #include <string>
+
+#include "files.h"
 
 namespace raymap {
 namespace {
@@ -52,14 +52,7 @@ void expectSameBits(const Buffer<T>& a, const Buffer<T>& b) {
 
 class FieldFiles : public testing::TestWithParam<std::string> {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "raymap-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path file(const std::string& name = "field") const { return folder_ / (name + GetParam()); }
+  fs::path file(const std::string& name = "field") const { return folder_.path() / (name + GetParam()); }
   bool hasGrid() const { return GetParam() != ".npy"; }
   /// How many places of a file to damage; a .vdb takes a process each time.
   size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : most; }
@@ -69,11 +62,7 @@ class FieldFiles : public testing::TestWithParam<std::string> {
     EXPECT_EQ(a.grid, b.grid);
     EXPECT_EQ(a.band, b.band);
   }
-  std::string bytes() const {
-    std::stringstream text;
-    text << std::ifstream(file(), std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string bytes() const { return readBytes(file()); }
   void setBytes(const std::string& content) const { std::ofstream(file(), std::ios::binary) << content; }
   /// Reads what `content` makes of the file: a field, or an error that names the file.
   void expectRefused(const std::string& content, const std::string& what) const {
@@ -87,7 +76,7 @@ class FieldFiles : public testing::TestWithParam<std::string> {
     }
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_P(FieldFiles, KeepEveryBitOfADenseField) {
@@ -193,7 +182,7 @@ TEST_P(FieldFiles, NameWhatIsMissing) {
   EXPECT_THROW(writeField(file(), field), Error);
   EXPECT_FALSE(fs::exists(file()));
   EXPECT_THROW(readField(file("missing")), Error);
-  EXPECT_THROW(readField(folder_), Error);
+  EXPECT_THROW(readField(folder_.path()), Error);
 }
 
 std::string formatName(const testing::TestParamInfo<std::string>& info) {

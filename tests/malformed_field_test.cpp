@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "files.h"
 #include "mesh_samples.h"
 #include "run_program.h"
 #include "shapes.h"
@@ -24,8 +25,7 @@ std::string wholeFile(const std::string& extension) {
   options.band = 2.0;
   const Mesh mesh = shapes::torus(1.0, 0.4, 12, 8);
   writeField(file.path(), generate(mesh, fitGrid(mesh, {.resolution = 12}), options));
-  std::ifstream bytes(file.path(), std::ios::binary);
-  return {std::istreambuf_iterator<char>(bytes), {}};
+  return readBytes(file.path());
 }
 
 /// What the program says of such a file; empty if it reads it.

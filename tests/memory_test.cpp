@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
-#include <filesystem>
-
+#include "files.h"
 #include "run_program.h"
 #include "shapes.h"
 
@@ -14,8 +13,8 @@ namespace raymap {
 namespace {
 
 TEST(Memory, DefaultFieldStaysLean) {
-  const std::filesystem::path folder = testing::TempDir();
-  const std::string meshFile = folder / "memory_test.ply", fieldFile = folder / "memory_test.nrrd";
+  const TemporaryFolder folder;
+  const std::string meshFile = folder.path() / "mesh.ply", fieldFile = folder.path() / "field.nrrd";
   const Mesh mesh = shapes::sphere(1.0, 6);
   writeMesh(meshFile, mesh);
   const ProgramRun run =
@@ -23,8 +22,6 @@ TEST(Memory, DefaultFieldStaysLean) {
   EXPECT_EQ(run.code, 0) << run.error;
   const size_t samples = fitGrid(mesh, {.resolution = 256}).sampleCount();
   EXPECT_LE(run.peakBytes, 24 * samples + 200 * mesh.triangles.size());
-  std::filesystem::remove(meshFile);
-  std::filesystem::remove(fieldFile);
 }
 
 }  // namespace

@@ -11,10 +11,10 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
+
+#include "files.h"
 
 namespace raymap {
 
@@ -43,8 +43,7 @@ inline ProgramRun runProgram(std::vector<std::string> arguments) {
   EXPECT_EQ(wait4(child, &status, 0, &usage), child);
   ProgramRun run;
   if (WIFEXITED(status)) run.code = WEXITSTATUS(status);
-  std::ifstream file(errors);
-  run.error.assign(std::istreambuf_iterator<char>(file), {});
+  run.error = readBytes(errors);
   run.peakBytes = static_cast<size_t>(usage.ru_maxrss) << 10;
   std::filesystem::remove(errors);
   return run;

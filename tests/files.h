@@ -1,0 +1,37 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+
+namespace raymap {
+
+inline std::string readBytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A folder that goes with the object, and all that is in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    // The space is there to be stumbled over.
+    std::string pattern = (std::filesystem::temp_directory_path() / "raymap test XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make the folder " + pattern);
+    path_ = pattern;
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace raymap
