@@ -4,6 +4,7 @@
 
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>

@@ -2,6 +2,7 @@
 
 #include <raymap/io.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <unordered_map>

@@ -8,6 +8,7 @@
 #include "shapes.h"
 #include "sign_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>

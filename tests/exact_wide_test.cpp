@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>

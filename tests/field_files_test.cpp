@@ -2,6 +2,7 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "reference.h"

@@ -5,6 +5,7 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <map>

@@ -2,6 +2,7 @@
 #include <png.h>
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>

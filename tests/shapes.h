@@ -4,6 +4,7 @@
 
 #include <raymap/mesh.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>

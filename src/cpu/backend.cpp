@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 

@@ -2,6 +2,8 @@
 
 #include "cell_distance.h"
 
+#include <algorithm>
+
 #include "parallel.h"
 #include "triangle.h"
 

@@ -13,6 +13,7 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <string>

@@ -4,6 +4,7 @@
 
 #include "parallel.h"
 
+#include <algorithm>
 #include <atomic>
 
 namespace raymap {

@@ -2,6 +2,7 @@
 
 #include "raster_distance.h"
 
+#include <algorithm>
 #include <atomic>
 
 #include "cell_distance.h"

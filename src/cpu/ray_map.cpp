@@ -2,6 +2,8 @@
 
 #include "ray_map.h"
 
+#include <algorithm>
+
 #include "parallel.h"
 
 namespace raymap {

@@ -2,6 +2,8 @@
 
 #include "ray_sweep.h"
 
+#include <algorithm>
+
 namespace raymap {
 
 RaySweep::RaySweep(const RayMap& map)

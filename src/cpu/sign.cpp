@@ -4,6 +4,7 @@
 
 #include "ray_sweep.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace raymap {

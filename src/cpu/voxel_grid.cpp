@@ -4,6 +4,7 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numeric>

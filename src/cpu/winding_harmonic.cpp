@@ -4,6 +4,8 @@
 
 #include "winding_harmonic.h"
 
+#include <algorithm>
+
 #include "winding_transfer.h"
 
 namespace raymap {

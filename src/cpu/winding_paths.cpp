@@ -2,6 +2,7 @@
 
 #include "winding_paths.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>

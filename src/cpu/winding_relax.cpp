@@ -1,5 +1,7 @@
 // Relaxation of the harmonic winding number.
 
+#include <algorithm>
+
 #include "parallel.h"
 #include "winding_rows.h"
 #include "winding_transfer.h"

@@ -2,6 +2,8 @@
 
 #include "winding_transfer.h"
 
+#include <algorithm>
+
 #include "parallel.h"
 #include "winding_rows.h"
 

@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cfloat>
 #include <cstdio>

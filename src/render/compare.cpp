@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 #include <raymap/render.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>

@@ -3,6 +3,7 @@
 
 #include <raymap/render.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "camera.h"

@@ -1,5 +1,7 @@
 // A slice of a field as a map: shaded by distance, with iso-lines and the zero contour.
 
+#include <algorithm>
+
 #include "field_sampler.h"
 #include "slice_view.h"
 

@@ -1,6 +1,7 @@
 #include <raymap/error.h>
 #include <raymap/render.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 

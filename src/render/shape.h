@@ -2,6 +2,7 @@
 
 #include <raymap/render.h>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 

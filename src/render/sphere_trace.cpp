@@ -7,6 +7,8 @@
 
 #include "sphere_trace.h"
 
+#include <algorithm>
+
 namespace raymap {
 
 namespace {
