@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs, by apt, those packages that are missing: to build and test, with --checks what CI's checks need too, and with
 # --bench what the benchmarks need.
-# The names are the same on Debian 12 and Ubuntu 24.04.
+# The names are the same on Debian 12 and 13 and Ubuntu 24.04.
 set -euo pipefail
 
 packages=(
@@ -16,7 +16,7 @@ packages=(
   libpugixml-dev libminizip-dev  # .vti, .npz
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
-  libgtest-dev                   # tests
+  libgtest-dev python3-numpy     # tests
 )
 checks=(
   ccache                         # so that the second build of a file is free
@@ -40,14 +40,16 @@ if [[ ${#missing[@]} -eq 0 ]]; then exit 0; fi
 
 asRoot=(env DEBIAN_FRONTEND=noninteractive)
 if [[ $(id -u) -ne 0 ]]; then asRoot=(sudo "${asRoot[@]}"); fi
-if [[ $(id -u) -ne 0 ]] && ! command -v sudo >/dev/null; then
-  echo "Missing: ${missing[*]}. Install them as root, or install sudo." >&2
+if ! type -P apt-get "${asRoot[0]}" >/dev/null; then
+  echo "Missing: ${missing[*]}. Install them as root by apt, or install sudo." >&2
   exit 1
 fi
 echo "Installing ${missing[*]}"
 install=(apt-get install -y -q --no-install-recommends "${missing[@]}")
+update() { "${asRoot[@]}" apt-get update -q </dev/null; }
 # A fresh machine has no package lists, or stale ones: fetch them only then.
+"${install[@]}" --simulate </dev/null &>/dev/null || update
 "${asRoot[@]}" "${install[@]}" </dev/null || {
-  "${asRoot[@]}" apt-get update -q </dev/null
+  update
   "${asRoot[@]}" "${install[@]}" </dev/null
 }
