@@ -11,7 +11,10 @@ find_package(PNG REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(assimp REQUIRED)
-find_package(Imath REQUIRED)  # half floats in OpenVDB's headers
+# Half floats in OpenVDB's headers. Debian 12's package tells everyone that its Python library, not needed here, is missing.
+set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
+find_package(Imath REQUIRED)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 # Debian's packages of the first and the last have no CMake configuration; all are linked by name.
 find_path(MINIZIP_INCLUDE minizip/unzip.h REQUIRED)
 find_path(PUGIXML_INCLUDE pugixml.hpp REQUIRED)
