@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 namespace raymap {
 
@@ -13,16 +14,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+std::string endings(const std::vector<std::string>& extensions) {
+  std::string text = extensions.size() > 1 ? "one of" : "";
+  for (const std::string& extension : extensions) text += (text.empty() ? "" : " ") + extension;
   return text;
 }
 
 void checkOutput(const Output& output) {
   const std::string start = output.option + " " + output.path.string() + ": ";
   if (!hasExtension(output.path, output.extensions))
-    throw Error(ErrorCode::Usage, start + "the name must end in one of " + joined(output.extensions));
+    throw Error(ErrorCode::Usage, start + "the name must end in " + endings(output.extensions));
   if (fs::is_directory(output.path)) throw Error(ErrorCode::File, start + "is a folder");
   const fs::path folder = output.path.has_parent_path() ? output.path.parent_path() : ".";
   if (!fs::is_directory(folder))
@@ -42,6 +43,16 @@ CLI::Validator numberFrom(double low, bool isOpen) {
             return "must be a number " + limit + ", not " + text;
           },
           (isOpen ? "> " : ">= ") + CLI::detail::to_string(low)};
+}
+
+CLI::Validator wholeNumberFrom(int low) {
+  return {[=](const std::string& text) -> std::string {
+            int value = 0;
+            if (CLI::detail::lexical_cast(text, value) && value >= low) return {};
+            return "must be a whole number from " + std::to_string(low) + " to " +
+                   std::to_string(std::numeric_limits<int>::max()) + ", not " + text;
+          },
+          ">= " + std::to_string(low)};
 }
 
 bool hasExtension(const fs::path& path, const std::vector<std::string>& extensions) {

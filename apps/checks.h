@@ -10,6 +10,9 @@ namespace raymap {
 /// A finite number of at least (or, if `isOpen`, above) `low`.
 CLI::Validator numberFrom(double low, bool isOpen = false);
 
+/// A whole number of at least `low` that fits into an int.
+CLI::Validator wholeNumberFrom(int low);
+
 /// A file to write, the option that names it and the endings it may have; no path if it is not wanted.
 struct Output {
   std::string option;

@@ -18,7 +18,8 @@ constexpr const char* kFooter = R"(Example:
   raymap generate bunny.obj -o b.nrrd --sign paths
   raymap compare a.nrrd b.nrrd -o difference.png
 
-The picture shows the slice with most sign differences: red is inside by A only, green by B only.)";
+The picture shows the slice with most sign differences: red is inside by a only, green by b only; or,
+where no sign differs, the slice with the largest difference, from white to dark red.)";
 
 struct Arguments {
   fs::path a, b, picture;
@@ -31,6 +32,7 @@ Json toJson(const Comparison& found) {
           {"mean", found.meanError},
           {"rms", found.rmsError},
           {"sign_differences", found.signDifferences},
+          {"non_finite", found.nonFinite},
           {"worst_sample", {found.worstSample.x, found.worstSample.y, found.worstSample.z}}};
 }
 
@@ -42,6 +44,8 @@ void print(const Comparison& found) {
               found.worstSample.y, found.worstSample.z);
   std::printf("mean              %.4g samples\n", found.meanError);
   std::printf("root mean square  %.4g samples\n", found.rmsError);
+  if (found.nonFinite > 0)
+    std::printf("not finite        %s, left out of all the above\n", grouped(found.nonFinite).c_str());
 }
 
 void run(const Arguments& arguments) {
@@ -49,10 +53,12 @@ void run(const Arguments& arguments) {
   const Field a = readField(arguments.a), b = readField(arguments.b);
   const Comparison found = compareFields(a, b);
   if (!arguments.picture.empty()) writePng(arguments.picture, renderComparison(a, b));
-  if (arguments.isJson)
+  if (arguments.isJson) {
     std::cout << toJson(found).dump(2) << "\n";
-  else
-    print(found);
+    return;
+  }
+  print(found);
+  if (!arguments.picture.empty()) printWritten(arguments.picture);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "report.h"
 
 namespace raymap {
 
@@ -18,19 +19,22 @@ std::string_view arrayToConvert(const Field& field) {
 
 void addConvert(CLI::App& app) {
   struct Arguments {
-    std::filesystem::path from, to;
+    std::filesystem::path input, output;
   };
   CLI::App* command = app.add_subcommand("convert", "Write a field in another format");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("from", arguments->from, ".vdb, .nrrd, .npz, .npy or .vti")
+  command->add_option("input", arguments->input, ".vdb, .nrrd, .npz, .npy or .vti")
       ->type_name("FIELD")
       ->required();
-  command->add_option("to", arguments->to, "The same")->type_name("FIELD")->required();
+  command->add_option("output", arguments->output, "Likewise; a .npy is without its grid")
+      ->type_name("FIELD")
+      ->required();
   command->footer("Example:\n  raymap convert bunny.vdb bunny.nrrd");
   command->callback([arguments] {
-    checkOutputs({{"FIELD", arguments->to, fieldExtensions()}});
-    const Field field = readField(arguments->from);
-    writeField(arguments->to, field, arrayToConvert(field));
+    checkOutputs({{"output", arguments->output, fieldExtensions()}});
+    const Field field = readField(arguments->input);
+    writeField(arguments->output, field, arrayToConvert(field));
+    printWritten(arguments->output);
   });
 }
 

@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "example_mesh.h"
+#include "report.h"
 
 namespace raymap {
 
@@ -16,9 +17,11 @@ void addExample(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("-o,--output", arguments->mesh, "Mesh to write, .ply")->type_name("FILE")->required();
   command->add_flag("--holes", arguments->holes, "Tear holes into it");
+  command->footer("Example:\n  raymap example -o torn.ply --holes");
   command->callback([arguments] {
     checkOutputs({{"--output", arguments->mesh, {".ply"}}});
     writeMesh(arguments->mesh, makeExampleMesh(arguments->holes));
+    printWritten(arguments->mesh);
   });
 }
 

@@ -142,10 +142,12 @@ Json describe(const Arguments& arguments, const Report& report) {
 
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
-  std::printf("%s: %s triangles, wrong with it: %s\n", arguments.mesh.string().c_str(),
-              grouped(report.found.triangles).c_str(), describeDefects(report.found).c_str());
-  std::printf("grid: %d x %d x %d = %s samples, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
-              grouped(grid.sampleCount()).c_str(), grid.spacing);
+  const glm::dvec3 size = report.found.bounds.size();
+  std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", arguments.mesh.string().c_str(),
+              counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
+              describeDefects(report.found).c_str());
+  std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
+              counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
   std::printf("  %-20s %10.1f ms\n", "load", report.loadMilliseconds);
   for (const Stats::Stage& stage : report.stats.stages)
     std::printf("  %-20s %10.1f ms\n", stage.name.c_str(), stage.milliseconds);
@@ -155,8 +157,7 @@ void print(const Arguments& arguments, const Report& report) {
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
-  for (const fs::path& path : report.written)
-    std::printf("wrote %s, %s\n", path.string().c_str(), sizeText(fs::file_size(path)).c_str());
+  for (const fs::path& path : report.written) printWritten(path);
 }
 
 void run(Arguments& arguments) {
@@ -189,7 +190,7 @@ CLI::IsMember oneOf(const Map& modes) {
 void addGridOptions(CLI::App& command, Arguments& arguments) {
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 128)");
-  resolution->check(numberFrom(1))->group("Grid");
+  resolution->check(wholeNumberFrom(1))->group("Grid");
   command
       .add_option("--voxel-size", arguments.grid.voxelSize,
                   "Distance between samples, in the mesh's units, instead of --resolution")
@@ -212,11 +213,11 @@ void addMethodOptions(CLI::App& command, Arguments& arguments) {
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Method");
   };
-  add("--distance", arguments.distance, "Distance to the closest triangle of all, or a faster guess (exact)")
+  add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
       ->check(oneOf(kDistances));
-  add("--sign", arguments.sign, "How inside is told from outside (harmonic)")->check(oneOf(kSigns));
+  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
-      ->check(numberFrom(1));
+      ->check(wholeNumberFrom(1));
   add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
       ->check(numberFrom(0, true));
   add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
@@ -230,7 +231,7 @@ void addMachineOptions(CLI::App& command, Arguments& arguments) {
       ->check(CLI::IsMember({"auto", "cpu"}))
       ->group("Machine");
   command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
-      ->check(numberFrom(0))
+      ->check(wholeNumberFrom(0))
       ->group("Machine");
   command
       .add_option("--memory-limit", arguments.options.memoryLimit,
@@ -243,11 +244,12 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
   const auto add = [&](const char* name, fs::path& path, const char* help) {
     return command.add_option(name, path, help)->type_name("FILE")->group("Files");
   };
-  add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .npy or .vti")->required();
-  add("--triangle-ids", arguments.triangleIds, "Also the closest triangle of each sample,");
-  add("--winding", arguments.winding, "the winding number,");
-  add("--confidence", arguments.confidence, "how sure the sign is, 0 to 1,");
-  add("--stats", arguments.stats, "and figures of the mesh, the grid and each stage as .json");
+  add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .vti, or .npy (without its grid)")
+      ->required();
+  add("--triangle-ids", arguments.triangleIds, "Also write the number of each sample's closest triangle");
+  add("--winding", arguments.winding, "Also write the winding number");
+  add("--confidence", arguments.confidence, "Also write how sure the sign is, 0 to 1");
+  add("--stats", arguments.stats, "Also write figures of the mesh, the grid and each stage, as .json");
 }
 
 }  // namespace

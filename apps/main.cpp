@@ -36,6 +36,22 @@ std::string commandName(const CLI::App& app) {
   return name;
 }
 
+/// What is wrong with the arguments, in a reader's order: CLI11 lists what it does not know last first, and
+/// says of a misspelt command only that there is none.
+std::string describe(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (app.get_subcommands().empty()) {
+    std::string text = "name a command:";
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+      text += " " + command->get_name();
+    return unknown.empty() ? text : text + "; " + unknown.front() + " is none";
+  }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
+  std::string text = "not understood:";
+  for (const std::string& argument : unknown) text += " " + argument;
+  return text;
+}
+
 /// The arguments, last first as CLI11 wants them. It takes -.5 for an option, but not -0.5.
 std::vector<std::string> readArguments(int argc, char** argv) {
   std::vector<std::string> arguments(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + 1));
@@ -63,7 +79,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     return fail(static_cast<int>(ErrorCode::Usage),
-                std::string(error.what()) + "; see " + commandName(app) + " --help");
+                describe(app, error) + "; see " + commandName(app) + " --help");
   }
 }
 

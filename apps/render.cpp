@@ -2,6 +2,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "report.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -14,14 +15,14 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o globe.png
   raymap render globe.ply -o globe.png --resolution 256    (makes the field first)
   raymap render globe.vdb -o half.png --cut --shell 0.05   (a hollow half)
-  raymap render globe.vdb -o slice.png --slice z           (iso-lines and the zero contour))";
+  raymap render globe.vdb -o slice.png --slice z           (iso-lines and the zero contour)
+  raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (where z is up))";
 
 struct Arguments {
   fs::path input, picture;
   std::string slice;
   int index = -1;
   int resolution = 256;
-  int threads = 0;
   std::vector<int> size{1024, 768};
   std::vector<double> direction, up;
   RenderOptions options;
@@ -31,9 +32,29 @@ Field makeField(const Arguments& arguments) {
   const Mesh mesh = readMesh(arguments.input, warn);
   ProgressLine line;
   Options options;
-  options.threads = arguments.threads;
+  options.threads = arguments.options.threads;
   options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
   return generate(mesh, fitGrid(mesh, {.resolution = arguments.resolution}), options);
+}
+
+Field loadField(const Arguments& arguments) {
+  if (hasExtension(arguments.input, fieldExtensions())) return readField(arguments.input);
+  if (hasExtension(arguments.input, meshExtensions())) return makeField(arguments);
+  std::string known;
+  for (const auto& extensions : {meshExtensions(), fieldExtensions()})
+    for (const std::string& extension : extensions) known += " " + extension;
+  throw Error(ErrorCode::Unsupported,
+              arguments.input.string() +
+                  ": cannot tell by its name whether this is a mesh or a field; known are" + known);
+}
+
+Picture draw(const Field& field, const Arguments& arguments) {
+  if (!arguments.slice.empty())
+    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.size[0]);
+  ProgressLine line;
+  RenderOptions options = arguments.options;
+  options.progress = [&](double done) { return line.report("render", done); };
+  return renderField(field, options);
 }
 
 void setVector(const std::vector<double>& numbers, glm::dvec3& vector) {
@@ -49,12 +70,8 @@ void run(Arguments& arguments) {
   setVector(arguments.up, options.up);
   if (glm::length(glm::cross(options.direction, options.up)) < 1e-9)
     throw Error(ErrorCode::Usage, "--direction and --up must be two different directions, not zero");
-  const bool isField = hasExtension(arguments.input, fieldExtensions());
-  const Field field = isField ? readField(arguments.input) : makeField(arguments);
-  const Picture picture = arguments.slice.empty() ? renderField(field, options)
-                                                  : renderSlice(field, arguments.slice[0] - 'x',
-                                                                arguments.index, arguments.size[0]);
-  writePng(arguments.picture, picture);
+  writePng(arguments.picture, draw(loadField(arguments), arguments));
+  printWritten(arguments.picture);
 }
 
 void addSliceOptions(CLI::App& command, Arguments& arguments) {
@@ -62,7 +79,7 @@ void addSliceOptions(CLI::App& command, Arguments& arguments) {
                                           "Iso-lines in a slice across this axis instead of the surface");
   slice->check(CLI::IsMember({"x", "y", "z"}));
   command.add_option("--index", arguments.index, "Which slice, in samples (default: the middle one)")
-      ->check(numberFrom(0))
+      ->check(wholeNumberFrom(0))
       ->needs(slice);
 }
 
@@ -90,9 +107,9 @@ void addRender(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   command->add_option("--resolution", arguments->resolution, "Of the field made from a mesh (default 256)")
-      ->check(numberFrom(1));
-  command->add_option("--threads", arguments->threads, "Threads for that; 0 = all (default)")
-      ->check(numberFrom(0));
+      ->check(wholeNumberFrom(1));
+  command->add_option("--threads", arguments->options.threads, "Threads; 0 = all (default)")
+      ->check(wholeNumberFrom(0));
   addViewOptions(*command, *arguments);
   addSliceOptions(*command, *arguments);
   command->footer(kFooter);

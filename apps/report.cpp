@@ -39,14 +39,14 @@ Json toJson(const Stats& stats) {
 }
 
 std::string describeDefects(const Diagnostics& found) {
-  const std::array<std::pair<size_t, const char*>, 5> defects{{{found.boundaryEdges, "boundary edges"},
-                                                               {found.nonManifoldEdges, "non-manifold edges"},
-                                                               {found.flippedEdges, "flipped edges"},
-                                                               {found.degenerateFaces, "degenerate faces"},
-                                                               {found.duplicateFaces, "duplicate faces"}}};
+  const std::array<std::pair<size_t, const char*>, 5> defects{{{found.boundaryEdges, "boundary edge"},
+                                                               {found.nonManifoldEdges, "non-manifold edge"},
+                                                               {found.flippedEdges, "flipped edge"},
+                                                               {found.degenerateFaces, "degenerate face"},
+                                                               {found.duplicateFaces, "duplicate face"}}};
   std::string text;
   for (const auto& [count, name] : defects)
-    if (count > 0) text += (text.empty() ? "" : ", ") + grouped(count) + " " + name;
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, name);
   return text.empty() ? "nothing" : text;
 }
 
@@ -60,6 +60,10 @@ std::string grouped(size_t number) {
   return text;
 }
 
+std::string counted(size_t number, const std::string& thing) {
+  return grouped(number) + " " + thing + (number == 1 ? "" : "s");
+}
+
 std::string sizeText(size_t bytes) {
   const std::array<const char*, 4> units{"kB", "MB", "GB", "TB"};
   double size = double(bytes) / 1000.0;
@@ -68,6 +72,10 @@ std::string sizeText(size_t bytes) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g %s", size, units[unit]);
   return text.data();
+}
+
+void printWritten(const std::filesystem::path& path) {
+  std::printf("wrote %s, %s\n", path.string().c_str(), sizeText(std::filesystem::file_size(path)).c_str());
 }
 
 size_t peakMemory() {

@@ -3,6 +3,7 @@
 #include <raymap/diagnostics.h>
 #include <raymap/generate.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -19,8 +20,13 @@ std::string describeDefects(const Diagnostics& found);
 
 /// "1,234,567".
 std::string grouped(size_t number);
+/// "1 edge", "1,234 edges".
+std::string counted(size_t number, const std::string& thing);
 /// "1.23 GB".
 std::string sizeText(size_t bytes);
+
+/// "wrote scan.vdb, 1.23 MB" on stdout.
+void printWritten(const std::filesystem::path& path);
 
 /// The most memory this process has held, in bytes.
 size_t peakMemory();

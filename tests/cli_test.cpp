@@ -4,9 +4,11 @@
 #include <raymap/raymap.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -117,13 +119,16 @@ TEST_F(Cli, TellsWhatTheRunWasLike) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   mesh.triangles.pop_back();
   writeMesh(path("torn.ply"), mesh);
-  succeed("generate torn.ply -o torn.nrrd --voxel-size 0.25 --threads 2 --stats stats.json");
+  const std::string summary =
+      succeed("generate torn.ply -o torn.nrrd --voxel-size 0.25 --threads 2 --stats stats.json").out;
   const Json stats = json("stats.json");
   const Grid grid = readField(path("torn.nrrd")).grid;
   EXPECT_EQ(stats["grid"]["dims"], Json({grid.dims.x, grid.dims.y, grid.dims.z}));
   EXPECT_EQ(stats["grid"]["samples"], grid.sampleCount());
   EXPECT_EQ(stats["grid"]["spacing"], 0.25);
   EXPECT_EQ(stats["diagnostics"]["boundary_edges"], 3);
+  EXPECT_NE(summary.find("size 5.4 x 5.4 x 1.4, wrong with it: 3 boundary edges\n"), std::string::npos)
+      << summary;
   EXPECT_EQ(stats["diagnostics"], Json::parse(succeed("info torn.ply --json").out));
   EXPECT_EQ(stats["options"]["threads"], 2);
   EXPECT_GT(stats["doubtful_share"], 0.0);
@@ -163,6 +168,11 @@ TEST_F(Cli, ConvertsAndCompares) {
   const Json found = Json::parse(succeed("compare a.nrrd inverted.nrrd --json -o difference.png").out);
   EXPECT_EQ(found["sign_differences"], found["samples"]);
   EXPECT_TRUE(fs::exists(path("difference.png")));
+  Field broken = readField(path("a.nrrd"));
+  broken.distance[5] = std::numeric_limits<float>::quiet_NaN();
+  writeField(path("broken.nrrd"), broken);
+  EXPECT_EQ(Json::parse(succeed("compare a.nrrd broken.nrrd --json").out)["non_finite"], 1);
+  EXPECT_NE(succeed("compare a.nrrd broken.nrrd").out.find("not finite        1,"), std::string::npos);
 }
 
 TEST_F(Cli, DrawsPictures) {
@@ -177,7 +187,9 @@ TEST_F(Cli, DrawsPictures) {
   EXPECT_NE(readBytes(path("cut.png")), png);
   succeed("render torus.ply -o direct.png --resolution 24 --size 64 48");
   EXPECT_EQ(readBytes(path("direct.png")), png);
-  succeed("render torus.nrrd -o slice.png --slice z --index 3");
+  const Result slice = succeed("render torus.nrrd -o slice.png --slice z --index 3");
+  EXPECT_EQ(slice.out.rfind("wrote slice.png, ", 0), 0u) << slice.out;
+  expectFailure("render torus.nrrd -o slice.png --slice z --index 99", ErrorCode::Usage, "across z");
   EXPECT_TRUE(fs::exists(path("slice.png")));
 }
 
@@ -186,7 +198,9 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   const auto refuse = [&](const std::string& options, const std::string& message) {
     expectFailure("generate torus.ply -o f.nrrd " + options, ErrorCode::Usage, message);
   };
-  refuse("--resolution 0", "--resolution: must be a number at least 1, not 0");
+  refuse("--resolution 0", "--resolution: must be a whole number from 1 to 2147483647, not 0");
+  refuse("--resolution 64.5", "--resolution: must be a whole number");
+  refuse("--resolution 3000000000", "--resolution: must be a whole number");
   refuse("--resolution many", "--resolution");
   refuse("--voxel-size 0", "--voxel-size");
   refuse("--voxel-size nan", "--voxel-size: must be a number above 0, not nan");
@@ -202,12 +216,14 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   refuse("--sign none --winding w.npy", "--winding and --confidence need a sign");
   refuse("--winding f.nrrd", "another option already writes this file");
   refuse("--winding w.txt", "must end in one of");
-  refuse("--stats stats.txt", "must end in one of .json");
-  refuse("--no-such-option", "--no-such-option");
+  refuse("--stats stats.txt", "must end in .json");
+  refuse("--no-such-option 1", "not understood: --no-such-option 1; see raymap generate --help");
   expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
-  expectFailure("", ErrorCode::Usage, "subcommand is required; see raymap --help");
-  expectFailure("paint torus.ply", ErrorCode::Usage, "raymap --help");
+  expectFailure("", ErrorCode::Usage, "name a command: generate info render compare convert example;");
+  expectFailure("paint torus.ply", ErrorCode::Usage, "convert example; paint is none; see raymap --help");
+  expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
+  expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".npz");
   expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");
   expectFailure("render torus.ply -o f.png --direction 0 1 0", ErrorCode::Usage, "--direction and --up");
   EXPECT_EQ(fileCount(), 1u);

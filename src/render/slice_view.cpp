@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <string>
 
 namespace raymap {
@@ -13,7 +14,7 @@ SliceView::SliceView(const Grid& grid, int axis, int index) {
   if (index < -1 || index >= slices)
     throw Error(ErrorCode::Usage, "slice " + std::to_string(index) +
                                       " does not exist: the grid has slices 0 to " +
-                                      std::to_string(slices - 1) + " across axis " + std::to_string(axis));
+                                      std::to_string(slices - 1) + " across " + "xyz"[axis]);
   const size_t strides[] = {1, size_t(grid.dims.x), size_t(grid.dims.x) * size_t(grid.dims.y)};
   const int right = axis == 0 ? 1 : 0;
   const int up = axis == 2 ? 1 : 2;
