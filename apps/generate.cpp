@@ -86,6 +86,8 @@ void finishOptions(Arguments& arguments) {
   options.confidence = !arguments.confidence.empty();
   if (options.sign == SignMode::None && (options.winding || options.confidence))
     throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
+  if (options.distance == DistanceMode::Raster && options.triangleIds)
+    throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
   if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
     arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
     if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))

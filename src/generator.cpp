@@ -23,6 +23,8 @@ void checkOptions(const Grid& grid, const Options& options) {
   require(options.passes >= 0, "the number of passes must not be negative");
   require(options.threshold >= 0.0, "the threshold must not be negative");
   require(options.threads >= 0, "the number of threads must not be negative");
+  require(!options.triangleIds || options.distance != DistanceMode::Raster,
+          "the raster distance knows no closest triangles; use another distance");
   require(grid.sampleCount() < kNoTriangle,
           "the grid has " + std::to_string(grid.sampleCount()) +
               " samples; at most 4294967294 can be numbered, use a lower resolution");

@@ -214,6 +214,7 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   refuse("--threads -1", "--threads");
   refuse("--distance roughly", "--distance");
   refuse("--sign none --winding w.npy", "--winding and --confidence need a sign");
+  refuse("--distance raster --triangle-ids t.npy", "--triangle-ids needs another distance");
   refuse("--winding f.nrrd", "another option already writes this file");
   refuse("--winding w.txt", "must end in one of");
   refuse("--stats stats.txt", "must end in .json");

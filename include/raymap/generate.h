@@ -38,7 +38,7 @@ struct Options {
   double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
   bool invert = false;              ///< Positive inside instead.
   int threads = 0;                  ///< 0 = all.
-  bool triangleIds = false;         ///< Also give the closest triangle of each sample,
+  bool triangleIds = false;         ///< Also give the closest triangle of each sample (not with `Raster`),
   bool winding = false;             ///< the winding number,
   bool confidence = false;          ///< and how sure the sign is.
   size_t memoryLimit = 0;           ///< Bytes the generator may hold; 0 = what the machine has left.

@@ -1,0 +1,39 @@
+#pragma once
+
+// That a field is the same, bit for bit, for any number of threads.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <cstring>
+#include <initializer_list>
+
+namespace raymap {
+
+template <class T>
+bool sameBits(const Buffer<T>& a, const Buffer<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+/// Every array of the field on one thread against those on each number of `threads`, in one generator.
+inline void expectSameForAnyThreads(const Mesh& mesh, const Grid& grid, Options options,
+                                    std::initializer_list<int> threads) {
+  options.triangleIds = options.distance != DistanceMode::Raster;
+  options.winding = options.confidence = options.sign != SignMode::None;
+  Generator generator;
+  Field one, other;
+  options.threads = 1;
+  generator.generate(mesh, grid, options, one);
+  for (const int count : threads) {
+    SCOPED_TRACE(testing::Message() << "distance " << int(options.distance) << ", sign " << int(options.sign)
+                                    << ", " << count << " threads");
+    options.threads = count;
+    generator.generate(mesh, grid, options, other);
+    EXPECT_TRUE(sameBits(one.distance, other.distance));
+    EXPECT_TRUE(sameBits(one.triangle, other.triangle));
+    EXPECT_TRUE(sameBits(one.winding, other.winding));
+    EXPECT_TRUE(sameBits(one.confidence, other.confidence));
+  }
+}
+
+}  // namespace raymap
