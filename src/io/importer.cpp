@@ -36,7 +36,7 @@ std::filesystem::path findProgram(const std::filesystem::path& file) {
 std::vector<std::string> argumentsFor(const std::filesystem::path& file, uint64_t fileBytes,
                                       Importer::Kind kind) {
   return {kind == Importer::Kind::Mesh ? "mesh" : "vdb", file.string(),
-          std::to_string((uint64_t{64} << 20) + 128 * fileBytes), std::to_string(1 + (fileBytes >> 20))};
+          std::to_string((uint64_t{48} << 20) + 128 * fileBytes), std::to_string(1 + (fileBytes >> 20))};
 }
 
 }  // namespace

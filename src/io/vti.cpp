@@ -25,6 +25,7 @@ struct VtiFile {
   bool appendedIsRaw = false;
   bool bigEndian = false;
   bool longHeader = false;
+  bool isDeflated = false;
 };
 
 void load(VtiFile& file) {
@@ -113,17 +114,27 @@ ReadBytes memoryReader(const fs::path& path, std::string_view bytes) {
   };
 }
 
-/// Checks the count of bytes before the samples.
-void readCount(const VtiFile& file, uint64_t expected, const ReadBytes& read) {
+uint64_t readCount(const VtiFile& file, const ReadBytes& read) {
   std::array<unsigned char, 8> bytes{};
   const size_t size = file.longHeader ? 8 : 4;
   read(bytes.data(), size);
   if (file.bigEndian) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
   uint64_t count = 0;
   std::memcpy(&count, bytes.data(), sizeof count);
-  if (count != expected)
-    throwInvalid(file.path, "declares " + std::to_string(count) +
-                                " bytes of samples where its extent needs " + std::to_string(expected));
+  return count;
+}
+
+/// The samples that `text` encodes, `bytes` of them, after their header.
+ReadBytes binaryReader(const VtiFile& file, std::string_view text, bool isRaw, uint64_t bytes) {
+  ReadBytes read = isRaw ? memoryReader(file.path, text) : base64Decoded(file.path, text);
+  if (file.isDeflated)
+    return blocksInflated(
+        file.path, read, [&] { return readCount(file, read); }, bytes, text.size());
+  const uint64_t declared = readCount(file, read);
+  if (declared != bytes)
+    throwInvalid(file.path, "declares " + std::to_string(declared) +
+                                " bytes of samples where its extent needs " + std::to_string(bytes));
+  return read;
 }
 
 void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::array<int64_t, 3>& dims,
@@ -149,10 +160,9 @@ void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::ar
     checkedSampleCount(file.path, dims, layout.type, (text.size() + 1) / 2 * elementSize(layout.type));
     read = decimalDecoded(file.path, text, isWhole);
   } else {
-    const bool isRaw = isAppended && file.appendedIsRaw;
-    const size_t count = checkedSampleCount(file.path, dims, layout.type, text.size());
-    read = isRaw ? memoryReader(file.path, text) : base64Decoded(file.path, text);
-    readCount(file, count * elementSize(layout.type), read);
+    const uint64_t room = file.isDeflated ? inflatedBound(text.size()) : text.size();
+    const size_t count = checkedSampleCount(file.path, dims, layout.type, room);
+    read = binaryReader(file, text, isAppended && file.appendedIsRaw, count * elementSize(layout.type));
   }
   setDims(field.grid, dims);
   readArray(file.path, field, name, layout, read);
@@ -167,8 +177,11 @@ Field readVti(const fs::path& path) {
   const pugi::xml_node root = file.xml.child("VTKFile"), image = root.child("ImageData");
   if (!image || std::string_view(root.attribute("type").as_string()) != "ImageData")
     throwInvalid(path, "it holds no ImageData");
-  if (root.attribute("compressor"))
-    throwUnsupported(path, "its data is compressed; save it without a compressor");
+  const std::string_view compressor = root.attribute("compressor").as_string();
+  file.isDeflated = compressor == "vtkZLibDataCompressor";
+  if (!compressor.empty() && !file.isDeflated)
+    throwUnsupported(path,
+                     "compressed with " + std::string(compressor) + "; save it with vtkZLibDataCompressor");
   file.bigEndian = std::string_view(root.attribute("byte_order").as_string()) == "BigEndian";
   file.longHeader = std::string_view(root.attribute("header_type").as_string()) == "UInt64";
 

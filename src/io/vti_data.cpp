@@ -1,5 +1,8 @@
 #include "vti_data.h"
 
+#include <zlib.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 
@@ -63,7 +66,56 @@ struct DecimalReader {
   }
 };
 
+struct BlockInflater {
+  std::filesystem::path path;
+  ReadBytes readPacked;
+  std::vector<uint64_t> packedSizes;
+  uint64_t blockBytes = 0, lastBytes = 0;
+  size_t next = 0;
+  std::vector<Bytef> packed, block;
+  size_t used = 0;
+
+  void inflateNext() {
+    if (next == packedSizes.size()) throwInvalid(path, "its compressed data ends early");
+    packed.resize(packedSizes[next++]);
+    block.resize(next == packedSizes.size() ? lastBytes : blockBytes);
+    readPacked(packed.data(), packed.size());
+    auto made = static_cast<uLongf>(block.size());
+    const int status = uncompress(block.data(), &made, packed.data(), static_cast<uLong>(packed.size()));
+    if (status != Z_OK || made != block.size()) throwInvalid(path, "its compressed data is damaged");
+    used = 0;
+  }
+
+  void read(char* to, size_t count) {
+    while (count > 0) {
+      if (used == block.size()) inflateNext();
+      const size_t part = std::min(count, block.size() - used);
+      std::memcpy(to, block.data() + used, part);
+      used += part;
+      to += part;
+      count -= part;
+    }
+  }
+};
+
 }  // namespace
+
+ReadBytes blocksInflated(const std::filesystem::path& path, const ReadBytes& read, const ReadCount& count,
+                         uint64_t bytes, uint64_t available) {
+  const uint64_t blocks = count(), blockBytes = count(), part = count(), last = part > 0 ? part : blockBytes;
+  const uint64_t others = blocks - 1;
+  const bool fits =
+      blocks > 0 && blocks <= available && last > 0 && last <= bytes &&
+      (others == 0 ? last == bytes : (bytes - last) / others == blockBytes && (bytes - last) % others == 0);
+  if (!fits)
+    throwInvalid(path, "its compressed blocks do not hold the " + std::to_string(bytes) +
+                           " bytes of samples that its extent needs");
+  std::vector<uint64_t> packedSizes(blocks);
+  for (uint64_t& size : packedSizes)
+    if ((size = count()) > available) throwInvalid(path, "its compressed data ends early");
+  return [inflater = BlockInflater{path, read, std::move(packedSizes), blockBytes, last}](
+             void* to, size_t wanted) mutable { inflater.read(static_cast<char*>(to), wanted); };
+}
 
 ReadBytes base64Decoded(const std::filesystem::path& path, std::string_view text) {
   return [reader = Base64Reader{path, text}](void* to, size_t count) mutable {

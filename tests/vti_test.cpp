@@ -1,0 +1,108 @@
+// What VTK, ParaView and PyVista write: every encoding of the same samples.
+
+#include <gtest/gtest.h>
+#include <raymap/io.h>
+
+#include "mesh_samples.h"
+#include "zip_file.h"
+
+namespace raymap {
+namespace {
+
+using namespace samples;
+
+std::string base64(const std::string& bytes) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t at = 0; at < bytes.size(); at += 3) {
+    uint32_t bits = 0;
+    for (size_t i = 0; i < 3; ++i)
+      bits = bits << 8 | (at + i < bytes.size() ? static_cast<unsigned char>(bytes[at + i]) : 0);
+    for (size_t i = 0; i < 4; ++i) text += at + i <= bytes.size() ? letters[bits >> (18 - 6 * i) & 63] : '=';
+  }
+  return text;
+}
+
+/// In zlib's format.
+std::string packed(const std::string& bytes) {
+  return "\x78\x9c" + deflated(bytes) +
+         raw(static_cast<uint32_t>(
+                 adler32(1, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size()))),
+             true);
+}
+
+const std::string kSamples = raw<float>({1, 2, -3, 4, 5.5F, -6, 7, 8, 9, 10, 11, 12});
+
+/// Blocks of 20 bytes, the last of 8.
+std::string blocksHeader(const std::vector<std::string>& blocks) {
+  std::string header = raw<uint32_t>({static_cast<uint32_t>(blocks.size()), 20, 8});
+  for (const std::string& block : blocks) header += raw(static_cast<uint32_t>(block.size()));
+  return header;
+}
+std::vector<std::string> blocks() {
+  return {packed(kSamples.substr(0, 20)), packed(kSamples.substr(20, 20)), packed(kSamples.substr(40))};
+}
+
+/// `array` is the attributes and text of the DataArray; `appended` what follows the underscore.
+std::string vti(const std::string& attributes, const std::string& array, const std::string& appended = "") {
+  std::string text = "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\"" + attributes +
+                     "><ImageData WholeExtent=\"0 2 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece "
+                     "Extent=\"0 2 0 1 0 1\">"
+                     "<PointData Scalars=\"distance\"><DataArray type=\"Float32\" Name=\"distance\" format=" +
+                     array + "</DataArray></PointData></Piece></ImageData>";
+  if (!appended.empty()) text += "<AppendedData encoding=" + appended + "</AppendedData>";
+  return text + "</VTKFile>";
+}
+
+std::string samplesOf(const std::string& bytes) {
+  const TemporaryFile file("field.vti", bytes);
+  const Field field = readField(file.path());
+  EXPECT_EQ(field.grid.dims, glm::ivec3(3, 2, 2));
+  return {reinterpret_cast<const char*>(field.distance.data()), field.distance.size() * sizeof(float)};
+}
+
+const std::string kZlib = " compressor=\"vtkZLibDataCompressor\"";
+const std::string kCount = raw(static_cast<uint32_t>(48));
+
+TEST(Vti, ReadsEveryEncoding) {
+  EXPECT_EQ(samplesOf(vti("", "\"ascii\">1 2 -3 4 5.5 -6\n7 8 9 10 11 12")), kSamples);
+  EXPECT_EQ(samplesOf(vti("", "\"binary\">\n " + base64(kCount + kSamples) + "\n")), kSamples);
+  EXPECT_EQ(samplesOf(vti("", "\"binary\">" + base64(kCount) + base64(kSamples))), kSamples);
+  const std::string appended = "\"appended\" offset=\"0\">";
+  EXPECT_EQ(samplesOf(vti("", appended, "\"base64\">_" + base64(kCount + kSamples))), kSamples);
+  EXPECT_EQ(samplesOf(vti("", appended, "\"raw\">_" + kCount + kSamples)), kSamples);
+}
+
+TEST(Vti, ReadsCompressedBlocks) {
+  const std::vector<std::string> parts = blocks();
+  const std::string header = blocksHeader(parts), data = parts[0] + parts[1] + parts[2];
+  const std::string appended = "\"appended\" offset=\"0\">";
+  EXPECT_EQ(samplesOf(vti(kZlib, appended, "\"raw\">_" + header + data)), kSamples);
+  EXPECT_EQ(samplesOf(vti(kZlib, appended, "\"base64\">_" + base64(header) + base64(data))), kSamples);
+  EXPECT_EQ(samplesOf(vti(kZlib, "\"binary\">" + base64(header) + base64(data))), kSamples);
+}
+
+TEST(Vti, RefusesDamagedBlocks) {
+  const std::vector<std::string> parts = blocks();
+  const std::string header = blocksHeader(parts), data = parts[0] + parts[1] + parts[2];
+  const auto refuse = [](const std::string& bytes) {
+    EXPECT_THROW(samplesOf(vti(kZlib, "\"appended\" offset=\"0\">", "\"raw\">_" + bytes)), Error);
+  };
+  for (const uint32_t wrong : {0U, 1U, 2U, 4U, 0x7fffffffU, 0xffffffffU})
+    for (const size_t word : {0, 1, 2, 3, 4, 5}) {
+      std::string damaged = header;
+      damaged.replace(4 * word, 4, raw(wrong));
+      refuse(damaged + data);
+    }
+  for (size_t size = 0; size < header.size() + data.size(); size += 5)
+    refuse((header + data).substr(0, size));
+  std::string damaged = data;
+  damaged[20] = static_cast<char>(damaged[20] ^ 0x55);
+  refuse(header + damaged);
+  EXPECT_THROW(
+      samplesOf(vti(" compressor=\"vtkLZ4DataCompressor\"", "\"binary\">" + base64(header) + base64(data))),
+      Error);
+}
+
+}  // namespace
+}  // namespace raymap
