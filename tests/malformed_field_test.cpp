@@ -3,6 +3,7 @@
 
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <array>
 
 #include "files.h"
