@@ -344,7 +344,6 @@ class BlockRefiner {
   HWY_NOINLINE void measure(const Candidates& candidates, Level& level) {
     level.triangles.resize(candidates.triangles.size());
     level.nodes.resize(candidates.nodes.size());
-    bounds_.resize(candidates.nodes.size());
     Lanes squared;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
       const Float x = level.x.load(i), y = level.y.load(i), z = level.z.load(i);
@@ -357,13 +356,13 @@ class BlockRefiner {
       nearest.distance = hn::Mul(nearest.distance, nearest.distance);
       nearest.store(i, squared, level.closest);
       for (size_t k = 0; k < candidates.nodes.size(); ++k) {
-        const Tangent t = tangent(disc(candidates.nodes[k]), x, y, z);
-        level.nodes[k].store(i, t);
-        bounds_[k].store(i, hn::Mul(t.d, t.d));
+        level.nodes[k].store(i, tangent(disc(candidates.nodes[k]), x, y, z));
       }
     }
-    if (!candidates.nodes.empty())
-      searchNodes(candidates.nodes, bounds_, {level.x, level.y, level.z, squared, level.closest});
+    searchNodes(candidates.nodes, {level.x, level.y, level.z, squared, level.closest}, [&](size_t k, size_t i) {
+      const Float d = level.nodes[k].d.load(i);
+      return hn::Mul(d, d);
+    });
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
   }
 
@@ -381,6 +380,11 @@ class BlockRefiner {
                           hn::Set(IntTag(), static_cast<int32_t>(newId)), id);
       distance = hn::Min(distance, value);
     }
+    HWY_INLINE void takeEach(uint32_t firstId, Float value) {
+      id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
+                          hn::Iota(IntTag(), static_cast<int32_t>(firstId)), id);
+      distance = hn::Min(distance, value);
+    }
     HWY_INLINE void store(size_t i, Lanes& distances, uint32_t* ids) const {
       distances.store(i, distance);
       hn::Store(id, IntTag(), reinterpret_cast<int32_t*>(ids) + i);
@@ -394,32 +398,85 @@ class BlockRefiner {
     uint32_t* closest;
   };
 
-  /// Looks for closer triangles below nodes whose squared distances are at least `bounds`.
-  HWY_NOINLINE void searchNodes(const std::vector<uint32_t>& nodes, const std::vector<Lanes>& bounds,
-                                const Points& points) {
-    const auto visit = [&](uint32_t node, size_t lane) {
-      Closest closest{points.squared.v[lane], points.closest[lane]};
-      searchBelow(node, {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
-      points.squared.v[lane] = closest.squared;
-      points.closest[lane] = closest.triangle;
-    };
-    // The node that may come closest holds a good start.
+  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first in
+  /// the node that may come closest to each point, which nearly settles its distance, then in all that may win.
+  template <class Bound>
+  HWY_INLINE void searchNodes(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
+    if (nodes.empty()) return;
+    const Tag tag;
+    bounds_.resize(nodes.size());
     Lanes least;
     alignas(64) uint32_t first[kLanes];
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
-      Nearest nearest(0, bounds[0].load(i));
-      for (size_t k = 1; k < nodes.size(); ++k) nearest.take(static_cast<uint32_t>(k), bounds[k].load(i));
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      Nearest nearest(0, hn::Set(tag, INFINITY));
+      for (size_t k = 0; k < nodes.size(); ++k) {
+        const Float b = bound(k, i);
+        bounds_[k].store(i, b);
+        nearest.take(static_cast<uint32_t>(k), b);
+      }
       nearest.store(i, least, first);
     }
-    for (size_t lane = 0; lane < kLanes; ++lane)
-      if (least.v[lane] < points.squared.v[lane]) visit(nodes[first[lane]], lane);
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      Closest closest{points.squared.v[lane], points.closest[lane]};
+      if (least.v[lane] < closest.squared)
+        searchBelow(nodes[first[lane]], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
+      bounds_[first[lane]].v[lane] = INFINITY;
+      points.squared.v[lane] = closest.squared;
+      points.closest[lane] = closest.triangle;
+    }
     for (size_t k = 0; k < nodes.size(); ++k) {
       uint32_t open = 0;
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
-        open |= bits(hn::Lt(bounds[k].load(i), points.squared.load(i))) << i;
-      forEachLane(open, [&](size_t lane) {
-        if (first[lane] != k) visit(nodes[k], lane);
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
+        open |= bits(hn::Lt(bounds_[k].load(i), points.squared.load(i))) << i;
+      if (open) stack_.emplace_back(nodes[k], open);
+    }
+    if (!stack_.empty()) searchStack(points);
+  }
+
+  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer waits
+  /// for another: the closest in each lane of the packets is kept, and the closest of these taken at the end.
+  HWY_NOINLINE void searchStack(const Points& points) {
+    const Tag tag;
+    Samples& best = best_;
+    for (size_t point = 0; point < kLanes; ++point) {
+      std::fill_n(best.squared[point].v, kLanes, points.squared.v[point]);
+      std::fill_n(best.closest[point], kLanes, points.closest[point]);
+    }
+    while (!stack_.empty()) {
+      const auto [node, lanes] = stack_.back();
+      stack_.pop_back();
+      const uint32_t packet = tree_.childPacket(node);
+      if (tree_.isLeaf(node)) {
+        forEachLane(lanes, [&](size_t point) {
+          const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                      z = hn::Set(tag, points.z.v[point]);
+          for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+            Nearest nearest(i, best.squared[point], best.closest[point]);
+            nearest.takeEach(packet * kPacket + i,
+                             squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
+            nearest.store(i, best.squared[point], best.closest[point]);
+          }
+        });
+        continue;
+      }
+      uint32_t open[kPacket] = {};
+      forEachLane(lanes, [&](size_t point) {
+        const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                    z = hn::Set(tag, points.z.v[point]);
+        for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
+          forEachLane(bits(hn::Lt(squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z),
+                                  hn::Set(tag, points.squared.v[point])))
+                          << i,
+                      [&](size_t child) { open[child] |= 1u << point; });
       });
+      for (uint32_t child = 0; child < kPacket; ++child)
+        if (open[child]) stack_.emplace_back(packet * kPacket + child, open[child]);
+    }
+    for (size_t point = 0; point < kLanes; ++point) {
+      const float* squared = best.squared[point].v;
+      const size_t lane = std::min_element(squared, squared + kLanes) - squared;
+      points.squared.v[point] = squared[lane];
+      points.closest[point] = best.closest[point][lane];
     }
   }
 
@@ -617,24 +674,20 @@ class BlockRefiner {
     });
   }
 
-  /// Looks below the nodes left to a half, one sample at a time: their triangles are small beside the
-  /// spacing.
+  /// Looks below the nodes left to a half, each sample for itself: their triangles are small beside the spacing.
   void finishNodes(size_t half, Level& level) {
-    const std::vector<uint32_t>& nodes = level.candidates[half].nodes;
-    if (nodes.empty()) return;
     const Tag tag;
     const Float reach = hn::Set(tag, 0.5f);
-    bounds_.resize(nodes.size());
     Lanes x, y, z;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-      const Float px = hn::MulAdd(signX_.load(i), reach, hn::Set(tag, level.x.v[half]));
-      const Float py = hn::MulAdd(signY_.load(i), reach, hn::Set(tag, level.y.v[half]));
-      const Float pz = hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half]));
-      x.store(i, px), y.store(i, py), z.store(i, pz);
-      for (size_t k = 0; k < nodes.size(); ++k)
-        bounds_[k].store(i, squaredDistance(disc(nodes[k]), px, py, pz));
+      x.store(i, hn::MulAdd(signX_.load(i), reach, hn::Set(tag, level.x.v[half])));
+      y.store(i, hn::MulAdd(signY_.load(i), reach, hn::Set(tag, level.y.v[half])));
+      z.store(i, hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half])));
     }
-    searchNodes(nodes, bounds_, {x, y, z, samples_.squared[half], samples_.closest[half]});
+    const std::vector<uint32_t>& nodes = level.candidates[half].nodes;
+    searchNodes(nodes, {x, y, z, samples_.squared[half], samples_.closest[half]}, [&](size_t k, size_t i) {
+      return squaredDistance(disc(nodes[k]), x.load(i), y.load(i), z.load(i));
+    });
   }
 
   /// Takes the triangle as the closest of the samples where it is.
@@ -685,7 +738,7 @@ class BlockRefiner {
   const SurfaceTree& tree_;
   Lanes signX_, signY_, signZ_;  // of the eight corners of a half
   Level levels_[4];
-  Samples samples_;
+  Samples samples_, best_;
   std::vector<Lanes> bounds_;
   std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, lanes
 };
