@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <optional>
 
@@ -62,6 +63,18 @@ void parallelFor(size_t count, size_t grain, Work&& work) {
           work(begin, std::min(begin + grain, range.end()));
       },
       tbb::simple_partitioner());
+}
+
+/// Calls `makeWorker()` on each thread and what it returns with the numbers below `count`, in order, as threads
+/// become free. For work that gains from what a thread remembers, but must not depend on it.
+template <class MakeWorker>
+void parallelWorkers(size_t count, MakeWorker&& makeWorker) {
+  std::atomic<size_t> next{0};
+  const auto threads = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
+  parallelFor(std::min(threads, count), 1, [&](size_t, size_t) {
+    auto worker = makeWorker();
+    for (size_t i = next++; i < count; i = next++) worker(i);
+  });
 }
 
 /// Runs `work` with at most `threads` threads; 0 = all of the machine's.

@@ -5,11 +5,10 @@
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 
 #include "parallel.h"
+#include "surface_leaves.h"
 
 namespace raymap {
 
@@ -17,6 +16,11 @@ namespace {
 
 constexpr int kCurveBits = 10;
 constexpr size_t kGrain = 2048;
+constexpr size_t kRunLeaves = kRun / kPacket;
+
+glm::vec3 threeCentroids(const CellMesh& mesh, size_t t) {
+  return mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
+}
 
 /// Position along the Morton curve of a point on a 2^10 lattice.
 uint32_t mortonIndex(glm::uvec3 p) {
@@ -27,81 +31,6 @@ uint32_t mortonIndex(glm::uvec3 p) {
     return (v | (v << 2)) & 0x09249249u;
   };
   return spread(p.x) << 2 | spread(p.y) << 1 | spread(p.z);
-}
-
-/// A unit vector across the unit vector `x` and across `e`. Where the cross product is mostly rounding, which
-/// may point along `x`, any direction across `x` will do: `e` lies along it.
-glm::dvec3 directionAcross(const glm::dvec3& x, const glm::dvec3& e) {
-  const glm::dvec3 v = glm::cross(x, e);
-  const double length = glm::length(v);
-  if (length > 1e-9 * glm::length(e)) return v / length;
-  return glm::normalize(glm::cross(x, std::abs(x.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
-}
-
-float inverseSquare(const glm::dvec2& v) {
-  const double length2 = glm::dot(v, v);
-  return length2 > 1e-30 ? static_cast<float>(1.0 / length2) : 0.0f;
-}
-
-/// Runs of the curve this long are put into better order: compact nodes are worth more than the curve's.
-constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket;
-
-struct Centroid {
-  glm::vec3 position;
-  uint64_t key;
-};
-
-/// Halves the run across its longest side until packets are left, each power of two a run of its own.
-void splitRun(Centroid* begin, size_t count) {
-  if (count <= kPacket) return;
-  glm::vec3 low(INFINITY), high(-INFINITY);
-  for (size_t t = 0; t < count; ++t) {
-    low = glm::min(low, begin[t].position);
-    high = glm::max(high, begin[t].position);
-  }
-  const glm::vec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const size_t half = std::bit_ceil(count) / 2;
-  std::nth_element(begin, begin + half, begin + count, [axis](const Centroid& a, const Centroid& b) {
-    return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.key < b.key;
-  });
-  splitRun(begin, half);
-  splitRun(begin + half, count - half);
-}
-
-/// Writes a triangle into a lane. The longest edge becomes ab, so that c lies over it and slivers keep a
-/// sound frame.
-void writeTriangle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t id, TrianglePacket& packet,
-                   uint32_t lane) {
-  const auto square = [](const glm::dvec3& v) { return glm::dot(v, v); };
-  const double ab = square(b - a), bc = square(c - b), ca = square(a - c);
-  if (bc >= ab && bc >= ca) {
-    std::swap(a, b);
-    std::swap(b, c);
-  } else if (ca >= ab) {
-    std::swap(a, c);
-    std::swap(b, c);
-  }
-  const glm::dvec3 e = c - a;
-  const double length = glm::distance(a, b);
-  const glm::dvec3 x = length > 0.0 ? (b - a) / length : glm::dvec3(1, 0, 0);
-  const glm::dvec3 z = directionAcross(x, e);
-  const glm::dvec3 y = glm::cross(z, x);
-  const glm::dvec2 b2(length, 0.0), c2(glm::dot(e, x), glm::dot(e, y));
-  const auto write = [lane](const glm::dvec3& v, float* fx, float* fy, float* fz) {
-    fx[lane] = static_cast<float>(v.x), fy[lane] = static_cast<float>(v.y),
-    fz[lane] = static_cast<float>(v.z);
-  };
-  write(a, packet.ax, packet.ay, packet.az);
-  write(x, packet.xx, packet.xy, packet.xz);
-  write(y, packet.yx, packet.yy, packet.yz);
-  write(z, packet.zx, packet.zy, packet.zz);
-  packet.bx[lane] = static_cast<float>(b2.x);
-  packet.cx[lane] = static_cast<float>(c2.x);
-  packet.cy[lane] = static_cast<float>(c2.y);
-  packet.inverseBc2[lane] = inverseSquare(c2 - b2);
-  packet.inverseCa2[lane] = inverseSquare(c2);
-  packet.id[lane] = id;
 }
 
 struct Disc {
@@ -124,7 +53,32 @@ Disc readDisc(const DiscPacket& packet, uint32_t lane) {
 }
 
 /// No point comes near: fills the lanes of a packet that hold no node.
-constexpr float kOutOfReach = 1e15f;
+const Disc kNowhere{glm::vec3(1e15f), {0, 0, 1}, 0.0f, 0.0f};
+
+/// The corners of a leaf's triangles.
+void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corners) {
+  for (uint32_t lane = 0; lane < kPacket; ++lane) {
+    const glm::uvec3 triangle = mesh.triangles[static_cast<uint32_t>(keys[lane])];
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::vec3 v = mesh.vertices[triangle[corner]];
+      for (int axis = 0; axis < 3; ++axis) corners.v[corner][axis][lane] = v[axis];
+    }
+  }
+}
+
+/// Puts the keys of a run into the order of its leaves.
+void orderRun(const CellMesh& mesh, uint64_t* keys, size_t count) {
+  float centroids[3][kRun];
+  uint64_t before[kRun];
+  uint16_t order[kRun];
+  for (size_t t = 0; t < count; ++t) {
+    const glm::vec3 p = threeCentroids(mesh, static_cast<uint32_t>(keys[t]));
+    for (int axis = 0; axis < 3; ++axis) centroids[axis][t] = p[axis];
+    before[t] = keys[t];
+  }
+  sortRun(centroids, count, order);
+  for (size_t t = 0; t < count; ++t) keys[t] = before[order[t]];
+}
 
 /// The disc around points, across a direction.
 Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalSum) {
@@ -151,13 +105,18 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 }  // namespace
 
 void SurfaceTree::build(const CellMesh& mesh) {
+  placeLevels(mesh.triangles.size());
   sortTriangles(mesh);
-  const auto count = static_cast<uint32_t>(mesh.triangles.size());
+  buildLeaves(mesh);
+  for (uint32_t level = 1; level < levelStarts_.size(); ++level) buildLevel(level);
+}
+
+void SurfaceTree::placeLevels(size_t triangles) {
   const auto packets = [](uint32_t n) { return (n + kPacket - 1) / kPacket; };
   levelStarts_.clear();
   levelCounts_.clear();
   uint32_t start = 0;
-  for (uint32_t nodes = packets(count);; nodes = packets(nodes)) {
+  for (uint32_t nodes = packets(static_cast<uint32_t>(triangles));; nodes = packets(nodes)) {
     levelStarts_.push_back(start);
     levelCounts_.push_back(nodes);
     start += packets(nodes) * kPacket;
@@ -166,13 +125,10 @@ void SurfaceTree::build(const CellMesh& mesh) {
   leafCount_ = levelCounts_[0];
   triangles_.resize(leafCount_);
   discs_.resize(start / kPacket);
-  buildLeaves(mesh);
-  for (uint32_t level = 1; level < levelStarts_.size(); ++level) buildLevel(level);
 }
 
 void SurfaceTree::sortTriangles(const CellMesh& mesh) {
   const size_t count = mesh.triangles.size();
-  const auto thrice = [&](size_t t) { return mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2); };
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const glm::vec3& v : mesh.vertices) {
     low = glm::min(low, v);
@@ -180,46 +136,33 @@ void SurfaceTree::sortTriangles(const CellMesh& mesh) {
   }
   const glm::vec3 size = 3.0f * (high - low);
   const float scale = ((1 << kCurveBits) - 1) / std::max({size.x, size.y, size.z, 1e-20f});
-  keys_.resize(count);
+  keys_.resize(size_t{leafCount_} * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
-      const glm::vec3 p = glm::clamp((thrice(t) - 3.0f * low) * scale, 0.0f, float((1 << kCurveBits) - 1));
+      const glm::vec3 p =
+          glm::clamp((threeCentroids(mesh, t) - 3.0f * low) * scale, 0.0f, float((1 << kCurveBits) - 1));
       keys_[t] = uint64_t(mortonIndex(glm::uvec3(p))) << 32 | t;
     }
   });
   hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
-  parallelFor((count + kRun - 1) / kRun, 4, [&](size_t begin, size_t end) {
-    std::array<Centroid, kRun> run;
-    for (size_t r = begin; r < end; ++r) {
-      uint64_t* keys = keys_.data() + r * kRun;
-      const size_t length = std::min(kRun, count - r * kRun);
-      for (size_t t = 0; t < length; ++t) run[t] = {thrice(static_cast<uint32_t>(keys[t])), keys[t]};
-      splitRun(run.data(), length);
-      for (size_t t = 0; t < length; ++t) keys[t] = run[t].key;
-    }
-  });
+  std::fill(keys_.begin() + count, keys_.end(), keys_[count - 1]);
 }
 
 void SurfaceTree::buildLeaves(const CellMesh& mesh) {
   const size_t count = mesh.triangles.size();
-  const uint32_t packets = (leafCount_ + kPacket - 1) / kPacket;
-  parallelFor(packets, 16, [&](size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      for (uint32_t lane = 0; lane < kPacket; ++lane) {
-        const size_t leaf = p * kPacket + lane;
-        if (leaf >= leafCount_) {
-          writeDisc({glm::vec3(kOutOfReach), {0, 0, 1}, 0.0f, 0.0f}, discs_[p], lane);
-          continue;
+  parallelFor((leafCount_ + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
+    for (size_t run = begin; run < end; ++run) {
+      uint64_t* keys = keys_.data() + run * kRun;
+      orderRun(mesh, keys, std::min(kRun, count - run * kRun));
+      for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
+        DiscPacket& discs = discs_[leaf / kPacket];
+        if (leaf < leafCount_) {
+          CornerPacket corners;
+          readCorners(mesh, keys_.data() + size_t{leaf} * kPacket, corners);
+          writeLeaf(corners, triangles_[leaf], leaf % kPacket, discs);
+        } else if (leaf / kPacket * kPacket < leafCount_) {
+          writeDisc(kNowhere, discs, leaf % kPacket);
         }
-        glm::vec3 corners[3 * kPacket], normal(0.0f);
-        for (uint32_t t = 0; t < kPacket; ++t) {
-          const auto id = static_cast<uint32_t>(keys_[std::min(leaf * kPacket + t, count - 1)]);
-          glm::vec3* corner = corners + 3 * t;
-          for (int c = 0; c < 3; ++c) corner[c] = mesh.corner(id, c);
-          normal += glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-          writeTriangle(corner[0], corner[1], corner[2], id, triangles_[leaf], t);
-        }
-        writeDisc(boundPoints(corners, 3 * kPacket, normal), discs_[p], lane);
       }
     }
   });
@@ -266,7 +209,7 @@ void SurfaceTree::buildLevel(uint32_t level) {
         const auto node = static_cast<uint32_t>(p * kPacket + lane);
         const Disc disc =
             node < count ? boundDiscs(discs_[firstChild + node], std::min(kPacket, below - node * kPacket))
-                         : Disc{glm::vec3(kOutOfReach), {0, 0, 1}, 0.0f, 0.0f};
+                         : kNowhere;
         writeDisc(disc, discs_[firstPacket + p], lane);
       }
   });

@@ -19,7 +19,6 @@ struct alignas(64) TrianglePacket {
   float zx[kPacket], zy[kPacket], zz[kPacket];  ///< and the normal.
   float bx[kPacket], cx[kPacket], cy[kPacket];
   float inverseBc2[kPacket], inverseCa2[kPacket];  ///< 1 / |c - b|^2 and 1 / |a - c|^2; 0 without length.
-  uint32_t id[kPacket];                            ///< Index in the mesh.
 };
 
 /// Eight discs with thickness: far samples see a surface, not balls.
@@ -38,17 +37,24 @@ class SurfaceTree {
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }
   const TrianglePacket& triangles(uint32_t packet) const { return triangles_[packet]; }
   float radius(uint32_t node) const { return discs_[node / kPacket].radius[node % kPacket]; }
-  uint32_t triangleId(uint32_t t) const { return triangles_[t / kPacket].id[t % kPacket]; }
+  /// The index in the mesh of a triangle of a leaf, 8 to a leaf.
+  uint32_t triangleId(uint32_t t) const { return static_cast<uint32_t>(keys_[t]); }
 
   uint32_t root() const { return levelStarts_.back(); }
   /// A leaf's children are a packet of triangles, any other node's a packet of nodes.
   bool isLeaf(uint32_t node) const { return node < leafCount_; }
-  /// The packet of a node's children. The last of a level may be padded: with its last triangle again, or
-  /// with discs out of reach.
+  /// The packet of a node's children. The last of a level may be filled up, with its last triangle or with discs
+  /// out of reach.
   uint32_t childPacket(uint32_t node) const;
+  void prefetchChildren(uint32_t node) const {
+    if (!isLeaf(node)) return;
+    const char* p = reinterpret_cast<const char*>(&triangles_[node]);
+    for (size_t i = 0; i < sizeof(TrianglePacket); i += 64) __builtin_prefetch(p + i);
+  }
   size_t bytes() const;
 
  private:
+  void placeLevels(size_t triangles);
   void sortTriangles(const CellMesh& mesh);
   void buildLeaves(const CellMesh& mesh);
   void buildLevel(uint32_t level);

@@ -1,0 +1,254 @@
+// Ours: the lowest levels of the tree behind exact_distance, in SIMD lanes.
+
+#include "cpu/surface_leaves.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cpu/surface_leaves.cpp"
+#include <hwy/foreach_target.h>
+// Highway's order of includes matters.
+#include <hwy/contrib/sort/vqsort.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A triangle's place in its run: x, y and z of its centroid in 16 bits each, and its index in the lowest 16.
+using Place = uint64_t;
+enum Field { kIndex, kZ, kY, kX, kFields };
+
+/// The extent of each field. `count` is at least 8.
+HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kFields]) {
+  const hn::CappedTag<uint16_t, kFields * kPacket> d;
+  constexpr size_t kMost = kFields * kPacket;
+  const size_t step = hn::Lanes(d) / kFields;
+  auto low = hn::Set(d, UINT16_MAX), high = hn::Zero(d);
+  for (size_t t = 0; t < count; t += step) {
+    // The last vector overlaps the one before rather than reach beyond the end.
+    const auto v = hn::LoadU(d, reinterpret_cast<const uint16_t*>(places + std::min(t, count - step)));
+    low = hn::Min(low, v);
+    high = hn::Max(high, v);
+  }
+  alignas(64) uint16_t lows[kMost], highs[kMost];
+  hn::Store(low, d, lows);
+  hn::Store(high, d, highs);
+  for (size_t field = 0; field < kFields; ++field) {
+    uint16_t least = UINT16_MAX, most = 0;
+    for (size_t i = field; i < step * kFields; i += kFields) {
+      least = std::min(least, lows[i]);
+      most = std::max(most, highs[i]);
+    }
+    extent[field] = static_cast<uint16_t>(most - least);
+  }
+}
+
+/// Above this, finding the median alone beats sorting.
+constexpr size_t kSorted = 0;
+
+/// Halves the run across its longest side until leaves are left, each power of two a run of its own.
+void splitRun(const hwy::Sorter& sorter, Place* places, size_t count) {
+  if (count <= kPacket) return;
+  uint16_t extent[kFields];
+  measure(places, count, extent);
+  const int field = extent[kX] >= extent[kY] && extent[kX] >= extent[kZ] ? kX : extent[kY] >= extent[kZ] ? kY : kZ;
+  const int shift = 16 * (kX - field);
+  if (shift)
+    for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
+  if (count > kSorted)
+    std::nth_element(places, places + std::bit_ceil(count) / 2, places + count);
+  else
+    sorter(places, count, hwy::SortAscending());
+  if (shift)
+    for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
+  const size_t half = std::bit_ceil(count) / 2;
+  splitRun(sorter, places, half);
+  splitRun(sorter, places + half, count - half);
+}
+
+void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
+  float low[3], extent = 1e-20f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [least, most] = std::minmax_element(centroids[axis], centroids[axis] + count);
+    low[axis] = *least;
+    extent = std::max(extent, *most - *least);
+  }
+  const float scale = 65535.0f / extent;
+  const auto quantize = [&](int axis, size_t t) {
+    return static_cast<Place>(std::min(65535.0f, (centroids[axis][t] - low[axis]) * scale));
+  };
+  Place places[kRun];
+  for (size_t t = 0; t < count; ++t)
+    places[t] = quantize(0, t) << 48 | quantize(1, t) << 32 | quantize(2, t) << 16 | t;
+  static const thread_local hwy::Sorter sorter;
+  splitRun(sorter, places, count);
+  for (size_t t = 0; t < count; ++t) order[t] = static_cast<uint16_t>(places[t]);
+}
+
+/// Vectors in double precision, one per lane.
+struct Double3 {
+  using Tag = hn::CappedTag<double, kPacket>;
+  using Value = hn::Vec<Tag>;
+  using FloatTag = hn::Rebind<float, Tag>;
+  Value x, y, z;
+
+  static HWY_INLINE Double3 load(const float (&corner)[3][kPacket], size_t i) {
+    const auto axis = [&](int a) { return hn::PromoteTo(Tag(), hn::Load(FloatTag(), corner[a] + i)); };
+    return {axis(0), axis(1), axis(2)};
+  }
+  static HWY_INLINE void store(Value value, float* to) { hn::Store(hn::DemoteTo(FloatTag(), value), FloatTag(), to); }
+  HWY_INLINE void store(float* toX, float* toY, float* toZ) const { store(x, toX), store(y, toY), store(z, toZ); }
+  HWY_INLINE Double3 operator-(const Double3& b) const { return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)}; }
+  HWY_INLINE Double3 operator*(Value s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
+  HWY_INLINE Value dot(const Double3& b) const {
+    return hn::MulAdd(x, b.x, hn::MulAdd(y, b.y, hn::Mul(z, b.z)));
+  }
+  HWY_INLINE Double3 cross(const Double3& b) const {
+    return {hn::MulSub(y, b.z, hn::Mul(z, b.y)), hn::MulSub(z, b.x, hn::Mul(x, b.z)),
+            hn::MulSub(x, b.y, hn::Mul(y, b.x))};
+  }
+  template <class M>
+  static HWY_INLINE Double3 select(M mask, const Double3& a, const Double3& b) {
+    return {hn::IfThenElse(mask, a.x, b.x), hn::IfThenElse(mask, a.y, b.y), hn::IfThenElse(mask, a.z, b.z)};
+  }
+};
+
+/// Unit vectors across the unit vectors `x` and across `e`. Where the cross product is mostly rounding, which may
+/// point along `x`, any direction across `x` will do: `e` lies along it.
+HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
+  const Double3::Tag d;
+  const Double3 v = x.cross(e);
+  const auto v2 = v.dot(v);
+  const auto sound = hn::Gt(v2, hn::Mul(hn::Set(d, 1e-18), e.dot(e)));
+  const auto alongX = hn::Lt(hn::Abs(x.x), hn::Set(d, 0.6));
+  const auto one = hn::Set(d, 1.0), zero = hn::Zero(d);
+  const Double3 other = x.cross({hn::IfThenElse(alongX, one, zero), hn::IfThenElse(alongX, zero, one), zero});
+  const Double3 across = Double3::select(sound, v, other);
+  return across * hn::Div(one, hn::Sqrt(across.dot(across)));
+}
+
+/// Puts triangles into frames. The longest edge becomes ab, so that c lies over it and slivers keep a sound frame.
+HWY_INLINE void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
+  const Double3::Tag d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);
+  const auto inverse = [&](auto square) {
+    return hn::IfThenElseZero(hn::Gt(square, hn::Set(d, 1e-30)), hn::Div(one, square));
+  };
+  for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+    const Double3 p = Double3::load(corners.v[0], i), q = Double3::load(corners.v[1], i),
+                  r = Double3::load(corners.v[2], i);
+    const Double3 pq = q - p, qr = r - q, rp = p - r;
+    const auto pq2 = pq.dot(pq), qr2 = qr.dot(qr), rp2 = rp.dot(rp);
+    const auto fromQ = hn::And(hn::Ge(qr2, pq2), hn::Ge(qr2, rp2)), fromR = hn::Gt(rp2, hn::Max(pq2, qr2));
+    const auto pick = [&](const Double3& ifP, const Double3& ifQ, const Double3& ifR) {
+      return Double3::select(fromQ, ifQ, Double3::select(fromR, ifR, ifP));
+    };
+    const Double3 a = pick(p, q, r), b = pick(q, r, p), c = pick(r, p, q);
+    const Double3 ab = b - a, e = c - a;
+    const auto length2 = ab.dot(ab), length = hn::Sqrt(length2);
+    const auto point = hn::Le(length, zero);
+    const Double3 x = Double3::select(point, {one, zero, zero}, ab * hn::Div(one, hn::IfThenElse(point, one, length)));
+    const Double3 z = directionAcross(x, e), y = z.cross(x);
+    const auto cx = e.dot(x), cy = e.dot(y), ex = hn::Sub(cx, length);
+    const auto store = [i](auto value, float* to) { Double3::store(value, to + i); };
+    a.store(out.ax + i, out.ay + i, out.az + i);
+    x.store(out.xx + i, out.xy + i, out.xz + i);
+    y.store(out.yx + i, out.yy + i, out.yz + i);
+    z.store(out.zx + i, out.zy + i, out.zz + i);
+    store(length, out.bx), store(cx, out.cx), store(cy, out.cy);
+    store(inverse(hn::MulAdd(ex, ex, hn::Mul(cy, cy))), out.inverseBc2);
+    store(inverse(hn::MulAdd(cx, cx, hn::Mul(cy, cy))), out.inverseCa2);
+  }
+}
+
+using Tag = hn::CappedTag<float, kPacket>;
+using Float = hn::Vec<Tag>;
+
+struct Float3 {
+  Float x, y, z;
+  static HWY_INLINE Float3 load(const float (&corner)[3][kPacket], size_t i) {
+    return {hn::Load(Tag(), corner[0] + i), hn::Load(Tag(), corner[1] + i), hn::Load(Tag(), corner[2] + i)};
+  }
+  static HWY_INLINE Float3 all(const glm::vec3& v) {
+    return {hn::Set(Tag(), v.x), hn::Set(Tag(), v.y), hn::Set(Tag(), v.z)};
+  }
+  HWY_INLINE Float3 operator+(const Float3& b) const { return {hn::Add(x, b.x), hn::Add(y, b.y), hn::Add(z, b.z)}; }
+  HWY_INLINE Float3 operator-(const Float3& b) const { return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)}; }
+  HWY_INLINE Float3 min(const Float3& b) const { return {hn::Min(x, b.x), hn::Min(y, b.y), hn::Min(z, b.z)}; }
+  HWY_INLINE Float3 max(const Float3& b) const { return {hn::Max(x, b.x), hn::Max(y, b.y), hn::Max(z, b.z)}; }
+  HWY_INLINE Float dot(const Float3& b) const {
+    return hn::MulAdd(x, b.x, hn::MulAdd(y, b.y, hn::Mul(z, b.z)));
+  }
+  HWY_INLINE Float3 cross(const Float3& b) const {
+    return {hn::MulSub(y, b.z, hn::Mul(z, b.y)), hn::MulSub(z, b.x, hn::Mul(x, b.z)),
+            hn::MulSub(x, b.y, hn::Mul(y, b.x))};
+  }
+};
+
+HWY_INLINE float least(Float v) { return hn::GetLane(hn::MinOfLanes(Tag(), v)); }
+HWY_INLINE float most(Float v) { return hn::GetLane(hn::MaxOfLanes(Tag(), v)); }
+HWY_INLINE float sum(Float v) { return hn::GetLane(hn::SumOfLanes(Tag(), v)); }
+HWY_INLINE glm::vec3 least(const Float3& v) { return {least(v.x), least(v.y), least(v.z)}; }
+HWY_INLINE glm::vec3 most(const Float3& v) { return {most(v.x), most(v.y), most(v.z)}; }
+HWY_INLINE glm::vec3 sum(const Float3& v) { return {sum(v.x), sum(v.y), sum(v.z)}; }
+
+HWY_INLINE void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs) {
+  const Tag d;
+  const Float3 nothing{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  Float3 low = Float3::all(glm::vec3(INFINITY)), high = Float3::all(glm::vec3(-INFINITY)), normals = nothing;
+  for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+    const Float3 a = Float3::load(corners.v[0], i), b = Float3::load(corners.v[1], i),
+                 c = Float3::load(corners.v[2], i);
+    low = low.min(a).min(b).min(c);
+    high = high.max(a).max(b).max(c);
+    normals = normals + (b - a).cross(c - a);
+  }
+  const glm::vec3 normalSum = sum(normals);
+  const float length = glm::length(normalSum);
+  const glm::vec3 normal = length > 1e-12f ? normalSum / length : glm::vec3(0, 0, 1);
+  const glm::vec3 middle = 0.5f * (least(low) + most(high));
+  const Float3 n = Float3::all(normal), m = Float3::all(middle);
+  Float front = hn::Set(d, -INFINITY), back = hn::Set(d, INFINITY), radius2 = hn::Zero(d);
+  for (size_t i = 0; i < kPacket; i += hn::Lanes(d))
+    for (int corner = 0; corner < 3; ++corner) {
+      const Float3 q = Float3::load(corners.v[corner], i) - m;
+      const Float height = q.dot(n);
+      front = hn::Max(front, height);
+      back = hn::Min(back, height);
+      radius2 = hn::Max(radius2, hn::NegMulAdd(height, height, q.dot(q)));
+    }
+  const float top = most(front), bottom = least(back);
+  const glm::vec3 centre = middle + 0.5f * (top + bottom) * normal;
+  discs.cx[lane] = centre.x, discs.cy[lane] = centre.y, discs.cz[lane] = centre.z;
+  discs.nx[lane] = normal.x, discs.ny[lane] = normal.y, discs.nz[lane] = normal.z;
+  discs.radius[lane] = std::sqrt(std::max(most(radius2), 0.0f));
+  discs.halfThickness[lane] = 0.5f * (top - bottom);
+}
+
+void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs) {
+  makeFrames(corners, triangles);
+  boundLeaf(corners, lane, discs);
+}
+
+}  // namespace raymap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raymap {
+
+HWY_EXPORT(sortRun);
+HWY_EXPORT(writeLeaf);
+
+void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
+  HWY_DYNAMIC_DISPATCH(sortRun)(centroids, count, order);
+}
+
+void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs) {
+  HWY_DYNAMIC_DISPATCH(writeLeaf)(corners, triangles, lane, discs);
+}
+
+}  // namespace raymap
+#endif
