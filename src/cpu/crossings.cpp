@@ -42,6 +42,8 @@ struct Lattice {
   glm::ivec3 dims;
   int fractionBits;
 
+  double scale() const { return std::ldexp(1.0, fractionBits); }
+
   /// The first line at or after the coordinate. Lines are displaced by a positive infinitesimal, so this is
   /// both the first line that a range reaches and the first that it no longer reaches.
   int64_t lineFrom(int64_t coordinate) const {
@@ -53,14 +55,18 @@ size_t chunkCount(const CellMesh& mesh) {
   return (mesh.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
 }
 
+/// The coordinate farthest from zero.
+float reach(const glm::vec3& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
 [[noreturn]] void throwTooFar(const CellMesh& mesh, float limit) {
   for (size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int c = 0; c < 3; ++c) {
-      const glm::vec3 p = glm::abs(mesh.corner(t, c));
-      const float reach = std::max({p.x, p.y, p.z});
-      if (!(reach < limit))
+      const float furthest = reach(mesh.corner(t, c));
+      if (!(furthest < limit))
         throw Error(ErrorCode::Input, "vertex " + std::to_string(mesh.triangles[t][c]) + " of triangle " +
-                                          std::to_string(t) + " lies " + std::to_string(reach) +
+                                          std::to_string(t) + " lies " + std::to_string(furthest) +
                                           " cells from the grid's first sample; the sign needs less than 2^" +
                                           std::to_string(kCoordinateBits) +
                                           ": use a coarser grid or remove the vertex");
@@ -78,19 +84,26 @@ void forEachTriangle(const CellMesh& mesh, Work&& work) {
   });
 }
 
-/// As many fraction bits, up to 20, as leave every coordinate below 2^40.
-int chooseFractionBits(const CellMesh& mesh) {
+/// The largest coordinate of all triangles, a part of them at a time.
+float furthestCoordinate(const CellMesh& mesh) {
   std::vector<float> reaches(chunkCount(mesh), 1.0f);
   forEachTriangle(mesh, [&](size_t chunk, size_t t) {
-    for (int c = 0; c < 3; ++c) {
-      const glm::vec3 p = glm::abs(mesh.corner(t, c));
-      reaches[chunk] = std::max({reaches[chunk], p.x, p.y, p.z});
-    }
+    for (int c = 0; c < 3; ++c) reaches[chunk] = std::max(reaches[chunk], reach(mesh.corner(t, c)));
   });
-  const float reach = reaches.empty() ? 1.0f : *std::max_element(reaches.begin(), reaches.end());
-  const float limit = std::ldexp(1.0f, kCoordinateBits);
-  if (!(reach < limit)) throwTooFar(mesh, limit);
-  return std::clamp(kCoordinateBits - 1 - std::ilogb(reach), 0, kMaxFractionBits);
+  return reaches.empty() ? 1.0f : *std::max_element(reaches.begin(), reaches.end());
+}
+
+/// As many fraction bits, up to 20, as leave every coordinate below 2^40.
+int chooseFractionBits(const CellMesh& mesh) {
+  const float near = std::ldexp(1.0f, kCoordinateBits - kMaxFractionBits),
+              far = std::ldexp(1.0f, kCoordinateBits);
+  if (std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                  [near](const glm::vec3& v) { return reach(v) < near; }))
+    return kMaxFractionBits;
+  // Vertices of no triangle do not count.
+  const float furthest = furthestCoordinate(mesh);
+  if (!(furthest < far)) throwTooFar(mesh, far);
+  return std::clamp(kCoordinateBits - 1 - std::ilogb(furthest), 0, kMaxFractionBits);
 }
 
 FixedVertex snap(const glm::vec3& p, double scale) {
@@ -164,18 +177,41 @@ void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, L
   }
 }
 
+/// Whether a triangle surely crosses no line, before its corners are snapped: most triangles of a mesh finer
+/// than the grid. Lines along an axis need a range across each of the other two.
+class MissTest {
+ public:
+  explicit MissTest(const Lattice& lattice)
+      : limit_(lattice.dims),
+        margin_(static_cast<float>(2.0 / lattice.scale()) + std::ldexp(reach(lattice.dims), -21)) {}
+
+  bool operator()(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
+    const auto cell = [&](const glm::vec3& p) {
+      return glm::ivec3(glm::clamp(p + 1.0f, glm::vec3(0.0f), limit_));
+    };
+    const glm::ivec3 low = cell(glm::min(glm::min(a, b), c) - margin_);
+    const glm::ivec3 high = cell(glm::max(glm::max(a, b), c) + margin_);
+    return (low.x != high.x) + (low.y != high.y) + (low.z != high.z) < 2;
+  }
+
+ private:
+  glm::vec3 limit_;
+  float margin_;  // more than snapping and rounding may move a corner by
+};
+
 /// Scans triangles of the chunk until it is done or all chunks together have found enough.
 void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress, std::atomic<size_t>& found,
                Chunk& chunk, LineRecords& records) {
   const auto report = [&] { progress.report(double(chunk.next) / double(mesh.triangles.size())); };
   report();
-  const double scale = std::ldexp(1.0, lattice.fractionBits);
+  const double scale = lattice.scale();
+  const MissTest misses(lattice);
   size_t reported = 0;
   while (chunk.next < chunk.end && found < kRecordsPerRound) {
     const size_t t = chunk.next++;
-    scanTriangle(
-        {snap(mesh.corner(t, 0), scale), snap(mesh.corner(t, 1), scale), snap(mesh.corner(t, 2), scale)},
-        lattice, records);
+    const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    if (misses(a, b, c)) continue;
+    scanTriangle({snap(a, scale), snap(b, scale), snap(c, scale)}, lattice, records);
     const size_t count = records[0].size() + records[1].size() + records[2].size();
     if (count - reported < kRecordsPerReport) continue;
     found += count - std::exchange(reported, count);

@@ -170,10 +170,11 @@ class BlockRefiner {
         level.nodes[k].store(i, tangent(disc(candidates.nodes[k]), x, y, z));
       }
     }
-    searchNodes(candidates.nodes, {level.x, level.y, level.z, squared, level.closest}, [&](size_t k, size_t i) {
-      const Float d = level.nodes[k].d.load(i);
-      return hn::Mul(d, d);
-    });
+    searchNodes(candidates.nodes, {level.x, level.y, level.z, squared, level.closest},
+                [&](size_t k, size_t i) {
+                  const Float d = level.nodes[k].d.load(i);
+                  return hn::Mul(d, d);
+                });
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
   }
 
@@ -209,8 +210,9 @@ class BlockRefiner {
     uint32_t* closest;
   };
 
-  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first in
-  /// the node that may come closest to each point, which nearly settles its distance, then in all that may win.
+  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first
+  /// in the node that may come closest to each point, which nearly settles its distance, then in all that may
+  /// win.
   template <class Bound>
   HWY_INLINE void searchNodes(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
     if (nodes.empty()) return;
@@ -249,8 +251,9 @@ class BlockRefiner {
     tree_.prefetchChildren(node);
   }
 
-  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer waits
-  /// for another: the closest in each lane of the packets is kept, and the closest of these taken at the end.
+  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
+  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
+  /// the end.
   HWY_NOINLINE void searchStack(const Points& points) {
     const Tag tag;
     Samples& best = best_;
@@ -490,7 +493,8 @@ class BlockRefiner {
     });
   }
 
-  /// Looks below the nodes left to a half, each sample for itself: their triangles are small beside the spacing.
+  /// Looks below the nodes left to a half, each sample for itself: their triangles are small beside the
+  /// spacing.
   void finishNodes(size_t half, Level& level) {
     const Tag tag;
     const Float reach = hn::Set(tag, 0.5f);

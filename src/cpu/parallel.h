@@ -65,8 +65,8 @@ void parallelFor(size_t count, size_t grain, Work&& work) {
       tbb::simple_partitioner());
 }
 
-/// Calls `makeWorker()` on each thread and what it returns with the numbers below `count`, in order, as threads
-/// become free. For work that gains from what a thread remembers, but must not depend on it.
+/// Calls `makeWorker()` on each thread and what it returns with the numbers below `count`, in order, as
+/// threads become free. For work that gains from what a thread remembers, but must not depend on it.
 template <class MakeWorker>
 void parallelWorkers(size_t count, MakeWorker&& makeWorker) {
   std::atomic<size_t> next{0};

@@ -54,7 +54,9 @@ void splitRun(const hwy::Sorter& sorter, Place* places, size_t count) {
   if (count <= kPacket) return;
   uint16_t extent[kFields];
   measure(places, count, extent);
-  const int field = extent[kX] >= extent[kY] && extent[kX] >= extent[kZ] ? kX : extent[kY] >= extent[kZ] ? kY : kZ;
+  const int field = extent[kX] >= extent[kY] && extent[kX] >= extent[kZ] ? kX
+                    : extent[kY] >= extent[kZ]                           ? kY
+                                                                         : kZ;
   const int shift = 16 * (kX - field);
   if (shift)
     for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
@@ -99,9 +101,15 @@ struct Double3 {
     const auto axis = [&](int a) { return hn::PromoteTo(Tag(), hn::Load(FloatTag(), corner[a] + i)); };
     return {axis(0), axis(1), axis(2)};
   }
-  static HWY_INLINE void store(Value value, float* to) { hn::Store(hn::DemoteTo(FloatTag(), value), FloatTag(), to); }
-  HWY_INLINE void store(float* toX, float* toY, float* toZ) const { store(x, toX), store(y, toY), store(z, toZ); }
-  HWY_INLINE Double3 operator-(const Double3& b) const { return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)}; }
+  static HWY_INLINE void store(Value value, float* to) {
+    hn::Store(hn::DemoteTo(FloatTag(), value), FloatTag(), to);
+  }
+  HWY_INLINE void store(float* toX, float* toY, float* toZ) const {
+    store(x, toX), store(y, toY), store(z, toZ);
+  }
+  HWY_INLINE Double3 operator-(const Double3& b) const {
+    return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)};
+  }
   HWY_INLINE Double3 operator*(Value s) const { return {hn::Mul(x, s), hn::Mul(y, s), hn::Mul(z, s)}; }
   HWY_INLINE Value dot(const Double3& b) const {
     return hn::MulAdd(x, b.x, hn::MulAdd(y, b.y, hn::Mul(z, b.z)));
@@ -116,8 +124,8 @@ struct Double3 {
   }
 };
 
-/// Unit vectors across the unit vectors `x` and across `e`. Where the cross product is mostly rounding, which may
-/// point along `x`, any direction across `x` will do: `e` lies along it.
+/// Unit vectors across the unit vectors `x` and across `e`. Where the cross product is mostly rounding, which
+/// may point along `x`, any direction across `x` will do: `e` lies along it.
 HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
   const Double3::Tag d;
   const Double3 v = x.cross(e);
@@ -130,7 +138,8 @@ HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
   return across * hn::Div(one, hn::Sqrt(across.dot(across)));
 }
 
-/// Puts triangles into frames. The longest edge becomes ab, so that c lies over it and slivers keep a sound frame.
+/// Puts triangles into frames. The longest edge becomes ab, so that c lies over it and slivers keep a sound
+/// frame.
 HWY_INLINE void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
   const Double3::Tag d;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -150,7 +159,8 @@ HWY_INLINE void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
     const Double3 ab = b - a, e = c - a;
     const auto length2 = ab.dot(ab), length = hn::Sqrt(length2);
     const auto point = hn::Le(length, zero);
-    const Double3 x = Double3::select(point, {one, zero, zero}, ab * hn::Div(one, hn::IfThenElse(point, one, length)));
+    const Double3 x =
+        Double3::select(point, {one, zero, zero}, ab * hn::Div(one, hn::IfThenElse(point, one, length)));
     const Double3 z = directionAcross(x, e), y = z.cross(x);
     const auto cx = e.dot(x), cy = e.dot(y), ex = hn::Sub(cx, length);
     const auto store = [i](auto value, float* to) { Double3::store(value, to + i); };
@@ -175,8 +185,12 @@ struct Float3 {
   static HWY_INLINE Float3 all(const glm::vec3& v) {
     return {hn::Set(Tag(), v.x), hn::Set(Tag(), v.y), hn::Set(Tag(), v.z)};
   }
-  HWY_INLINE Float3 operator+(const Float3& b) const { return {hn::Add(x, b.x), hn::Add(y, b.y), hn::Add(z, b.z)}; }
-  HWY_INLINE Float3 operator-(const Float3& b) const { return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)}; }
+  HWY_INLINE Float3 operator+(const Float3& b) const {
+    return {hn::Add(x, b.x), hn::Add(y, b.y), hn::Add(z, b.z)};
+  }
+  HWY_INLINE Float3 operator-(const Float3& b) const {
+    return {hn::Sub(x, b.x), hn::Sub(y, b.y), hn::Sub(z, b.z)};
+  }
   HWY_INLINE Float3 min(const Float3& b) const { return {hn::Min(x, b.x), hn::Min(y, b.y), hn::Min(z, b.z)}; }
   HWY_INLINE Float3 max(const Float3& b) const { return {hn::Max(x, b.x), hn::Max(y, b.y), hn::Max(z, b.z)}; }
   HWY_INLINE Float dot(const Float3& b) const {
@@ -188,12 +202,24 @@ struct Float3 {
   }
 };
 
-HWY_INLINE float least(Float v) { return hn::GetLane(hn::MinOfLanes(Tag(), v)); }
-HWY_INLINE float most(Float v) { return hn::GetLane(hn::MaxOfLanes(Tag(), v)); }
-HWY_INLINE float sum(Float v) { return hn::GetLane(hn::SumOfLanes(Tag(), v)); }
-HWY_INLINE glm::vec3 least(const Float3& v) { return {least(v.x), least(v.y), least(v.z)}; }
-HWY_INLINE glm::vec3 most(const Float3& v) { return {most(v.x), most(v.y), most(v.z)}; }
-HWY_INLINE glm::vec3 sum(const Float3& v) { return {sum(v.x), sum(v.y), sum(v.z)}; }
+HWY_INLINE float least(Float v) {
+  return hn::GetLane(hn::MinOfLanes(Tag(), v));
+}
+HWY_INLINE float most(Float v) {
+  return hn::GetLane(hn::MaxOfLanes(Tag(), v));
+}
+HWY_INLINE float sum(Float v) {
+  return hn::GetLane(hn::SumOfLanes(Tag(), v));
+}
+HWY_INLINE glm::vec3 least(const Float3& v) {
+  return {least(v.x), least(v.y), least(v.z)};
+}
+HWY_INLINE glm::vec3 most(const Float3& v) {
+  return {most(v.x), most(v.y), most(v.z)};
+}
+HWY_INLINE glm::vec3 sum(const Float3& v) {
+  return {sum(v.x), sum(v.y), sum(v.z)};
+}
 
 HWY_INLINE void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs) {
   const Tag d;

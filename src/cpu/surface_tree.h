@@ -43,8 +43,8 @@ class SurfaceTree {
   uint32_t root() const { return levelStarts_.back(); }
   /// A leaf's children are a packet of triangles, any other node's a packet of nodes.
   bool isLeaf(uint32_t node) const { return node < leafCount_; }
-  /// The packet of a node's children. The last of a level may be filled up, with its last triangle or with discs
-  /// out of reach.
+  /// The packet of a node's children. The last of a level may be filled up, with its last triangle or with
+  /// discs out of reach.
   uint32_t childPacket(uint32_t node) const;
   void prefetchChildren(uint32_t node) const {
     if (!isLeaf(node)) return;
