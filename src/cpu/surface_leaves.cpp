@@ -6,7 +6,6 @@
 #define HWY_TARGET_INCLUDE "cpu/surface_leaves.cpp"
 #include <hwy/foreach_target.h>
 // Highway's order of includes matters.
-#include <hwy/contrib/sort/vqsort.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -20,6 +19,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// A triangle's place in its run: x, y and z of its centroid in 16 bits each, and its index in the lowest 16.
 using Place = uint64_t;
 enum Field { kIndex, kZ, kY, kX, kFields };
+
+/// So few are sorted fastest by comparing all with all.
+constexpr size_t kRankSorted = 64;
 
 /// The extent of each field. `count` is at least 8.
 HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kFields]) {
@@ -46,11 +48,46 @@ HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kF
   }
 }
 
-/// Above this, finding the median alone beats sorting.
-constexpr size_t kSorted = 0;
+/// Sorts a few by counting for each how many are smaller.
+HWY_INLINE void sortByRank(Place* places, size_t count) {
+  const hn::CappedTag<uint64_t, kPacket> d;
+  Place sorted[kRankSorted];
+  for (size_t t = 0; t < count; ++t) {
+    size_t smaller = 0;
+    for (size_t i = 0; i < count; i += hn::Lanes(d))
+      smaller += hn::CountTrue(d, hn::Lt(hn::LoadU(d, places + i), hn::Set(d, places[t])));
+    sorted[smaller] = places[t];
+  }
+  std::copy_n(sorted, count, places);
+}
+
+/// Brings the smallest to the front of `middle`: quickselect, without a branch on what is compared.
+HWY_INLINE void selectMiddle(Place* begin, Place* middle, Place* end) {
+  while (end - begin > ptrdiff_t{kRankSorted}) {
+    Place* const centre = begin + (end - begin) / 2;
+    if (*centre < *begin) std::swap(*centre, *begin);
+    if (end[-1] < *begin) std::swap(end[-1], *begin);
+    if (*centre < end[-1]) std::swap(*centre, end[-1]);
+    const Place pivot = end[-1];  // the median of three
+    Place* smaller = begin;
+    for (Place* next = begin; next < end; ++next) {
+      const Place place = *next;
+      *next = *smaller;
+      *smaller = place;
+      smaller += place < pivot;
+    }
+    // The pivot came last, and is now the first that is not smaller.
+    if (smaller == middle) return;
+    if (smaller < middle)
+      begin = smaller + 1;
+    else
+      end = smaller;
+  }
+  std::nth_element(begin, middle, end);
+}
 
 /// Halves the run across its longest side until leaves are left, each power of two a run of its own.
-void splitRun(const hwy::Sorter& sorter, Place* places, size_t count) {
+void splitRun(Place* places, size_t count) {
   if (count <= kPacket) return;
   uint16_t extent[kFields];
   measure(places, count, extent);
@@ -58,17 +95,15 @@ void splitRun(const hwy::Sorter& sorter, Place* places, size_t count) {
                     : extent[kY] >= extent[kZ]                           ? kY
                                                                          : kZ;
   const int shift = 16 * (kX - field);
-  if (shift)
-    for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
-  if (count > kSorted)
-    std::nth_element(places, places + std::bit_ceil(count) / 2, places + count);
-  else
-    sorter(places, count, hwy::SortAscending());
-  if (shift)
-    for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
   const size_t half = std::bit_ceil(count) / 2;
-  splitRun(sorter, places, half);
-  splitRun(sorter, places + half, count - half);
+  for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
+  if (count <= kRankSorted && count % kPacket == 0)
+    sortByRank(places, count);
+  else
+    selectMiddle(places, places + half, places + count);
+  for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
+  splitRun(places, half);
+  splitRun(places + half, count - half);
 }
 
 void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
@@ -85,8 +120,7 @@ void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
   Place places[kRun];
   for (size_t t = 0; t < count; ++t)
     places[t] = quantize(0, t) << 48 | quantize(1, t) << 32 | quantize(2, t) << 16 | t;
-  static const thread_local hwy::Sorter sorter;
-  splitRun(sorter, places, count);
+  splitRun(places, count);
   for (size_t t = 0; t < count; ++t) order[t] = static_cast<uint16_t>(places[t]);
 }
 

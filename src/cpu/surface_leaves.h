@@ -10,7 +10,7 @@ struct alignas(64) CornerPacket {
 };
 
 /// The triangles of a run of the curve. Runs are short enough to be sorted in a thread's own memory.
-inline constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket;
+inline constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket * kPacket;
 
 /// Puts `count` <= kRun triangles into an order in which each aligned power of two of them is compact, from
 /// eight on. `centroids` holds x, y and z of each, in any unit; `order` receives their indices.
