@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::HWY_NAMESPACE {
@@ -25,26 +26,23 @@ constexpr size_t kRankSorted = 64;
 
 /// The extent of each field. `count` is at least 8.
 HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kFields]) {
-  const hn::CappedTag<uint16_t, kFields * kPacket> d;
-  constexpr size_t kMost = kFields * kPacket;
-  const size_t step = hn::Lanes(d) / kFields;
-  auto low = hn::Set(d, UINT16_MAX), high = hn::Zero(d);
-  for (size_t t = 0; t < count; t += step) {
-    // The last vector overlaps the one before rather than reach beyond the end.
-    const auto v = hn::LoadU(d, reinterpret_cast<const uint16_t*>(places + std::min(t, count - step)));
-    low = hn::Min(low, v);
-    high = hn::Max(high, v);
-  }
-  alignas(64) uint16_t lows[kMost], highs[kMost];
-  hn::Store(low, d, lows);
-  hn::Store(high, d, highs);
-  for (size_t field = 0; field < kFields; ++field) {
-    uint16_t least = UINT16_MAX, most = 0;
-    for (size_t i = field; i < step * kFields; i += kFields) {
-      least = std::min(least, lows[i]);
-      most = std::max(most, highs[i]);
+  constexpr size_t kAtOnce = kFields * kPacket;
+  uint16_t low[kAtOnce], high[kAtOnce] = {}, fields[kAtOnce];
+  std::fill_n(low, kAtOnce, UINT16_MAX);
+  for (size_t t = 0; t < count; t += kPacket) {
+    // The last eight overlap those before rather than reach beyond the end.
+    std::memcpy(fields, places + std::min(t, count - kPacket), sizeof(fields));
+    for (size_t i = 0; i < kAtOnce; ++i) {
+      low[i] = std::min(low[i], fields[i]);
+      high[i] = std::max(high[i], fields[i]);
     }
-    extent[field] = static_cast<uint16_t>(most - least);
+  }
+  for (size_t field = 0; field < kFields; ++field) {
+    for (size_t i = field; i < kAtOnce; i += kFields) {
+      low[field] = std::min(low[field], low[i]);
+      high[field] = std::max(high[field], high[i]);
+    }
+    extent[field] = static_cast<uint16_t>(high[field] - low[field]);
   }
 }
 
