@@ -1,6 +1,5 @@
 // Reads a mesh with Assimp, for `raymap-import`.
 
-#include <assimp/config.h>
 #include <assimp/scene.h>
 #include <raymap/error.h>
 
@@ -44,12 +43,19 @@ void appendMesh(const aiMesh& mesh, const glm::dmat4& transform, Result& result)
   }
 }
 
+/// As stored: Assimp 5.4 and later turn and scale the root of an FBX, which by itself has no transform, to
+/// axes and units of their own. Only FBX says what axes it has.
+glm::dmat4 ownTransform(const aiNode& node, const aiScene& scene) {
+  const bool isFbx = scene.mMetaData && scene.mMetaData->HasKey("UpAxis");
+  return isFbx && &node == scene.mRootNode ? glm::dmat4(1.0) : matrix(node.mTransformation);
+}
+
 void appendNodes(const aiScene& scene, Result& result) {
   std::vector<std::pair<const aiNode*, glm::dmat4>> stack{{scene.mRootNode, glm::dmat4(1.0)}};
   while (!stack.empty()) {
     const auto [node, parent] = stack.back();
     stack.pop_back();
-    const glm::dmat4 transform = parent * matrix(node->mTransformation);
+    const glm::dmat4 transform = parent * ownTransform(*node, scene);
     for (unsigned m = 0; m < node->mNumMeshes; ++m)
       appendMesh(*scene.mMeshes[node->mMeshes[m]], transform, result);
     for (unsigned c = node->mNumChildren; c > 0; --c) stack.emplace_back(node->mChildren[c - 1], transform);
@@ -60,9 +66,6 @@ void appendNodes(const aiScene& scene, Result& result) {
 
 void sendMesh(const char* path) {
   Assimp::Importer importer;
-#ifdef AI_CONFIG_IMPORT_FBX_IGNORE_UP_DIRECTION  // Later versions turn FBX to y up unless told not to.
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_IGNORE_UP_DIRECTION, true);
-#endif
   const aiScene* scene = importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) throw Error(ErrorCode::Input, importer.GetErrorString());
   Result result;
