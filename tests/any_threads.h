@@ -12,7 +12,7 @@ namespace raymap {
 
 template <class T>
 bool sameBits(const Buffer<T>& a, const Buffer<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 /// Every array of the field on one thread against those on each number of `threads`, in one generator.

@@ -105,14 +105,15 @@ ReadBytes blocksInflated(const std::filesystem::path& path, const ReadBytes& rea
   const uint64_t blocks = count(), blockBytes = count(), part = count(), last = part > 0 ? part : blockBytes;
   const uint64_t others = blocks - 1;
   const bool fits =
-      blocks > 0 && blocks <= available && last > 0 && last <= bytes &&
+      blocks > 0 && blocks <= available && blockBytes > 0 && last > 0 && last <= bytes &&
       (others == 0 ? last == bytes : (bytes - last) / others == blockBytes && (bytes - last) % others == 0);
   if (!fits)
     throwInvalid(path, "its compressed blocks do not hold the " + std::to_string(bytes) +
                            " bytes of samples that its extent needs");
   std::vector<uint64_t> packedSizes(blocks);
   for (uint64_t& size : packedSizes)
-    if ((size = count()) > available) throwInvalid(path, "its compressed data ends early");
+    if ((size = count()) == 0 || size > available)
+      throwInvalid(path, "a block of its compressed data is empty, or ends early");
   return [inflater = BlockInflater{path, read, std::move(packedSizes), blockBytes, last}](
              void* to, size_t wanted) mutable { inflater.read(static_cast<char*>(to), wanted); };
 }
