@@ -21,9 +21,9 @@ check() { # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
 
   echo "$1, pkg-config:"
   libraries=$(dirname "$(dirname "$(find "$prefix" -name raymap.pc)")")
-  # Unquoted: several words.
-  ${CXX:-c++} -std=c++20 tests/consumer/consumer.cpp -o "$root/$1-consumer/by_pkg_config" \
-    $(PKG_CONFIG_PATH="$libraries/pkgconfig" pkg-config --cflags --libs $3 raymap)
+  # pkg-config answers with words as a shell reads them, spaces escaped.
+  eval "flags=($(PKG_CONFIG_PATH="$libraries/pkgconfig" pkg-config --cflags --libs $3 raymap))"
+  ${CXX:-c++} -std=c++20 tests/consumer/consumer.cpp -o "$root/$1-consumer/by_pkg_config" "${flags[@]}"
   LD_LIBRARY_PATH="$libraries" "$root/$1-consumer/by_pkg_config"
 }
 
