@@ -17,9 +17,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "cpu/exact_distance.h"
+#include "cpu/nearest_search-inl.h"
 #include "cpu/parallel.h"
 #include "cpu/surface_shapes-inl.h"
 
@@ -70,12 +72,6 @@ struct StoredTangent {
   }
 };
 
-/// Calls `visit` with each lane in the set.
-template <class Visit>
-HWY_INLINE void forEachLane(uint32_t lanes, Visit&& visit) {
-  for (; lanes; lanes &= lanes - 1) visit(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
-}
-
 HWY_INLINE glm::ivec3 octant(size_t lane) {
   return {lane & 1, lane >> 1 & 1, lane >> 2};
 }
@@ -83,7 +79,7 @@ HWY_INLINE glm::ivec3 octant(size_t lane) {
 /// Halves one block after another; each thread has its own.
 class BlockRefiner {
  public:
-  explicit BlockRefiner(const ExactDistanceJob& job) : job_(job), tree_(job.tree) {
+  explicit BlockRefiner(const ExactDistanceJob& job) : job_(job), tree_(job.tree), search_(job.tree) {
     for (size_t c = 0; c < kLanes; ++c) {
       const glm::vec3 sign = 2.0f * glm::vec3(octant(c)) - 1.0f;
       signX_.v[c] = sign.x, signY_.v[c] = sign.y, signZ_.v[c] = sign.z;
@@ -170,171 +166,12 @@ class BlockRefiner {
         level.nodes[k].store(i, tangent(disc(candidates.nodes[k]), x, y, z));
       }
     }
-    searchNodes(candidates.nodes, {level.x, level.y, level.z, squared, level.closest},
-                [&](size_t k, size_t i) {
-                  const Float d = level.nodes[k].d.load(i);
-                  return hn::Mul(d, d);
-                });
+    search_.search(candidates.nodes, {level.x, level.y, level.z, squared, level.closest},
+                   [&](size_t k, size_t i) {
+                     const Float d = level.nodes[k].d.load(i);
+                     return hn::Mul(d, d);
+                   });
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
-  }
-
-  /// The smallest value so far in each lane, and whose it is.
-  struct Nearest {
-    using IntTag = hn::Rebind<int32_t, Tag>;
-    Float distance;
-    hn::Vec<IntTag> id;
-    HWY_INLINE Nearest(uint32_t firstId, Float first)
-        : distance(first), id(hn::Set(IntTag(), static_cast<int32_t>(firstId))) {}
-    HWY_INLINE Nearest(size_t i, const Lanes& distances, const uint32_t* ids)
-        : distance(distances.load(i)), id(hn::Load(IntTag(), reinterpret_cast<const int32_t*>(ids) + i)) {}
-    HWY_INLINE void take(uint32_t newId, Float value) {
-      id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
-                          hn::Set(IntTag(), static_cast<int32_t>(newId)), id);
-      distance = hn::Min(distance, value);
-    }
-    HWY_INLINE void takeEach(uint32_t firstId, Float value) {
-      id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
-                          hn::Iota(IntTag(), static_cast<int32_t>(firstId)), id);
-      distance = hn::Min(distance, value);
-    }
-    HWY_INLINE void store(size_t i, Lanes& distances, uint32_t* ids) const {
-      distances.store(i, distance);
-      hn::Store(id, IntTag(), reinterpret_cast<int32_t*>(ids) + i);
-    }
-  };
-
-  /// Points in lanes, and what is closest to them so far.
-  struct Points {
-    const Lanes &x, &y, &z;
-    Lanes& squared;
-    uint32_t* closest;
-  };
-
-  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first
-  /// in the node that may come closest to each point, which nearly settles its distance, then in all that may
-  /// win.
-  template <class Bound>
-  HWY_INLINE void searchNodes(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
-    if (nodes.empty()) return;
-    const Tag tag;
-    bounds_.resize(nodes.size());
-    Lanes least;
-    alignas(64) uint32_t first[kLanes];
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-      Nearest nearest(0, hn::Set(tag, INFINITY));
-      for (size_t k = 0; k < nodes.size(); ++k) {
-        const Float b = bound(k, i);
-        bounds_[k].store(i, b);
-        nearest.take(static_cast<uint32_t>(k), b);
-      }
-      nearest.store(i, least, first);
-    }
-    for (size_t lane = 0; lane < kLanes; ++lane) {
-      Closest closest{points.squared.v[lane], points.closest[lane]};
-      if (least.v[lane] < closest.squared)
-        searchBelow(nodes[first[lane]], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
-      bounds_[first[lane]].v[lane] = INFINITY;
-      points.squared.v[lane] = closest.squared;
-      points.closest[lane] = closest.triangle;
-    }
-    for (size_t k = 0; k < nodes.size(); ++k) {
-      uint32_t open = 0;
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
-        open |= bits(hn::Lt(bounds_[k].load(i), points.squared.load(i))) << i;
-      if (open) push(nodes[k], open);
-    }
-    if (!stack_.empty()) searchStack(points);
-  }
-
-  HWY_INLINE void push(uint32_t node, uint32_t lanes) {
-    stack_.emplace_back(node, lanes);
-    tree_.prefetchChildren(node);
-  }
-
-  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
-  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
-  /// the end.
-  HWY_NOINLINE void searchStack(const Points& points) {
-    const Tag tag;
-    Samples& best = best_;
-    for (size_t point = 0; point < kLanes; ++point) {
-      std::fill_n(best.squared[point].v, kLanes, points.squared.v[point]);
-      std::fill_n(best.closest[point], kLanes, points.closest[point]);
-    }
-    while (!stack_.empty()) {
-      const auto [node, lanes] = stack_.back();
-      stack_.pop_back();
-      const uint32_t packet = tree_.childPacket(node);
-      if (tree_.isLeaf(node)) {
-        forEachLane(lanes, [&](size_t point) {
-          const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
-                      z = hn::Set(tag, points.z.v[point]);
-          for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-            Nearest nearest(i, best.squared[point], best.closest[point]);
-            nearest.takeEach(packet * kPacket + i,
-                             squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
-            nearest.store(i, best.squared[point], best.closest[point]);
-          }
-        });
-        continue;
-      }
-      uint32_t open[kPacket] = {};
-      forEachLane(lanes, [&](size_t point) {
-        const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
-                    z = hn::Set(tag, points.z.v[point]);
-        for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
-          forEachLane(bits(hn::Lt(squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z),
-                                  hn::Set(tag, points.squared.v[point])))
-                          << i,
-                      [&](size_t child) { open[child] |= 1u << point; });
-      });
-      for (uint32_t child = 0; child < kPacket; ++child)
-        if (open[child]) push(packet * kPacket + child, open[child]);
-    }
-    for (size_t point = 0; point < kLanes; ++point) {
-      const float* squared = best.squared[point].v;
-      const size_t lane = std::min_element(squared, squared + kLanes) - squared;
-      points.squared.v[point] = squared[lane];
-      points.closest[point] = best.closest[point][lane];
-    }
-  }
-
-  /// The closest triangle so far to a point.
-  struct Closest {
-    float squared;
-    uint32_t triangle;
-  };
-
-  /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.
-  void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
-    const uint32_t packet = tree_.childPacket(node);
-    const Tag tag;
-    const Float x = hn::Set(tag, p.x), y = hn::Set(tag, p.y), z = hn::Set(tag, p.z);
-    Lanes squared;
-    uint32_t open = 0;
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-      const Float d = tree_.isLeaf(node)
-                          ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
-                          : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
-      squared.store(i, d);
-      open |= bits(hn::Lt(d, hn::Set(tag, closest.squared))) << i;
-    }
-    if (tree_.isLeaf(node)) {
-      forEachLane(open, [&](size_t lane) {
-        if (squared.v[lane] < closest.squared)
-          closest = {squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
-      });
-      return;
-    }
-    while (open) {
-      size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);
-      forEachLane(open, [&](size_t lane) {
-        if (squared.v[lane] < squared.v[next]) next = lane;
-      });
-      if (!(squared.v[next] < closest.squared)) return;
-      open &= ~(1u << next);
-      searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
-    }
   }
 
   /// Fills the halves that the band does not reach; returns the rest.
@@ -467,12 +304,6 @@ class BlockRefiner {
     }
   }
 
-  /// The closest triangles of the samples of eight halves, 2x2x2 samples each.
-  struct Samples {
-    Lanes squared[kLanes];  // by half, then by sample
-    alignas(64) uint32_t closest[kLanes][kLanes];
-  };
-
   /// Fills a block of 4x4x4 samples.
   HWY_NOINLINE void finish(glm::ivec3 low, const Candidates& candidates, uint32_t active, Level& level) {
     constexpr float kReach = 0.5f;
@@ -505,7 +336,7 @@ class BlockRefiner {
       z.store(i, hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half])));
     }
     const std::vector<uint32_t>& nodes = level.candidates[half].nodes;
-    searchNodes(nodes, {x, y, z, samples_.squared[half], samples_.closest[half]}, [&](size_t k, size_t i) {
+    search_.search(nodes, {x, y, z, samples_.squared[half], samples_.closest[half]}, [&](size_t k, size_t i) {
       return squaredDistance(disc(nodes[k]), x.load(i), y.load(i), z.load(i));
     });
   }
@@ -558,8 +389,8 @@ class BlockRefiner {
   const SurfaceTree& tree_;
   Lanes signX_, signY_, signZ_;  // of the eight corners of a half
   Level levels_[4];
-  Samples samples_, best_;
-  std::vector<Lanes> bounds_;
+  NearestOfLanes samples_;
+  NearestSearch search_;
   std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, lanes
 };
 

@@ -206,6 +206,12 @@ HWY_INLINE Float squaredDistance(const Disc<Read>& disc, Float px, Float py, Flo
   return hn::MulAdd(beside, beside, hn::Mul(above, above));
 }
 
+/// Calls `visit` with each lane in the set.
+template <class Visit>
+HWY_INLINE void forEachLane(uint32_t lanes, Visit&& visit) {
+  for (; lanes; lanes &= lanes - 1) visit(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace raymap
 HWY_AFTER_NAMESPACE();

@@ -46,11 +46,6 @@ class SurfaceTree {
   /// The packet of a node's children. The last of a level may be filled up, with its last triangle or with
   /// discs out of reach.
   uint32_t childPacket(uint32_t node) const;
-  void prefetchChildren(uint32_t node) const {
-    if (!isLeaf(node)) return;
-    const char* p = reinterpret_cast<const char*>(&triangles_[node]);
-    for (size_t i = 0; i < sizeof(TrianglePacket); i += 64) __builtin_prefetch(p + i);
-  }
   size_t bytes() const;
 
  private:

@@ -1,0 +1,213 @@
+// The closest triangle to points in SIMD lanes, by descending the surface tree. Included once per target.
+
+#if defined(RAYMAP_NEAREST_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYMAP_NEAREST_SEARCH_INL_H
+#undef RAYMAP_NEAREST_SEARCH_INL_H
+#else
+#define RAYMAP_NEAREST_SEARCH_INL_H
+#endif
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "cpu/surface_shapes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The smallest value so far in each lane, and whose it is.
+struct Nearest {
+  using IntTag = hn::Rebind<int32_t, Tag>;
+  Float distance;
+  hn::Vec<IntTag> id;
+  HWY_INLINE Nearest(uint32_t firstId, Float first)
+      : distance(first), id(hn::Set(IntTag(), static_cast<int32_t>(firstId))) {}
+  HWY_INLINE Nearest(size_t i, const Lanes& distances, const uint32_t* ids)
+      : distance(distances.load(i)), id(hn::Load(IntTag(), reinterpret_cast<const int32_t*>(ids) + i)) {}
+  HWY_INLINE void take(uint32_t newId, Float value) {
+    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
+                        hn::Set(IntTag(), static_cast<int32_t>(newId)), id);
+    distance = hn::Min(distance, value);
+  }
+  HWY_INLINE void takeEach(uint32_t firstId, Float value) {
+    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
+                        hn::Iota(IntTag(), static_cast<int32_t>(firstId)), id);
+    distance = hn::Min(distance, value);
+  }
+  HWY_INLINE void store(size_t i, Lanes& distances, uint32_t* ids) const {
+    distances.store(i, distance);
+    hn::Store(id, IntTag(), reinterpret_cast<int32_t*>(ids) + i);
+  }
+};
+
+/// Points in lanes, and what is closest to them so far.
+struct Points {
+  const Lanes &x, &y, &z;
+  Lanes& squared;
+  uint32_t* closest;
+};
+
+/// The closest triangles to eight points in each of eight halves of a block: by half, then by point. Or, for eight
+/// points, in each lane of the packets looked at: by point, then by lane.
+struct NearestOfLanes {
+  Lanes squared[kLanes];
+  alignas(64) uint32_t closest[kLanes][kLanes];
+};
+
+/// Each thread has its own.
+class NearestSearch {
+ public:
+  explicit NearestSearch(const SurfaceTree& tree) : tree_(tree) {}
+
+  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first
+  /// in the node that may come closest to each point, which nearly settles its distance, then in all that may
+  /// win.
+  template <class Bound>
+  HWY_INLINE void search(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
+    if (nodes.empty()) return;
+    const Tag tag;
+    bounds_.resize(nodes.size());
+    Lanes least;
+    alignas(64) uint32_t first[kLanes];
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      Nearest nearest(0, hn::Set(tag, INFINITY));
+      for (size_t k = 0; k < nodes.size(); ++k) {
+        const Float b = bound(k, i);
+        bounds_[k].store(i, b);
+        nearest.take(static_cast<uint32_t>(k), b);
+      }
+      nearest.store(i, least, first);
+    }
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      Closest closest{points.squared.v[lane], points.closest[lane]};
+      if (least.v[lane] < closest.squared)
+        searchBelow(nodes[first[lane]], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
+      bounds_[first[lane]].v[lane] = INFINITY;
+      points.squared.v[lane] = closest.squared;
+      points.closest[lane] = closest.triangle;
+    }
+    for (size_t k = 0; k < nodes.size(); ++k) {
+      uint32_t open = 0;
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
+        open |= bits(hn::Lt(bounds_[k].load(i), points.squared.load(i))) << i;
+      if (open) push(nodes[k], open);
+    }
+    if (!stack_.empty()) searchStack(points);
+  }
+
+ private:
+  template <class Packet>
+  static HWY_INLINE void prefetch(const Packet& packet) {
+    for (size_t line = 0; line < sizeof(Packet); line += 64)
+      hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
+  }
+
+  /// The closest triangle so far to a point.
+  struct Closest {
+    float squared;
+    uint32_t triangle;
+  };
+
+  HWY_INLINE void push(uint32_t node, uint32_t lanes) {
+    stack_.emplace_back(node, lanes);
+    if (tree_.isLeaf(node)) prefetch(tree_.triangles(node));
+  }
+
+  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
+  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
+  /// the end.
+  HWY_NOINLINE void searchStack(const Points& points) {
+    const Tag tag;
+    NearestOfLanes& best = best_;
+    for (size_t point = 0; point < kLanes; ++point) {
+      std::fill_n(best.squared[point].v, kLanes, points.squared.v[point]);
+      std::fill_n(best.closest[point], kLanes, points.closest[point]);
+    }
+    while (!stack_.empty()) {
+      const auto [node, lanes] = stack_.back();
+      stack_.pop_back();
+      const uint32_t packet = tree_.childPacket(node);
+      if (tree_.isLeaf(node)) {
+        forEachLane(lanes, [&](size_t point) {
+          const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                      z = hn::Set(tag, points.z.v[point]);
+          for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+            Nearest nearest(i, best.squared[point], best.closest[point]);
+            nearest.takeEach(packet * kPacket + i,
+                             squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
+            nearest.store(i, best.squared[point], best.closest[point]);
+          }
+        });
+        continue;
+      }
+      uint32_t open[kPacket] = {};
+      forEachLane(lanes, [&](size_t point) {
+        const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                    z = hn::Set(tag, points.z.v[point]);
+        for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
+          forEachLane(bits(hn::Lt(squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z),
+                                  hn::Set(tag, points.squared.v[point])))
+                          << i,
+                      [&](size_t child) { open[child] |= 1u << point; });
+      });
+      for (uint32_t child = 0; child < kPacket; ++child)
+        if (open[child]) push(packet * kPacket + child, open[child]);
+    }
+    for (size_t point = 0; point < kLanes; ++point) {
+      const float* squared = best.squared[point].v;
+      const size_t lane = std::min_element(squared, squared + kLanes) - squared;
+      points.squared.v[point] = squared[lane];
+      points.closest[point] = best.closest[point][lane];
+    }
+  }
+
+  /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.
+  void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
+    const uint32_t packet = tree_.childPacket(node);
+    const Tag tag;
+    const Float x = hn::Set(tag, p.x), y = hn::Set(tag, p.y), z = hn::Set(tag, p.z);
+    Lanes squared;
+    uint32_t open = 0;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Float d = tree_.isLeaf(node)
+                          ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
+                          : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
+      squared.store(i, d);
+      open |= bits(hn::Lt(d, hn::Set(tag, closest.squared))) << i;
+    }
+    if (tree_.isLeaf(node)) {
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < closest.squared)
+          closest = {squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+      });
+      return;
+    }
+    while (open) {
+      size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < squared.v[next]) next = lane;
+      });
+      if (!(squared.v[next] < closest.squared)) return;
+      open &= ~(1u << next);
+      searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
+    }
+  }
+
+  const SurfaceTree& tree_;
+  NearestOfLanes best_;
+  std::vector<Lanes> bounds_;
+  std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, points
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace raymap
+HWY_AFTER_NAMESPACE();
+
+#endif

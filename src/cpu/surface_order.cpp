@@ -1,0 +1,137 @@
+// Ours: the order of triangles behind exact_distance, a run of the curve at a time.
+
+#include "cpu/surface_leaves.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cpu/surface_order.cpp"
+#include <hwy/foreach_target.h>
+// Highway's order of includes matters.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A triangle's place in its run: x, y and z of its centroid in 16 bits each, and its index in the lowest 16.
+using Place = uint64_t;
+enum Field { kIndex, kZ, kY, kX, kFields };
+
+/// So few are sorted fastest by comparing all with all.
+constexpr size_t kRankSorted = 64;
+
+/// The extent of each field. `count` is at least 8.
+HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kFields]) {
+  constexpr size_t kAtOnce = kFields * kPacket;
+  uint16_t low[kAtOnce], high[kAtOnce] = {}, fields[kAtOnce];
+  std::fill_n(low, kAtOnce, UINT16_MAX);
+  for (size_t t = 0; t < count; t += kPacket) {
+    // The last eight overlap those before rather than reach beyond the end.
+    std::memcpy(fields, places + std::min(t, count - kPacket), sizeof(fields));
+    for (size_t i = 0; i < kAtOnce; ++i) {
+      low[i] = std::min(low[i], fields[i]);
+      high[i] = std::max(high[i], fields[i]);
+    }
+  }
+  for (size_t field = 0; field < kFields; ++field) {
+    for (size_t i = field; i < kAtOnce; i += kFields) {
+      low[field] = std::min(low[field], low[i]);
+      high[field] = std::max(high[field], high[i]);
+    }
+    extent[field] = static_cast<uint16_t>(high[field] - low[field]);
+  }
+}
+
+/// Sorts a few by counting for each how many are smaller.
+HWY_INLINE void sortByRank(Place* places, size_t count) {
+  const hn::CappedTag<uint64_t, kPacket> d;
+  Place sorted[kRankSorted];
+  for (size_t t = 0; t < count; ++t) {
+    size_t smaller = 0;
+    for (size_t i = 0; i < count; i += hn::Lanes(d))
+      smaller += hn::CountTrue(d, hn::Lt(hn::LoadU(d, places + i), hn::Set(d, places[t])));
+    sorted[smaller] = places[t];
+  }
+  std::copy_n(sorted, count, places);
+}
+
+/// Brings the smallest to the front of `middle`: quickselect, without a branch on what is compared.
+HWY_INLINE void selectMiddle(Place* begin, Place* middle, Place* end) {
+  while (end - begin > ptrdiff_t{kRankSorted}) {
+    Place* const centre = begin + (end - begin) / 2;
+    if (*centre < *begin) std::swap(*centre, *begin);
+    if (end[-1] < *begin) std::swap(end[-1], *begin);
+    if (*centre < end[-1]) std::swap(*centre, end[-1]);
+    const Place pivot = end[-1];  // the median of three
+    Place* smaller = begin;
+    for (Place* next = begin; next < end; ++next) {
+      const Place place = *next;
+      *next = *smaller;
+      *smaller = place;
+      smaller += place < pivot;
+    }
+    // The pivot came last, and is now the first that is not smaller.
+    if (smaller == middle) return;
+    if (smaller < middle)
+      begin = smaller + 1;
+    else
+      end = smaller;
+  }
+  std::nth_element(begin, middle, end);
+}
+
+/// Halves the run across its longest side until leaves are left, each power of two a run of its own.
+void splitRun(Place* places, size_t count) {
+  if (count <= kPacket) return;
+  uint16_t extent[kFields];
+  measure(places, count, extent);
+  const int field = extent[kX] >= extent[kY] && extent[kX] >= extent[kZ] ? kX
+                    : extent[kY] >= extent[kZ]                           ? kY
+                                                                         : kZ;
+  const int shift = 16 * (kX - field);
+  const size_t half = std::bit_ceil(count) / 2;
+  for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
+  if (count <= kRankSorted && count % kPacket == 0)
+    sortByRank(places, count);
+  else
+    selectMiddle(places, places + half, places + count);
+  for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
+  splitRun(places, half);
+  splitRun(places + half, count - half);
+}
+
+void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
+  float low[3], extent = 1e-20f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [least, most] = std::minmax_element(centroids[axis], centroids[axis] + count);
+    low[axis] = *least;
+    extent = std::max(extent, *most - *least);
+  }
+  const float scale = 65535.0f / extent;
+  const auto quantize = [&](int axis, size_t t) {
+    return static_cast<Place>(std::min(65535.0f, (centroids[axis][t] - low[axis]) * scale));
+  };
+  Place places[kRun];
+  for (size_t t = 0; t < count; ++t)
+    places[t] = quantize(0, t) << 48 | quantize(1, t) << 32 | quantize(2, t) << 16 | t;
+  splitRun(places, count);
+  for (size_t t = 0; t < count; ++t) order[t] = static_cast<uint16_t>(places[t]);
+}
+
+}  // namespace raymap::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raymap {
+
+HWY_EXPORT(sortRun);
+
+void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
+  HWY_DYNAMIC_DISPATCH(sortRun)(centroids, count, order);
+}
+
+}  // namespace raymap
+#endif
