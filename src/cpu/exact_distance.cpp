@@ -109,8 +109,9 @@ class BlockRefiner {
     Level& level = levels_[depth];
     const int half = side / 2;
     const float reach = 0.5f * static_cast<float>(half - 1);
-    uint32_t active = placeHalves(low, half, reach, level);
-    measure(candidates, level);
+    uint32_t active = samplesFrom(low, half);
+    placeHalves(low, half, reach, level);
+    measure(candidates, active, level);
     if (job_.band > 0.0f) active = skipFar(low, half, reach, active, level);
     if (!active) return;
     if (half == 2) {
@@ -134,21 +135,25 @@ class BlockRefiner {
     });
   }
 
-  /// Places the centres of the halves; returns the lanes that hold samples of the grid.
-  uint32_t placeHalves(glm::ivec3 low, int half, float reach, Level& level) const {
-    uint32_t active = 0;
+  /// The eight positions `step` apart from `low` on, those that are samples of the grid.
+  HWY_INLINE uint32_t samplesFrom(glm::ivec3 low, int step) const {
+    const glm::ivec3 high = low + step;
+    if (high.x < job_.dims.x && high.y < job_.dims.y && high.z < job_.dims.z) return 0xff;
+    const uint32_t x = high.x < job_.dims.x ? 0xff : 0x55, y = high.y < job_.dims.y ? 0xff : 0x33,
+                   z = high.z < job_.dims.z ? 0xff : 0x0f;
+    return x & y & z;
+  }
+
+  /// Places the centres of the halves.
+  void placeHalves(glm::ivec3 low, int half, float reach, Level& level) const {
     for (size_t lane = 0; lane < kLanes; ++lane) {
-      const glm::ivec3 p = low + half * octant(lane);
-      level.x.v[lane] = static_cast<float>(p.x) + reach;
-      level.y.v[lane] = static_cast<float>(p.y) + reach;
-      level.z.v[lane] = static_cast<float>(p.z) + reach;
-      if (p.x < job_.dims.x && p.y < job_.dims.y && p.z < job_.dims.z) active |= 1u << lane;
+      const glm::vec3 centre = glm::vec3(low + half * octant(lane)) + reach;
+      level.x.v[lane] = centre.x, level.y.v[lane] = centre.y, level.z.v[lane] = centre.z;
     }
-    return active;
   }
 
   /// Stores the tangents of all candidates, and finds the closest triangle to each centre.
-  HWY_NOINLINE void measure(const Candidates& candidates, Level& level) {
+  HWY_NOINLINE void measure(const Candidates& candidates, uint32_t active, Level& level) {
     level.triangles.resize(candidates.triangles.size());
     level.nodes.resize(candidates.nodes.size());
     Lanes squared;
@@ -166,7 +171,7 @@ class BlockRefiner {
         level.nodes[k].store(i, tangent(disc(candidates.nodes[k]), x, y, z));
       }
     }
-    search_.search(candidates.nodes, {level.x, level.y, level.z, squared, level.closest},
+    search_.search(candidates.nodes, {active, level.x, level.y, level.z, squared, level.closest},
                    [&](size_t k, size_t i) {
                      const Float d = level.nodes[k].d.load(i);
                      return hn::Mul(d, d);
@@ -319,14 +324,16 @@ class BlockRefiner {
           forEachLane(halves, [&](size_t half) { level.candidates[half].nodes.push_back(n); });
         });
     forEachLane(active, [&](size_t half) {
-      finishNodes(half, level);
-      write(low + 2 * octant(half), half);
+      const glm::ivec3 first = low + 2 * octant(half);
+      const uint32_t samples = samplesFrom(first, 1);
+      finishNodes(half, samples, level);
+      write(first, half, samples);
     });
   }
 
   /// Looks below the nodes left to a half, each sample for itself: their triangles are small beside the
   /// spacing.
-  void finishNodes(size_t half, Level& level) {
+  void finishNodes(size_t half, uint32_t samples, Level& level) {
     const Tag tag;
     const Float reach = hn::Set(tag, 0.5f);
     Lanes x, y, z;
@@ -336,9 +343,9 @@ class BlockRefiner {
       z.store(i, hn::MulAdd(signZ_.load(i), reach, hn::Set(tag, level.z.v[half])));
     }
     const std::vector<uint32_t>& nodes = level.candidates[half].nodes;
-    search_.search(nodes, {x, y, z, samples_.squared[half], samples_.closest[half]}, [&](size_t k, size_t i) {
-      return squaredDistance(disc(nodes[k]), x.load(i), y.load(i), z.load(i));
-    });
+    search_.search(
+        nodes, {samples, x, y, z, samples_.squared[half], samples_.closest[half]},
+        [&](size_t k, size_t i) { return squaredDistance(disc(nodes[k]), x.load(i), y.load(i), z.load(i)); });
   }
 
   /// Takes the triangle as the closest of the samples where it is.
@@ -365,19 +372,18 @@ class BlockRefiner {
     }
   }
 
-  void write(glm::ivec3 low, size_t half) const {
+  void write(glm::ivec3 low, size_t half, uint32_t samples) const {
     Lanes distance;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
       distance.store(i, hn::Sqrt(samples_.squared[half].load(i)));
-    for (size_t s = 0; s < kLanes; ++s) {
+    forEachLane(samples, [&](size_t s) {
       const glm::ivec3 p = low + octant(s);
-      if (p.x >= job_.dims.x || p.y >= job_.dims.y || p.z >= job_.dims.z) continue;
       const size_t index = (size_t(p.z) * job_.dims.y + p.y) * job_.dims.x + p.x;
       const bool beyond = job_.band > 0.0f && distance.v[s] > job_.band;
       job_.distance[index] = beyond ? job_.band : distance.v[s];
       if (job_.triangle)
         job_.triangle[index] = beyond ? kNoTriangle : tree_.triangleId(samples_.closest[half][s]);
-    }
+    });
   }
 
   HWY_INLINE Triangle<One> triangle(uint32_t t) const {

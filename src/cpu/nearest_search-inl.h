@@ -47,15 +47,16 @@ struct Nearest {
   }
 };
 
-/// Points in lanes, and what is closest to them so far.
+/// Points in some of the lanes, and what is closest to them so far.
 struct Points {
+  uint32_t lanes;
   const Lanes &x, &y, &z;
   Lanes& squared;
   uint32_t* closest;
 };
 
-/// The closest triangles to eight points in each of eight halves of a block: by half, then by point. Or, for eight
-/// points, in each lane of the packets looked at: by point, then by lane.
+/// The closest triangles to eight points in each of eight halves of a block: by half, then by point. Or, for
+/// eight points, in each lane of the packets looked at: by point, then by lane.
 struct NearestOfLanes {
   Lanes squared[kLanes];
   alignas(64) uint32_t closest[kLanes][kLanes];
@@ -85,19 +86,19 @@ class NearestSearch {
       }
       nearest.store(i, least, first);
     }
-    for (size_t lane = 0; lane < kLanes; ++lane) {
+    forEachLane(points.lanes, [&](size_t lane) {
       Closest closest{points.squared.v[lane], points.closest[lane]};
       if (least.v[lane] < closest.squared)
         searchBelow(nodes[first[lane]], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
       bounds_[first[lane]].v[lane] = INFINITY;
       points.squared.v[lane] = closest.squared;
       points.closest[lane] = closest.triangle;
-    }
+    });
     for (size_t k = 0; k < nodes.size(); ++k) {
       uint32_t open = 0;
       for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
         open |= bits(hn::Lt(bounds_[k].load(i), points.squared.load(i))) << i;
-      if (open) push(nodes[k], open);
+      if (open &= points.lanes; open) push(nodes[k], open);
     }
     if (!stack_.empty()) searchStack(points);
   }
