@@ -9,12 +9,16 @@ struct alignas(64) CornerPacket {
   float v[3][3][kPacket];
 };
 
-/// The triangles of a run of the curve. Runs are short enough to be sorted in a thread's own memory.
+/// Where a triangle lies: x, y and z of its centroid in 16 bits each, from the highest on, and an index in
+/// the lowest.
+using Place = uint64_t;
+
+/// The triangles of a run of the curve: so many as an index of 16 bits and the cache of a core take.
 inline constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket * kPacket;
 
-/// Puts `count` <= kRun triangles into an order in which each aligned power of two of them is compact, from
-/// eight on. `centroids` holds x, y and z of each, in any unit; `order` receives their indices.
-void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order);
+/// Puts `count` <= kRun places into an order in which each aligned power of two of them is compact, from
+/// eight on.
+void sortRun(Place* places, size_t count);
 
 /// Writes a leaf's triangles in frames of their own, and the disc around them into a lane of `discs`.
 void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs);

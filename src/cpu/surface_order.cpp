@@ -16,8 +16,6 @@ HWY_BEFORE_NAMESPACE();
 namespace raymap::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A triangle's place in its run: x, y and z of its centroid in 16 bits each, and its index in the lowest 16.
-using Place = uint64_t;
 enum Field { kIndex, kZ, kY, kX, kFields };
 
 /// So few are sorted fastest by comparing all with all.
@@ -84,7 +82,7 @@ HWY_INLINE void selectMiddle(Place* begin, Place* middle, Place* end) {
 }
 
 /// Halves the run across its longest side until leaves are left, each power of two a run of its own.
-void splitRun(Place* places, size_t count) {
+void sortRun(Place* places, size_t count) {
   if (count <= kPacket) return;
   uint16_t extent[kFields];
   measure(places, count, extent);
@@ -99,26 +97,8 @@ void splitRun(Place* places, size_t count) {
   else
     selectMiddle(places, places + half, places + count);
   for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
-  splitRun(places, half);
-  splitRun(places + half, count - half);
-}
-
-void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
-  float low[3], extent = 1e-20f;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [least, most] = std::minmax_element(centroids[axis], centroids[axis] + count);
-    low[axis] = *least;
-    extent = std::max(extent, *most - *least);
-  }
-  const float scale = 65535.0f / extent;
-  const auto quantize = [&](int axis, size_t t) {
-    return static_cast<Place>(std::min(65535.0f, (centroids[axis][t] - low[axis]) * scale));
-  };
-  Place places[kRun];
-  for (size_t t = 0; t < count; ++t)
-    places[t] = quantize(0, t) << 48 | quantize(1, t) << 32 | quantize(2, t) << 16 | t;
-  splitRun(places, count);
-  for (size_t t = 0; t < count; ++t) order[t] = static_cast<uint16_t>(places[t]);
+  sortRun(places, half);
+  sortRun(places + half, count - half);
 }
 
 }  // namespace raymap::HWY_NAMESPACE
@@ -129,8 +109,8 @@ namespace raymap {
 
 HWY_EXPORT(sortRun);
 
-void sortRun(const float (&centroids)[3][kRun], size_t count, uint16_t* order) {
-  HWY_DYNAMIC_DISPATCH(sortRun)(centroids, count, order);
+void sortRun(Place* places, size_t count) {
+  HWY_DYNAMIC_DISPATCH(sortRun)(places, count);
 }
 
 }  // namespace raymap

@@ -12,25 +12,50 @@
 
 namespace raymap {
 
+/// The lattice on which centroids get their places.
+class PlaceLattice {
+ public:
+  explicit PlaceLattice(const CellMesh& mesh) {
+    glm::vec3 low(INFINITY), high(-INFINITY);
+    for (const glm::vec3& v : mesh.vertices) {
+      low = glm::min(low, v);
+      high = glm::max(high, v);
+    }
+    // What lies far from the grid needs no fine order.
+    const glm::vec3 dims(mesh.dims), nearLow = glm::max(low, -dims), nearHigh = glm::min(high, 2.0f * dims);
+    if (glm::all(glm::lessThan(nearLow, nearHigh))) low = nearLow, high = nearHigh;
+    const glm::vec3 size = high - low;
+    scale_ = kMost / (3.0f * std::max({size.x, size.y, size.z, 1e-20f}));
+    shift_ = -3.0f * low * scale_;
+  }
+
+  Place operator()(const CellMesh& mesh, size_t t) const {
+    const glm::vec3 thrice = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
+    const glm::uvec3 p(glm::clamp(thrice * scale_ + shift_, 0.0f, kMost));
+    return Place{p.x} << 48 | Place{p.y} << 32 | Place{p.z} << 16;
+  }
+
+ private:
+  static constexpr float kMost = 65535.0f;
+  float scale_;
+  glm::vec3 shift_;
+};
+
 namespace {
 
-constexpr int kCurveBits = 10;
 constexpr size_t kGrain = 2048;
 constexpr size_t kRunLeaves = kRun / kPacket;
 
-glm::vec3 threeCentroids(const CellMesh& mesh, size_t t) {
-  return mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
-}
-
-/// Position along the Morton curve of a point on a 2^10 lattice.
-uint32_t mortonIndex(glm::uvec3 p) {
-  const auto spread = [](uint32_t v) {
+/// Position along the Morton curve of a place, 10 bits of each axis.
+uint32_t mortonIndex(Place place) {
+  const auto spread = [place](int shift) {
+    auto v = static_cast<uint32_t>(place >> (shift + 6)) & 0x3ffu;
     v = (v | (v << 16)) & 0x030000ffu;
     v = (v | (v << 8)) & 0x0300f00fu;
     v = (v | (v << 4)) & 0x030c30c3u;
     return (v | (v << 2)) & 0x09249249u;
   };
-  return spread(p.x) << 2 | spread(p.y) << 1 | spread(p.z);
+  return spread(48) << 2 | spread(32) << 1 | spread(16);
 }
 
 struct Disc {
@@ -67,17 +92,15 @@ void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corne
 }
 
 /// Puts the keys of a run into the order of its leaves.
-void orderRun(const CellMesh& mesh, uint64_t* keys, size_t count) {
-  float centroids[3][kRun];
+void orderRun(const CellMesh& mesh, const PlaceLattice& lattice, uint64_t* keys, size_t count) {
+  Place run[kRun];
   uint64_t before[kRun];
-  uint16_t order[kRun];
   for (size_t t = 0; t < count; ++t) {
-    const glm::vec3 p = threeCentroids(mesh, static_cast<uint32_t>(keys[t]));
-    for (int axis = 0; axis < 3; ++axis) centroids[axis][t] = p[axis];
+    run[t] = lattice(mesh, static_cast<uint32_t>(keys[t])) | t;
     before[t] = keys[t];
   }
-  sortRun(centroids, count, order);
-  for (size_t t = 0; t < count; ++t) keys[t] = before[order[t]];
+  sortRun(run, count);
+  for (size_t t = 0; t < count; ++t) keys[t] = before[run[t] % kRun];
 }
 
 /// The disc around points, across a direction.
@@ -106,8 +129,9 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 
 void SurfaceTree::build(const CellMesh& mesh) {
   placeLevels(mesh.triangles.size());
-  sortTriangles(mesh);
-  buildLeaves(mesh);
+  const PlaceLattice lattice(mesh);
+  sortTriangles(mesh, lattice);
+  buildLeaves(mesh, lattice);
   for (uint32_t level = 1; level < levelStarts_.size(); ++level) buildLevel(level);
 }
 
@@ -127,33 +151,22 @@ void SurfaceTree::placeLevels(size_t triangles) {
   discs_.resize(start / kPacket);
 }
 
-void SurfaceTree::sortTriangles(const CellMesh& mesh) {
+void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
-  glm::vec3 low(INFINITY), high(-INFINITY);
-  for (const glm::vec3& v : mesh.vertices) {
-    low = glm::min(low, v);
-    high = glm::max(high, v);
-  }
-  const glm::vec3 size = 3.0f * (high - low);
-  const float scale = ((1 << kCurveBits) - 1) / std::max({size.x, size.y, size.z, 1e-20f});
   keys_.resize(size_t{leafCount_} * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      const glm::vec3 p =
-          glm::clamp((threeCentroids(mesh, t) - 3.0f * low) * scale, 0.0f, float((1 << kCurveBits) - 1));
-      keys_[t] = uint64_t(mortonIndex(glm::uvec3(p))) << 32 | t;
-    }
+    for (size_t t = begin; t < end; ++t) keys_[t] = uint64_t(mortonIndex(lattice(mesh, t))) << 32 | t;
   });
   hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
   std::fill(keys_.begin() + count, keys_.end(), keys_[count - 1]);
 }
 
-void SurfaceTree::buildLeaves(const CellMesh& mesh) {
+void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
   parallelFor((leafCount_ + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
     for (size_t run = begin; run < end; ++run) {
       uint64_t* keys = keys_.data() + run * kRun;
-      orderRun(mesh, keys, std::min(kRun, count - run * kRun));
+      orderRun(mesh, lattice, keys, std::min(kRun, count - run * kRun));
       for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
         DiscPacket& discs = discs_[leaf / kPacket];
         if (leaf < leafCount_) {

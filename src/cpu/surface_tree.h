@@ -28,6 +28,8 @@ struct alignas(64) DiscPacket {
   float radius[kPacket], halfThickness[kPacket];
 };
 
+class PlaceLattice;
+
 /// The triangles in the order of a space-filling curve, eight to a leaf, and discs around leaves and around
 /// eight nodes each of the level below. No pointers: where a node's children lie follows from its index.
 class SurfaceTree {
@@ -50,8 +52,8 @@ class SurfaceTree {
 
  private:
   void placeLevels(size_t triangles);
-  void sortTriangles(const CellMesh& mesh);
-  void buildLeaves(const CellMesh& mesh);
+  void sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
+  void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLevel(uint32_t level);
 
   Buffer<uint64_t> keys_;  // curve position << 32 | triangle
