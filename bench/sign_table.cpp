@@ -67,18 +67,21 @@ Mesh withMissingFaces(const Mesh& mesh, double share, unsigned seed) {
   return keepTriangles(mesh, [&](const glm::uvec3&) { return unit(random) >= share; });
 }
 
-/// Moves every corner of every face by itself, by up to a share of the longest side along each axis.
+/// Moves every corner of every face by itself, by up to a share of the longest side.
 Mesh shaken(const Mesh& mesh, double share, unsigned seed) {
   std::mt19937 random(seed);
   const glm::dvec3 size = bounds(mesh).size();
   const double reach = share * std::max({size.x, size.y, size.z});
-  std::uniform_real_distribution<double> move(-reach, reach);
+  std::uniform_real_distribution<double> axis(-reach, reach);
+  const auto move = [&] {
+    for (;;)
+      if (const glm::dvec3 v(axis(random), axis(random), axis(random)); glm::length(v) <= reach) return v;
+  };
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> triangles;
   for (const glm::uvec3& t : mesh.triangles) {
     const auto first = static_cast<uint32_t>(p.size());
-    for (int c = 0; c < 3; ++c)
-      p.push_back(mesh.position(t[c]) + glm::dvec3(move(random), move(random), move(random)));
+    for (int c = 0; c < 3; ++c) p.push_back(mesh.position(t[c]) + move());
     triangles.emplace_back(first, first + 1, first + 2);
   }
   return makeMesh(p, std::move(triangles));
