@@ -62,7 +62,7 @@ struct NearestOfLanes {
   alignas(64) uint32_t closest[kLanes][kLanes];
 };
 
-/// Each thread has its own.
+/// Holds scratch memory: each thread has its own.
 class NearestSearch {
  public:
   explicit NearestSearch(const SurfaceTree& tree) : tree_(tree) {}
@@ -125,48 +125,53 @@ class NearestSearch {
   /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
   /// the end.
   HWY_NOINLINE void searchStack(const Points& points) {
-    const Tag tag;
-    NearestOfLanes& best = best_;
     for (size_t point = 0; point < kLanes; ++point) {
-      std::fill_n(best.squared[point].v, kLanes, points.squared.v[point]);
-      std::fill_n(best.closest[point], kLanes, points.closest[point]);
+      std::fill_n(best_.squared[point].v, kLanes, points.squared.v[point]);
+      std::fill_n(best_.closest[point], kLanes, points.closest[point]);
     }
     while (!stack_.empty()) {
       const auto [node, lanes] = stack_.back();
       stack_.pop_back();
-      const uint32_t packet = tree_.childPacket(node);
-      if (tree_.isLeaf(node)) {
-        forEachLane(lanes, [&](size_t point) {
-          const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
-                      z = hn::Set(tag, points.z.v[point]);
-          for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-            Nearest nearest(i, best.squared[point], best.closest[point]);
-            nearest.takeEach(packet * kPacket + i,
-                             squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
-            nearest.store(i, best.squared[point], best.closest[point]);
-          }
-        });
-        continue;
-      }
-      uint32_t open[kPacket] = {};
-      forEachLane(lanes, [&](size_t point) {
-        const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
-                    z = hn::Set(tag, points.z.v[point]);
-        for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
-          forEachLane(bits(hn::Lt(squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z),
-                                  hn::Set(tag, points.squared.v[point])))
-                          << i,
-                      [&](size_t child) { open[child] |= 1u << point; });
-      });
-      for (uint32_t child = 0; child < kPacket; ++child)
-        if (open[child]) push(packet * kPacket + child, open[child]);
+      if (tree_.isLeaf(node))
+        measureTriangles(tree_.childPacket(node), lanes, points);
+      else
+        openNode(tree_.childPacket(node), lanes, points);
     }
     for (size_t point = 0; point < kLanes; ++point) {
-      const float* squared = best.squared[point].v;
+      const float* squared = best_.squared[point].v;
       const size_t lane = std::min_element(squared, squared + kLanes) - squared;
       points.squared.v[point] = squared[lane];
-      points.closest[point] = best.closest[point][lane];
+      points.closest[point] = best_.closest[point][lane];
     }
+  }
+
+  HWY_INLINE void measureTriangles(uint32_t packet, uint32_t lanes, const Points& points) {
+    const Tag tag;
+    forEachLane(lanes, [&](size_t point) {
+      const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                  z = hn::Set(tag, points.z.v[point]);
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+        Nearest nearest(i, best_.squared[point], best_.closest[point]);
+        nearest.takeEach(packet * kPacket + i,
+                         squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
+        nearest.store(i, best_.squared[point], best_.closest[point]);
+      }
+    });
+  }
+
+  HWY_INLINE void openNode(uint32_t packet, uint32_t lanes, const Points& points) {
+    const Tag tag;
+    uint32_t open[kPacket] = {};
+    forEachLane(lanes, [&](size_t point) {
+      const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                  z = hn::Set(tag, points.z.v[point]), known = hn::Set(tag, points.squared.v[point]);
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+        const Float bound = squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
+        forEachLane(bits(hn::Lt(bound, known)) << i, [&](size_t child) { open[child] |= 1u << point; });
+      }
+    });
+    for (uint32_t child = 0; child < kPacket; ++child)
+      if (open[child]) push(packet * kPacket + child, open[child]);
   }
 
   /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.

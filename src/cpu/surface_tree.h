@@ -45,7 +45,7 @@ class SurfaceTree {
   uint32_t root() const { return levelStarts_.back(); }
   /// A leaf's children are a packet of triangles, any other node's a packet of nodes.
   bool isLeaf(uint32_t node) const { return node < leafCount_; }
-  /// The packet of a node's children. The last of a level may be filled up, with its last triangle or with
+  /// The packet of a node's children. The last of a level may be filled up, with a triangle again or with
   /// discs out of reach.
   uint32_t childPacket(uint32_t node) const;
   size_t bytes() const;
