@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "cpu/ray_sweep.h"
 #include "shapes.h"
 #include "sign_scene.h"
@@ -73,7 +75,7 @@ TEST(RayMap, OutsideTheGrid) {  // Eq. 7
 
 TEST(RayMap, SweepStreamsTheSameValues) {
   const RayMap map = soupMap(kSoupGrid);
-  size_t rows = 0;
+  std::atomic<size_t> rows{0};  // slabs run in parallel
   RaySweep(map).run([&](const RayRow& row) {
     ++rows;
     const auto total = [&](int axis, glm::ivec3 s) {
@@ -90,7 +92,7 @@ TEST(RayMap, SweepStreamsTheSameValues) {
       ASSERT_EQ(row.totalZ[i], total(2, s));
     }
   });
-  EXPECT_EQ(rows, size_t(kSoupGrid.dims.y * kSoupGrid.dims.z));
+  EXPECT_EQ(rows.load(), size_t(kSoupGrid.dims.y * kSoupGrid.dims.z));
 }
 
 TEST(RayMap, ClosedSheetsCountBothWays) {
