@@ -72,35 +72,17 @@ class NearestSearch {
   /// win.
   template <class Bound>
   HWY_INLINE void search(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
-    if (nodes.empty()) return;
-    const Tag tag;
-    bounds_.resize(nodes.size());
-    Lanes least;
     alignas(64) uint32_t first[kLanes];
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-      Nearest nearest(0, hn::Set(tag, INFINITY));
-      for (size_t k = 0; k < nodes.size(); ++k) {
-        const Float b = bound(k, i);
-        bounds_[k].store(i, b);
-        nearest.take(static_cast<uint32_t>(k), b);
-      }
-      nearest.store(i, least, first);
-    }
-    forEachLane(points.lanes, [&](size_t lane) {
-      Closest closest{points.squared.v[lane], points.closest[lane]};
-      if (least.v[lane] < closest.squared)
-        searchBelow(nodes[first[lane]], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
-      bounds_[first[lane]].v[lane] = INFINITY;
-      points.squared.v[lane] = closest.squared;
-      points.closest[lane] = closest.triangle;
-    });
-    for (size_t k = 0; k < nodes.size(); ++k) {
-      uint32_t open = 0;
-      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
-        open |= bits(hn::Lt(bounds_[k].load(i), points.squared.load(i))) << i;
-      if (open &= points.lanes; open) push(nodes[k], open);
-    }
-    if (!stack_.empty()) searchStack(points);
+    const uint32_t lanes = points.lanes & boundNodes(nodes.size(), points, bound, first);
+    if (!lanes) return;
+    start(points);
+    searchFirst(nodes, first, lanes, points);
+    settle(lanes, points);
+    for (size_t k = 0; k < nodes.size(); ++k)
+      if (const uint32_t open = lanes & lower(bounds_[k], points.squared)) push(nodes[k], open);
+    if (stack_.empty()) return;
+    searchStack(points);
+    settle(lanes, points);
   }
 
  private:
@@ -108,6 +90,32 @@ class NearestSearch {
   static HWY_INLINE void prefetch(const Packet& packet) {
     for (size_t line = 0; line < sizeof(Packet); line += 64)
       hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
+  }
+
+  /// The lanes in which a value is lower than another.
+  static HWY_INLINE uint32_t lower(const Lanes& value, const Lanes& than) {
+    uint32_t lanes = 0;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
+      lanes |= bits(hn::Lt(value.load(i), than.load(i))) << i;
+    return lanes;
+  }
+
+  /// Keeps all bounds, and finds the node with the lowest for each point. Returns the points to which some
+  /// node may come closer than what is known.
+  template <class Bound>
+  HWY_INLINE uint32_t boundNodes(size_t count, const Points& points, Bound&& bound, uint32_t* first) {
+    bounds_.resize(count);
+    Lanes least;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
+      Nearest nearest(0, hn::Set(Tag(), INFINITY));
+      for (size_t k = 0; k < count; ++k) {
+        const Float b = bound(k, i);
+        bounds_[k].store(i, b);
+        nearest.take(static_cast<uint32_t>(k), b);
+      }
+      nearest.store(i, least, first);
+    }
+    return lower(least, points.squared);
   }
 
   /// The closest triangle so far to a point.
@@ -121,27 +129,58 @@ class NearestSearch {
     if (tree_.isLeaf(node)) prefetch(tree_.triangles(node));
   }
 
-  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
-  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
-  /// the end.
-  HWY_NOINLINE void searchStack(const Points& points) {
+  HWY_INLINE void start(const Points& points) {
     for (size_t point = 0; point < kLanes; ++point) {
       std::fill_n(best_.squared[point].v, kLanes, points.squared.v[point]);
       std::fill_n(best_.closest[point], kLanes, points.closest[point]);
     }
-    while (!stack_.empty()) {
-      const auto [node, lanes] = stack_.back();
-      stack_.pop_back();
-      if (tree_.isLeaf(node))
-        measureTriangles(tree_.childPacket(node), lanes, points);
-      else
-        openNode(tree_.childPacket(node), lanes, points);
-    }
-    for (size_t point = 0; point < kLanes; ++point) {
+  }
+
+  /// Takes for each point the closest of the triangles in all lanes.
+  HWY_INLINE void settle(uint32_t lanes, const Points& points) const {
+    forEachLane(lanes, [&](size_t point) {
       const float* squared = best_.squared[point].v;
       const size_t lane = std::min_element(squared, squared + kLanes) - squared;
       points.squared.v[point] = squared[lane];
       points.closest[point] = best_.closest[point][lane];
+    });
+  }
+
+  /// Looks below the first node of each point, once for all points that share it.
+  HWY_INLINE void searchFirst(const std::vector<uint32_t>& nodes, const uint32_t* first, uint32_t lanes,
+                              const Points& points) {
+    while (lanes) {
+      const uint32_t k = first[hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)];
+      uint32_t sharing = 0;
+      forEachLane(lanes, [&](size_t lane) {
+        if (first[lane] != k) return;
+        sharing |= 1u << lane;
+        bounds_[k].v[lane] = INFINITY;  // not again
+      });
+      lanes &= ~sharing;
+      if (tree_.isLeaf(nodes[k]))
+        measureTriangles(nodes[k], sharing, points);
+      else
+        forEachLane(sharing, [&](size_t lane) {
+          Closest closest{points.squared.v[lane], points.closest[lane]};
+          searchBelow(nodes[k], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
+          best_.squared[lane].v[0] = closest.squared;
+          best_.closest[lane][0] = closest.triangle;
+        });
+    }
+  }
+
+  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
+  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
+  /// the end.
+  HWY_NOINLINE void searchStack(const Points& points) {
+    while (!stack_.empty()) {
+      const auto [node, lanes] = stack_.back();
+      stack_.pop_back();
+      if (tree_.isLeaf(node))
+        measureTriangles(node, lanes, points);
+      else
+        openNode(tree_.childPacket(node), lanes, points);
     }
   }
 
