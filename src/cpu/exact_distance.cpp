@@ -412,11 +412,12 @@ void refineBlocks(const ExactDistanceJob& job, Progress& progress) {
   const glm::ivec3 blocks = (job.dims + side - 1) / side;
   const size_t count = size_t(blocks.x) * blocks.y * blocks.z;
   std::atomic<size_t> done{0};
-  parallelWorkers(count, [&] {
-    return [&, refiner = std::make_unique<BlockRefiner>(job)](size_t b) {
-      refiner->run(side * glm::ivec3(b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y), side);
+  parallelWorkers(count, [&](const auto& next) {
+    BlockRefiner refiner(job);
+    for (size_t b = next(); b < count; b = next()) {
+      refiner.run(side * glm::ivec3(b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y), side);
       progress.report(double(++done) / double(count));
-    };
+    }
   });
 }
 

@@ -65,16 +65,14 @@ void parallelFor(size_t count, size_t grain, Work&& work) {
       tbb::simple_partitioner());
 }
 
-/// Calls `makeWorker()` on each thread and what it returns with the numbers below `count`, in order, as
-/// threads become free. For work that gains from what a thread remembers, but must not depend on it.
-template <class MakeWorker>
-void parallelWorkers(size_t count, MakeWorker&& makeWorker) {
-  std::atomic<size_t> next{0};
+/// Calls `work(next)` on each thread, where `next()` hands out the numbers below `count` in order and then
+/// `count` for ever. For work that gains from what a thread remembers, but must not depend on it.
+template <class Work>
+void parallelWorkers(size_t count, Work&& work) {
+  std::atomic<size_t> numbers{0};
+  const auto next = [&] { return std::min(numbers++, count); };
   const auto threads = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
-  parallelFor(std::min(threads, count), 1, [&](size_t, size_t) {
-    auto worker = makeWorker();
-    for (size_t i = next++; i < count; i = next++) worker(i);
-  });
+  parallelFor(std::min(threads, count), 1, [&](size_t, size_t) { work(next); });
 }
 
 /// Runs `work` with at most `threads` threads; 0 = all of the machine's.

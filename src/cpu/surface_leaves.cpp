@@ -164,8 +164,8 @@ HWY_INLINE void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket
   const Float3 n = Float3::all(normal), m = Float3::all(middle);
   Float front = hn::Set(d, -INFINITY), back = hn::Set(d, INFINITY), radius2 = hn::Zero(d);
   for (size_t i = 0; i < kPacket; i += hn::Lanes(d))
-    for (int corner = 0; corner < 3; ++corner) {
-      const Float3 q = Float3::load(corners.v[corner], i) - m;
+    for (const auto& corner : corners.v) {
+      const Float3 q = Float3::load(corner, i) - m;
       const Float height = q.dot(n);
       front = hn::Max(front, height);
       back = hn::Min(back, height);

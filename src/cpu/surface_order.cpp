@@ -16,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raymap::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-enum Field { kIndex, kZ, kY, kX, kFields };
+/// Its fields of 16 bits, from the lowest on; field 0 is the index.
+constexpr int kZ = 1, kY = 2, kX = 3, kFields = 4;
 
 /// So few are sorted fastest by comparing all with all.
 constexpr size_t kRankSorted = 64;
