@@ -49,8 +49,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kLargeSide = 32;
 /// A node stays whole in the list of a block if its radius is at most this share of half the block's side, or
-/// one cell: measured best from coarse to fine meshes.
-constexpr float kNodeShare = 0.7f;
+/// so many cells: measured best from coarse to fine meshes.
+constexpr float kNodeShare = 0.6f, kSmallNode = 0.8f;
 
 /// What may hold the closest triangle of some sample of a block.
 struct Candidates {
@@ -280,7 +280,7 @@ class BlockRefiner {
     for (size_t k = 0; k < candidates.nodes.size(); ++k)
       if (const uint32_t lanes = active & survivors(level.nodes[k], reachLanes, level))
         stack_.emplace_back(candidates.nodes[k], lanes);
-    const float wide = std::max(kNodeShare * (reach + 0.5f), 1.0f);
+    const float wide = std::max(kNodeShare * (reach + 0.5f), kSmallNode);
     while (!stack_.empty()) {
       const auto [node, lanes] = stack_.back();
       stack_.pop_back();

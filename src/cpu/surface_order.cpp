@@ -47,24 +47,32 @@ HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kF
 /// Sorts a few by counting for each how many are smaller.
 HWY_INLINE void sortByRank(Place* places, size_t count) {
   const hn::CappedTag<uint64_t, kPacket> d;
-  Place sorted[kRankSorted];
+  Place sorted[kRankSorted], padded[kRankSorted + kPacket];
+  std::copy_n(places, count, padded);
+  std::fill_n(padded + count, kPacket, ~Place{0});
   for (size_t t = 0; t < count; ++t) {
     size_t smaller = 0;
     for (size_t i = 0; i < count; i += hn::Lanes(d))
-      smaller += hn::CountTrue(d, hn::Lt(hn::LoadU(d, places + i), hn::Set(d, places[t])));
-    sorted[smaller] = places[t];
+      smaller += hn::CountTrue(d, hn::Lt(hn::LoadU(d, padded + i), hn::Set(d, padded[t])));
+    sorted[smaller] = padded[t];
   }
   std::copy_n(sorted, count, places);
 }
 
+/// A place that about as many are smaller than as `middle` asks for, from a sample.
+HWY_INLINE Place guessMiddle(const Place* begin, const Place* middle, const Place* end) {
+  constexpr size_t kSample = 16;
+  const auto count = static_cast<size_t>(end - begin);
+  Place sample[kSample];
+  for (size_t i = 0; i < kSample; ++i) sample[i] = begin[(2 * i + 1) * count / (2 * kSample)];
+  sortByRank(sample, kSample);
+  return sample[static_cast<size_t>(middle - begin) * kSample / count];
+}
+
 /// Brings the smallest to the front of `middle`: quickselect, without a branch on what is compared.
-HWY_INLINE void selectMiddle(Place* begin, Place* middle, Place* end) {
+HWY_INLINE void selectMiddle(Place* begin, const Place* middle, Place* end) {
   while (end - begin > ptrdiff_t{kRankSorted}) {
-    Place* const centre = begin + (end - begin) / 2;
-    if (*centre < *begin) std::swap(*centre, *begin);
-    if (end[-1] < *begin) std::swap(end[-1], *begin);
-    if (*centre < end[-1]) std::swap(*centre, end[-1]);
-    const Place pivot = end[-1];  // the median of three
+    const Place pivot = guessMiddle(begin, middle, end);
     Place* smaller = begin;
     for (Place* next = begin; next < end; ++next) {
       const Place place = *next;
@@ -72,14 +80,18 @@ HWY_INLINE void selectMiddle(Place* begin, Place* middle, Place* end) {
       *smaller = place;
       smaller += place < pivot;
     }
-    // The pivot came last, and is now the first that is not smaller.
     if (smaller == middle) return;
-    if (smaller < middle)
-      begin = smaller + 1;
-    else
+    if (smaller == begin) {
+      // The pivot is the smallest of all: it goes to the front, so that each round leaves fewer.
+      std::swap(*begin, *std::find(begin, end, pivot));
+      ++begin;
+    } else if (smaller < middle) {
+      begin = smaller;
+    } else {
       end = smaller;
+    }
   }
-  std::nth_element(begin, middle, end);
+  sortByRank(begin, static_cast<size_t>(end - begin));
 }
 
 /// Halves the run across its longest side until leaves are left, each power of two a run of its own.
@@ -93,10 +105,7 @@ void sortRun(Place* places, size_t count) {
   const int shift = 16 * (kX - field);
   const size_t half = std::bit_ceil(count) / 2;
   for (size_t t = 0; t < count; ++t) places[t] = std::rotl(places[t], shift);
-  if (count <= kRankSorted && count % kPacket == 0)
-    sortByRank(places, count);
-  else
-    selectMiddle(places, places + half, places + count);
+  selectMiddle(places, places + half, places + count);
   for (size_t t = 0; t < count; ++t) places[t] = std::rotr(places[t], shift);
   sortRun(places, half);
   sortRun(places + half, count - half);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMargin = 4;  // even, so that a lattice's first sample lies on the next coarser lattice
 constexpr int kCoarsestSamples = 8;
-constexpr int kCoarsestSweeps = 60;
+constexpr int kCoarsestSweeps = 12;
 
 /// The grid itself on level 0; coarser lattices reach `kMargin` of their cells farther on every side, so that
 /// the field may fade out where nothing is left of it.
@@ -46,7 +46,7 @@ class Hierarchy {
     const RightHandSide jumps{.jumps = &level.jumps};
     if (isCoarsest(l)) {
       std::fill_n(values, level.box.sampleCount(), 0.0f);
-      relax(level.box, jumps, values, kCoarsestSweeps);
+      overrelaxField(level.box, jumps, kCoarsestSweeps, values);
       return;
     }
     prolongField(levels_[l + 1].box, levels_[l + 1].values.data(), level.box, level.jumps, values);
@@ -56,26 +56,22 @@ class Hierarchy {
  private:
   bool isCoarsest(size_t l) const { return l + 1 == levels_.size(); }
 
-  void relax(const LatticeBox& box, const RightHandSide& rightHandSide, float* values, int sweeps) {
-    for (int sweep = 0; sweep < sweeps; ++sweep) relaxField(box, rightHandSide, progress_, values);
-  }
-
   /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it
   /// has no jumps.
   void improve(size_t l, const RightHandSide& rightHandSide, float* values) {
     const LatticeBox& box = levels_[l].box;
     HarmonicLevel& coarse = levels_[l + 1];
-    relax(box, rightHandSide, values, 1);
+    relaxField(box, rightHandSide, progress_, values);
     restrictResidual(box, rightHandSide, values, coarse.box, coarse.residual.data());
     const RightHandSide residual{.values = coarse.residual.data()};
     float* correction = coarse.correction.data();
     std::fill_n(correction, coarse.box.sampleCount(), 0.0f);
     if (isCoarsest(l + 1))
-      relax(coarse.box, residual, correction, kCoarsestSweeps);
+      overrelaxField(coarse.box, residual, kCoarsestSweeps, correction);
     else
       improve(l + 1, residual, correction);
     addCorrection(coarse.box, correction, box, values);
-    relax(box, rightHandSide, values, 1);
+    relaxField(box, rightHandSide, progress_, values);
   }
 
   std::vector<HarmonicLevel>& levels_;

@@ -21,6 +21,10 @@ struct RightHandSide {
 /// One red-black relaxation of all samples but the box's outermost ones, which keep their values.
 void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress, float* values);
 
+/// Successive over-relaxation (Young 1954) with the best factor for a cube: for a lattice so small that
+/// sharing the work would cost more than the work.
+void overrelaxField(const LatticeBox& box, const RightHandSide& rightHandSide, int sweeps, float* values);
+
 /// Carries a field to the next finer lattice: a new sample between two old ones is the mean of what both ask
 /// of it over the lattice edges between, so that the field keeps its jumps where the crossings are.
 void prolongField(const LatticeBox& coarse, const float* from, const LatticeBox& fine,
