@@ -5,8 +5,10 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <new>
 
+#include "files.h"
 #include "import_samples.h"
 
 namespace {
@@ -182,11 +184,10 @@ TEST(MalformedMesh, NoFileAtAll) {
             "/nonexistent/mesh.fbx: cannot read it: No such file or directory");
   EXPECT_TRUE(contains(message("/nonexistent/mesh.doc"), "known are .obj .ply .stl .off"));
   EXPECT_TRUE(contains(message("mesh"), "mesh: cannot tell the format"));
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("raymap_folder_" + std::to_string(getpid()) + ".stl");
+  const TemporaryFolder outer;
+  const std::filesystem::path folder = outer.path() / "folder.stl";
   std::filesystem::create_directory(folder);
   EXPECT_TRUE(contains(message(folder), "it is a folder"));
-  std::filesystem::remove(folder);
 }
 
 }  // namespace

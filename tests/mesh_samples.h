@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstring>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "files.h"
 #include "io/mesh_file.h"
 
 namespace raymap::samples {
@@ -87,7 +87,7 @@ inline std::string glb() {
   return glb(gltf(R"("byteLength":60)"));
 }
 
-/// `swapped`, with one occurrence of `from` replaced: what is wrong with a sample stays readable.
+/// `text`, with one occurrence of `from` replaced: what is wrong with a sample stays readable.
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
@@ -139,19 +139,16 @@ inline bool isSquare(const Mesh& mesh) {
          areaVector(mesh) == glm::dvec3(0, 0, 1);
 }
 
-/// A file that goes with the object.
+/// A file that goes with the object, alone in its folder.
 class TemporaryFile {
  public:
-  TemporaryFile(const std::string& name, const std::string& bytes)
-      : path_(std::filesystem::temp_directory_path() / ("raymap_" + std::to_string(getpid()) + "_" + name)) {
+  TemporaryFile(const std::string& name, const std::string& bytes) : path_(folder_.path() / name) {
     std::ofstream(path_, std::ios::binary) << bytes;
   }
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  TemporaryFolder folder_;
   std::filesystem::path path_;
 };
 

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "files.h"
 #include "mesh_samples.h"
 
 namespace raymap {
@@ -27,11 +30,10 @@ Mesh squareUnder(const std::string& nodes) {
 TEST(ReadGltf, ReadsBinaryEmbeddedAndExternalBuffers) {
   EXPECT_TRUE(isSquare(read(readGltf, glb()).mesh));
   EXPECT_TRUE(isSquare(read(readGltf, gltf(kDataUri)).mesh));
-  const samples::TemporaryFile buffer("square corners.bin", samples::gltfBuffer());
-  std::string name = buffer.path().filename().string();
-  name = replaced(name, " ", "%20");
-  const samples::TemporaryFile file("external.gltf", gltf(R"("byteLength":60,"uri":")" + name + "\""));
-  EXPECT_TRUE(isSquare(readMesh(file.path())));
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "square corners.bin", std::ios::binary) << samples::gltfBuffer();
+  std::ofstream(folder.path() / "external.gltf") << gltf(R"("byteLength":60,"uri":"square%20corners.bin")");
+  EXPECT_TRUE(isSquare(readMesh(folder.path() / "external.gltf")));
 }
 
 TEST(ReadGltf, AppliesNodesAndInstances) {
