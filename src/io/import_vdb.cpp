@@ -87,8 +87,8 @@ void sendVdb(const char* path) {
   const openvdb::GridBase::Ptr grid = loadGrid(path);
   openvdb::CoordBBox box;
   const VdbHeader header = headerOf(*grid, box);
-  limitSeconds(
-      RLIM_INFINITY);  // What is left is as long as the samples are many, and those the other side bounds.
+  // What is left is as long as the samples are many, and those the other side bounds.
+  limitSeconds(RLIM_INFINITY);
   sendSuccess("");
   put(&header, sizeof header);
   if (header.isWhole != 0)
