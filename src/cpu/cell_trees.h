@@ -27,12 +27,25 @@ class CellTrees {
   void search(size_t cell, const glm::vec3& p, Closest& closest) const;
 
  private:
+  /// Around a leaf's triangles, from `back` to `front` along its normal: far tighter than a box where a
+  /// surface runs askew, which decides how many are looked at from far away.
+  struct Disc {
+    glm::vec3 centre;
+    glm::vec3 normal;
+    float radius;
+    float front;
+    float back;
+
+    /// Of the closest point that there may be, less what distances are rounded by.
+    float squaredDistance(const glm::vec3& p) const;
+  };
   struct Node {
     glm::vec3 low{INFINITY};
     glm::vec3 high{-INFINITY};
     uint32_t begin;
     uint32_t end;    ///< Of the leaf's triangles;
     uint32_t right;  ///< or, if not 0, the second child, the first comes next.
+    Disc disc{};     ///< Of a leaf.
 
     float squaredDistance(const glm::vec3& p) const;
   };
@@ -42,6 +55,7 @@ class CellTrees {
     std::vector<Node> nodes;
   };
 
+  Disc discAround(std::span<const uint32_t> triangles, const glm::vec3& centre) const;
   void build(Tree& tree, uint32_t begin, uint32_t end) const;
 
   const CellMesh& mesh_;
