@@ -11,5 +11,6 @@ void addRender(CLI::App& app);
 void addCompare(CLI::App& app);
 void addConvert(CLI::App& app);
 void addExample(CLI::App& app);
+void addDevices(CLI::App& app);
 
 }  // namespace raymap

@@ -21,8 +21,8 @@ constexpr const char* kFooter = R"(Try it:
 'raymap COMMAND --help' shows a command's options and examples.
 
 Exit codes: 0 done, 2 an option makes no sense, 3 a file's content is not valid, 4 a file cannot be
-read or written, 5 not enough memory, 6 cancelled, 7 not supported by this build, 1 a bug of ours,
-130 or 143 stopped by Ctrl-C or SIGTERM.)";
+read or written, 5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU
+stopped answering, 1 a bug of ours, 130 or 143 stopped by Ctrl-C or SIGTERM.)";
 
 int fail(int code, const std::string& message) {
   std::fprintf(stderr, "raymap: error: %s\n", message.c_str());
@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   addCompare(app);
   addConvert(app);
   addExample(app);
+  addDevices(app);
   try {
     app.parse(readArguments(argc, argv));
     return 0;

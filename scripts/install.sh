@@ -16,6 +16,8 @@ packages=(
   libpugixml-dev libminizip-dev  # .vti, .npz
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
+  libvulkan-dev libvulkan-volk-dev glslc  # GPUs: headers, the loader's loader, the shader compiler;
+  mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
   libgtest-dev python3-numpy     # tests
 )
 checks=(

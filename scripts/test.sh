@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh
+export RAYMAP_REQUIRE_VULKAN=1  # A missing driver fails the tests of the GPU instead of skipping them.
 cmake --preset release
 cmake --build --preset release
 ctest --preset release "$@"

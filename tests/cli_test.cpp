@@ -73,7 +73,8 @@ class Cli : public ::testing::Test {
 TEST_F(Cli, HelpsAndTellsItsVersion) {
   EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
   const std::string help = succeed("--help").out;
-  for (const char* word : {"generate", "info", "render", "compare", "convert", "example", "Exit codes"})
+  for (const char* word :
+       {"generate", "info", "render", "compare", "convert", "example", "devices", "Exit codes"})
     EXPECT_NE(help.find(word), std::string::npos) << word;
   const std::string generate = succeed("generate --help").out;
   for (const char* option :
@@ -85,6 +86,36 @@ TEST_F(Cli, HelpsAndTellsItsVersion) {
   for (const char* option :
        {"--cut", "--shell", "--slice", "--index", "--resolution", "--size", "--direction"})
     EXPECT_NE(render.find(option), std::string::npos) << option;
+}
+
+TEST_F(Cli, ListsWhatCanCompute) {
+  const Json json = Json::parse(succeed("devices --json").out);
+  const Json& devices = json["devices"];
+  ASSERT_GE(devices.size(), 1u);
+  EXPECT_GE(devices[0]["threads"], 1);
+  EXPECT_TRUE(devices[0]["usable"]);
+  EXPECT_EQ(json.contains("note"), devices.size() == 1);
+  for (size_t i = 0; i < devices.size(); ++i) {
+    EXPECT_EQ(devices[i]["id"], i == 0 ? "cpu" : "vulkan:" + std::to_string(i - 1));
+    EXPECT_EQ(devices[i]["usable"], !devices[i].contains("problem"));
+    if (devices[i]["id"] == json["auto"]) {
+      EXPECT_TRUE(devices[i]["usable"]);
+      EXPECT_NE(devices[i]["type"], "software");
+    }
+  }
+  const std::string text = succeed("devices").out;
+  EXPECT_NE(text.find("auto"), std::string::npos) << text;
+  for (const Json& device : devices)
+    EXPECT_NE(text.find(device["name"].get<std::string>()), std::string::npos) << text;
+}
+
+TEST_F(Cli, SaysWhyThereIsNoGpu) {
+  const Result result = run("devices --json", "VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere");
+  EXPECT_EQ(result.code, 0) << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["auto"], "cpu");
+  EXPECT_EQ(json["devices"].size(), 1u);
+  EXPECT_FALSE(json["note"].get<std::string>().empty());
 }
 
 TEST_F(Cli, WritesTheExampleMesh) {
@@ -221,8 +252,8 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   refuse("--no-such-option 1", "not understood: --no-such-option 1; see raymap generate --help");
   expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
-  expectFailure("", ErrorCode::Usage, "name a command: generate info render compare convert example;");
-  expectFailure("paint torus.ply", ErrorCode::Usage, "convert example; paint is none; see raymap --help");
+  expectFailure("", ErrorCode::Usage, "name a command: generate info render compare convert example devices;");
+  expectFailure("paint torus.ply", ErrorCode::Usage, "convert example devices; paint is none; see raymap --help");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".npz");
   expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");

@@ -7,12 +7,13 @@ namespace raymap {
 
 /// What kind of thing went wrong. The command line exits with the value of the code.
 enum class ErrorCode {
-  Usage = 2,       ///< An option or argument makes no sense.
-  Input = 3,       ///< A file was read, but what it holds is not valid.
-  File = 4,        ///< A file cannot be opened, read or written.
-  Memory = 5,      ///< The work needs more memory than allowed; nothing was allocated.
-  Cancelled = 6,   ///< The progress callback (or Ctrl-C) asked to stop.
-  Unsupported = 7  ///< Valid, but beyond what this build can do.
+  Usage = 2,        ///< An option or argument makes no sense.
+  Input = 3,        ///< A file was read, but what it holds is not valid.
+  File = 4,         ///< A file cannot be opened, read or written.
+  Memory = 5,       ///< The work needs more memory than allowed; nothing was allocated.
+  Cancelled = 6,    ///< The progress callback (or Ctrl-C) asked to stop.
+  Unsupported = 7,  ///< Valid, but beyond what this build or this machine can do.
+  DeviceLost = 8    ///< The GPU stopped answering while it worked.
 };
 
 /// The one exception type of the library. `what()` says what is wrong, where, and what to do.

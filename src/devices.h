@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raymap {
+
+/// What can compute a field.
+struct ComputeDevice {
+  std::string id;  ///< "cpu", "vulkan:0", ...
+  std::string name;
+  std::string type;           ///< cpu, or a Vulkan device's: discrete, integrated, virtual, other, software.
+  std::string driver;         ///< Its name and version; empty for the CPU.
+  unsigned threads = 0;       ///< Of the CPU; 0 for others.
+  uint64_t memory = 0;        ///< Bytes it has; for the CPU, those left.
+  uint32_t sharedMemory = 0;  ///< Bytes a work group may share; 0 for the CPU.
+  std::string problem;        ///< Why it cannot be used; empty if it can.
+};
+
+struct DeviceList {
+  std::vector<ComputeDevice> devices;  ///< The CPU first, then Vulkan's in its order.
+  size_t automatic = 0;                ///< What `auto` takes: a real GPU if one is usable, else the CPU.
+  std::string note;                    ///< Why there is no Vulkan device; empty if there is one.
+};
+
+DeviceList listDevices();
+
+}  // namespace raymap

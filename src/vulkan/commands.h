@@ -1,0 +1,61 @@
+#pragma once
+
+#include "buffer.h"
+#include "kernel.h"
+#include "stage_timer.h"
+
+namespace raymap::vulkan {
+
+/// Records into a command buffer, ours or the caller's: each command sees the results of all before it,
+/// because every one has a full barrier before it (docs/decisions/vulkan_memory.md). Records no allocation.
+class Commands {
+ public:
+  /// `timer` may be null: stages are then not timed.
+  Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
+
+  /// Runs at least `invocations` invocations, in groups of the kernel's size: shaders check bounds.
+  template <class Push>
+  void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
+    dispatchBytes(kernel, &push, sizeof push, invocations);
+  }
+  /// As many groups as the `VkDispatchIndirectCommand` at `offset` of `arguments` says.
+  template <class Push>
+  void dispatchIndirect(Kernel<Push>& kernel, const Push& push, const DeviceBuffer& arguments,
+                        VkDeviceSize offset) {
+    dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
+  }
+  void fill(const DeviceBuffer& buffer, uint32_t value);
+  void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes);
+
+  /// Commands recorded by `work` have one barrier before all of them and may run at once: none may write
+  /// what another one of them touches.
+  template <class Work>
+  void concurrent(Work&& work) {
+    barrier();
+    isConcurrent_ = true;
+    work();
+    isConcurrent_ = false;
+  }
+
+  /// Runs and times what `work` records. Stages do not nest.
+  template <class Work>
+  void stage(const char* name, Work&& work) {
+    if (timer_) timer_->start(buffer_, name);
+    work();
+    if (timer_) timer_->stop(buffer_);
+  }
+
+ private:
+  void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations);
+  void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
+                             const DeviceBuffer& arguments, VkDeviceSize offset);
+  void bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes);
+  void barrier();
+
+  VkCommandBuffer buffer_;
+  VkPipelineLayout layout_;
+  StageTimer* timer_;
+  bool isConcurrent_ = false;
+};
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace raymap::vulkan {
+
+/// Bytes of push constants that a module declares; 0 if none.
+uint32_t pushConstantBytes(std::span<const uint32_t> code);
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,12 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernel.glsl"
+#include "number_invocations.h"
+
+layout(constant_id = 1) const uint kFirst = 0;
+layout(push_constant, scalar) uniform Push { NumberInvocationsPush push; };
+
+void main() {
+  const uint index = invocationIndex();
+  if (index < push.count && push.groupSize == gl_WorkGroupSize.x) push.groups.at[index] = kFirst + groupIndex();
+}

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "vulkan/command_buffer.h"
+
+namespace raymap::vulkan {
+
+/// A test on a device with guards around every buffer, under the validation layer, with its checks of hazards
+/// unless the environment asks for others. Fails on any message of the layer and on any damaged guard. Skipped
+/// where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
+class VulkanTest : public ::testing::Test {
+ protected:
+  /// RAYMAP_VULKAN_DEVICE=K picks one; all tests of a program share it.
+  static Device& device() { return *shared().device; }
+
+  template <class T>
+  static DeviceBuffer upload(const std::vector<T>& values, const std::string& name = "test") {
+    DeviceBuffer staging(device(), name + " upload", MemoryUse::Upload), buffer(device(), name);
+    staging.resize<T>(values.size());
+    buffer.resize<T>(values.size());
+    std::copy(values.begin(), values.end(), staging.mapped<T>().begin());
+    run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
+    return buffer;
+  }
+
+  template <class T>
+  static std::vector<T> download(const DeviceBuffer& buffer) {
+    DeviceBuffer staging(device(), "download", MemoryUse::ReadBack);
+    staging.resize<T>(buffer.bytes() / sizeof(T));
+    run([&](Commands& commands) { commands.copy(buffer, staging, buffer.bytes()); });
+    const std::span<T> values = staging.mapped<T>();
+    return {values.begin(), values.end()};
+  }
+
+  template <class Work>
+  static void run(Work&& record) {
+    CommandBuffer buffer(device());
+    Commands commands = buffer.begin();
+    record(commands);
+    buffer.submitAndWait();
+    EXPECT_EQ(device().guards()->damaged(), "");
+  }
+
+  void SetUp() override {
+    if (shared().device) return;
+    const char* required = std::getenv("RAYMAP_REQUIRE_VULKAN");
+    if (required && std::string(required) == "1") FAIL() << shared().problem;
+    GTEST_SKIP() << shared().problem;
+  }
+
+  void TearDown() override {
+    const std::lock_guard lock(shared().mutex);
+    for (const std::string& message : shared().messages) ADD_FAILURE() << message;
+    shared().messages.clear();
+  }
+
+  struct Shared {
+    Shared() {
+      const char* index = std::getenv("RAYMAP_VULKAN_DEVICE");
+      DeviceOptions options{.message = [this](std::string_view message) {
+                              const std::lock_guard lock(mutex);
+                              messages.emplace_back(message);
+                            },
+                            .guards = true};
+      if (index) options.index = std::stoul(index);
+      if (options.validation == Validation::Off) options.validation = Validation::Sync;
+      try {
+        device = std::make_unique<Device>(options);
+      } catch (const Error& error) {
+        problem = error.what();
+      }
+    }
+    std::unique_ptr<Device> device;
+    std::string problem;  ///< Why there is none.
+    std::vector<std::string> messages;
+    std::mutex mutex;
+  };
+  static Shared& shared() {
+    static Shared shared;
+    return shared;
+  }
+};
+
+}  // namespace raymap::vulkan

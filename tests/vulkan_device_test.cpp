@@ -1,0 +1,277 @@
+#include "vulkan_device.h"
+
+#include <stdexcept>
+
+#include "shaders/number_invocations.h"
+#include "shaders/number_invocations_spv.h"
+#include "vulkan/dispatch_arguments.h"
+#include "vulkan/features.h"
+#include "vulkan/spirv.h"
+
+namespace raymap::vulkan {
+namespace {
+
+using NumberKernel = Kernel<NumberInvocationsPush>;
+
+ErrorCode codeOf(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return {};
+}
+
+TEST(VulkanErrors, KeepTheirCodes) {
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_DEVICE_LOST, "waiting"); }), ErrorCode::DeviceLost);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "allocating"); }), ErrorCode::Memory);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_HOST_MEMORY, "allocating"); }), ErrorCode::Memory);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_FEATURE_NOT_PRESENT, "starting"); }), ErrorCode::Unsupported);
+}
+
+TEST(VulkanDevices, PrefersRealOnes) {
+  using enum DeviceType;
+  const auto best = [](const std::vector<DeviceType>& types, size_t broken = SIZE_MAX) {
+    std::vector<DeviceInfo> devices;
+    for (const DeviceType type : types) devices.push_back({.type = type});
+    if (broken < devices.size()) devices[broken].problem = "broken";
+    return bestDevice(devices);
+  };
+  EXPECT_EQ(best({Software, Integrated, Discrete, Discrete}), 2u);
+  EXPECT_EQ(best({Software, Integrated, Discrete}, 2), 1u);
+  EXPECT_EQ(best({Software}), 0u);
+  EXPECT_EQ(best({Software}, 0), std::nullopt);
+  EXPECT_EQ(best({}), std::nullopt);
+}
+
+TEST(VulkanSpirv, TellsTheBytesOfPushConstants) {
+  EXPECT_EQ(pushConstantBytes(shaders::kNumberInvocations.code), sizeof(NumberInvocationsPush));
+  EXPECT_EQ(pushConstantBytes(shaders::kNumberInvocations.code.first(5)), 0u);
+}
+
+class VulkanDevice : public VulkanTest {
+ protected:
+  /// What the validation layer said since the test began, which then does not fail it.
+  static std::string takeMessages() {
+    const std::lock_guard lock(shared().mutex);
+    std::string all;
+    for (const std::string& message : shared().messages) all += message + "\n";
+    shared().messages.clear();
+    return all;
+  }
+};
+
+TEST_F(VulkanDevice, KnowsItself) {
+  EXPECT_FALSE(device().info().name.empty());
+  EXPECT_EQ(device().info().problem, "");
+  EXPECT_GE(device().limits().sharedMemory, 16384u);
+  EXPECT_GE(device().limits().groupSize, 128u);
+  EXPECT_GT(device().limits().bufferSize, 1u << 30);
+  EXPECT_GE(device().limits().maxSubgroupSize, device().limits().minSubgroupSize);
+  const std::vector<DeviceInfo> all = listDevices();
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(),
+                          [](const DeviceInfo& info) { return info.name == device().info().name; }));
+}
+
+TEST_F(VulkanDevice, RefusesANumberThatThereIsNot) {
+  EXPECT_EQ(codeOf([] { const Device none({.index = 1000}); }), ErrorCode::Unsupported);
+}
+
+TEST_F(VulkanDevice, HearsTheValidationLayer) {
+  const VkBufferCreateInfo empty{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                 .size = 0,
+                                 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+  BufferHandle buffer;
+  try {
+    create(buffer, device().handle(), vkCreateBuffer, empty, "making an empty buffer");
+  } catch (const Error&) {  // What the driver makes of it is its own affair.
+  }
+  EXPECT_NE(takeMessages().find("VUID-VkBufferCreateInfo-size"), std::string::npos);
+}
+
+TEST_F(VulkanDevice, HearsOfHazards) {
+  if (validationFromEnvironment() != Validation::Off && validationFromEnvironment() != Validation::Sync)
+    GTEST_SKIP() << "looks for other mistakes";
+  const DeviceBuffer buffer = upload(std::vector<uint32_t>(1000));
+  run([&](Commands& commands) {
+    commands.fill(buffer, 1);
+    commands.fill(buffer, 2);
+  });
+  EXPECT_EQ(takeMessages(), "");
+  run([&](Commands& commands) {
+    commands.concurrent([&] {
+      commands.fill(buffer, 1);
+      commands.fill(buffer, 2);
+    });
+  });
+  EXPECT_NE(takeMessages().find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos);
+}
+
+TEST_F(VulkanDevice, FindsStrayWrites) {
+  DeviceBuffer buffer = upload(std::vector<uint32_t>(1000), "watched");
+  buffer.resize<uint32_t>(990);
+  EXPECT_EQ(device().guards()->damaged(), "");
+  NumberKernel kernel(device(), shaders::kNumberInvocations, 64);
+  const auto writeAt = [&](VkDeviceAddress address) {
+    CommandBuffer own(device());
+    Commands commands = own.begin();
+    commands.dispatch(kernel, {.groups = address, .count = 1, .groupSize = 64}, 1);
+    own.submitAndWait();
+    const std::string damaged = device().guards()->damaged();
+    buffer.resize<uint32_t>(990);  // Makes the guards whole again.
+    return damaged;
+  };
+  EXPECT_EQ(writeAt(buffer.address() + 989 * 4), "");
+  EXPECT_NE(writeAt(buffer.address() - 8).find("watched: written 8 bytes before"), std::string::npos);
+  EXPECT_NE(writeAt(buffer.address() + 992 * 4).find("watched: written 8 bytes beyond"), std::string::npos);
+}
+
+TEST_F(VulkanDevice, KeepsABuffersMemory) {
+  const uint64_t before = device().heldMemory();
+  DeviceBuffer buffer(device(), "kept");
+  EXPECT_EQ(buffer.address(), 0u);
+  buffer.resize<uint32_t>(1000);
+  const VkDeviceAddress address = buffer.address();
+  const uint64_t held = device().heldMemory();
+  EXPECT_GE(held, before + 4000);
+  buffer.resize<uint32_t>(10);
+  EXPECT_EQ(buffer.bytes(), 40u);
+  buffer.resize<uint32_t>(1000);
+  EXPECT_EQ(buffer.address(), address);
+  EXPECT_EQ(device().heldMemory(), held);
+  DeviceBuffer other = std::move(buffer);
+  EXPECT_EQ(other.address(), address);
+  other.resize<uint32_t>(100000);
+  EXPECT_GT(device().heldMemory(), held);
+  other.release();
+  EXPECT_EQ(device().heldMemory(), before);
+}
+
+TEST_F(VulkanDevice, RefusesMoreMemoryThanThereIs) {
+  DeviceBuffer buffer(device(), "monster");
+  for (const uint64_t bytes : {uint64_t{1} << 60, device().availableMemory(0) + (1U << 20)}) {
+    try {
+      buffer.resize<uint8_t>(bytes);
+      ADD_FAILURE() << "got " << bytes << " bytes";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Memory);
+      EXPECT_NE(std::string(error.what()).find("monster"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(buffer.address(), 0u);
+  buffer.resize<uint8_t>(100);  // Still good.
+  EXPECT_NE(buffer.address(), 0u);
+}
+
+TEST_F(VulkanDevice, ComparesPushConstants) {
+  EXPECT_THROW(Kernel<DispatchArgumentsPush>(device(), shaders::kNumberInvocations, 64), std::logic_error);
+}
+
+TEST_F(VulkanDevice, NumbersInvocationsBeyondOneDimension) {
+  const uint32_t groupSize = 32;
+  for (const uint32_t count : {1U, 33U, kMaxGroups * groupSize, kMaxGroups * groupSize + 1, 5000001U}) {
+    DeviceBuffer buffer(device(), "groups");
+    buffer.resize<uint32_t>(count);
+    NumberKernel kernel(device(), shaders::kNumberInvocations, groupSize, {7});
+    run([&](Commands& commands) {
+      commands.fill(buffer, 0);
+      commands.dispatch(kernel, {.groups = buffer.address(), .count = count, .groupSize = groupSize}, count);
+    });
+    const std::vector<uint32_t> groups = download<uint32_t>(buffer);
+    size_t wrong = 0;
+    for (size_t i = 0; i < count; ++i) wrong += groups[i] != 7 + i / groupSize ? 1 : 0;
+    EXPECT_EQ(wrong, 0u) << count;
+  }
+}
+
+TEST_F(VulkanDevice, DispatchesWhatTheDeviceCounted) {
+  const uint32_t groupSize = 32;
+  NumberKernel kernel(device(), shaders::kNumberInvocations, groupSize, {7});
+  DispatchArguments arguments(device(), "arguments", 2);
+  for (const uint32_t count : {0U, 1U, kMaxGroups * groupSize + 1}) {
+    DeviceBuffer buffer(device(), "groups");
+    buffer.resize<uint32_t>(3000000);
+    const DeviceBuffer counted = upload<uint32_t>({count}, "count");
+    run([&](Commands& commands) {
+      commands.fill(buffer, 0);
+      arguments.record(commands, 1,
+                       {.count = {.most = 3000000, .address = counted.address()}, .itemsPerGroup = groupSize});
+      arguments.dispatch(commands, kernel,
+                         {.groups = buffer.address(), .count = 3000000, .groupSize = groupSize}, 1);
+    });
+    const std::vector<uint32_t> groups = download<uint32_t>(buffer);
+    const uint32_t all = (count + groupSize - 1) / groupSize;
+    EXPECT_EQ(all == 0 ? 6 : groups[all * groupSize - 1], 7 + all - 1);
+    // Dispatches over two dimensions may have some groups more.
+    EXPECT_EQ(groups[(all + 1) * groupSize], 0u);
+  }
+}
+
+TEST_F(VulkanDevice, TimesStagesFrameAfterFrame) {
+  const DeviceBuffer buffer = upload(std::vector<uint32_t>(100000));
+  CommandBuffer own(device());
+  const uint64_t held = device().heldMemory();
+  for (uint32_t frame = 0; frame < 100; ++frame) {
+    Commands commands = own.begin();
+    commands.stage("one", [&] { commands.fill(buffer, frame); });
+    commands.stage("two", [&] { commands.fill(buffer, frame + 1); });
+    own.submitAndWait();
+    const std::span<const StageTime> times = own.times();
+    if (device().limits().timestampPeriod == 0) continue;
+    ASSERT_EQ(times.size(), 2u);
+    EXPECT_STREQ(times[0].name, "one");
+    EXPECT_STREQ(times[1].name, "two");
+    EXPECT_GE(times[0].milliseconds, 0.0);
+    EXPECT_LT(times[0].milliseconds, 60000.0);
+  }
+  EXPECT_EQ(device().heldMemory(), held);
+  EXPECT_EQ(download<uint32_t>(buffer).back(), 100u);
+}
+
+/// A device as a caller would make it.
+struct Foreign {
+  Foreign() {
+    borrowed.instance = instance.handle();
+    borrowed.physical = physicalDevices(instance.handle()).front();
+    borrowed.queueFamily = computeFamily(borrowed.physical).value();
+    const float priority = 1.0F;
+    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                        .queueFamilyIndex = borrowed.queueFamily,
+                                        .queueCount = 1,
+                                        .pQueuePriorities = &priority};
+    Features features;
+    setRequired(features);
+    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                  .pNext = &features.v10,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queue};
+    check(vkCreateDevice(borrowed.physical, &info, nullptr, &borrowed.device), "making a device");
+    vkGetDeviceQueue(borrowed.device, borrowed.queueFamily, 0, &borrowed.queue);
+  }
+  ~Foreign() { vkDestroyDevice(borrowed.device, nullptr); }
+  Foreign(const Foreign&) = delete;
+  Foreign& operator=(const Foreign&) = delete;
+
+  std::string messages;
+  Instance instance{Validation::On, [this](std::string_view message) { messages += message; }};
+  BorrowedDevice borrowed;
+};
+
+TEST_F(VulkanDevice, WorksOnACallersDevice) {
+  Foreign foreign;
+  {
+    Device device(foreign.borrowed);
+    DeviceBuffer buffer(device, "groups", MemoryUse::ReadBack);
+    buffer.resize<uint32_t>(100);
+    NumberKernel kernel(device, shaders::kNumberInvocations, 10);
+    CommandBuffer own(device);
+    Commands commands = own.begin();
+    commands.dispatch(kernel, {.groups = buffer.address(), .count = 100, .groupSize = 10}, 100);
+    own.submitAndWait();
+    EXPECT_EQ(buffer.mapped<uint32_t>()[99], 9u);
+  }
+  EXPECT_EQ(foreign.messages, "");
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
