@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "cpu/backend.h"
 #include "cpu/parallel.h"
 #include "methods.h"
@@ -23,6 +25,8 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   withThreads(input.threads, [&] {
     CpuBackend backend;
     backend.begin(input.mesh, input.grid, options, progress, field);
+    // Without distances every sample counts as close to the surface, and more are looked at twice.
+    std::fill(field.distance.begin(), field.distance.end(), 0.0f);
     backend.crossings();
     backend.rayMap();
     backend.winding();

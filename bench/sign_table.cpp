@@ -108,9 +108,7 @@ std::vector<double> exactNumbers(const Mesh& mesh, const Grid& grid, size_t stri
   std::vector<double> exact((grid.sampleCount() + stride - 1) / stride);
   parallelFor(exact.size(), 64, [&](size_t begin, size_t end) {
     for (size_t e = begin; e < end; ++e) {
-      const size_t s = e * stride, nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
-      const glm::dvec3 at(double(s % nx), double(s / nx % ny), double(s / nx / ny));
-      exact[e] = reference::windingNumber(mesh, grid.position(at));
+      exact[e] = reference::windingNumber(mesh, samplePosition(grid, e * stride));
     }
   });
   return exact;
@@ -142,9 +140,7 @@ void printRow(const Row& row, int resolution) {
     return double(map.ray(0, {int(s % nx), int(s / nx % ny), int(s / nx / ny)}));
   });
   for (const Mode& mode : kModes) {
-    Options options;
-    options.sign = mode.sign;
-    const Buffer<float> winding = windingOf(map, options).winding;
+    const Buffer<float> winding = windingOf(row.mesh, grid, mode.sign).winding;
     printCell(exact, stride, [&](size_t s) { return double(winding[s]); });
   }
   std::printf("\n");

@@ -6,11 +6,11 @@
 
 #include "cpu/crossings.h"
 #include "cpu/ray_map.h"
-#include "cpu/winding.h"
 #include "reference.h"
 
 #include <cstddef>
 #include <string>
+#include <utility>
 
 namespace raymap {
 
@@ -42,25 +42,31 @@ inline RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
 
 struct WindingResult {
   Buffer<float> winding;
-  WindingSummary summary;
+  double doubtfulShare = 0.0;
 };
 
-inline WindingResult windingOf(const RayMap& map, const Options& options) {
-  WindingResult result;
-  Stats stats;
-  Progress progress(options, stats);
-  result.summary = Winding().compute(map, options, progress, result.winding);
-  return result;
+/// The winding numbers of a whole run.
+inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, Options options) {
+  options.winding = true;
+  Generator generator;
+  Field field;
+  generator.generate(mesh, grid, options, field);
+  return {std::move(field.winding), generator.stats().doubtfulShare};
 }
 
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, SignMode mode) {
   Options options;
   options.sign = mode;
-  return windingOf(rayMapOf(mesh, grid), options);
+  return windingOf(mesh, grid, options);
 }
 
 inline double diagonal(const Mesh& mesh) {
   return glm::length(bounds(mesh).size());
+}
+
+inline glm::dvec3 samplePosition(const Grid& grid, size_t s) {
+  const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
+  return grid.position(glm::dvec3(glm::u64vec3(s % nx, s / nx % ny, s / nx / ny)));
 }
 
 /// How many of every `stride`-th sample have a sign other than the exact generalized winding number's, not
@@ -69,8 +75,7 @@ inline size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const Buffer<f
                               size_t stride = 1, double threshold = 0.5) {
   size_t wrong = 0;
   for (size_t s = 0; s < winding.size(); s += stride) {
-    const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
-    const glm::dvec3 p = grid.position({double(s % nx), double(s / nx % ny), double(s / nx / ny)});
+    const glm::dvec3 p = samplePosition(grid, s);
     const bool inside = std::abs(reference::windingNumber(mesh, p)) > threshold;
     if (inside != (std::abs(winding[s]) > threshold) && reference::distance(mesh, p) > 1e-6 * diagonal(mesh))
       ++wrong;

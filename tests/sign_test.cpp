@@ -44,7 +44,7 @@ TEST(Confidence, IsFullOnAClosedMesh) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
   const RayMap map = rayMapOf(mesh, grid);
-  const WindingResult result = windingOf(map, {});
+  const WindingResult result = windingOf(mesh, grid, SignMode::Harmonic);
   Buffer<float> confidence;
   computeConfidence(map, result.winding, 0.5, confidence);
   for (const float c : confidence) ASSERT_EQ(c, 1.0f);
@@ -55,7 +55,7 @@ TEST(Confidence, FallsAtTheRimOfAHole) {
   std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.7; });
   const Grid grid{.dims = {21, 21, 21}, .origin = glm::dvec3(-1.2), .spacing = 0.12};
   const RayMap map = rayMapOf(mesh, grid);
-  const WindingResult result = windingOf(map, {});
+  const WindingResult result = windingOf(mesh, grid, SignMode::Harmonic);
   Buffer<float> confidence;
   computeConfidence(map, result.winding, 0.5, confidence);
   for (const float c : confidence) {

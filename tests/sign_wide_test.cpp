@@ -66,13 +66,10 @@ TEST(Sign, NoBalancedMeshHasAWrongSign) {
     SCOPED_TRACE(name);
     const Mesh mesh = readMesh(meshFolder() / name);
     const Grid grid = fitGrid(mesh, {.resolution = 64});
-    const RayMap map = rayMapOf(mesh, grid);
     std::vector<Buffer<float>> windings;
     for (const SignMode mode : {SignMode::Rays, SignMode::Paths, SignMode::Evolution, SignMode::Harmonic}) {
-      Options options;
-      options.sign = mode;
-      WindingResult result = windingOf(map, options);
-      EXPECT_EQ(result.summary.doubtfulShare, 0.0);
+      WindingResult result = windingOf(mesh, grid, mode);
+      EXPECT_EQ(result.doubtfulShare, 0.0);
       windings.push_back(std::move(result.winding));
     }
     EXPECT_EQ(countWrongSigns(mesh, grid, windings), 0u);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "cell_distance.h"
 #include "distance_transform.h"
+#include "exact_distance.h"
 #include "memory.h"
 #include "parallel.h"
 #include "raster_distance.h"
@@ -40,10 +42,10 @@ size_t CpuBackend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options
   if (options.triangleIds || (!exact && !raster)) perSample += sizeof(uint32_t);
   if (!exact) perSample += sizeof(float) + sizeof(uint32_t) + (raster ? 0 : sizeof(uint64_t));
   if (options.sign != SignMode::None) perSample += sizeof(float);
-  if (options.sign == SignMode::Harmonic) perSample += 10;
+  if (options.sign == SignMode::Harmonic) perSample += 14;
   if (options.sign == SignMode::Evolution) perSample += sizeof(float);
   if (options.confidence) perSample += sizeof(float);
-  const size_t perTriangle = exact ? 100 : 32;
+  const size_t perTriangle = (exact ? 0 : 32) + (exact || options.sign == SignMode::Harmonic ? 108 : 0);
   return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
          mesh.vertices.size() * sizeof(glm::vec3);
 }
@@ -55,6 +57,7 @@ void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& option
   field_ = &field;
   memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
   toCellUnits(mesh, grid, mesh_);
+  hasSurfaceTree_ = false;
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
@@ -65,9 +68,14 @@ void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& option
   windingSummary_ = {};
 }
 
+const SurfaceTree& CpuBackend::surfaceTree() {
+  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.build(mesh_);
+  return surfaceTree_;
+}
+
 void CpuBackend::exactDistance() {
-  exactDistance_.compute(mesh_, options_->band, *progress_, field_->distance,
-                         options_->triangleIds ? &field_->triangle : nullptr);
+  computeExactDistance(surfaceTree(), mesh_.dims, options_->band, *progress_, field_->distance,
+                       options_->triangleIds ? &field_->triangle : nullptr);
 }
 
 void CpuBackend::voxelGrid() {
@@ -116,7 +124,9 @@ void CpuBackend::rayMap() {
 }
 
 void CpuBackend::winding() {
-  windingSummary_ = windingSolver_.compute(rayMap_, *options_, *progress_, windingBuffer());
+  windingSummary_ = windingSolver_.compute(
+      rayMap_, [this]() -> const SurfaceTree& { return surfaceTree(); }, field_->distance, *options_,
+      *progress_, windingBuffer());
 }
 
 void CpuBackend::sign() {
@@ -137,7 +147,7 @@ void CpuBackend::finish() {
 }
 
 size_t CpuBackend::bytes() const {
-  size_t total = mesh_.vertices.capacityBytes() + exactDistance_.bytes() + windingSolver_.bytes() +
+  size_t total = mesh_.vertices.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
                  winding_.capacityBytes();
   for (const CellLevel& level : levels_)
     total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +

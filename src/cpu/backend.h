@@ -5,9 +5,9 @@
 #include "cell_level.h"
 #include "cell_mesh.h"
 #include "crossings.h"
-#include "exact_distance.h"
 #include "progress.h"
 #include "ray_map.h"
+#include "surface_tree.h"
 #include "winding.h"
 
 namespace raymap {
@@ -40,6 +40,8 @@ class CpuBackend {
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
  private:
+  /// Built when a stage first asks for it.
+  const SurfaceTree& surfaceTree();
   Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }
 
   const Options* options_ = nullptr;
@@ -49,7 +51,8 @@ class CpuBackend {
 
   CellMesh mesh_;
   std::vector<CellLevel> levels_;  // of the paper's distance stages
-  ExactDistance exactDistance_;
+  SurfaceTree surfaceTree_;
+  bool hasSurfaceTree_ = false;
   Crossings crossings_;
   RayMap rayMap_;
   Winding windingSolver_;

@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "cpu/exact_distance.h"
@@ -430,25 +429,12 @@ namespace raymap {
 
 HWY_EXPORT(refineBlocks);
 
-struct ExactDistance::Impl {
-  SurfaceTree tree;
-};
-
-ExactDistance::ExactDistance() : impl_(std::make_unique<Impl>()) {}
-ExactDistance::~ExactDistance() = default;
-
-size_t ExactDistance::bytes() const {
-  return impl_->tree.bytes();
-}
-
-void ExactDistance::compute(const CellMesh& mesh, double band, Progress& progress, Buffer<float>& distance,
-                            Buffer<uint32_t>* triangle) {
-  impl_->tree.build(mesh);
-  const glm::vec3 dims(mesh.dims);
-  const ExactDistanceJob job{impl_->tree,
-                             mesh.dims,
+void computeExactDistance(const SurfaceTree& tree, const glm::ivec3& dims, double band, Progress& progress,
+                          Buffer<float>& distance, Buffer<uint32_t>* triangle) {
+  const ExactDistanceJob job{tree,
+                             dims,
                              static_cast<float>(band),
-                             1e-7f * glm::length(dims),
+                             1e-7f * glm::length(glm::vec3(dims)),
                              distance.data(),
                              triangle ? triangle->data() : nullptr};
   HWY_DYNAMIC_DISPATCH(refineBlocks)(job, progress);

@@ -128,32 +128,30 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 }  // namespace
 
 void SurfaceTree::build(const CellMesh& mesh) {
-  placeLevels(mesh.triangles.size());
+  triangleCount_ = static_cast<uint32_t>(mesh.triangles.size());
+  placeLevels();
   const PlaceLattice lattice(mesh);
   sortTriangles(mesh, lattice);
   buildLeaves(mesh, lattice);
-  for (uint32_t level = 1; level < levelStarts_.size(); ++level) buildLevel(level);
+  for (uint32_t level = 1; level < levels_.size(); ++level) buildLevel(level);
 }
 
-void SurfaceTree::placeLevels(size_t triangles) {
+void SurfaceTree::placeLevels() {
   const auto packets = [](uint32_t n) { return (n + kPacket - 1) / kPacket; };
-  levelStarts_.clear();
-  levelCounts_.clear();
+  levels_.clear();
   uint32_t start = 0;
-  for (uint32_t nodes = packets(static_cast<uint32_t>(triangles));; nodes = packets(nodes)) {
-    levelStarts_.push_back(start);
-    levelCounts_.push_back(nodes);
+  for (uint32_t nodes = packets(triangleCount_);; nodes = packets(nodes)) {
+    levels_.push_back({start, nodes});
     start += packets(nodes) * kPacket;
     if (nodes == 1) break;
   }
-  leafCount_ = levelCounts_[0];
-  triangles_.resize(leafCount_);
+  triangles_.resize(leafCount());
   discs_.resize(start / kPacket);
 }
 
 void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
-  keys_.resize(size_t{leafCount_} * kPacket);
+  keys_.resize(size_t{leafCount()} * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) keys_[t] = uint64_t(mortonIndex(lattice(mesh, t))) << 32 | t;
   });
@@ -163,17 +161,17 @@ void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattic
 
 void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
-  parallelFor((leafCount_ + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
+  parallelFor((leafCount() + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
     for (size_t run = begin; run < end; ++run) {
       uint64_t* keys = keys_.data() + run * kRun;
       orderRun(mesh, lattice, keys, std::min(kRun, count - run * kRun));
       for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
         DiscPacket& discs = discs_[leaf / kPacket];
-        if (leaf < leafCount_) {
+        if (leaf < leafCount()) {
           CornerPacket corners;
           readCorners(mesh, keys_.data() + size_t{leaf} * kPacket, corners);
           writeLeaf(corners, triangles_[leaf], leaf % kPacket, discs);
-        } else if (leaf / kPacket * kPacket < leafCount_) {
+        } else if (leaf / kPacket * kPacket < leafCount()) {
           writeDisc(kNowhere, discs, leaf % kPacket);
         }
       }
@@ -213,8 +211,9 @@ Disc boundDiscs(const DiscPacket& packet, uint32_t count) {
 }  // namespace
 
 void SurfaceTree::buildLevel(uint32_t level) {
-  const uint32_t count = levelCounts_[level], below = levelCounts_[level - 1];
-  const uint32_t firstPacket = levelStarts_[level] / kPacket, firstChild = levelStarts_[level - 1] / kPacket;
+  const uint32_t count = levels_[level].count, below = levels_[level - 1].count;
+  const uint32_t firstPacket = levels_[level].start / kPacket,
+                 firstChild = levels_[level - 1].start / kPacket;
   const uint32_t packets = (count + kPacket - 1) / kPacket;
   parallelFor(packets, 64, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p)
@@ -231,8 +230,8 @@ void SurfaceTree::buildLevel(uint32_t level) {
 uint32_t SurfaceTree::childPacket(uint32_t node) const {
   if (isLeaf(node)) return node;
   uint32_t level = 1;
-  while (level + 1 < levelStarts_.size() && node >= levelStarts_[level + 1]) ++level;
-  return levelStarts_[level - 1] / kPacket + (node - levelStarts_[level]);
+  while (level + 1 < levels_.size() && node >= levels_[level + 1].start) ++level;
+  return levels_[level - 1].start / kPacket + (node - levels_[level].start);
 }
 
 size_t SurfaceTree::bytes() const {

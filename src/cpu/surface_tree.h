@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "cell_mesh.h"
@@ -34,6 +35,11 @@ class PlaceLattice;
 /// eight nodes each of the level below. No pointers: where a node's children lie follows from its index.
 class SurfaceTree {
  public:
+  /// The nodes of a level, leaves first: `count` of them from `start` on, which begins a packet.
+  struct Level {
+    uint32_t start, count;
+  };
+
   void build(const CellMesh& mesh);
 
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }
@@ -42,16 +48,19 @@ class SurfaceTree {
   /// The index in the mesh of a triangle of a leaf, 8 to a leaf.
   uint32_t triangleId(uint32_t t) const { return static_cast<uint32_t>(keys_[t]); }
 
-  uint32_t root() const { return levelStarts_.back(); }
+  uint32_t triangleCount() const { return triangleCount_; }
+  std::span<const Level> levels() const { return levels_; }
+  uint32_t leafCount() const { return levels_[0].count; }
+  uint32_t root() const { return levels_.back().start; }
   /// A leaf's children are a packet of triangles, any other node's a packet of nodes.
-  bool isLeaf(uint32_t node) const { return node < leafCount_; }
+  bool isLeaf(uint32_t node) const { return node < leafCount(); }
   /// The packet of a node's children. The last of a level may be filled up, with a triangle again or with
   /// discs out of reach.
   uint32_t childPacket(uint32_t node) const;
   size_t bytes() const;
 
  private:
-  void placeLevels(size_t triangles);
+  void placeLevels();
   void sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLevel(uint32_t level);
@@ -59,9 +68,8 @@ class SurfaceTree {
   Buffer<uint64_t> keys_;  // curve position << 32 | triangle
   Buffer<TrianglePacket> triangles_;
   Buffer<DiscPacket> discs_;
-  std::vector<uint32_t> levelStarts_;  // the first node of each level, in whole packets
-  std::vector<uint32_t> levelCounts_;
-  uint32_t leafCount_ = 0;
+  std::vector<Level> levels_;
+  uint32_t triangleCount_ = 0;
 };
 
 }  // namespace raymap

@@ -11,16 +11,18 @@ namespace raymap {
 struct Winding::Impl {
   PathScratch paths;
   HarmonicScratch harmonic;
+  WindingDipoles dipoles;
 };
 
 Winding::Winding() : impl_(std::make_unique<Impl>()) {}
 Winding::~Winding() = default;
 
 size_t Winding::bytes() const {
-  return impl_->paths.bytes() + impl_->harmonic.bytes();
+  return impl_->paths.bytes() + impl_->harmonic.bytes() + impl_->dipoles.bytes();
 }
 
-WindingSummary Winding::compute(const RayMap& map, const Options& options, Progress& progress,
+WindingSummary Winding::compute(const RayMap& map, const SurfaceSource& surface,
+                                const Buffer<float>& distance, const Options& options, Progress& progress,
                                 Buffer<float>& winding) {
   const RaySweep sweep(map);
   const size_t doubtful = averageRays(sweep, winding);
@@ -30,8 +32,10 @@ WindingSummary Winding::compute(const RayMap& map, const Options& options, Progr
       averagePaths(sweep, options, progress, impl_->paths, winding);
     else if (options.sign == SignMode::Evolution)
       evolvePaths(sweep, options, progress, impl_->paths, winding);
-    else if (options.sign == SignMode::Harmonic)
+    else if (options.sign == SignMode::Harmonic) {
       solveHarmonic(map, progress, impl_->harmonic, winding);
+      impl_->dipoles.settle(surface, map.dims, distance, options.threshold, progress, winding);
+    }
   }
   return {double(doubtful) / double(sweep.sampleCount())};
 }

@@ -4,6 +4,7 @@
 
 #include "progress.h"
 #include "ray_map.h"
+#include "winding_dipoles.h"
 
 namespace raymap {
 
@@ -18,8 +19,10 @@ class Winding {
  public:
   Winding();
   ~Winding();
-  WindingSummary compute(const RayMap& map, const Options& options, Progress& progress,
-                         Buffer<float>& winding);
+  /// Where the harmonic mode comes close to the threshold it asks for the surface, and looks at the distance
+  /// to it, in cells.
+  WindingSummary compute(const RayMap& map, const SurfaceSource& surface, const Buffer<float>& distance,
+                         const Options& options, Progress& progress, Buffer<float>& winding);
   size_t bytes() const;
 
  private:

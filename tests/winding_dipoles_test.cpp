@@ -1,0 +1,86 @@
+#include "cpu/winding_dipoles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference.h"
+#include "shapes.h"
+#include "sign_scene.h"
+
+namespace raymap {
+namespace {
+
+struct Settled {
+  Mesh mesh;
+  Grid grid;
+  Buffer<float> winding;
+
+  double exact(size_t s) const { return reference::windingNumber(mesh, samplePosition(grid, s)); }
+};
+
+/// Every sample starts at `value`, the threshold being 0.5, as if it lay `distance` cells from the surface.
+Settled settled(const Mesh& mesh, int resolution, float value, float distance = 0.0f) {
+  Settled result{.mesh = mesh, .grid = fitGrid(mesh, {.resolution = resolution})};
+  result.winding.resize(result.grid.sampleCount());
+  std::fill(result.winding.begin(), result.winding.end(), value);
+  Buffer<float> distances(result.winding.size());
+  std::fill(distances.begin(), distances.end(), distance);
+  SurfaceTree tree;
+  const auto surface = [&]() -> const SurfaceTree& {
+    tree.build(cellMesh(mesh, result.grid));
+    return tree;
+  };
+  const Options options;
+  Stats stats;
+  Progress progress(options, stats);
+  WindingDipoles().settle(surface, result.grid.dims, distances, 0.5, progress, result.winding);
+  return result;
+}
+
+Mesh openSphere() {
+  Mesh mesh = shapes::sphere(1.0, 4);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.4; });
+  return mesh;
+}
+
+TEST(WindingDipoles, AreTheExactWindingNumber) {
+  // One triangle, a leaf that is not full, one full leaf and one more, thousands.
+  for (const Mesh& mesh :
+       {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
+    const Settled result = settled(mesh, 16, 0.5f);
+    double sum = 0.0;
+    for (size_t s = 0; s < result.winding.size(); ++s) {
+      const double error = std::abs(result.winding[s] - result.exact(s));
+      // What comes near the threshold is looked at more closely.
+      ASSERT_LT(error, std::abs(std::abs(result.winding[s]) - 0.5) < 0.015 ? 0.005 : 0.05);
+      sum += error;
+    }
+    EXPECT_LT(sum / double(result.winding.size()), 0.008) << mesh.triangles.size() << " triangles";
+  }
+}
+
+TEST(WindingDipoles, HaveTheSignOfTheExactNumber) {
+  const Settled result = settled(openSphere(), 24, 0.5f);
+  size_t wrong = 0;
+  for (size_t s = 0; s < result.winding.size(); ++s)
+    wrong += (std::abs(result.winding[s]) > 0.5f) != (std::abs(result.exact(s)) > 0.5);
+  EXPECT_LE(wrong, 1u);
+}
+
+TEST(WindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
+  for (const float w : settled(openSphere(), 12, 0.7f).winding) ASSERT_EQ(w, 0.7f);
+  for (const float w : settled(openSphere(), 12, -0.3f).winding) ASSERT_EQ(w, -0.3f);
+  // Far from the surface less is far.
+  for (const float w : settled(openSphere(), 12, 0.55f, 20.0f).winding) ASSERT_EQ(w, 0.55f);
+}
+
+TEST(WindingDipoles, StandUpToDegenerateTriangles) {
+  Mesh mesh = openSphere();
+  mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
+  for (const float w : settled(mesh, 16, 0.5f).winding) ASSERT_TRUE(std::abs(w) < 1.1f);
+}
+
+}  // namespace
+}  // namespace raymap
