@@ -252,8 +252,10 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   refuse("--no-such-option 1", "not understood: --no-such-option 1; see raymap generate --help");
   expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
-  expectFailure("", ErrorCode::Usage, "name a command: generate info render compare convert example devices;");
-  expectFailure("paint torus.ply", ErrorCode::Usage, "convert example devices; paint is none; see raymap --help");
+  expectFailure("", ErrorCode::Usage,
+                "name a command: generate info render compare convert example devices;");
+  expectFailure("paint torus.ply", ErrorCode::Usage,
+                "convert example devices; paint is none; see raymap --help");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".npz");
   expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");

@@ -15,8 +15,8 @@
 namespace raymap::vulkan {
 
 /// A test on a device with guards around every buffer, under the validation layer, with its checks of hazards
-/// unless the environment asks for others. Fails on any message of the layer and on any damaged guard. Skipped
-/// where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
+/// unless the environment asks for others. Fails on any message of the layer and on any damaged guard.
+/// Skipped where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
  protected:
   /// RAYMAP_VULKAN_DEVICE=K picks one; all tests of a program share it.
@@ -66,10 +66,11 @@ class VulkanTest : public ::testing::Test {
   struct Shared {
     Shared() {
       const char* index = std::getenv("RAYMAP_VULKAN_DEVICE");
-      DeviceOptions options{.message = [this](std::string_view message) {
-                              const std::lock_guard lock(mutex);
-                              messages.emplace_back(message);
-                            },
+      DeviceOptions options{.message =
+                                [this](std::string_view message) {
+                                  const std::lock_guard lock(mutex);
+                                  messages.emplace_back(message);
+                                },
                             .guards = true};
       if (index) options.index = std::stoul(index);
       if (options.validation == Validation::Off) options.validation = Validation::Sync;

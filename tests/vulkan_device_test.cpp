@@ -78,9 +78,8 @@ TEST_F(VulkanDevice, RefusesANumberThatThereIsNot) {
 }
 
 TEST_F(VulkanDevice, HearsTheValidationLayer) {
-  const VkBufferCreateInfo empty{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                 .size = 0,
-                                 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+  const VkBufferCreateInfo empty{
+      .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 0, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
   BufferHandle buffer;
   try {
     create(buffer, device().handle(), vkCreateBuffer, empty, "making an empty buffer");
@@ -194,8 +193,9 @@ TEST_F(VulkanDevice, DispatchesWhatTheDeviceCounted) {
     const DeviceBuffer counted = upload<uint32_t>({count}, "count");
     run([&](Commands& commands) {
       commands.fill(buffer, 0);
-      arguments.record(commands, 1,
-                       {.count = {.most = 3000000, .address = counted.address()}, .itemsPerGroup = groupSize});
+      arguments.record(
+          commands, 1,
+          {.count = {.most = 3000000, .address = counted.address()}, .itemsPerGroup = groupSize});
       arguments.dispatch(commands, kernel,
                          {.groups = buffer.address(), .count = 3000000, .groupSize = groupSize}, 1);
     });

@@ -30,9 +30,8 @@ template <class Key>
 Lists<Key> sorted(const Lists<Key>& lists, uint32_t bits) {
   const Key mask = bits == 0 ? 0 : static_cast<Key>(~Key{0}) >> (8 * sizeof(Key) - bits);
   Lists<Key> result{std::vector<Key>(lists.keys.size()), lists.values};
-  std::stable_sort(result.values.begin(), result.values.end(), [&](uint32_t a, uint32_t b) {
-    return (lists.keys[a] & mask) < (lists.keys[b] & mask);
-  });
+  std::stable_sort(result.values.begin(), result.values.end(),
+                   [&](uint32_t a, uint32_t b) { return (lists.keys[a] & mask) < (lists.keys[b] & mask); });
   for (size_t i = 0; i < result.keys.size(); ++i) result.keys[i] = lists.keys[result.values[i]];
   return result;
 }

@@ -112,7 +112,8 @@ void Device::readLimits() {
       .maxSubgroupSize = v13.maxSubgroupSize,
       .bufferSize = v13.maxBufferSize,
       .timestampPeriod = families.at(queueFamily_).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
-      .hasInt64Atomics = hasInt64Atomics(physical_),
+      // Whether a caller switched them on for a device of theirs cannot be asked.
+      .hasInt64Atomics = instance_ && hasInt64Atomics(physical_),
       .hasMemoryBudget = hasExtension(physical_, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 }

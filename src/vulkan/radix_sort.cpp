@@ -1,5 +1,6 @@
-// Least significant digit first, 8 bits a pass: count by digit and group, sum, scatter. A subgroup ranks its own
-// elements by ballots, row by row, so neither the subgroup's size nor the order in which groups run matters.
+// Least significant digit first, 8 bits a pass: count by digit and group, sum, scatter. A subgroup ranks its
+// own elements by ballots, row by row, so neither the subgroup's size nor the order in which groups run
+// matters.
 
 #include "radix_sort.h"
 
@@ -67,9 +68,9 @@ RadixSort::Pairs RadixSort::record(Commands& commands, Pairs pairs, Pairs other,
 
 void RadixSort::pass(Commands& commands, const RadixSortPush& push) {
   dispatch(commands, count_, push);
-  scan_.record(commands, push.histogram, push.histogram,
-               {.most = kRadixBins * groups(push.most),
-                .address = push.count != 0 ? arguments_.scaledGroups(0) : 0});
+  scan_.record(
+      commands, push.histogram, push.histogram,
+      {.most = kRadixBins * groups(push.most), .address = push.count != 0 ? arguments_.scaledGroups(0) : 0});
   dispatch(commands, scatter_, push);
 }
 
