@@ -6,8 +6,14 @@
 
 namespace raymap::vulkan {
 
+namespace {
+// One works. With groups of one, code that GPU-assisted validation adds finds faults where there are none, on
+// lavapipe at least.
+constexpr uint32_t kGroupSize = 32;
+}  // namespace
+
 DispatchArguments::DispatchArguments(Device& device, const std::string& name, uint32_t entries)
-    : kernel_(device, shaders::kDispatchArguments, 1), entries_(device, name) {
+    : kernel_(device, shaders::kDispatchArguments, kGroupSize), entries_(device, name) {
   entries_.resize<DispatchArgumentsEntry>(entries);
 }
 

@@ -7,6 +7,7 @@
 layout(push_constant, scalar) uniform Push { DispatchArgumentsPush push; };
 
 void main() {
+  if (invocationIndex() > 0) return;
   const uint count = readCount(push.count, push.most);
   const uint groups = max(ceilDiv(count, push.itemsPerGroup), push.fewestGroups);
   const uint y = max(ceilDiv(groups, kMaxGroups), 1);
