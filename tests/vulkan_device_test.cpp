@@ -146,6 +146,17 @@ TEST_F(VulkanDevice, KeepsABuffersMemory) {
   EXPECT_EQ(device().heldMemory(), before);
 }
 
+TEST_F(VulkanDevice, MapsWhatTheHostShares) {
+  Device plain({.guards = false});
+  DeviceBuffer own(plain, "own"), upload(plain, "upload", MemoryUse::Upload);
+  own.resize<uint32_t>(10);
+  upload.resize<uint32_t>(10);
+  EXPECT_EQ(upload.mapped<uint32_t>().size(), 10u);
+  const bool isSoftware = plain.info().type == DeviceType::Software;
+  EXPECT_EQ(own.mapped<uint32_t>().empty(), own.mapped<uint32_t>().data() == nullptr);
+  EXPECT_TRUE(!isSoftware || own.mapped<uint32_t>().size() == 10);
+}
+
 TEST_F(VulkanDevice, RefusesMoreMemoryThanThereIs) {
   DeviceBuffer buffer(device(), "monster");
   for (const uint64_t bytes : {uint64_t{1} << 60, device().availableMemory(0) + (1U << 20)}) {

@@ -54,16 +54,16 @@ void DeviceBuffer::allocate(uint64_t bytes) {
                                 .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
   create(buffer_, device_->handle(), vkCreateBuffer, info, "making the buffer " + name_);
   device_->setName(VK_OBJECT_TYPE_BUFFER, handle(), name_);
-  allocateMemory();
+  const uint32_t type = allocateMemory();
   capacity_ = bytes;
   offset_ = guardBytes / 2;
-  if (use_ != MemoryUse::Device || device_->guards()) map();
+  if (use_ != MemoryUse::Device || device_->guards() || device_->isShared(type)) map();
   const VkBufferDeviceAddressInfo at{.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
                                      .buffer = handle()};
   address_ = vkGetBufferDeviceAddress(device_->handle(), &at) + offset_;
 }
 
-void DeviceBuffer::allocateMemory() {
+uint32_t DeviceBuffer::allocateMemory() {
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device_->handle(), handle(), &needs);
   const uint32_t type = device_->memoryType(use_, needs.memoryTypeBits);
@@ -79,6 +79,7 @@ void DeviceBuffer::allocateMemory() {
   heldMemory_ = needs.size;
   device_->changeHeldMemory(static_cast<int64_t>(heldMemory_));
   check(vkBindBufferMemory(device_->handle(), handle(), memory_.get(), 0), "binding the buffer " + name_);
+  return type;
 }
 
 void DeviceBuffer::map() {

@@ -36,16 +36,18 @@ class DeviceBuffer {
   /// What shaders take; 0 while it has no memory.
   VkDeviceAddress address() const { return address_; }
   uint64_t bytes() const { return size_; }
-  /// The elements, for the host, of a buffer for Upload or ReadBack.
+  /// The elements as the host sees them: of buffers for Upload and ReadBack, and of all where host and device
+  /// share their memory, which saves the copy. Else none.
   template <class T>
   std::span<T> mapped() const {
-    return {reinterpret_cast<T*>(mapped_), size_ / sizeof(T)};
+    return {reinterpret_cast<T*>(mapped_), mapped_ ? size_ / sizeof(T) : 0};
   }
 
  private:
   void resizeBytes(uint64_t bytes);
   void allocate(uint64_t bytes);
-  void allocateMemory();
+  /// Gives the memory type it took.
+  uint32_t allocateMemory();
   void map();
   void swap(DeviceBuffer& other) noexcept;
 

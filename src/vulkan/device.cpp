@@ -146,6 +146,13 @@ uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {
   throw Error(ErrorCode::Unsupported, info_.name + " has no memory that suits; use another device");
 }
 
+bool Device::isShared(uint32_t memoryType) const {
+  constexpr VkMemoryPropertyFlags kShared =
+      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+      VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  return (memory_.memoryTypes[memoryType].propertyFlags & kShared) == kShared;
+}
+
 uint64_t Device::availableMemory(uint32_t memoryType) const {
   const uint32_t heap = memory_.memoryTypes[memoryType].heapIndex;
   uint64_t available = memory_.memoryHeaps[heap].size;

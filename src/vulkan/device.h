@@ -68,6 +68,8 @@ class Device {
 
   /// The memory type for a use among those in `allowed`.
   uint32_t memoryType(MemoryUse use, uint32_t allowed) const;
+  /// Whether the host, too, reads and writes a memory type fast.
+  bool isShared(uint32_t memoryType) const;
   /// Bytes that can still be had of a memory type without swapping.
   uint64_t availableMemory(uint32_t memoryType) const;
   /// Bytes held by our buffers, and what changes them.
