@@ -9,6 +9,8 @@ layout(local_size_x_id = 0) in;
 
 // One type for each kind of element. Indices are taken as signed: below 2^31.
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Ints { int at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Uvec4s { uvec4 at[]; };
 
 // Of work groups in one dispatch, which may spread over y; some at the end may be too many: check bounds.
