@@ -12,27 +12,6 @@ namespace raymap {
 
 namespace {
 
-constexpr int kMargin = 4;  // even, so that a lattice's first sample lies on the next coarser lattice
-constexpr int kCoarsestSamples = 8;
-constexpr int kCoarsestSweeps = 12;
-
-/// The grid itself on level 0; coarser lattices reach `kMargin` of their cells farther on every side, so that
-/// the field may fade out where nothing is left of it.
-LatticeBox boxOf(const glm::ivec3& dims, int level) {
-  LatticeBox box{.level = level, .low = glm::ivec3(0), .dims = dims};
-  if (level > 0) {
-    box.low = glm::ivec3(-kMargin);
-    for (int c = 0; c < 3; ++c) box.dims[c] = ((dims[c] - 1) >> level) + 2 + 2 * kMargin;
-  }
-  return box;
-}
-
-int coarsestLevel(const glm::ivec3& dims) {
-  int level = 2;
-  while ((std::max({dims.x, dims.y, dims.z}) - 1) >> level >= kCoarsestSamples) ++level;
-  return level;
-}
-
 class Hierarchy {
  public:
   Hierarchy(std::vector<HarmonicLevel>& levels, Progress& progress, Buffer<float>& winding)
@@ -80,7 +59,7 @@ class Hierarchy {
 };
 
 void buildLevel(const RayMap& map, size_t l, HarmonicLevel& level) {
-  level.box = boxOf(map.dims, int(l));
+  level.box = harmonicBox(map.dims, int(l));
   for (int axis = 0; axis < 3; ++axis) level.jumps[size_t(axis)].collect(map, level.box, axis);
   if (l == 0) return;
   for (Buffer<float>* field : {&level.values, &level.correction, &level.residual})
@@ -99,7 +78,7 @@ size_t HarmonicScratch::bytes() const {
 }
 
 void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding) {
-  scratch.levels.resize(size_t(coarsestLevel(map.dims)) + 1);
+  scratch.levels.resize(size_t(coarsestHarmonicLevel(map.dims)) + 1);
   Hierarchy hierarchy(scratch.levels, progress, winding);
   for (size_t l = scratch.levels.size(); l-- > 0;) {
     buildLevel(map, l, scratch.levels[l]);

@@ -1,23 +1,11 @@
 #pragma once
 
+#include "lattice_box.h"
 #include "ray_map.h"
 
 #include <vector>
 
 namespace raymap {
-
-/// A box of every 2^level-th sample of the grid's lattice, which may reach beyond the grid: coordinate q lies
-/// at sample q * 2^level. Values are stored x fastest from `low` on.
-struct LatticeBox {
-  int level = 0;
-  glm::ivec3 low{0};
-  glm::ivec3 dims{0};
-
-  size_t sampleCount() const { return size_t(dims.x) * size_t(dims.y) * size_t(dims.z); }
-  size_t row(int j, int k) const { return size_t(k) * size_t(dims.y) + size_t(j); }
-  float* row(float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }
-  const float* row(const float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }
-};
 
 /// The right-hand side of the least-squares fit along one axis, kept where it is not zero and sorted by row:
 /// at each sample, what w is to exceed its two neighbours along the axis by, added up. From Eq. 5, w(i) - w(i

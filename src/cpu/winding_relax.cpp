@@ -1,8 +1,6 @@
 // Relaxation of the harmonic winding number.
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "parallel.h"
 #include "winding_rows.h"
@@ -55,19 +53,19 @@ void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progr
 }
 
 void overrelaxField(const LatticeBox& box, const RightHandSide& rightHandSide, int sweeps, float* values) {
-  const int longest = std::max({box.dims.x, box.dims.y, box.dims.z});
-  const auto factor = static_cast<float>(2.0 / (1.0 + std::sin(std::numbers::pi / (longest - 1))));
+  const float factor = overrelaxation(box.dims);
   std::vector<float> scratch(size_t(box.dims.x), 0.0f);
-  for (int sweep = 0; sweep < sweeps; ++sweep)
+  for (int half = 0; half < 2 * sweeps; ++half)
     for (int k = 1; k + 1 < box.dims.z; ++k)
       for (int j = 1; j + 1 < box.dims.y; ++j) {
         float* row = box.row(values, j, k);
         const float *jBefore = box.row(values, j - 1, k), *jAfter = box.row(values, j + 1, k);
         const float *kBefore = box.row(values, j, k - 1), *kAfter = box.row(values, j, k + 1);
         const float* asked = rightHandSide.row(box, j, k, scratch);
-        for (int i = 1; i + 1 < box.dims.x; ++i) {
-          const float across = (jBefore[i] + jAfter[i]) + (kBefore[i] + kAfter[i]) + (row[i + 1] + asked[i]);
-          row[i] += factor * ((across + row[i - 1]) * (1.0f / 6.0f) - row[i]);
+        for (int i = 1 + ((j + k + half) & 1); i + 1 < box.dims.x; i += 2) {
+          const float sum =
+              (row[i - 1] + row[i + 1]) + (jBefore[i] + jAfter[i]) + ((kBefore[i] + kAfter[i]) + asked[i]);
+          row[i] += factor * (sum * (1.0f / 6.0f) - row[i]);
         }
         rightHandSide.clear(box, j, k, scratch);
       }

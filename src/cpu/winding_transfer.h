@@ -21,8 +21,8 @@ struct RightHandSide {
 /// One red-black relaxation of all samples but the box's outermost ones, which keep their values.
 void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress, float* values);
 
-/// Successive over-relaxation (Young 1954) with the best factor for a cube: for a lattice so small that
-/// sharing the work would cost more than the work.
+/// Successive over-relaxation (Young 1954), red and black in turn: for a lattice so small that sharing the
+/// work would cost more than the work.
 void overrelaxField(const LatticeBox& box, const RightHandSide& rightHandSide, int sweeps, float* values);
 
 /// Carries a field to the next finer lattice: a new sample between two old ones is the mean of what both ask

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace raymap {
+
+/// A box of every 2^level-th sample of the grid's lattice, which may reach beyond the grid: coordinate q lies
+/// at sample q * 2^level. Values are stored x fastest from `low` on.
+struct LatticeBox {
+  int level = 0;
+  glm::ivec3 low{0};
+  glm::ivec3 dims{0};
+
+  size_t sampleCount() const { return size_t(dims.x) * size_t(dims.y) * size_t(dims.z); }
+  size_t row(int j, int k) const { return size_t(k) * size_t(dims.y) + size_t(j); }
+  float* row(float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }
+  const float* row(const float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }
+};
+
+// The lattices of the harmonic winding number, the same on every backend (docs/signs.md).
+
+inline constexpr int kHarmonicMargin =
+    4;  // even, so that a lattice's first sample lies on the next coarser lattice
+inline constexpr int kCoarsestSamples = 8;
+inline constexpr int kCoarsestSweeps = 12;
+
+/// The grid itself on level 0; coarser lattices reach `kHarmonicMargin` of their cells farther on every side,
+/// so that the field may fade out where nothing is left of it.
+inline LatticeBox harmonicBox(const glm::ivec3& dims, int level) {
+  LatticeBox box{.level = level, .low = glm::ivec3(0), .dims = dims};
+  if (level > 0) {
+    box.low = glm::ivec3(-kHarmonicMargin);
+    for (int c = 0; c < 3; ++c) box.dims[c] = ((dims[c] - 1) >> level) + 2 + 2 * kHarmonicMargin;
+  }
+  return box;
+}
+
+/// The level of the coarsest lattice, never below 2.
+inline int coarsestHarmonicLevel(const glm::ivec3& dims) {
+  int level = 2;
+  while ((std::max({dims.x, dims.y, dims.z}) - 1) >> level >= kCoarsestSamples) ++level;
+  return level;
+}
+
+/// The best factor of successive over-relaxation (Young 1954) for a cube of that size.
+inline float overrelaxation(const glm::ivec3& dims) {
+  const int longest = std::max({dims.x, dims.y, dims.z});
+  return static_cast<float>(2.0 / (1.0 + std::sin(std::numbers::pi / (longest - 1))));
+}
+
+}  // namespace raymap

@@ -1,0 +1,12 @@
+// The ray map on the device: for each axis the suffix sums along all its lines, x fastest, with one number more than
+// samples along the axis. Number e counts what lies from the edge before sample e on, towards plus infinity.
+
+// r (Krayer & Müller 2019, §3.5, Eq. 7) of a sample that may lie outside the grid, along `axis` only.
+int rayFrom(Ints rays, uint axis, ivec3 dims, ivec3 s) {
+  const int n = dims[axis];
+  if (s[axis] >= n) return 0;
+  ivec3 size = dims;
+  size[axis] += 1;
+  s[axis] = max(s[axis] + 1, 0);
+  return rays.at[(s.z * size.y + s.y) * size.x + s.x];
+}

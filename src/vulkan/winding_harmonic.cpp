@@ -1,0 +1,172 @@
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
+// by full multigrid, as on the CPU; nothing runs where all rays agree, and the host need not know.
+
+#include "winding_harmonic.h"
+
+#include "shaders/winding_coarsest_spv.h"
+#include "shaders/winding_correct_spv.h"
+#include "shaders/winding_gate_spv.h"
+#include "shaders/winding_jumps_spv.h"
+#include "shaders/winding_prolong_spv.h"
+#include "shaders/winding_relax_spv.h"
+#include "shaders/winding_restrict_spv.h"
+#include "shared/dispatch_arguments.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kWordsPerDispatch = 3;  // VkDispatchIndirectCommand
+constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
+constexpr uint32_t kCoarsestGroup = 256;
+
+uint64_t ceilDiv(uint64_t a, uint64_t b) {
+  return (a + b - 1) / b;
+}
+
+void planGroups(uint64_t groups, uint32_t* words) {
+  const uint64_t y = ceilDiv(groups, kMaxGroups);
+  words[0] = static_cast<uint32_t>(ceilDiv(groups, y));
+  words[1] = static_cast<uint32_t>(y);
+  words[2] = 1;
+}
+
+uint64_t restrictGroups(const glm::ivec3& coarse) {
+  return ceilDiv(uint64_t(coarse.x), kRestrictX) * ceilDiv(uint64_t(coarse.y), kRestrictY) *
+         ceilDiv(uint64_t(coarse.z), kRestrictZ);
+}
+
+}  // namespace
+
+WindingHarmonic::WindingHarmonic(Device& device)
+    : device_(&device),
+      gate_(device, shaders::kWindingGate, 32),
+      jumps_(device, shaders::kWindingJumps, kGroup),
+      relax_(device, shaders::kWindingRelax, kGroup),
+      restrict_(device, shaders::kWindingRestrict, kRestrictGroup),
+      correct_(device, shaders::kWindingCorrect, kGroup),
+      prolong_(device, shaders::kWindingProlong, kGroup),
+      coarsest_(device, shaders::kWindingCoarsest, kCoarsestGroup, {kCoarsestSweeps}),
+      planned_(device, "winding planned dispatches", MemoryUse::Upload),
+      arguments_(device, "winding dispatches") {}
+
+void WindingHarmonic::reserve(const glm::ivec3& dims) {
+  if (dims == dims_) return;
+  const auto count = static_cast<size_t>(coarsestHarmonicLevel(dims)) + 1;
+  while (levels_.size() > count) levels_.pop_back();
+  while (levels_.size() < count)
+    levels_.push_back({.values = {*device_, "winding values"},
+                       .jumps = {*device_, "winding jumps"},
+                       .correction = {*device_, "winding correction"},
+                       .residual = {*device_, "winding residual"}});
+  for (size_t l = 0; l < count; ++l) {
+    Level& level = levels_[l];
+    level.box = harmonicBox(dims, int(l));
+    if (l == 0) continue;
+    for (DeviceBuffer* field : {&level.values, &level.jumps, &level.correction, &level.residual})
+      field->resize<float>(level.box.sampleCount());
+  }
+  dims_ = dims;
+  plan();
+}
+
+void WindingHarmonic::plan() {
+  const size_t words = levels_.size() * kExtents * kWordsPerDispatch;
+  planned_.resize<uint32_t>(words);
+  arguments_.resize<uint32_t>(words);
+  for (size_t l = 0; l < levels_.size(); ++l) {
+    const LatticeBox& box = levels_[l].box;
+    const uint64_t half = uint64_t(box.dims.x + 1) / 2 * uint64_t(box.dims.y) * uint64_t(box.dims.z);
+    const uint64_t groups[kExtents] = {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
+                                       l + 1 < levels_.size() ? restrictGroups(levels_[l + 1].box.dims) : 1,
+                                       1};
+    for (uint32_t extent = 0; extent < kExtents; ++extent)
+      planGroups(groups[extent],
+                 planned_.mapped<uint32_t>().data() + (l * kExtents + extent) * kWordsPerDispatch);
+  }
+}
+
+void WindingHarmonic::record(Commands& commands, const Fields& fields) {
+  const auto words = static_cast<uint32_t>(levels_.size() * kExtents * kWordsPerDispatch);
+  commands.dispatch(gate_,
+                    {.doubtful = fields.doubtful,
+                     .planned = planned_.address(),
+                     .actual = arguments_.address(),
+                     .count = words},
+                    words);
+  commands.concurrent([&] {
+    for (uint32_t l = 1; l < levels_.size(); ++l)
+      dispatch(commands, jumps_, push(fields, l, levels_[l].jumps.address()), Extent::Samples);
+  });
+  for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
+}
+
+/// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves an
+/// error below that of the lattice itself (docs/signs.md).
+void WindingHarmonic::solve(Commands& commands, const Fields& fields, uint32_t level) {
+  const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
+  const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].jumps.address();
+  if (level == coarsest()) {
+    solveCoarsest(commands, values, jumps);
+    return;
+  }
+  WindingHarmonicPush prolong = push(fields, level, values);
+  prolong.coarse = levels_[level + 1].values.address();
+  dispatch(commands, prolong_, prolong, Extent::Samples);
+  improve(commands, fields, level, values, jumps);
+}
+
+/// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it has
+/// no jumps.
+void WindingHarmonic::improve(Commands& commands, const Fields& fields, uint32_t level,
+                              VkDeviceAddress values, VkDeviceAddress rightHandSide) {
+  const Level& coarse = levels_[level + 1];
+  WindingHarmonicPush fine = push(fields, level, values);
+  fine.rightHandSide = rightHandSide;
+  relax(commands, fine);
+  fine.coarse = coarse.residual.address();
+  dispatch(commands, restrict_, fine, Extent::RestrictGroups);
+  if (level + 1 == coarsest()) {
+    solveCoarsest(commands, coarse.correction.address(), coarse.residual.address());
+  } else {
+    commands.fill(coarse.correction, 0);
+    improve(commands, fields, level + 1, coarse.correction.address(), coarse.residual.address());
+  }
+  fine.coarse = coarse.correction.address();
+  dispatch(commands, correct_, fine, Extent::Samples);
+  relax(commands, fine);
+}
+
+void WindingHarmonic::relax(Commands& commands, WindingHarmonicPush push) {
+  for (const uint32_t colour : {0U, 1U}) {
+    push.colour = colour;
+    dispatch(commands, relax_, push, Extent::HalfSamples);
+  }
+}
+
+void WindingHarmonic::solveCoarsest(Commands& commands, VkDeviceAddress values,
+                                    VkDeviceAddress rightHandSide) {
+  WindingHarmonicPush whole = push({}, coarsest(), values);
+  whole.rightHandSide = rightHandSide;
+  whole.factor = overrelaxation(levels_[coarsest()].box.dims);
+  dispatch(commands, coarsest_, whole, Extent::OneGroup);
+}
+
+WindingHarmonicPush WindingHarmonic::push(const Fields& fields, uint32_t level,
+                                          VkDeviceAddress values) const {
+  return {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
+          .values = values,
+          .gridX = static_cast<uint32_t>(dims_.x),
+          .gridY = static_cast<uint32_t>(dims_.y),
+          .gridZ = static_cast<uint32_t>(dims_.z),
+          .level = level};
+}
+
+void WindingHarmonic::dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel,
+                               const WindingHarmonicPush& push, Extent extent) const {
+  const uint32_t entry = push.level * kExtents + static_cast<uint32_t>(extent);
+  commands.dispatchIndirect(kernel, push, arguments_,
+                            VkDeviceSize{entry} * kWordsPerDispatch * sizeof(uint32_t));
+}
+
+}  // namespace raymap::vulkan

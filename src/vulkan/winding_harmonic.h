@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "commands.h"
+#include "lattice_box.h"
+#include "shared/winding_harmonic.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as possible, in
+/// the least-squares sense, and vanishes far away.
+class WindingHarmonic {
+ public:
+  /// What a solve reads and writes.
+  struct Fields {
+    std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
+    VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
+    VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
+  };
+
+  explicit WindingHarmonic(Device& device);
+
+  /// Makes room for grids of these dims. Nothing recorded before may still have to run.
+  void reserve(const glm::ivec3& dims);
+  /// For the grid of the last `reserve`.
+  void record(Commands& commands, const Fields& fields);
+
+ private:
+  /// One lattice of the hierarchy; the finest one's values are the result, and its jumps are not kept.
+  struct Level {
+    LatticeBox box;
+    DeviceBuffer values, jumps, correction, residual;
+  };
+  /// Where the arguments of a level's dispatches lie.
+  enum class Extent : uint32_t { Samples, HalfSamples, RestrictGroups, OneGroup };
+  static constexpr uint32_t kExtents = 4;
+  static constexpr uint32_t kGroup = 128;
+
+  void plan();
+  void solve(Commands& commands, const Fields& fields, uint32_t level);
+  void improve(Commands& commands, const Fields& fields, uint32_t level, VkDeviceAddress values,
+               VkDeviceAddress rightHandSide);
+  void solveCoarsest(Commands& commands, VkDeviceAddress values, VkDeviceAddress rightHandSide);
+  void relax(Commands& commands, WindingHarmonicPush push);
+  WindingHarmonicPush push(const Fields& fields, uint32_t level, VkDeviceAddress values) const;
+  void dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel, const WindingHarmonicPush& push,
+                Extent extent) const;
+  uint32_t coarsest() const { return static_cast<uint32_t>(levels_.size()) - 1; }
+
+  Device* device_;
+  glm::ivec3 dims_{0};
+  std::vector<Level> levels_;
+  Kernel<WindingGatePush> gate_;
+  Kernel<WindingHarmonicPush> jumps_, relax_, restrict_, correct_, prolong_, coarsest_;
+  DeviceBuffer planned_, arguments_;
+};
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,87 @@
+#include "vulkan/winding_harmonic.h"
+
+#include <cmath>
+
+#include "cpu/winding_harmonic.h"
+#include "shapes.h"
+#include "sign_scene.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+/// The ray map as the device holds it (shaders/ray_map.glsl).
+std::vector<int32_t> suffixSums(const RayMap& map, int axis) {
+  glm::ivec3 dims = map.dims;
+  ++dims[axis];
+  std::vector<int32_t> sums;
+  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
+    for (s.y = 0; s.y < dims.y; ++s.y)
+      for (s.x = 0; s.x < dims.x; ++s.x) {
+        glm::ivec3 before = s;
+        --before[axis];
+        sums.push_back(map.ray(axis, before));
+      }
+  return sums;
+}
+
+class VulkanWindingHarmonic : public VulkanTest {
+ protected:
+  static std::vector<float> solve(WindingHarmonic& harmonic, const RayMap& map, uint32_t doubtful) {
+    harmonic.reserve(map.dims);
+    const DeviceBuffer x = upload(suffixSums(map, 0), "rays x"), y = upload(suffixSums(map, 1), "rays y"),
+                       z = upload(suffixSums(map, 2), "rays z"),
+                       count = upload<uint32_t>({doubtful}, "doubtful");
+    const size_t samples = size_t(map.dims.x) * size_t(map.dims.y) * size_t(map.dims.z);
+    const DeviceBuffer winding = upload(std::vector<float>(samples, 7.0f), "winding");
+    run([&](Commands& commands) {
+      harmonic.record(commands, {.rays = {x.address(), y.address(), z.address()},
+                                 .winding = winding.address(),
+                                 .doubtful = count.address()});
+    });
+    return download<float>(winding);
+  }
+
+  static Buffer<float> solveOnTheCpu(const RayMap& map) {
+    const Options options;
+    Stats stats;
+    Progress progress(options, stats);
+    HarmonicScratch scratch;
+    Buffer<float> winding(size_t(map.dims.x) * size_t(map.dims.y) * size_t(map.dims.z));
+    solveHarmonic(map, progress, scratch, winding);
+    return winding;
+  }
+};
+
+Mesh holedSphere() {
+  Mesh mesh = shapes::sphere(1.0, 3);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.6; });
+  return mesh;
+}
+
+TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
+  WindingHarmonic harmonic(device());
+  for (const Mesh& mesh : {holedSphere(), shapes::soup(300, 4)})
+    for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(48, 48, 48), glm::ivec3(1, 9, 30)}) {
+      SCOPED_TRACE(::testing::Message() << dims.x << " x " << dims.y << " x " << dims.z);
+      const Box box = bounds(mesh);
+      const double spacing = 1.2 * std::max({box.size().x, box.size().y, box.size().z}) / 40.0;
+      const Grid grid{
+          .dims = dims, .origin = box.centre() - 0.5 * spacing * glm::dvec3(dims), .spacing = spacing};
+      const RayMap map = rayMapOf(mesh, grid);
+      const std::vector<float> ours = solve(harmonic, map, 1);
+      const Buffer<float> theirs = solveOnTheCpu(map);
+      for (size_t s = 0; s < ours.size(); ++s) ASSERT_NEAR(ours[s], theirs[s], 2e-5f) << "sample " << s;
+      EXPECT_EQ(ours, solve(harmonic, map, 1)) << "the second time";
+    }
+}
+
+TEST_F(VulkanWindingHarmonic, SolvesNothingWhereAllRaysAgree) {
+  WindingHarmonic harmonic(device());
+  const Mesh mesh = shapes::sphere(1.0, 2);
+  for (const float w : solve(harmonic, rayMapOf(mesh, fitGrid(mesh, {.resolution = 20})), 0))
+    ASSERT_EQ(w, 7.0f);
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
