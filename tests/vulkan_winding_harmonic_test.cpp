@@ -5,39 +5,22 @@
 #include "cpu/winding_harmonic.h"
 #include "shapes.h"
 #include "sign_scene.h"
-#include "vulkan_device.h"
+#include "vulkan_rays.h"
 
 namespace raymap::vulkan {
 namespace {
 
-/// The ray map as the device holds it (shaders/ray_map.glsl).
-std::vector<int32_t> suffixSums(const RayMap& map, int axis) {
-  glm::ivec3 dims = map.dims;
-  ++dims[axis];
-  std::vector<int32_t> sums;
-  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
-    for (s.y = 0; s.y < dims.y; ++s.y)
-      for (s.x = 0; s.x < dims.x; ++s.x) {
-        glm::ivec3 before = s;
-        --before[axis];
-        sums.push_back(map.ray(axis, before));
-      }
-  return sums;
-}
-
-class VulkanWindingHarmonic : public VulkanTest {
+class VulkanWindingHarmonic : public VulkanRaysTest {
  protected:
   static std::vector<float> solve(WindingHarmonic& harmonic, const RayMap& map, uint32_t doubtful) {
     harmonic.reserve(map.dims);
-    const DeviceBuffer x = upload(suffixSums(map, 0), "rays x"), y = upload(suffixSums(map, 1), "rays y"),
-                       z = upload(suffixSums(map, 2), "rays z"),
-                       count = upload<uint32_t>({doubtful}, "doubtful");
+    const DeviceBuffer count = upload<uint32_t>({doubtful}, "doubtful");
+    const Rays rays(map);
     const size_t samples = size_t(map.dims.x) * size_t(map.dims.y) * size_t(map.dims.z);
     const DeviceBuffer winding = upload(std::vector<float>(samples, 7.0f), "winding");
     run([&](Commands& commands) {
-      harmonic.record(commands, {.rays = {x.address(), y.address(), z.address()},
-                                 .winding = winding.address(),
-                                 .doubtful = count.address()});
+      harmonic.record(commands,
+                      {.rays = rays.addresses(), .winding = winding.address(), .doubtful = count.address()});
     });
     return download<float>(winding);
   }

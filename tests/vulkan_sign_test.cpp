@@ -1,0 +1,81 @@
+#include "vulkan/sign.h"
+
+#include <cmath>
+
+#include "cpu/sign.h"
+#include "shapes.h"
+#include "sign_scene.h"
+#include "vulkan_rays.h"
+
+namespace raymap::vulkan {
+namespace {
+
+constexpr glm::uvec3 kDims(21, 13, 17);
+
+class VulkanSign : public VulkanRaysTest {
+ protected:
+  static RayMap map() {
+    return rayMapOf(shapes::soup(60, 3), {.dims = kDims, .origin = glm::dvec3(0.0), .spacing = 0.05});
+  }
+  /// From -1.3 to 1.3, 0.5 itself among them.
+  static std::vector<float> windings() {
+    std::vector<float> values(size_t{kDims.x} * kDims.y * kDims.z);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
+    values[5] = 0.5f;
+    return values;
+  }
+  template <class T>
+  static Buffer<T> bufferOf(const std::vector<T>& values) {
+    Buffer<T> buffer(values.size());
+    std::copy(values.begin(), values.end(), buffer.begin());
+    return buffer;
+  }
+};
+
+TEST_F(VulkanSign, IsTheCpus) {
+  const RayMap rayMap = map();
+  const Rays rays(rayMap);
+  const std::vector<float> values = windings();
+  const std::vector<float> unsignedDistance(values.size(), 2.5f);
+  const DeviceBuffer winding = upload(values, "winding");
+  Sign sign(device());
+  for (const double threshold : {0.5, 0.3, 1.2})
+    for (const bool isInverted : {false, true}) {
+      const DeviceBuffer distance = upload(unsignedDistance, "distance"),
+                         confidence = upload(unsignedDistance, "confidence");
+      run([&](Commands& commands) {
+        sign.record(commands,
+                    {.rays = rays.addresses(),
+                     .winding = winding.address(),
+                     .distance = distance.address(),
+                     .confidence = confidence.address()},
+                    kDims, threshold, isInverted);
+      });
+      const Buffer<float> reference = bufferOf(values);
+      Buffer<float> distances = bufferOf(unsignedDistance), confidences;
+      applySign(reference, threshold, isInverted, distances);
+      computeConfidence(rayMap, reference, threshold, confidences);
+      const std::vector<float> ours = download<float>(distance), sure = download<float>(confidence);
+      for (size_t i = 0; i < ours.size(); ++i) {
+        ASSERT_EQ(ours[i], distances[i]) << i;
+        ASSERT_NEAR(sure[i], confidences[i], 1e-6f) << i;
+      }
+    }
+}
+
+TEST_F(VulkanSign, FinishScalesAndClamps) {
+  const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
+  Sign sign(device());
+  const auto finished = [&](double band) {
+    const DeviceBuffer distance = upload(values, "distance");
+    run([&](Commands& commands) {
+      sign.recordFinish(commands, distance.address(), uint32_t(values.size()), band, 0.5);
+    });
+    return download<float>(distance);
+  };
+  EXPECT_EQ(finished(0.0), (std::vector<float>{-2.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.75f}));
+  EXPECT_EQ(finished(3.0), (std::vector<float>{-1.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.5f}));
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
