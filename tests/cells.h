@@ -4,6 +4,8 @@
 
 #include <raymap/grid.h>
 
+#include <random>
+
 #include "cell_mesh.h"
 #include "cpu/cell_distance.h"
 #include "cpu/cell_level.h"
@@ -50,6 +52,18 @@ inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
     t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   return {makeMesh(p, std::move(t)), Grid{dims, glm::dvec3(0.0), 1.0}};
+}
+
+/// Values of cells, of which that share holds triangles.
+inline Buffer<float> randomCells(glm::ivec3 dims, double share, unsigned seed, bool isWhole = false) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  Buffer<float> squared(size_t(dims.x) * dims.y * dims.z);
+  for (float& f : squared) {
+    f = unit(random) < share ? 0.75f * unit(random) : emptyCell(dims);
+    if (isWhole && f < 1.0f) f = 0.0f;
+  }
+  return squared;
 }
 
 /// The stages from the voxel grid to the distance transform.

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
 #include "cells.h"
 #include "cpu/cell_distance.h"
@@ -15,17 +14,6 @@ struct Result {
   Buffer<float> squared;
   Buffer<uint32_t> cells;
 };
-
-Buffer<float> randomCells(glm::ivec3 dims, double share, unsigned seed, bool isWhole = false) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  Buffer<float> squared(size_t(dims.x) * dims.y * dims.z);
-  for (float& f : squared) {
-    f = unit(random) < share ? 0.75f * unit(random) : emptyCell(dims);
-    if (isWhole && f < 1.0f) f = 0.0f;
-  }
-  return squared;
-}
 
 Result transform(glm::ivec3 dims, const Buffer<float>& squared, int threads = 0) {
   Silent silent;
@@ -88,6 +76,21 @@ TEST(DistanceTransform, KeepsItsDigitsOnLongLines) {
   f[2000] = 0.301f;
   const Result result = transform(dims, f);
   for (uint32_t p = 0; p < 2001; ++p) EXPECT_EQ(result.cells[p], p <= 1000 ? 0u : 2000u) << p;
+}
+
+TEST(DistanceTransform, GivesTiesToTheLowestCellOnLongLines) {
+  // Half-way between 299 and 1749, multiplied by the reciprocal of what lies between, comes out below 1024.
+  const glm::ivec3 dims(2001, 1, 1);
+  Buffer<float> f(2001);
+  for (const uint32_t low : {299U, 0U, 98U})
+    for (const uint32_t high : {1749U, 98U, 1998U}) {
+      if (high <= low) continue;
+      std::fill(f.begin(), f.end(), emptyCell(dims));
+      f[low] = f[high] = 0.3f;
+      const Result result = transform(dims, f);
+      for (uint32_t p = 0; p < 2001; ++p)
+        ASSERT_EQ(result.cells[p], 2 * p <= low + high ? low : high) << p << " of " << low << ", " << high;
+    }
 }
 
 TEST(DistanceTransform, IsTheSameForAnyNumberOfThreads) {

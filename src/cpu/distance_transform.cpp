@@ -7,7 +7,6 @@
 #include "distance_transform.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "cell_distance.h"
@@ -20,37 +19,37 @@ namespace {
 // Two cache lines of floats, which processors fetch in pairs.
 constexpr int kLanes = 32;
 
-/// The lower envelope of the parabolas (p - q)^2 + f(q) of one line's occupied cells.
+/// The lower envelope, at whole p, of the parabolas (p - q)^2 + f(q) of one line's occupied cells.
 class Envelope {
  public:
-  explicit Envelope(int length) : parabolas_(length), halfInverse_(length) {
+  explicit Envelope(int length) : length_(length), parabolas_(length), halfInverse_(length) {
     for (int d = 1; d < length; ++d) halfInverse_[d] = 0.5 / d;
   }
   void clear() { count_ = 0; }
   bool isEmpty() const { return count_ == 0; }
 
-  /// Algorithm 2, lines 28-44, for ascending q. Double precision, because q^2 + f(q) at 1024 cells leaves a
-  /// float no digits to tell neighbouring parabolas apart.
+  /// Algorithm 2, lines 28-44, for ascending q. Paper: borders between parabolas are real numbers. Here: the
+  /// last whole p before them, exactly, because ties are common and shall go to the lower q; and a parabola
+  /// goes where no whole p is left to it.
   void push(int q, float value, uint32_t cell) {
-    const double height = double(value) + double(q) * q;
-    double from = -INFINITY;
+    int from = 0;
     while (count_ > 0) {
       const Parabola& top = parabolas_[count_ - 1];
-      from = (height - top.height) * halfInverse_[q - top.q];
+      from = lastOf(top, q, value) + 1;
       if (from > top.from) break;
       --count_;
-      from = -INFINITY;
+      from = 0;
     }
-    parabolas_[count_++] = {from, height, value, q, cell};
+    if (from < length_) parabolas_[count_++] = {from, q, value, cell};
   }
 
   /// Lines 45-54: calls write(p, squared, cell) for each p of the line; of equals, the lower q.
   template <class Write>
-  void sample(int length, Write&& write) const {
+  void sample(Write&& write) const {
     int p = 0;
     for (int k = 0; k < count_; ++k) {
       const Parabola& parabola = parabolas_[k];
-      const int end = k + 1 < count_ ? endBefore(parabolas_[k + 1].from, length) : length;
+      const int end = k + 1 < count_ ? parabolas_[k + 1].from : length_;
       for (; p < end; ++p) {
         const auto d = static_cast<float>(p - parabola.q);
         write(p, d * d + parabola.value, parabola.cell);
@@ -60,17 +59,31 @@ class Envelope {
 
  private:
   struct Parabola {
-    double from;  ///< Lowest of all from here on.
-    double height;
-    float value;
+    int from;  ///< Lowest of all from here on.
     int q;
+    float value;
     uint32_t cell;
   };
 
-  static int endBefore(double from, int length) {
-    return static_cast<int>(std::clamp(std::floor(from) + 1.0, 0.0, double(length)));
+  /// The last p, at least -1, where a is no higher than the parabola of q > a.q.
+  int lastOf(const Parabola& a, int q, float value) const {
+    constexpr double kDoubt = 1e-6;  // More than rounding moves a border.
+    const double difference = double(value) - double(a.value);
+    const double border = difference * halfInverse_[q - a.q] + 0.5 * (a.q + q);
+    const double clamped = std::min(std::max(border, -0.5), double(length_)) + kDoubt;
+    const int p = static_cast<int>(clamped + 1.0) - 1;
+    return clamped - p > 2.0 * kDoubt || isNoHigher(a, q, value, p) ? p : p - 1;
   }
 
+  static bool isNoHigher(const Parabola& a, int q, float value, int p) {
+    const double asked = double(q - a.q) * (2.0 * p - a.q - q);
+    const double high = value, low = a.value, difference = high - low;
+    if (difference != asked) return difference > asked;
+    const double taken = difference - high;  // What rounding added, exactly (Knuth 1969).
+    return (high - (difference - taken)) - (low + taken) >= 0.0;
+  }
+
+  int length_;
   std::vector<Parabola> parabolas_;
   std::vector<double> halfInverse_;
   int count_ = 0;
@@ -135,7 +148,7 @@ class Transform {
         const size_t at = size_t(q) * kLanes + lane;
         if (squared[at] < empty) envelope.push(q, squared[at], cells[at]);
       }
-      envelope.sample(length, [&](int p, float value, uint32_t cell) {
+      envelope.sample([&](int p, float value, uint32_t cell) {
         squared[size_t(p) * kLanes + lane] = value;
         cells[size_t(p) * kLanes + lane] = cell;
       });
@@ -153,7 +166,7 @@ class Transform {
     for (int q = 0; q < dims_.x; ++q)
       if (line[q] < empty_) envelope.push(q, line[q], static_cast<uint32_t>(row + q));
     if (envelope.isEmpty()) std::fill_n(cells, dims_.x, kNoCell);
-    envelope.sample(dims_.x, [&](int p, float value, uint32_t cell) {
+    envelope.sample([&](int p, float value, uint32_t cell) {
       line[p] = value;
       cells[p] = cell;
     });
