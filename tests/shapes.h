@@ -86,6 +86,31 @@ inline Mesh soup(int count, unsigned seed) {
   return makeMesh(p, std::move(t));
 }
 
+/// The boundary of a set of unit cells, grown by `cell`: all vertices on samples, all faces through samples.
+inline Mesh voxels(const std::vector<glm::ivec3>& cells, int cell) {
+  Mesh mesh;
+  const auto filled = [&](glm::ivec3 c) { return std::find(cells.begin(), cells.end(), c) != cells.end(); };
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  for (const glm::ivec3& c : cells)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int side : {0, 1}) {
+        glm::ivec3 n(0), a(0), b(0);
+        n[axis] = side ? 1 : -1;
+        a[(axis + 1) % 3] = 1;
+        b[(axis + 2) % 3] = 1;
+        if (filled(c + n)) continue;
+        if (!side) std::swap(a, b);
+        glm::ivec3 corner = c;
+        corner[axis] += side;
+        const auto first = uint32_t(p.size());
+        for (const glm::ivec3& q : {corner, corner + a, corner + a + b, corner + b})
+          p.push_back(glm::dvec3(q * cell));
+        t.insert(t.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
+      }
+  return makeMesh(p, std::move(t));
+}
+
 /// Both meshes in one.
 inline Mesh joined(const Mesh& a, const Mesh& b) {
   std::vector<glm::dvec3> p;

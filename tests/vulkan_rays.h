@@ -7,12 +7,27 @@
 
 namespace raymap::vulkan {
 
-/// For tests of what stands on the ray map: the CPU's, as the device holds it (shaders/ray_map.glsl).
+/// r along an axis, as the device holds it (shaders/ray_map.glsl).
+inline std::vector<int32_t> suffixSums(const raymap::RayMap& map, int axis) {
+  glm::ivec3 dims = map.dims;
+  ++dims[axis];
+  std::vector<int32_t> sums;
+  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
+    for (s.y = 0; s.y < dims.y; ++s.y)
+      for (s.x = 0; s.x < dims.x; ++s.x) {
+        glm::ivec3 before = s;
+        --before[axis];
+        sums.push_back(map.ray(axis, before));
+      }
+  return sums;
+}
+
+/// For tests of what stands on the ray map: the CPU's on the device.
 class VulkanRaysTest : public VulkanTest {
  protected:
   class Rays {
    public:
-    explicit Rays(const RayMap& map) {
+    explicit Rays(const raymap::RayMap& map) {
       for (int axis = 0; axis < 3; ++axis) sums_[size_t(axis)] = upload(suffixSums(map, axis), "rays");
     }
     std::array<VkDeviceAddress, 3> addresses() const {
@@ -22,21 +37,6 @@ class VulkanRaysTest : public VulkanTest {
    private:
     std::array<DeviceBuffer, 3> sums_;
   };
-
- private:
-  static std::vector<int32_t> suffixSums(const RayMap& map, int axis) {
-    glm::ivec3 dims = map.dims;
-    ++dims[axis];
-    std::vector<int32_t> sums;
-    for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
-      for (s.y = 0; s.y < dims.y; ++s.y)
-        for (s.x = 0; s.x < dims.x; ++s.x) {
-          glm::ivec3 before = s;
-          --before[axis];
-          sums.push_back(map.ray(axis, before));
-        }
-    return sums;
-  }
 };
 
 }  // namespace raymap::vulkan

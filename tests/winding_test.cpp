@@ -27,31 +27,6 @@ void expectExact(const Mesh& mesh, const Grid& grid, size_t stride = 1) {
   }
 }
 
-/// The boundary of a set of unit cells, grown by `cell`: all vertices on samples, all faces through samples.
-Mesh voxelMesh(const std::vector<glm::ivec3>& cells, int cell) {
-  Mesh mesh;
-  const auto filled = [&](glm::ivec3 c) { return std::find(cells.begin(), cells.end(), c) != cells.end(); };
-  std::vector<glm::dvec3> p;
-  std::vector<glm::uvec3> t;
-  for (const glm::ivec3& c : cells)
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int side : {0, 1}) {
-        glm::ivec3 n(0), a(0), b(0);
-        n[axis] = side ? 1 : -1;
-        a[(axis + 1) % 3] = 1;
-        b[(axis + 2) % 3] = 1;
-        if (filled(c + n)) continue;
-        if (!side) std::swap(a, b);
-        glm::ivec3 corner = c;
-        corner[axis] += side;
-        const auto first = uint32_t(p.size());
-        for (const glm::ivec3& q : {corner, corner + a, corner + a + b, corner + b})
-          p.push_back(glm::dvec3(q * cell));
-        t.insert(t.end(), {{first, first + 1, first + 2}, {first, first + 2, first + 3}});
-      }
-  return makeMesh(p, std::move(t));
-}
-
 TEST(Winding, BoxesOnSamplesAndLatticeLines) {
   expectExact(shapes::box({2, 3, 4}, {9, 8, 7}), unitGrid({12, 11, 13}));
   expectExact(shapes::box({2.5, 3, 4.5}, {9, 8.5, 7}), unitGrid({12, 11, 13}));
@@ -59,9 +34,9 @@ TEST(Winding, BoxesOnSamplesAndLatticeLines) {
 }
 
 TEST(Winding, VoxelMeshes) {
-  expectExact(voxelMesh({{1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {3, 3, 1}, {3, 3, 2}, {1, 3, 3}}, 2),
+  expectExact(shapes::voxels({{1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {3, 3, 1}, {3, 3, 2}, {1, 3, 3}}, 2),
               unitGrid({10, 10, 10}));
-  expectExact(voxelMesh({{1, 1, 1}, {2, 2, 2}, {3, 1, 2}}, 3), unitGrid({14, 12, 13}));
+  expectExact(shapes::voxels({{1, 1, 1}, {2, 2, 2}, {3, 1, 2}}, 3), unitGrid({14, 12, 13}));
 }
 
 TEST(Winding, RoundShapes) {

@@ -1,0 +1,39 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "shared/types.h"
+
+RAYMAP_SHARED_BEGIN
+
+RAYMAP_CONSTANT uint kCrossingsGroup = 128;
+RAYMAP_CONSTANT uint kFewLines = 32;  // So many lines of a triangle are scanned by one invocation,
+RAYMAP_CONSTANT uint kRunLines = 32;  // and of a larger one no more than this many of a row: a run.
+RAYMAP_CONSTANT uint kMostRuns = 1u << 31;
+
+// All zero before the stage begins.
+struct CrossingsStatus {
+  uint reach;         // The largest |coordinate| of all corners, as the bits of a float, which sort like it.
+  uint tooFarCorner;  // Of the first corner beyond what can be computed: ~(3 * triangle + corner).
+  uint runs, runsHigh;  // How many runs there are, with 64 bits.
+};
+RAYMAP_CHECK_SIZE(CrossingsStatus, 16);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CrossingsStatusAddress {
+  CrossingsStatus now;
+};
+#endif
+
+struct CrossingsPush {
+  RAYMAP_ADDRESS(Floats) vertices;
+  RAYMAP_ADDRESS(Uints) triangles;
+  RAYMAP_ADDRESS(Ints) lines[3];  // w_l of every lattice edge along x, y and z; see vulkan/crossings.h.
+  RAYMAP_ADDRESS(Uints) runs;     // Of each triangle: how many there are, or how many come before them.
+  RAYMAP_ADDRESS(CrossingsStatusAddress) status;
+  uint dims[3];
+  uint triangleCount;
+};
+RAYMAP_CHECK_SIZE(CrossingsPush, 72);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "scan.h"
+#include "shared/crossings.h"
+
+namespace raymap::vulkan {
+
+/// Where three arrays of numbers lie, one for each lattice edge along x, y and z. A line along an axis with n
+/// samples has n + 1 of them: edge e leads from sample e - 1 to e, edge 0 stands for all that lies before the
+/// first sample, edge n for all beyond the last. In memory each array is a grid with one sample more along
+/// its axis, x fastest.
+struct LatticeLines {
+  glm::ivec3 dims{0};
+  std::array<VkDeviceAddress, 3> axes{};
+};
+
+/// Signed crossings w_l of every lattice edge, the same as the CPU's: §3.5, see cpu/crossings.h. Unsigned
+/// ones are not kept.
+class Crossings {
+ public:
+  explicit Crossings(Device& device);
+
+  /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.
+  void reserve(const glm::ivec3& dims, uint64_t triangleCount);
+  /// Counts the crossings of as many triangles as were reserved: `vertices` are three floats each, in cells,
+  /// `triangles` three indices each.
+  void record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles);
+
+  LatticeLines lines() const;
+  const DeviceBuffer& line(int axis) const { return lines_[static_cast<size_t>(axis)]; }
+  /// One `CrossingsStatus`, for `throwIfFailed` when the work has been done.
+  const DeviceBuffer& status() const { return status_; }
+
+ private:
+  glm::ivec3 dims_{0};
+  uint32_t triangleCount_ = 0;
+  Kernel<CrossingsPush> reach_;
+  Kernel<CrossingsPush> triangles_;
+  Kernel<CrossingsPush> runs_;
+  Scan scan_;
+  DispatchArguments arguments_;
+  std::array<DeviceBuffer, 3> lines_;
+  DeviceBuffer runCounts_;
+  DeviceBuffer status_;
+};
+
+/// Throws what kept the crossings from being counted: `Error(Input)` if a vertex lies too far away,
+/// `Error(Unsupported)` if large triangles cover too many lines.
+void throwIfFailed(const CrossingsStatus& status);
+
+}  // namespace raymap::vulkan

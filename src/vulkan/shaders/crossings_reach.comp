@@ -1,0 +1,23 @@
+// How far the corners of triangles lie from sample (0, 0, 0); what no triangle uses does not count.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernel.glsl"
+#include "subgroups.glsl"
+#include "crossings.glsl"
+
+void main() {
+  const uint triangle = invocationIndex();
+  uint reach = 0;
+  if (triangle < push.triangleCount) {
+    for (uint corner = 0; corner < 3; ++corner) {
+      const uvec3 bits = floatBitsToUint(abs(cornerOf(triangle, corner)));
+      const uint furthest = max(max(bits.x, bits.y), bits.z);
+      if (exponentOf(furthest) >= kCoordinateBits)
+        atomicMax(push.status.now.tooFarCorner, ~(3 * triangle + corner));
+      reach = max(reach, furthest);
+    }
+  }
+  reach = subgroupMax(reach);
+  // It only grows, so that one who reads too little only asks in vain.
+  if (subgroupElect() && reach > push.status.now.reach) atomicMax(push.status.now.reach, reach);
+}

@@ -1,0 +1,47 @@
+// The average of the six rays of each sample.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernel.glsl"
+#include "subgroups.glsl"
+#include "shared/winding_rays.h"
+
+layout(push_constant, scalar) uniform Push { WindingRaysPush push; };
+
+shared uint doubtfulOfGroup;
+
+// sum / 6, correctly rounded; GLSL's division need not be. For |sum| < 2^24: 4 and 2 times the estimate are each
+// within a factor of two of what they are taken from, so that the remainder is exact, and no quotient comes so
+// close to the middle between two floats that the last rounding could go wrong.
+float sixth(int sum) {
+  const float kSixth = 1.0 / 6.0;
+  const float estimate = float(sum) * kSixth;
+  precise const float remainder = (float(sum) - 4.0 * estimate) - 2.0 * estimate;
+  precise const float result = estimate + remainder * kSixth;
+  return result;
+}
+
+// Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus infinity
+// (with our sign: what leaves through a face counts +1 both ways). Gives whether rays disagree.
+bool average(uint at) {
+  const uint nx = push.dims[0], ny = push.dims[1];
+  const uint i = at % nx, row = at / nx, k = row / ny;
+  const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
+  const int y = push.rays[1].at[at + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];
+  const int z = push.rays[2].at[at + nx * ny], totalZ = push.rays[2].at[at - k * nx * ny];
+  push.winding.at[at] = sixth(2 * (x + y + z) - (totalX + totalY + totalZ));
+  return ((x ^ y) | (y ^ z) | totalX | totalY | totalZ) != 0;
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0) doubtfulOfGroup = 0;
+  barrier();
+  uint doubtful = 0;
+  for (uint n = 0; n < kWindingRaysRows; ++n) {
+    const uint s = (groupIndex() * kWindingRaysRows + n) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+    if (s < push.sampleCount && average(s)) ++doubtful;
+  }
+  doubtful = subgroupAdd(doubtful);
+  if (subgroupElect() && doubtful > 0) atomicAdd(doubtfulOfGroup, doubtful);
+  barrier();
+  if (gl_LocalInvocationIndex == 0 && doubtfulOfGroup > 0) atomicAdd(push.doubtful.at[0], doubtfulOfGroup);
+}
