@@ -24,13 +24,4 @@ struct WindingHarmonicPush {
 };
 RAYMAP_CHECK_SIZE(WindingHarmonicPush, 72);
 
-struct WindingGatePush {
-  RAYMAP_ADDRESS(Uints) doubtful;  // Number of samples whose rays disagree.
-  RAYMAP_ADDRESS(Uints) planned;   // Arguments of dispatches, as they are if there are any,
-  RAYMAP_ADDRESS(Uints) actual;    // and as they shall be.
-  uint count;                      // How many numbers these are.
-  uint unused;
-};
-RAYMAP_CHECK_SIZE(WindingGatePush, 32);
-
 RAYMAP_SHARED_END

@@ -5,30 +5,20 @@
 
 #include "shaders/winding_coarsest_spv.h"
 #include "shaders/winding_correct_spv.h"
-#include "shaders/winding_gate_spv.h"
 #include "shaders/winding_jumps_spv.h"
 #include "shaders/winding_prolong_spv.h"
 #include "shaders/winding_relax_spv.h"
 #include "shaders/winding_restrict_spv.h"
-#include "shared/dispatch_arguments.h"
 
 namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kWordsPerDispatch = 3;  // VkDispatchIndirectCommand
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
 constexpr uint32_t kCoarsestGroup = 256;
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
-}
-
-void planGroups(uint64_t groups, uint32_t* words) {
-  const uint64_t y = ceilDiv(groups, kMaxGroups);
-  words[0] = static_cast<uint32_t>(ceilDiv(groups, y));
-  words[1] = static_cast<uint32_t>(y);
-  words[2] = 1;
 }
 
 uint64_t restrictGroups(const glm::ivec3& coarse) {
@@ -40,15 +30,13 @@ uint64_t restrictGroups(const glm::ivec3& coarse) {
 
 WindingHarmonic::WindingHarmonic(Device& device)
     : device_(&device),
-      gate_(device, shaders::kWindingGate, 32),
+      gate_(device, "dispatches of the harmonic solve"),
       jumps_(device, shaders::kWindingJumps, kGroup),
       relax_(device, shaders::kWindingRelax, kGroup),
       restrict_(device, shaders::kWindingRestrict, kRestrictGroup),
       correct_(device, shaders::kWindingCorrect, kGroup),
       prolong_(device, shaders::kWindingProlong, kGroup),
-      coarsest_(device, shaders::kWindingCoarsest, kCoarsestGroup, {kCoarsestSweeps}),
-      planned_(device, "winding planned dispatches", MemoryUse::Upload),
-      arguments_(device, "winding dispatches") {}
+      coarsest_(device, shaders::kWindingCoarsest, kCoarsestGroup, {kCoarsestSweeps}) {}
 
 void WindingHarmonic::reserve(const glm::ivec3& dims) {
   if (dims == dims_) return;
@@ -71,29 +59,18 @@ void WindingHarmonic::reserve(const glm::ivec3& dims) {
 }
 
 void WindingHarmonic::plan() {
-  const size_t words = levels_.size() * kExtents * kWordsPerDispatch;
-  planned_.resize<uint32_t>(words);
-  arguments_.resize<uint32_t>(words);
-  for (size_t l = 0; l < levels_.size(); ++l) {
+  gate_.reserve(static_cast<uint32_t>(levels_.size()) * kExtents);
+  for (uint32_t l = 0; l < levels_.size(); ++l) {
     const LatticeBox& box = levels_[l].box;
     const uint64_t half = uint64_t(box.dims.x + 1) / 2 * uint64_t(box.dims.y) * uint64_t(box.dims.z);
     const uint64_t groups[kExtents] = {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
-                                       l + 1 < levels_.size() ? restrictGroups(levels_[l + 1].box.dims) : 1,
-                                       1};
-    for (uint32_t extent = 0; extent < kExtents; ++extent)
-      planGroups(groups[extent],
-                 planned_.mapped<uint32_t>().data() + (l * kExtents + extent) * kWordsPerDispatch);
+                                       l < coarsest() ? restrictGroups(levels_[l + 1].box.dims) : 1, 1};
+    for (uint32_t extent = 0; extent < kExtents; ++extent) gate_.plan(l * kExtents + extent, groups[extent]);
   }
 }
 
 void WindingHarmonic::record(Commands& commands, const Fields& fields) {
-  const auto words = static_cast<uint32_t>(levels_.size() * kExtents * kWordsPerDispatch);
-  commands.dispatch(gate_,
-                    {.doubtful = fields.doubtful,
-                     .planned = planned_.address(),
-                     .actual = arguments_.address(),
-                     .count = words},
-                    words);
+  gate_.record(commands, fields.doubtful);
   commands.concurrent([&] {
     for (uint32_t l = 1; l < levels_.size(); ++l)
       dispatch(commands, jumps_, push(fields, l, levels_[l].jumps.address()), Extent::Samples);
@@ -164,9 +141,7 @@ WindingHarmonicPush WindingHarmonic::push(const Fields& fields, uint32_t level,
 
 void WindingHarmonic::dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel,
                                const WindingHarmonicPush& push, Extent extent) const {
-  const uint32_t entry = push.level * kExtents + static_cast<uint32_t>(extent);
-  commands.dispatchIndirect(kernel, push, arguments_,
-                            VkDeviceSize{entry} * kWordsPerDispatch * sizeof(uint32_t));
+  gate_.dispatch(commands, kernel, push, push.level * kExtents + static_cast<uint32_t>(extent));
 }
 
 }  // namespace raymap::vulkan

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "commands.h"
+#include "gate.h"
 #include "lattice_box.h"
 #include "shared/winding_harmonic.h"
 
@@ -52,9 +52,8 @@ class WindingHarmonic {
   Device* device_;
   glm::ivec3 dims_{0};
   std::vector<Level> levels_;
-  Kernel<WindingGatePush> gate_;
+  Gate gate_;
   Kernel<WindingHarmonicPush> jumps_, relax_, restrict_, correct_, prolong_, coarsest_;
-  DeviceBuffer planned_, arguments_;
 };
 
 }  // namespace raymap::vulkan
