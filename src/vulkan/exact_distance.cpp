@@ -1,0 +1,80 @@
+// Ours (Krayer & Müller 2019 keep the nearest cell's triangles, §3.3): the true closest triangle of every
+// sample. As on the CPU, blocks of samples get lists of what may be closest to some sample in them; here in
+// two steps, each block by a subgroup whose lanes are candidates first and samples at the end
+// (docs/decisions/vulkan_exact_distance.md).
+
+#include "exact_distance.h"
+
+#include <algorithm>
+
+#include "shaders/exact_distance_blocks_spv.h"
+#include "shaders/exact_distance_rest_spv.h"
+#include "shaders/exact_distance_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+/// Each subgroup needs 2.5 KiB of shared memory: eight at most.
+uint32_t groupSizeOf(const DeviceLimits& limits) {
+  constexpr uint32_t kBest = 64;
+  constexpr uint32_t kSubgroups = 8;
+  return std::max(std::min(kBest, kSubgroups * limits.minSubgroupSize), limits.maxSubgroupSize);
+}
+
+}  // namespace
+
+ExactDistance::ExactDistance(Device& device)
+    : hasShortLoops_(device.info().type == DeviceType::Software),
+      maxSubgroup_(device.limits().maxSubgroupSize),
+      groupSize_(groupSizeOf(device.limits())),
+      blocks_(device, shaders::kExactDistanceBlocks, groupSize_,
+              {groupSize_ / device.limits().minSubgroupSize}),
+      samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
+      rest_(device, shaders::kExactDistanceRest, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
+      arguments_(device, "exact distance arguments", 1),
+      lists_(device, "lists of large blocks"),
+      unfinished_(device, "unfinished blocks") {}
+
+void ExactDistance::reserve(const glm::ivec3& dims) {
+  dims_ = dims;
+  lists_.resize<uint32_t>(blocks(kLargeSide) * kListWords);
+  if (hasShortLoops_) unfinished_.resize<uint32_t>(1 + blocks(kSmallSide));
+}
+
+uint64_t ExactDistance::blocks(uint32_t side) const {
+  const glm::u64vec3 along = (glm::u64vec3(dims_) + uint64_t{side - 1}) / uint64_t{side};
+  return along.x * along.y * along.z;
+}
+
+void ExactDistance::record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields) {
+  const ExactDistancePush push{.frames = tree.frames().address(),
+                               .discs = tree.discs().address(),
+                               .lists = lists_.address(),
+                               .distance = fields.distance,
+                               .triangle = fields.triangle,
+                               .unfinished = unfinished_.address(),
+                               .dimX = static_cast<uint32_t>(dims_.x),
+                               .dimY = static_cast<uint32_t>(dims_.y),
+                               .dimZ = static_cast<uint32_t>(dims_.z),
+                               .firstLeaf = tree.firstLeaf(),
+                               .leafCount = tree.leafCount(),
+                               .band = static_cast<float>(band),
+                               .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
+  commands.fill(unfinished_, 0);
+  commands.dispatch(blocks_, push, blocks(kLargeSide) * maxSubgroup_);
+  commands.dispatch(samples_, push, blocks(kSmallSide) * maxSubgroup_);
+  if (hasShortLoops_) recordRest(commands, push);
+}
+
+/// Loops that end too early leave blocks unfinished, which then look at all leaves, some in each pass.
+void ExactDistance::recordRest(Commands& commands, ExactDistancePush push) {
+  const auto most = static_cast<uint32_t>(blocks(kSmallSide));
+  arguments_.record(commands, 0,
+                    {.count = {.most = most, .address = unfinished_.address()},
+                     .itemsPerGroup = groupSize_ / maxSubgroup_});
+  for (; push.restLeaf < push.leafCount; push.restLeaf += kRestLeaves)
+    arguments_.dispatch(commands, rest_, push, 0);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "shared/exact_distance.h"
+#include "surface_tree.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: the distance, in cell units, of every sample to its closest triangle, and that triangle.
+class ExactDistance {
+ public:
+  /// What is written, of every sample.
+  struct Fields {
+    VkDeviceAddress distance = 0;
+    VkDeviceAddress triangle = 0;  ///< 0: not asked for.
+  };
+
+  explicit ExactDistance(Device& device);
+
+  /// Makes room for a grid. Nothing recorded before may still have to run.
+  void reserve(const glm::ivec3& dims);
+  /// For the grid of the last `reserve` and the mesh last recorded in the tree. With a `band` above zero,
+  /// samples farther than that get exactly `band` and `kNoTriangle`.
+  void record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields);
+
+ private:
+  uint64_t blocks(uint32_t side) const;
+  void recordRest(Commands& commands, ExactDistancePush push);
+
+  bool hasShortLoops_;
+  uint32_t maxSubgroup_;
+  uint32_t groupSize_;
+  glm::ivec3 dims_{0};
+  Kernel<ExactDistancePush> blocks_, samples_, rest_;
+  DispatchArguments arguments_;
+  DeviceBuffer lists_, unfinished_;
+};
+
+}  // namespace raymap::vulkan

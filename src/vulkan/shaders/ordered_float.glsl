@@ -1,0 +1,10 @@
+// Numbers that are ordered as floats are.
+
+uint toOrdered(float value) {
+  const uint bits = floatBitsToUint(value);
+  return bits ^ (uint(int(bits) >> 31) | 0x80000000u);
+}
+
+float fromOrdered(uint ordered) {
+  return uintBitsToFloat(ordered ^ (((ordered >> 31) - 1) | 0x80000000u));
+}

@@ -1,0 +1,121 @@
+// Triangles and discs of the surface tree: the twin of cpu/surface_shapes-inl.h. Its nodes are numbered from the root
+// on, level by level: the children of node n are 8 n + 1 to 8 n + 8, and leaf n has the triangles 8 n to 8 n + 7.
+// Comes after shared/surface_tree.h.
+
+// In a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. Written so that the distance
+// to a point needs no division.
+struct Triangle {
+  vec3 a, x, y, z;
+  float bx, cx, cy;
+  float inverseBc2, inverseCa2;  // 1 / |c - b|^2 and 1 / |a - c|^2; 0 without length.
+};
+
+struct Disc {
+  vec3 centre, normal;  // The normal has length 1.
+  float radius, halfThickness;
+};
+
+// Fills the places of nodes without triangles: out of reach of every point.
+Disc discOutOfReach() {
+  return Disc(vec3(0), vec3(0, 0, 1), -1.0 / 0.0, 0);
+}
+
+Triangle readTriangle(Vec4s frames, uint index) {
+  const vec4 a = frames.at[index * kFrameVectors], x = frames.at[index * kFrameVectors + 1];
+  const vec4 y = frames.at[index * kFrameVectors + 2], rest = frames.at[index * kFrameVectors + 3];
+  return Triangle(a.xyz, x.xyz, y.xyz, cross(x.xyz, y.xyz), a.w, x.w, y.w, rest.x, rest.y);
+}
+
+void writeTriangle(Vec4s frames, uint index, Triangle t, uint id) {
+  frames.at[index * kFrameVectors] = vec4(t.a, t.bx);
+  frames.at[index * kFrameVectors + 1] = vec4(t.x, t.cx);
+  frames.at[index * kFrameVectors + 2] = vec4(t.y, t.cy);
+  frames.at[index * kFrameVectors + 3] = vec4(t.inverseBc2, t.inverseCa2, uintBitsToFloat(id), 0);
+}
+
+// Its number in the mesh.
+uint readTriangleId(Vec4s frames, uint index) {
+  return floatBitsToUint(frames.at[index * kFrameVectors + 3].z);
+}
+
+Disc readDisc(Vec4s discs, uint node) {
+  const vec4 first = discs.at[node * kDiscVectors], second = discs.at[node * kDiscVectors + 1];
+  return Disc(first.xyz, second.xyz, first.w, second.w);
+}
+
+void writeDisc(Vec4s discs, uint node, Disc disc) {
+  discs.at[node * kDiscVectors] = vec4(disc.centre, disc.radius);
+  discs.at[node * kDiscVectors + 1] = vec4(disc.normal, disc.halfThickness);
+}
+
+// From the closest point of a triangle's edges to a point in its frame, and whether the point lies over the face.
+struct EdgeOffsets {
+  vec2 ab, bc, ca;
+  bool inside;
+};
+
+EdgeOffsets edgeOffsets(Triangle t, vec2 p) {
+  const vec2 b = vec2(t.bx, 0), c = vec2(t.cx, t.cy), bc = c - b, bp = p - b;
+  EdgeOffsets e;
+  e.ab = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
+  e.bc = bp - clamp(dot(bp, bc) * t.inverseBc2, 0, 1) * bc;
+  e.ca = p - clamp(dot(p, c) * t.inverseCa2, 0, 1) * c;
+  // Never so if it has no area.
+  e.inside = min(p.y, min(bc.x * p.y - t.cy * bp.x, t.cy * p.x - t.cx * p.y)) > 0;
+  return e;
+}
+
+float squaredDistance(Triangle t, vec3 point) {
+  const vec3 q = point - t.a;
+  const float w = dot(q, t.z);
+  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
+  return w * w + (e.inside ? 0 : min(dot(e.ab, e.ab), min(dot(e.bc, e.bc), dot(e.ca, e.ca))));
+}
+
+// Distance to a convex shape and its gradient at a point: the tangent plane.
+struct Tangent {
+  float d;
+  vec3 g;
+};
+
+Tangent tangentOf(Triangle t, vec3 point) {
+  const vec3 q = point - t.a;
+  const float w = dot(q, t.z);
+  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
+  const float ab2 = dot(e.ab, e.ab), bc2 = dot(e.bc, e.bc), ca2 = dot(e.ca, e.ca);
+  vec2 o = ca2 < min(ab2, bc2) ? e.ca : bc2 < ab2 ? e.bc : e.ab;
+  if (e.inside) o = vec2(0);
+  const float inverse = inversesqrt(max(dot(o, o) + w * w, 1e-30));
+  return Tangent((dot(o, o) + w * w) * inverse, (o.x * t.x + o.y * t.y + w * t.z) * inverse);
+}
+
+// How far a point lies beside a disc, and above or below it.
+struct DiscOffset {
+  vec3 q;
+  float height, inverseRho, beside, above;
+};
+
+DiscOffset discOffset(Disc disc, vec3 point) {
+  DiscOffset o;
+  o.q = point - disc.centre;
+  o.height = dot(o.q, disc.normal);
+  const float rho2 = max(dot(o.q, o.q) - o.height * o.height, 1e-30);
+  o.inverseRho = inversesqrt(rho2);
+  o.beside = max(rho2 * o.inverseRho - disc.radius, 0);
+  o.above = max(abs(o.height) - disc.halfThickness, 0);
+  return o;
+}
+
+float squaredDistance(Disc disc, vec3 point) {
+  const DiscOffset o = discOffset(disc, point);
+  return o.beside * o.beside + o.above * o.above;
+}
+
+Tangent tangentOf(Disc disc, vec3 point) {
+  const DiscOffset o = discOffset(disc, point);
+  const float squared = max(o.beside * o.beside + o.above * o.above, 1e-30);
+  const float inverse = inversesqrt(squared);
+  const float radial = o.beside * inverse * o.inverseRho;
+  const float axial = (o.height < 0 ? -o.above : o.above) * inverse - radial * o.height;
+  return Tangent(squared * inverse, axial * disc.normal + radial * o.q);
+}

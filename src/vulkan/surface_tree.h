@@ -1,0 +1,55 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "radix_sort.h"
+#include "shared/surface_tree.h"
+
+namespace raymap::vulkan {
+
+/// A mesh in cell units on the device: three floats a vertex, three numbers of vertices a triangle.
+struct DeviceMesh {
+  VkDeviceAddress vertices = 0;
+  VkDeviceAddress triangles = 0;
+  uint32_t vertexCount = 0;
+  uint32_t triangleCount = 0;
+};
+
+/// The CPU's twin: triangles in the order of the Morton curve, eight to a leaf, and discs around leaves and
+/// around eight nodes each of the level below. Numbered from the root on (shaders/surface_shapes.glsl).
+class SurfaceTree {
+ public:
+  explicit SurfaceTree(Device& device);
+
+  /// Makes room for meshes of up to so many triangles, at least one. Nothing recorded before may still have
+  /// to run.
+  void reserve(uint32_t triangles);
+  void record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims);
+
+  /// Of the mesh of the last `record`.
+  const DeviceBuffer& frames() const { return frames_; }
+  const DeviceBuffer& discs() const { return discs_; }
+  /// The number of the first leaf among all nodes, of which the leaves come last.
+  uint32_t firstLeaf() const { return levels_.front().start; }
+  uint32_t leafCount() const { return levels_.front().count; }
+  static uint32_t leavesOf(uint32_t triangles) { return (triangles + kArity - 1) / kArity; }
+
+ private:
+  /// The nodes of a level, leaves first: `count` of them from `start` on.
+  struct Level {
+    uint32_t start, count;
+  };
+
+  static std::vector<Level> placeLevels(uint32_t triangles);
+
+  Kernel<SurfaceTreePush> bounds_, keys_, leaves_, level_;
+  RadixSort sort_;
+  uint32_t reserved_ = 0;
+  std::vector<Level> levels_;
+  DeviceBuffer meshBounds_;
+  DeviceBuffer sortKeys_[2], order_[2];
+  DeviceBuffer frames_, discs_;
+};
+
+}  // namespace raymap::vulkan

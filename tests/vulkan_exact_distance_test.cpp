@@ -1,0 +1,142 @@
+#include "vulkan/exact_distance.h"
+
+#include <raymap/io.h>
+
+#include <filesystem>
+
+#include "exact_cases.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+constexpr double kAllowed = 1e-6;  // of the diagonal of the bounds
+
+class VulkanExactDistance : public VulkanTest {
+ protected:
+  struct Found {
+    std::vector<float> distance;
+    std::vector<uint32_t> triangle;
+    bool operator==(const Found&) const = default;
+  };
+
+  /// In mesh units.
+  static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0) {
+    std::vector<glm::vec3> cells;
+    for (const glm::vec3& v : mesh.vertices)
+      cells.emplace_back((mesh.origin - grid.origin + glm::dvec3(v)) / grid.spacing);
+    Found found = findInCells(cells, mesh.triangles, grid.dims, band);
+    for (float& d : found.distance) d *= static_cast<float>(grid.spacing);
+    return found;
+  }
+
+  /// Finds them twice.
+  static Found findInCells(const std::vector<glm::vec3>& vertices, const std::vector<glm::uvec3>& triangles,
+                           const glm::ivec3& dims, double band = 0.0) {
+    const DeviceBuffer vertexBuffer = upload(vertices, "vertices"),
+                       triangleBuffer = upload(triangles, "triangles");
+    const DeviceMesh mesh{vertexBuffer.address(), triangleBuffer.address(),
+                          static_cast<uint32_t>(vertices.size()), static_cast<uint32_t>(triangles.size())};
+    DeviceBuffer distance(device(), "distance"), triangle(device(), "triangle");
+    const size_t samples = size_t(dims.x) * dims.y * dims.z;
+    distance.resize<float>(samples);
+    triangle.resize<uint32_t>(samples);
+    static SurfaceTree tree(device());
+    static ExactDistance exact(device());
+    tree.reserve(mesh.triangleCount);
+    exact.reserve(dims);
+    Found found[2];
+    for (Found& f : found) {
+      run([&](Commands& commands) {
+        tree.record(commands, mesh, dims);
+        exact.record(commands, tree, band, {distance.address(), triangle.address()});
+      });
+      f = {download<float>(distance), download<uint32_t>(triangle)};
+    }
+    EXPECT_TRUE(found[0] == found[1]) << "the second time";
+    return found[0];
+  }
+};
+
+TEST_F(VulkanExactDistance, IsExact) {
+  for (const ExactCase& c : exactCases(24)) {
+    const Found found = find(c.mesh, c.grid);
+    EXPECT_LT(largestExactError(c.mesh, c.grid, found.distance, found.triangle, 300), kAllowed) << c.name;
+  }
+}
+
+TEST_F(VulkanExactDistance, IsExactOnThinGrids) {
+  const Mesh mesh = shapes::torus(7.0, 2.0, 60, 30);
+  for (const glm::ivec3& dims :
+       {glm::ivec3(1, 1, 1), glm::ivec3(1, 1, 50), glm::ivec3(37, 1, 2), glm::ivec3(2, 17, 1)}) {
+    const Grid grid{dims, glm::dvec3(-3.0), 0.3};
+    const Found found = find(mesh, grid);
+    EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 50), kAllowed) << dims.x;
+  }
+}
+
+TEST_F(VulkanExactDistance, StopsAtTheBand) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  const Found all = find(mesh, grid);
+  for (const double band : {0.5, 3.0, 1000.0}) {
+    const Found found = find(mesh, grid, band);
+    const float limit = static_cast<float>(band) * static_cast<float>(grid.spacing);
+    size_t beyond = 0;
+    for (size_t s = 0; s < all.distance.size(); ++s) {
+      const bool isBeyond = all.distance[s] > limit;
+      beyond += isBeyond;
+      ASSERT_NEAR(found.distance[s], isBeyond ? limit : all.distance[s], 1e-6) << s;
+      if (std::abs(all.distance[s] - limit) > 1e-6) {
+        ASSERT_EQ(found.triangle[s] == kNoTriangle, isBeyond) << s;
+      }
+    }
+    EXPECT_EQ(beyond > 0, band < 100.0);
+  }
+}
+
+TEST_F(VulkanExactDistance, LooksAtEveryTriangleIfItMust) {
+  // Triangles across the whole box, whose discs keep none of them away: more than a loop may look at.
+  const Mesh mesh = shapes::soup(100000, 5);
+  const Grid grid{glm::ivec3(5, 3, 1), glm::dvec3(2.0, 0.3, 0.4), 0.3};
+  const Found found = find(mesh, grid);
+  EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 40), kAllowed);
+}
+
+TEST_F(VulkanExactDistance, TakesOneOfManyEqualTriangles) {
+  const std::vector<glm::dvec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Mesh one = makeMesh(corners, {{0, 1, 2}});
+  const Mesh many = makeMesh(corners, std::vector<glm::uvec3>(100000, {0, 1, 2}));
+  const Grid grid{glm::ivec3(5, 3, 2), glm::dvec3(-0.9, -0.8, 0.4), 0.25};
+  EXPECT_EQ(find(one, grid).distance, find(many, grid).distance);
+}
+
+TEST_F(VulkanExactDistance, SurvivesHugeCoordinates) {
+  for (const float huge : {1e8f, 1e15f, 1e25f, 3e38f}) {
+    const std::vector<glm::vec3> vertices{{1, 1, 1},        {3, 1, 1},       {1, 4, 1},
+                                          {huge, -huge, 0}, {huge, 0, huge}, {-huge, huge, -huge}};
+    const std::vector<glm::uvec3> triangles{{0, 1, 2}, {3, 4, 5}, {0, 4, 5}, {3, 3, 5}, {3, 3, 3}};
+    const Found found = findInCells(vertices, triangles, {6, 5, 4});
+    EXPECT_LE(found.distance[(1 * 5 + 1) * 6 + 1], 1e-6 * huge);
+  }
+}
+
+TEST_F(VulkanExactDistance, IsExactOnRealMeshes) {
+  const char* folder = std::getenv("RAYMAP_MESHES");
+  const std::filesystem::path path(folder ? folder : RAYMAP_SHARED_MESHES);
+  if (!std::filesystem::exists(path / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  for (const char* name :
+       {"pymesh__tet.obj", "libigl__cube.off", "trimesh__20mm-xyz-cube.stl", "trimesh__featuretype.ply",
+        "prusaslicer__M3x10_screw.stl", "libigl__bunny.off", "common3d__spot.obj", "sellan__eiffel.obj",
+        "manifold__mengerSponge3.glb", "draco__bun_zipper.ply", "libigl__planexy.off",
+        "meshlab__non_manif_hole.ply", "common3d__beetle.obj", "meshlab__conrod.stl",
+        "stanford-drago__dragon_vrip_res4.ply"}) {
+    const Mesh mesh = readMesh(path / name);
+    const Grid grid = fitGrid(mesh, {.resolution = 48});
+    const Found found = find(mesh, grid);
+    EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 100), kAllowed) << name;
+  }
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
