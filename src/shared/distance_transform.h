@@ -12,7 +12,7 @@ RAYMAP_CONSTANT uint kSegmentCells = 17;  // Of a line, for one invocation; odd,
 struct DistanceTransformPush {
   RAYMAP_ADDRESS(Floats) values;  // Of the cells, before all passes.
   RAYMAP_ADDRESS(Uints) from;     // What the pass before found, and
-  RAYMAP_ADDRESS(Uints) to;       // what this one does: x of the nearest cell, then x | y << 16, then its index.
+  RAYMAP_ADDRESS(Uints) to;  // what this one does: x of the nearest cell, then x | y << 16, then its index.
   uint nx, ny, nz;
   uint lines;     // Of a group; a power of two but along x.
   uint segments;  // Of a line.

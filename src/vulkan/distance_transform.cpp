@@ -2,9 +2,9 @@
 //
 // Paper: one line per invocation, in shared memory, which leaves ever fewer of them in flight as lines grow.
 // Here: an invocation has one segment of a line, whose lower envelope it finds alone; then neighbouring
-// envelopes are merged, pair by pair. So a group has as many invocations whatever the resolution, and takes as
-// many lines as its shared memory holds. No values travel from pass to pass, only the nearest cell's place:
-// the value follows from it.
+// envelopes are merged, pair by pair. So a group has as many invocations whatever the resolution, and takes
+// as many lines as its shared memory holds. No values travel from pass to pass, only the nearest cell's
+// place: the value follows from it.
 
 #include "distance_transform.h"
 
@@ -71,9 +71,8 @@ void DistanceTransform::pass(Commands& commands, Kernel<Push>& kernel, int axis,
   const uint32_t segments = segmentsOf(dims_[axis]);
   const uint32_t fit = std::min(kMostLines, groupSize_ / segments);
   const uint32_t lines = axis == 0 ? fit : std::bit_floor(fit);
-  const uint64_t groups = axis == 0
-                              ? (uint64_t{dims.y} * dims.z + lines - 1) / lines
-                              : uint64_t{ceilDiv(dims.x, lines)} * (axis == 1 ? dims.z : dims.y);
+  const uint64_t groups = axis == 0 ? (uint64_t{dims.y} * dims.z + lines - 1) / lines
+                                    : uint64_t{ceilDiv(dims.x, lines)} * (axis == 1 ? dims.z : dims.y);
   commands.dispatch(kernel,
                     {.values = squared,
                      .from = from,

@@ -7,8 +7,8 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin, but that the values stay as they are: the transform's value of cell p with the nearest cell
-/// q is ((dx^2 + f(q)) + dy^2) + dz^2 in single precision.
+/// The CPU's twin, but that the values stay as they are: the transform's value of cell p with the nearest
+/// cell q is ((dx^2 + f(q)) + dy^2) + dz^2 in single precision.
 class DistanceTransform {
  public:
   explicit DistanceTransform(Device& device);

@@ -1,0 +1,29 @@
+// Writes every cell of every run and the run's triangle, by ascending triangles.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "kernel.glsl"
+#include "shared/cell_runs.h"
+#include "shared/voxel_grid.h"
+#include "run_cells.glsl"
+
+layout(push_constant, scalar) uniform Push { VoxelGridPush push; };
+
+// Otherwise there are no entries, and the host makes room.
+bool fits() {
+  return push.totals.at[1] == 0 && push.totals.at[0] <= push.mostRows && push.totals.at[3] == 0 &&
+         push.totals.at[2] <= push.mostEntries;
+}
+
+void main() {
+  const uint rows = push.totals.at[0];
+  if (invocationIndex() == 0) push.count.at[0] = fits() ? push.totals.at[2] : 0;
+  if (!fits() || groupIndex() * kRunsGroup >= rows) return;
+  loadRunStarts(push.runStarts, rows);
+  for (uint entry = runStarts[0] + gl_LocalInvocationIndex; entry < runStarts[kRunsGroup];
+       entry += gl_WorkGroupSize.x) {
+    const uint local = runOf(entry);
+    const uint run = groupIndex() * kRunsGroup + local;
+    push.cells.at[entry] = push.runCells.at[run] + (entry - runStarts[local]);
+    push.triangles.at[entry] = push.runTriangles.at[run];
+  }
+}

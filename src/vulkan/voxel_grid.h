@@ -1,0 +1,53 @@
+#pragma once
+
+#include "cell_runs.h"
+#include "radix_sort.h"
+#include "shared/voxel_grid.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: which triangles touch which cell (§3.1, Fig. 2). Entries are pairs of a cell and a triangle,
+/// in ascending order: cell c's begin at `begins[c]`, `kNoCell` if it has none, and end with the last entry of
+/// that cell; after all others there is one of `kNoCell`.
+///
+/// How many there are the device finds out: where there is not room for them all, there will be none, and `fits`
+/// is false once the work is done. Then `grow`, record and run it again until it is true; later meshes of about
+/// the same size fit at once.
+class VoxelGrid {
+ public:
+  explicit VoxelGrid(Device& device);
+
+  /// Makes room for a lattice and so many triangles, and for a guess at their entries. Nothing recorded before
+  /// may still have to run.
+  void reserve(const CellLattice& cells, uint32_t triangles);
+  /// For the lattice of the last `reserve`.
+  void record(Commands& commands, const CellRuns::Triangles& triangles);
+
+  bool fits() const { return runs_.fits() && runs_.entries() <= mostEntries_; }
+  /// Throws `Error(Memory)` if there are more entries than can be numbered or had.
+  void grow();
+
+  const CellLattice& lattice() const { return cells_; }
+  /// By entry.
+  const DeviceBuffer& cells() const { return entryCells_[0]; }
+  const DeviceBuffer& triangles() const { return entryTriangles_[0]; }
+  /// By cell.
+  const DeviceBuffer& begins() const { return begins_; }
+  /// How many entries there are: none where there is not room for them.
+  Count entryCount() const;
+  uint64_t entries() const { return runs_.entries(); }
+
+ private:
+  void reserveEntries(uint32_t entries);
+  RadixSort::Pairs pairs(size_t place) const;
+
+  CellLattice cells_;
+  CellRuns runs_;
+  Kernel<VoxelGridPush> writeEntries_, findBegins_;
+  RadixSort sort_;
+  DispatchArguments arguments_;
+  uint32_t mostEntries_ = 0;
+  DeviceBuffer entryCells_[2], entryTriangles_[2], begins_, count_;
+};
+
+}  // namespace raymap::vulkan
