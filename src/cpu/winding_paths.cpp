@@ -4,36 +4,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <utility>
+
+#include "winding_offsets.h"
 
 namespace raymap {
 
 namespace {
-
-constexpr int kPathsPerPoint = 6;  // xyz, xzy, yxz, yzx, zxy, zyx
-constexpr int kRays = 6;
-// Offset points of one step of the evolution. With a single one the field would nearly be that point's.
-constexpr int kPointsPerStep = 4;
-
-/// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over the box of half the
-/// grid's size around the sample, so that any number of passes is well spaced.
-glm::ivec3 builtInOffset(int64_t pass, const glm::ivec3& dims) {
-  constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1
-  const double steps[3] = {1.0 / kRoot, 1.0 / (kRoot * kRoot), 1.0 / (kRoot * kRoot * kRoot)};
-  glm::ivec3 offset;
-  for (int c = 0; c < 3; ++c) {
-    const double turn = 0.5 + double(pass + 1) * steps[c];
-    offset[c] = static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * dims[c]));
-  }
-  return offset;
-}
-
-glm::ivec3 offsetOf(const Options& options, int64_t pass, const glm::ivec3& dims) {
-  if (options.offsets.empty()) return builtInOffset(pass, dims);
-  // From `dims` on the point lies outside for every sample, and farther changes nothing.
-  return glm::clamp(options.offsets[size_t(pass) % options.offsets.size()], -dims, dims);
-}
 
 /// Counts the rows walked, once for each offset point.
 struct Walked {

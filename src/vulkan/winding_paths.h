@@ -1,0 +1,42 @@
+#pragma once
+
+#include <raymap/generate.h>
+
+#include <array>
+
+#include "gate.h"
+#include "shared/winding_paths.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: curves that go elsewhere first. Both start from the six-ray average and replace it, where
+/// any rays disagree.
+class WindingPaths {
+ public:
+  struct Fields {
+    std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
+    VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
+    VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
+  };
+
+  explicit WindingPaths(Device& device);
+
+  /// Makes room for grids of these dims. Nothing recorded before may still have to run.
+  void reserve(const glm::ivec3& dims);
+  /// §3.5, Eq. 9: `options.passes` offset points. For the grid of the last `reserve`.
+  void recordAverage(Commands& commands, const Fields& fields, const Options& options);
+  /// §3.5, Eq. 10-11: `options.passes` steps with four offset points each. Likewise.
+  void recordEvolution(Commands& commands, const Fields& fields, const Options& options);
+
+ private:
+  /// Sets the points of passes `first` to `end`, and dispatches.
+  void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
+  WindingPathsPush push(const Fields& fields) const;
+
+  glm::ivec3 dims_{0};
+  Gate gate_;
+  Kernel<WindingPathsPush> kernel_;
+  DeviceBuffer next_;
+};
+
+}  // namespace raymap::vulkan
