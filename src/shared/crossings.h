@@ -7,8 +7,9 @@
 RAYMAP_SHARED_BEGIN
 
 RAYMAP_CONSTANT uint kCrossingsGroup = 128;
-RAYMAP_CONSTANT uint kFewLines = 32;  // So many lines of a triangle are scanned by one invocation,
-RAYMAP_CONSTANT uint kRunLines = 32;  // and of a larger one no more than this many of a row: a run.
+RAYMAP_CONSTANT uint kFewSteps = 128;  // One invocation scans a triangle in so many steps, each a line
+RAYMAP_CONSTANT uint kRowSteps = 4;    // or the beginning of a row, which takes as long as these,
+RAYMAP_CONSTANT uint kRunLines = 32;   // and of a larger one no more than so many lines of a row: a run.
 RAYMAP_CONSTANT uint kMostRuns = 1u << 31;
 
 // All zero before the stage begins.

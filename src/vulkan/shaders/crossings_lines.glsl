@@ -2,6 +2,8 @@
 // (Edelsbrunner & Mücke 1990) on integers. Whoever includes this defines `Wide`, for products of two
 // coordinates, and its functions.
 
+const int kLongRun = 8;  // Worth to be looked at as a whole first.
+
 // A triangle seen along an axis: counterclockwise, its normal towards plus axis.
 struct Facet {
   i64vec3 a, b, c;
@@ -70,6 +72,11 @@ int countBelow(Facet facet, i64vec2 line, int begin, int end, int bits) {
   return begin;
 }
 
+// Whether an edge has none of `count` lines to its left.
+bool misses(Wide edge, Wide step, int count) {
+  return !isPositive(edge) && !isPositive(sum(edge, product(step, int64_t(count - 1))));
+}
+
 // Counts the crossings with `count` lines of a row, from `first` on.
 void scanRun(Facet facet, uint axis, ivec2 first, int count, ivec2 depths, int bits) {
   i64vec2 line = i64vec2(first) << int64_t(bits);
@@ -79,6 +86,8 @@ void scanRun(Facet facet, uint axis, ivec2 first, int count, ivec2 depths, int b
   const Wide step0 = edgeStep(facet.a, facet.b, bits);
   const Wide step1 = edgeStep(facet.b, facet.c, bits);
   const Wide step2 = edgeStep(facet.c, facet.a, bits);
+  if (count > kLongRun && (misses(edge0, step0, count) || misses(edge1, step1, count) || misses(edge2, step2, count)))
+    return;
   for (int i = 0; i < count; ++i) {
     if (isPositive(edge0) && isPositive(edge1) && isPositive(edge2)) {
       const int edge = countBelow(facet, line, depths.x, depths.y, bits);

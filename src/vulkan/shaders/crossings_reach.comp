@@ -5,7 +5,11 @@
 #include "subgroups.glsl"
 #include "crossings.glsl"
 
+shared uint reachOfGroup;
+
 void main() {
+  if (gl_LocalInvocationIndex == 0) reachOfGroup = 0;
+  barrier();
   const uint triangle = invocationIndex();
   uint reach = 0;
   if (triangle < push.triangleCount) {
@@ -18,6 +22,7 @@ void main() {
     }
   }
   reach = subgroupMax(reach);
-  // It only grows, so that one who reads too little only asks in vain.
-  if (subgroupElect() && reach > push.status.now.reach) atomicMax(push.status.now.reach, reach);
+  if (subgroupElect()) atomicMax(reachOfGroup, reach);
+  barrier();
+  if (gl_LocalInvocationIndex == 0) atomicMax(push.status.now.reach, reachOfGroup);
 }

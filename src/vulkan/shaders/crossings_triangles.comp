@@ -1,4 +1,4 @@
-// Scans the triangles that cover few lines, and counts the runs of the others.
+// Scans the triangles that take few steps, and counts the runs of the others.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel.glsl"
@@ -39,18 +39,18 @@ void scanTriangle(SnappedTriangle t, int bits) {
   }
 }
 
-// The runs of a triangle that has too many lines to be scanned here.
+// The runs of a triangle that takes too many steps to be scanned here.
 uint countRuns(uint triangle) {
   const int bits = fractionBits();
   const SnappedTriangle t = snapTriangle(triangle, bits);
-  uint lineCount = 0, runCount = 0;
+  uint stepCount = 0, runCount = 0;
   for (uint axis = 0; axis < 3; ++axis) {
     const uvec2 lines = linesAlong(t, axis);
-    lineCount += lines.x * lines.y;
+    stepCount += (lines.x + kRowSteps) * lines.y;
     runCount += ceilDiv(lines.x, kRunLines) * lines.y;
   }
-  if (lineCount > kFewLines || !isNarrow(t)) return runCount;
-  if (lineCount > 0) scanTriangle(t, bits);
+  if (stepCount > kFewSteps || !isNarrow(t)) return runCount;
+  scanTriangle(t, bits);
   return 0;
 }
 
