@@ -7,7 +7,7 @@
 RAYMAP_SHARED_BEGIN
 
 RAYMAP_CONSTANT uint kWindingRaysGroup = 256;
-RAYMAP_CONSTANT uint kWindingRaysRows = 8;  // Samples of an invocation.
+RAYMAP_CONSTANT uint kWindingRaysRows = 4;  // Samples of an invocation.
 
 struct WindingRaysPush {
   RAYMAP_ADDRESS(Ints) rays[3];    // A ray map.

@@ -6,7 +6,7 @@
 
 layout(push_constant, scalar) uniform Push { RayMapPush push; };
 
-const uint kBatch = 8;  // Reads in flight together; the sum waits for each of them in turn.
+const uint kBatch = 16;  // Reads in flight together; the sum waits for each of them in turn.
 
 void main() {
   const uint line = invocationIndex();

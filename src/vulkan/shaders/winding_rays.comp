@@ -21,25 +21,31 @@ float sixth(int sum) {
 }
 
 // Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus infinity
-// (with our sign: what leaves through a face counts +1 both ways). Gives whether rays disagree.
-bool average(uint at) {
+// (with our sign: what leaves through a face counts +1 both ways). Counts the sample if its rays disagree.
+float average(uint index, inout uint doubtful) {
   const uint nx = push.dims[0], ny = push.dims[1];
-  const uint i = at % nx, row = at / nx, k = row / ny;
+  const uint i = index % nx, row = index / nx, k = row / ny;
   const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
-  const int y = push.rays[1].at[at + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];
-  const int z = push.rays[2].at[at + nx * ny], totalZ = push.rays[2].at[at - k * nx * ny];
-  push.winding.at[at] = sixth(2 * (x + y + z) - (totalX + totalY + totalZ));
-  return ((x ^ y) | (y ^ z) | totalX | totalY | totalZ) != 0;
+  const int y = push.rays[1].at[index + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];
+  const int z = push.rays[2].at[index + nx * ny], totalZ = push.rays[2].at[index - k * nx * ny];
+  doubtful += uint(((x ^ y) | (y ^ z) | totalX | totalY | totalZ) != 0);
+  return sixth(2 * (x + y + z) - (totalX + totalY + totalZ));
+}
+
+uint sampleIndex(uint row) {
+  return (groupIndex() * kWindingRaysRows + row) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
 }
 
 void main() {
   if (gl_LocalInvocationIndex == 0) doubtfulOfGroup = 0;
   barrier();
   uint doubtful = 0;
-  for (uint n = 0; n < kWindingRaysRows; ++n) {
-    const uint s = (groupIndex() * kWindingRaysRows + n) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
-    if (s < push.sampleCount && average(s)) ++doubtful;
-  }
+  float winding[kWindingRaysRows];
+  // All reads come before any write, so that they can be under way together.
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
+    if (sampleIndex(row) < push.sampleCount) winding[row] = average(sampleIndex(row), doubtful);
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
+    if (sampleIndex(row) < push.sampleCount) push.winding.at[sampleIndex(row)] = winding[row];
   doubtful = subgroupAdd(doubtful);
   if (subgroupElect() && doubtful > 0) atomicAdd(doubtfulOfGroup, doubtful);
   barrier();
