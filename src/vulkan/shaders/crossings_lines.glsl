@@ -86,8 +86,9 @@ void scanRun(Facet facet, uint axis, ivec2 first, int count, ivec2 depths, int b
   const Wide step0 = edgeStep(facet.a, facet.b, bits);
   const Wide step1 = edgeStep(facet.b, facet.c, bits);
   const Wide step2 = edgeStep(facet.c, facet.a, bits);
-  if (count > kLongRun && (misses(edge0, step0, count) || misses(edge1, step1, count) || misses(edge2, step2, count)))
-    return;
+  if (count > kLongRun) {
+    if (misses(edge0, step0, count) || misses(edge1, step1, count) || misses(edge2, step2, count)) return;
+  }
   for (int i = 0; i < count; ++i) {
     if (isPositive(edge0) && isPositive(edge1) && isPositive(edge2)) {
       const int edge = countBelow(facet, line, depths.x, depths.y, bits);
