@@ -22,7 +22,7 @@ float sixth(int sum) {
 
 // Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus infinity
 // (with our sign: what leaves through a face counts +1 both ways). Counts the sample if its rays disagree.
-float average(uint index, inout uint doubtful) {
+float averageOfRays(uint index, inout uint doubtful) {
   const uint nx = push.dims[0], ny = push.dims[1];
   const uint i = index % nx, row = index / nx, k = row / ny;
   const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
@@ -41,10 +41,11 @@ void main() {
   barrier();
   uint doubtful = 0;
   float winding[kWindingRaysRows];
-  // All reads come before any write, so that they can be under way together.
-  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
-    if (sampleIndex(row) < push.sampleCount) winding[row] = average(sampleIndex(row), doubtful);
-  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
+  // All reads come before any write, so that they can be under way together. Drivers unroll such a loop; where
+  // [[unroll]] makes the compiler do it, spirv-opt 2022.4 forgets `precise` in all copies but one.
+  for (uint row = 0; row < kWindingRaysRows; ++row)
+    if (sampleIndex(row) < push.sampleCount) winding[row] = averageOfRays(sampleIndex(row), doubtful);
+  for (uint row = 0; row < kWindingRaysRows; ++row)
     if (sampleIndex(row) < push.sampleCount) push.winding.at[sampleIndex(row)] = winding[row];
   doubtful = subgroupAdd(doubtful);
   if (subgroupElect() && doubtful > 0) atomicAdd(doubtfulOfGroup, doubtful);
