@@ -9,6 +9,10 @@
 #include "cpu/closest_triangles.h"
 #include "cpu/triangle.h"
 #include "reference.h"
+#include "twins.h"
+#ifdef RAYMAP_TEST_VULKAN
+#include "vulkan_cell_stages.h"
+#endif
 
 namespace raymap {
 namespace {
@@ -56,15 +60,28 @@ TEST(TriangleDistance, IsTheSameForABatch) {
   }
 }
 
-TEST(CellDistance, IsTheDistanceFromTheCentreToTheTrianglesOfTheCell) {
+class CellDistanceTwins : public TwinTest {
+ protected:
+  static Buffer<float> compute(const CellMesh& mesh, const VoxelGrid& grid) {
+#ifdef RAYMAP_TEST_VULKAN
+    if (!isOnCpu()) return vulkan::CellStages::cellDistance(mesh, grid.cells);
+#endif
+    Silent silent;
+    Buffer<float> squared;
+    computeCellDistance(mesh, grid, silent.progress, squared);
+    return squared;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Twins, CellDistanceTwins, allTwins(), twinName);
+
+TEST_P(CellDistanceTwins, IsTheDistanceFromTheCentreToTheTrianglesOfTheCell) {
   const OwnCellMesh mesh = cellSoup(300, {11, 7, 9}, 6);
   for (const CellLattice& cells :
        {CellLattice{mesh.dims, glm::dvec3(0.0), 1.0}, CellLattice{{4, 3, 5}, glm::dvec3(-1.0), 4.0}}) {
     Silent silent;
     VoxelGrid grid;
     buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, grid);
-    Buffer<float> squared;
-    computeCellDistance(mesh, grid, silent.progress, squared);
+    const Buffer<float> squared = compute(mesh, grid);
     ASSERT_EQ(squared.size(), cells.count());
     for (size_t c = 0; c < cells.count(); ++c) {
       double expected = INFINITY;

@@ -6,6 +6,10 @@
 
 #include "cells.h"
 #include "cpu/cell_distance.h"
+#include "twins.h"
+#ifdef RAYMAP_TEST_VULKAN
+#include "vulkan_cell_stages.h"
+#endif
 
 namespace raymap {
 namespace {
@@ -15,12 +19,26 @@ struct Result {
   Buffer<uint32_t> cells;
 };
 
-Result transform(glm::ivec3 dims, const Buffer<float>& squared, int threads = 0) {
+Result transformOnCpu(glm::ivec3 dims, const Buffer<float>& squared, int threads = 0) {
   Silent silent;
   Result result{squared.clone(), {}};
   withThreads(threads, [&] { transformDistance(dims, silent.progress, result.squared, result.cells); });
   return result;
 }
+
+class DistanceTransformTwins : public TwinTest {
+ protected:
+  static Result transform(glm::ivec3 dims, const Buffer<float>& squared) {
+#ifdef RAYMAP_TEST_VULKAN
+    if (!isOnCpu()) {
+      vulkan::TransformResult result = vulkan::CellStages::transform(dims, squared);
+      return {std::move(result.squared), std::move(result.cells)};
+    }
+#endif
+    return transformOnCpu(dims, squared);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Twins, DistanceTransformTwins, allTwins(), twinName);
 
 void expectMinimum(glm::ivec3 dims, const Buffer<float>& f, const Result& result) {
   const CellLattice cells{dims};
@@ -43,7 +61,7 @@ void expectMinimum(glm::ivec3 dims, const Buffer<float>& f, const Result& result
   }
 }
 
-TEST(DistanceTransform, IsTheMinimumOverAllCells) {
+TEST_P(DistanceTransformTwins, IsTheMinimumOverAllCells) {
   unsigned seed = 0;
   for (const glm::ivec3 dims : {glm::ivec3(14, 9, 11), glm::ivec3(1, 33, 20), glm::ivec3(70, 1, 13),
                                 glm::ivec3(37, 21, 1), glm::ivec3(1, 1, 300), glm::ivec3(1, 1, 1)})
@@ -54,20 +72,20 @@ TEST(DistanceTransform, IsTheMinimumOverAllCells) {
     }
 }
 
-TEST(DistanceTransform, GivesTiesToTheLowestCell) {
+TEST_P(DistanceTransformTwins, GivesTiesToTheLowestCell) {
   const glm::ivec3 dims(13, 10, 12);
   const Buffer<float> f = randomCells(dims, 0.02, 77, true);
   expectMinimum(dims, f, transform(dims, f));
 }
 
-TEST(DistanceTransform, LeavesAnEmptyGridEmpty) {
+TEST_P(DistanceTransformTwins, LeavesAnEmptyGridEmpty) {
   const glm::ivec3 dims(5, 40, 3);
   const Result result = transform(dims, randomCells(dims, 0.0, 1));
   EXPECT_EQ(std::ranges::count(result.cells, kNoCell), 600);
   EXPECT_EQ(std::ranges::count(result.squared, emptyCell(dims)), 600);
 }
 
-TEST(DistanceTransform, KeepsItsDigitsOnLongLines) {
+TEST_P(DistanceTransformTwins, KeepsItsDigitsOnLongLines) {
   // Two parabolas whose border lies at 1000 and a bit: float arithmetic on q^2 would move it.
   const glm::ivec3 dims(2001, 1, 1);
   Buffer<float> f(2001);
@@ -78,7 +96,7 @@ TEST(DistanceTransform, KeepsItsDigitsOnLongLines) {
   for (uint32_t p = 0; p < 2001; ++p) EXPECT_EQ(result.cells[p], p <= 1000 ? 0u : 2000u) << p;
 }
 
-TEST(DistanceTransform, GivesTiesToTheLowestCellOnLongLines) {
+TEST_P(DistanceTransformTwins, GivesTiesToTheLowestCellOnLongLines) {
   // Half-way between 299 and 1749, multiplied by the reciprocal of what lies between, comes out below 1024.
   const glm::ivec3 dims(2001, 1, 1);
   Buffer<float> f(2001);
@@ -96,15 +114,15 @@ TEST(DistanceTransform, GivesTiesToTheLowestCellOnLongLines) {
 TEST(DistanceTransform, IsTheSameForAnyNumberOfThreads) {
   const glm::ivec3 dims(70, 90, 65);
   const Buffer<float> f = randomCells(dims, 0.01, 5);
-  const Result one = transform(dims, f, 1);
+  const Result one = transformOnCpu(dims, f, 1);
   for (const int threads : {2, 8}) {
-    const Result many = transform(dims, f, threads);
+    const Result many = transformOnCpu(dims, f, threads);
     EXPECT_TRUE(std::ranges::equal(one.squared, many.squared));
     EXPECT_TRUE(std::ranges::equal(one.cells, many.cells));
   }
 }
 
-TEST(DistanceTransform, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(DistanceTransformTwins, DoesNotCareHowTheAxesAreCalled) {
   const CellLattice cells{{17, 12, 9}}, turned{{9, 17, 12}};
   const Buffer<float> f = randomCells(cells.dims, 0.02, 6);
   Buffer<float> g(f.size());

@@ -8,6 +8,10 @@
 
 #include "cells.h"
 #include "reference.h"
+#include "twins.h"
+#ifdef RAYMAP_TEST_VULKAN
+#include "vulkan_cell_stages.h"
+#endif
 
 namespace raymap {
 namespace {
@@ -20,7 +24,7 @@ struct Result {
   Buffer<uint32_t> triangle;
 };
 
-Result refine(const CellMesh& mesh, int reach, int threads = 0) {
+Result refineOnCpu(const CellMesh& mesh, int reach, int threads = 0) {
   Silent silent;
   Result result;
   withThreads(threads, [&] {
@@ -48,18 +52,6 @@ double definedDistance(const CellMesh& mesh, const CellLevel& level, size_t samp
   return closest;
 }
 
-void expectAsDefined(const OwnCellMesh& mesh) {
-  for (const int reach : {0, 1}) {
-    const Result result = refine(mesh, reach);
-    for (size_t s = 0; s < result.distance.size(); ++s) {
-      const double expected = definedDistance(mesh, result.levels[0], s, reach);
-      ASSERT_NEAR(result.distance[s], expected, kRounding) << "sample " << s << " reach " << reach;
-      const glm::dvec3 p(CellLattice{mesh.dims}.cell(s));
-      ASSERT_NEAR(triangleDistance(mesh, result.triangle[s], p), expected, kRounding) << s;
-    }
-  }
-}
-
 /// What the method may be off by, in samples, where the mesh lies in the box. Let d be the true distance and
 /// c the cell of the closest point: at most sqrt(3)/2 from its centre. So the transform finds a cell q with
 /// |p - q|^2 + f(q) <= (d + sqrt(3)/2)^2 + 3/4, and q holds a triangle at most |p - q| + sqrt(f(q)) away,
@@ -69,22 +61,48 @@ double errorBound(const std::vector<CellLevel>& levels) {
   return levels.size() == 1 ? std::numbers::sqrt3 : 2.0 * std::numbers::sqrt3 * levels[1].grid.cells.size;
 }
 
-void expectWithinBounds(const OwnCellMesh& mesh) {
-  const Mesh truth = mesh.asMesh();
-  const Result cell = refine(mesh, 0), neighbours = refine(mesh, 1);
-  double cellSum = 0.0, neighbourSum = 0.0;
-  for (size_t s = 0; s < cell.distance.size(); s += 7) {
-    const double expected = reference::distance(truth, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
-    const double cellError = cell.distance[s] - expected;
-    const double neighbourError = neighbours.distance[s] - expected;
-    ASSERT_GE(neighbourError, -kRounding * (1.0 + expected)) << "closer than any triangle";
-    ASSERT_LE(neighbourError, cellError + kRounding * (1.0 + expected)) << s;
-    ASSERT_LE(cellError, errorBound(cell.levels) + kRounding) << s;
-    cellSum += cellError;
-    neighbourSum += neighbourError;
+class RefineTwins : public TwinTest {
+ protected:
+  static Result refine(const CellMesh& mesh, int reach) {
+#ifdef RAYMAP_TEST_VULKAN
+    if (!isOnCpu()) {
+      vulkan::RefineResult result = vulkan::CellStages::refine(mesh, reach);
+      return {std::move(result.levels), std::move(result.distance), std::move(result.triangle)};
+    }
+#endif
+    return refineOnCpu(mesh, reach);
   }
-  EXPECT_LE(neighbourSum, cellSum);
-}
+
+  static void expectAsDefined(const OwnCellMesh& mesh) {
+    for (const int reach : {0, 1}) {
+      const Result result = refine(mesh, reach);
+      for (size_t s = 0; s < result.distance.size(); ++s) {
+        const double expected = definedDistance(mesh, result.levels[0], s, reach);
+        ASSERT_NEAR(result.distance[s], expected, kRounding) << "sample " << s << " reach " << reach;
+        const glm::dvec3 p(CellLattice{mesh.dims}.cell(s));
+        ASSERT_NEAR(triangleDistance(mesh, result.triangle[s], p), expected, kRounding) << s;
+      }
+    }
+  }
+
+  static void expectWithinBounds(const OwnCellMesh& mesh) {
+    const Mesh truth = mesh.asMesh();
+    const Result cell = refine(mesh, 0), neighbours = refine(mesh, 1);
+    double cellSum = 0.0, neighbourSum = 0.0;
+    for (size_t s = 0; s < cell.distance.size(); s += 7) {
+      const double expected = reference::distance(truth, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
+      const double cellError = cell.distance[s] - expected;
+      const double neighbourError = neighbours.distance[s] - expected;
+      ASSERT_GE(neighbourError, -kRounding * (1.0 + expected)) << "closer than any triangle";
+      ASSERT_LE(neighbourError, cellError + kRounding * (1.0 + expected)) << s;
+      ASSERT_LE(cellError, errorBound(cell.levels) + kRounding) << s;
+      cellSum += cellError;
+      neighbourSum += neighbourError;
+    }
+    EXPECT_LE(neighbourSum, cellSum);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Twins, RefineTwins, allTwins(), twinName);
 
 OwnCellMesh onGrid(const Mesh& mesh, int resolution) {
   return {mesh, fitGrid(mesh, {.resolution = resolution})};
@@ -93,36 +111,36 @@ OwnCellMesh inBox(const Mesh& mesh, int resolution, const Box& box) {
   return {mesh, fitGrid(mesh, {.resolution = resolution, .box = box})};
 }
 
-TEST(Refine, IsTheDistanceToTheTrianglesOfTheNearestCell) {
+TEST_P(RefineTwins, IsTheDistanceToTheTrianglesOfTheNearestCell) {
   expectAsDefined(onGrid(shapes::sphere(1.0, 3), 14));
   expectAsDefined(onGrid(shapes::soup(60, 5), 12));
   expectAsDefined(onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), 13));
 }
 
-TEST(Refine, SearchesCrowdedCellsInTheirTree) {
+TEST_P(RefineTwins, SearchesCrowdedCellsInTheirTree) {
   const Mesh tiny = shapes::joined(shapes::sphere(0.06, 3, {0.4, 0.5, 0.5}), shapes::soup(3, 1));
   expectAsDefined(onGrid(tiny, 10));
 }
 
-TEST(Refine, ErrsByNoMoreThanTheTheorySays) {
+TEST_P(RefineTwins, ErrsByNoMoreThanTheTheorySays) {
   expectWithinBounds(onGrid(shapes::sphere(1.0, 4), 32));
   expectWithinBounds(onGrid(shapes::torus(1.0, 0.3, 60, 30), 40));
   expectWithinBounds(onGrid(shapes::soup(100, 2), 24));
 }
 
-TEST(Refine, SeesTheMeshThatABoxCutsOff) {
+TEST_P(RefineTwins, SeesTheMeshThatABoxCutsOff) {
   const Mesh torus = shapes::torus(1.0, 0.3, 60, 30);
   expectWithinBounds(inBox(torus, 24, {glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}));
 }
 
-TEST(Refine, SeesTheMeshThatABoxDoesNotHold) {
+TEST_P(RefineTwins, SeesTheMeshThatABoxDoesNotHold) {
   const Mesh sphere = shapes::sphere(1.0, 3);
   expectWithinBounds(inBox(sphere, 16, {glm::dvec3(1.5, 0.0, 0.0), glm::dvec3(2.5, 1.0, 1.0)}));
   expectWithinBounds(inBox(sphere, 16, {glm::dvec3(90.0, 0.0, 0.0), glm::dvec3(91.0, 1.0, 1.0)}));
   expectWithinBounds(inBox(sphere, 16, {glm::dvec3(-0.1), glm::dvec3(0.1)}));
 }
 
-TEST(Refine, GivesTiesToTheLowestTriangle) {
+TEST_P(RefineTwins, GivesTiesToTheLowestTriangle) {
   Mesh twice = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2));
   const Result result = refine(onGrid(twice, 16), 1);
   for (const uint32_t t : result.triangle) ASSERT_LT(t, twice.triangles.size() / 2);
@@ -130,15 +148,15 @@ TEST(Refine, GivesTiesToTheLowestTriangle) {
 
 TEST(Refine, IsTheSameForAnyNumberOfThreads) {
   const OwnCellMesh mesh = inBox(shapes::torus(1.0, 0.3, 100, 50), 32, {glm::dvec3(-1.0), glm::dvec3(1.5)});
-  const Result one = refine(mesh, 1, 1);
+  const Result one = refineOnCpu(mesh, 1, 1);
   for (const int threads : {2, 8}) {
-    const Result many = refine(mesh, 1, threads);
+    const Result many = refineOnCpu(mesh, 1, threads);
     EXPECT_TRUE(std::ranges::equal(one.distance, many.distance));
     EXPECT_TRUE(std::ranges::equal(one.triangle, many.triangle));
   }
 }
 
-TEST(Refine, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(RefineTwins, DoesNotCareHowTheAxesAreCalled) {
   const OwnCellMesh mesh = onGrid(shapes::soup(80, 9), 20);
   OwnCellMesh turned = onGrid(shapes::soup(80, 9), 20);
   for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
@@ -151,7 +169,7 @@ TEST(Refine, DoesNotCareHowTheAxesAreCalled) {
   }
 }
 
-TEST(Refine, MovesByWholeSamplesWithTheMesh) {
+TEST_P(RefineTwins, MovesByWholeSamplesWithTheMesh) {
   OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 3), 20);
   for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // so that moving is exact
   mesh.dims = {40, 40, 40};

@@ -8,21 +8,40 @@
 
 #include "cells.h"
 #include "reference.h"
+#include "twins.h"
+#ifdef RAYMAP_TEST_VULKAN
+#include "vulkan_cell_stages.h"
+#endif
 
 namespace raymap {
 namespace {
 
 constexpr size_t kNoLimit = SIZE_MAX;
 
-VoxelGrid build(const CellMesh& mesh, const CellLattice& cells, int threads = 0) {
+CellLattice unitCells(const CellMesh& mesh) {
+  return {mesh.dims, glm::dvec3(0.0), 1.0};
+}
+
+VoxelGrid buildOnCpu(const CellMesh& mesh, const CellLattice& cells, int threads = 0) {
   Silent silent;
   VoxelGrid grid;
   withThreads(threads, [&] { buildVoxelGrid(mesh, cells, kNoLimit, silent.progress, grid); });
   return grid;
 }
-VoxelGrid build(const CellMesh& mesh, int threads = 0) {
-  return build(mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0}, threads);
-}
+
+class VoxelGridTwins : public TwinTest {
+ protected:
+  static VoxelGrid build(const CellMesh& mesh, const CellLattice& cells) {
+#ifdef RAYMAP_TEST_VULKAN
+    if (!isOnCpu()) return vulkan::CellStages::voxelGrid(mesh, cells);
+#endif
+    return buildOnCpu(mesh, cells);
+  }
+  static VoxelGrid build(const CellMesh& mesh) {
+    return build(mesh, unitCells(mesh));
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Twins, VoxelGridTwins, allTwins(), twinName);
 
 std::vector<uint32_t> list(const VoxelGrid& grid, glm::ivec3 cell) {
   const auto triangles = grid.list(grid.cells.index(cell));
@@ -65,14 +84,14 @@ void expectSameAsBruteForce(const CellMesh& mesh, const VoxelGrid& grid) {
   EXPECT_EQ(touching, grid.triangles.size());
 }
 
-TEST(VoxelGrid, HoldsTheTrianglesThatABoxTestFinds) {
+TEST_P(VoxelGridTwins, HoldsTheTrianglesThatABoxTestFinds) {
   for (const glm::ivec3 dims : {glm::ivec3(13, 9, 11), glm::ivec3(1, 17, 5), glm::ivec3(20, 1, 1)}) {
     const OwnCellMesh mesh = cellSoup(400, dims, 7);
     expectSameAsBruteForce(mesh, build(mesh));
   }
 }
 
-TEST(VoxelGrid, HoldsSliversSegmentsAndPoints) {
+TEST_P(VoxelGridTwins, HoldsSliversSegmentsAndPoints) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> at(-2.0f, 12.0f);
   OwnCellMesh mesh = cellSoup(300, {10, 10, 10}, 8);
@@ -85,12 +104,12 @@ TEST(VoxelGrid, HoldsSliversSegmentsAndPoints) {
   expectSameAsBruteForce(mesh, build(mesh));
 }
 
-TEST(VoxelGrid, WorksOnCoarserCells) {
+TEST_P(VoxelGridTwins, WorksOnCoarserCells) {
   const OwnCellMesh mesh = cellSoup(200, {16, 16, 16}, 9);
   expectSameAsBruteForce(mesh, build(mesh, CellLattice{{9, 7, 5}, {-3.25, 0.5, 1.0}, 2.0}));
 }
 
-TEST(VoxelGrid, GivesATriangleOnAFaceToBothCells) {
+TEST_P(VoxelGridTwins, GivesATriangleOnAFaceToBothCells) {
   OwnCellMesh mesh(shapes::box({0, 0, 0}, {1, 1, 1}), Grid{{4, 4, 4}, glm::dvec3(0.0), 1.0});
   mesh.own = {{0, 1, 2}};
   mesh.triangles = mesh.own;
@@ -105,19 +124,19 @@ TEST(VoxelGrid, GivesATriangleOnAFaceToBothCells) {
 
 TEST(VoxelGrid, IsTheSameForAnyNumberOfThreads) {
   const OwnCellMesh mesh = cellSoup(20000, {70, 60, 55}, 1);  // several blocks of the prefix sum
-  const VoxelGrid one = build(mesh, 1);
+  const VoxelGrid one = buildOnCpu(mesh, unitCells(mesh), 1);
   EXPECT_EQ(one.starts[one.cells.count()], one.triangles.size());
   EXPECT_TRUE(std::ranges::is_sorted(one.starts));
   for (size_t c = 0; c < one.cells.count(); ++c)
     ASSERT_TRUE(std::ranges::adjacent_find(one.list(c), std::greater_equal<>()) == one.list(c).end());
   for (const int threads : {2, 8}) {
-    const VoxelGrid many = build(mesh, threads);
+    const VoxelGrid many = buildOnCpu(mesh, unitCells(mesh), threads);
     EXPECT_TRUE(std::ranges::equal(one.starts, many.starts));
     EXPECT_TRUE(std::ranges::equal(one.triangles, many.triangles));
   }
 }
 
-TEST(VoxelGrid, MovesByWholeCellsWithTheMesh) {
+TEST_P(VoxelGridTwins, MovesByWholeCellsWithTheMesh) {
   OwnCellMesh mesh = cellSoup(500, {12, 12, 12}, 2);
   for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // so that moving is exact
   mesh.dims = {40, 40, 40};
@@ -131,7 +150,7 @@ TEST(VoxelGrid, MovesByWholeCellsWithTheMesh) {
       for (int i = 10; i < 35; ++i) ASSERT_EQ(list(here, {i, j, k}), list(there, glm::ivec3(i, j, k) + step));
 }
 
-TEST(VoxelGrid, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(VoxelGridTwins, DoesNotCareHowTheAxesAreCalled) {
   const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
   OwnCellMesh turned = cellSoup(500, {9, 12, 15}, 4);
   for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
@@ -169,7 +188,7 @@ TEST(CoverMesh, NeedsOnlyTheSamplesCellsInsideTheBox) {
   EXPECT_EQ(lattices[0].dims, glm::ivec3(9, 9, 9));
 }
 
-TEST(CoverMesh, HoldsEveryTriangleWhereverTheBoxLies) {
+TEST_P(VoxelGridTwins, HoldsEveryTriangleWhereverTheBoxLies) {
   for (const double far : {2.0, 100.0, 1e7}) {
     const OwnCellMesh mesh(shapes::box({1, 1, 1}, {7 + far, 7 * far, 7}),
                            Grid{{40, 9, 9}, glm::dvec3(0.0), 1.0});

@@ -1,53 +1,35 @@
 #include "vulkan/voxel_grid.h"
 
-#include "vulkan_cells.h"
+#include "vulkan_cell_stages.h"
 
 namespace raymap::vulkan {
 namespace {
 
-class VulkanVoxelGrid : public VulkanCellsTest {
+raymap::VoxelGrid onTheCpu(const raymap::CellMesh& mesh, const CellLattice& cells) {
+  Silent silent;
+  raymap::VoxelGrid grid;
+  buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, grid);
+  return grid;
+}
+
+bool areSame(const raymap::VoxelGrid& a, const raymap::VoxelGrid& b) {
+  return std::ranges::equal(a.starts, b.starts) && std::ranges::equal(a.triangles, b.triangles);
+}
+
+class VulkanVoxelGrid : public VulkanTest {
  protected:
-  /// The lists as the CPU keeps them.
-  struct Lists {
-    std::vector<uint64_t> starts;
-    std::vector<uint32_t> triangles;
-    bool operator==(const Lists&) const = default;
-  };
-
-  static Lists onTheCpu(const CellMesh& mesh, const CellLattice& cells) {
-    Silent silent;
-    raymap::VoxelGrid grid;
-    buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, grid);
-    return {{grid.starts.begin(), grid.starts.end()}, {grid.triangles.begin(), grid.triangles.end()}};
-  }
-
-  static Lists download(const VoxelGrid& grid) {
-    const auto begins = VulkanTest::download<uint32_t>(grid.begins());
-    const auto cells = VulkanTest::download<uint32_t>(grid.cells());
-    const auto triangles = VulkanTest::download<uint32_t>(grid.triangles());
-    Lists lists;
-    for (uint32_t c = 0; c < begins.size(); ++c) {
-      lists.starts.push_back(lists.triangles.size());
-      if (begins[c] == kNoCell) continue;
-      for (size_t entry = begins[c]; cells[entry] == c; ++entry) lists.triangles.push_back(triangles[entry]);
-    }
-    lists.starts.push_back(lists.triangles.size());
-    return lists;
-  }
-
-  static void expectAsOnTheCpu(VoxelGrid& grid, const CellMesh& mesh, const CellLattice& cells) {
-    const UploadedMesh uploaded = uploadMesh(mesh);
+  static void expectAsOnTheCpu(VoxelGrid& grid, const raymap::CellMesh& mesh, const CellLattice& cells) {
+    const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
     grid.reserve(cells, uploaded.addresses().count);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
-    runUntilItFits(grid, record);
-    const Lists expected = onTheCpu(mesh, cells), ours = download(grid);
-    EXPECT_EQ(grid.entries(), expected.triangles.size());
-    EXPECT_TRUE(ours == expected);
+    CellStages::runUntilItFits(grid, record);
+    const raymap::VoxelGrid ours = CellStages::toLists(grid);
+    EXPECT_TRUE(areSame(ours, onTheCpu(mesh, cells)));
     run(record);
-    EXPECT_TRUE(download(grid) == ours) << "the second time";
+    EXPECT_TRUE(areSame(CellStages::toLists(grid), ours)) << "the second time";
   }
 
-  static void expectAsOnTheCpu(VoxelGrid& grid, const CellMesh& mesh) {
+  static void expectAsOnTheCpu(VoxelGrid& grid, const raymap::CellMesh& mesh) {
     for (const CellLattice& cells : coverMesh(mesh)) {
       SCOPED_TRACE(::testing::Message() << cells.count() << " cells of size " << cells.size);
       expectAsOnTheCpu(grid, mesh, cells);
@@ -75,7 +57,8 @@ TEST_F(VulkanVoxelGrid, HasThemOfRegularMeshes) {
   VoxelGrid grid(device());
   expectAsOnTheCpu(grid, onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 24}));
   expectAsOnTheCpu(grid, onGrid(shapes::sphere(1.0, 4), {.resolution = 40}));
-  expectAsOnTheCpu(grid, onGrid(shapes::sphere(0.02, 4), {.resolution = 8, .box = Box{glm::dvec3(-1), glm::dvec3(1)}}));
+  expectAsOnTheCpu(
+      grid, onGrid(shapes::sphere(0.02, 4), {.resolution = 8, .box = Box{glm::dvec3(-1), glm::dvec3(1)}}));
   expectAsOnTheCpu(grid, onGrid(shapes::torus(1.0, 0.3, 60, 30),
                                 {.resolution = 20, .box = Box{glm::dvec3(2.0), glm::dvec3(3.0)}}));
   expectAsOnTheCpu(grid, onGrid(shapes::torus(1.0, 0.3, 60, 30),
@@ -111,17 +94,24 @@ TEST_F(VulkanVoxelGrid, HasNoneOfTrianglesFarAway) {
 TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
   const OwnCellMesh small = cellSoup(2, {8, 400, 400}, 1);
   OwnCellMesh large = cellSoup(2, {8, 400, 400}, 2);
-  const glm::vec3 corners[6] = {{1, -900, -900}, {3, 900, -900}, {2, 0, 900}, {6, -900, 0}, {6, 900, -900}, {5, 900, 900}};
+  const glm::vec3 corners[6] = {{1, -900, -900}, {3, 900, -900}, {2, 0, 900},
+                                {6, -900, 0},    {6, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, large.vertices.data());
   const CellLattice cells{large.dims, glm::dvec3(0.0), 1.0};
   VoxelGrid grid(device());
-  const UploadedMesh few = uploadMesh(small), many = uploadMesh(large);
+  const UploadedMesh few = CellStages::uploadMesh(small), many = CellStages::uploadMesh(large);
   grid.reserve(cells, 2);
-  EXPECT_EQ(runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }), 1);
-  EXPECT_GT(runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, many.addresses()); }), 1);
-  EXPECT_TRUE(download(grid) == onTheCpu(large, cells));
-  EXPECT_EQ(runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }), 1);
-  EXPECT_TRUE(download(grid) == onTheCpu(small, cells));
+  EXPECT_EQ(
+      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }),
+      1);
+  EXPECT_GT(
+      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, many.addresses()); }),
+      1);
+  EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(large, cells)));
+  EXPECT_EQ(
+      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }),
+      1);
+  EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(small, cells)));
 }
 
 TEST_F(VulkanVoxelGrid, RefusesMoreThanCanBeNumbered) {
@@ -132,7 +122,7 @@ TEST_F(VulkanVoxelGrid, RefusesMoreThanCanBeNumbered) {
     v[0] = {0, -9e3f, -9e3f}, v[1] = {0, 9e3f, -9e3f}, v[2] = {0, 0, 9e3f};
   }
   VoxelGrid grid(device());
-  const UploadedMesh uploaded = uploadMesh(mesh);
+  const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
   grid.reserve({mesh.dims, glm::dvec3(0.0), 1.0}, 1000);
   run([&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
   EXPECT_FALSE(grid.fits());

@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.1.
 //
-// Paper: the rasterizer spreads the work. Here: a prefix sum over how many rows of cells each triangle's bounds
-// touch numbers all rows; every invocation finds its row's triangle in it.
+// Paper: the rasterizer spreads the work. Here: a prefix sum over how many rows of cells each triangle's
+// bounds touch numbers all rows; every invocation finds its row's triangle in it.
 
 #include "cell_runs.h"
 

@@ -22,7 +22,8 @@ class CellRuns {
 
   explicit CellRuns(Device& device);
 
-  /// Makes room for so many triangles and a guess at their runs. Nothing recorded before may still have to run.
+  /// Makes room for so many triangles and a guess at their runs. Nothing recorded before may still have to
+  /// run.
   void reserve(uint32_t triangles);
   void record(Commands& commands, const Triangles& triangles, const CellLattice& cells);
 

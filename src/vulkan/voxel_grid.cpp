@@ -1,8 +1,9 @@
 // Krayer & Müller 2019, §3.1, Fig. 2.
 //
-// Paper: an atomic counter per cell, a prefix sum over all cells, an atomic slot for each triangle. Here: pairs of
-// cell and triangle, written by ascending triangles and sorted by cell, stably: because each list then is in
-// ascending order, whatever order groups run in, and a cell that holds all triangles costs no more than others.
+// Paper: an atomic counter per cell, a prefix sum over all cells, an atomic slot for each triangle. Here:
+// pairs of cell and triangle, written by ascending triangles and sorted by cell, stably: because each list
+// then is in ascending order, whatever order groups run in, and a cell that holds all triangles costs no more
+// than others.
 
 #include "voxel_grid.h"
 
@@ -53,7 +54,7 @@ void VoxelGrid::reserve(const CellLattice& cells, uint32_t triangles) {
 void VoxelGrid::reserveEntries(uint32_t entries) {
   sort_.reserve(entries);
   for (size_t place : {0, 1}) {
-    entryCells_[place].resize<uint32_t>(uint64_t{entries} + 1);
+    entryCells_[place].resize<uint32_t>(entries);
     entryTriangles_[place].resize<uint32_t>(entries);
   }
   mostEntries_ = entries;

@@ -6,19 +6,19 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: which triangles touch which cell (§3.1, Fig. 2). Entries are pairs of a cell and a triangle,
-/// in ascending order: cell c's begin at `begins[c]`, `kNoCell` if it has none, and end with the last entry of
-/// that cell; after all others there is one of `kNoCell`.
+/// The CPU's twin: which triangles touch which cell (§3.1, Fig. 2). Entries are pairs of a cell and a
+/// triangle, in ascending order: cell c's begin at `begins[c]`, `kNoCell` if it has none, and go on as long
+/// as entries are of c.
 ///
-/// How many there are the device finds out: where there is not room for them all, there will be none, and `fits`
-/// is false once the work is done. Then `grow`, record and run it again until it is true; later meshes of about
-/// the same size fit at once.
+/// How many there are the device finds out: where there is not room for them all, there will be none, and
+/// `fits` is false once the work is done. Then `grow`, record and run it again until it is true; later meshes
+/// of about the same size fit at once.
 class VoxelGrid {
  public:
   explicit VoxelGrid(Device& device);
 
-  /// Makes room for a lattice and so many triangles, and for a guess at their entries. Nothing recorded before
-  /// may still have to run.
+  /// Makes room for a lattice and so many triangles, and for a guess at their entries. Nothing recorded
+  /// before may still have to run.
   void reserve(const CellLattice& cells, uint32_t triangles);
   /// For the lattice of the last `reserve`.
   void record(Commands& commands, const CellRuns::Triangles& triangles);
@@ -35,6 +35,11 @@ class VoxelGrid {
   const DeviceBuffer& begins() const { return begins_; }
   /// How many entries there are: none where there is not room for them.
   Count entryCount() const;
+  /// An invocation for each entry, in groups of `kRunsGroup`.
+  template <class Push>
+  void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push) const {
+    arguments_.dispatch(commands, kernel, push, 0);
+  }
   uint64_t entries() const { return runs_.entries(); }
 
  private:

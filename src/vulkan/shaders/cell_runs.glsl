@@ -1,6 +1,7 @@
 // Krayer & Müller 2019, §3.1. The twin of cpu/cell_runs.h: which cells of a row along x a triangle touches.
 
 #include "cell_lattice.glsl"
+#include "mesh.glsl"
 #include "triangle.glsl"
 #include "shared/cell_runs.h"
 
@@ -37,15 +38,10 @@ struct LocalTriangle {
   bool isCut;    // Some of its bounds lies outside the lattice.
 };
 
-vec3 readCorner(uint triangle, uint c) {
-  const uint vertex = push.triangles.at[3 * triangle + c];
-  return vec3(push.vertices.at[3 * vertex], push.vertices.at[3 * vertex + 1], push.vertices.at[3 * vertex + 2]);
-}
-
 LocalTriangle readLocalTriangle(uint triangle) {
   LocalTriangle local;
   [[unroll]] for (uint c = 0; c < 3; ++c) {
-    precise const dvec3 corner = (dvec3(readCorner(triangle, c)) - firstCentre(push.cells)) / push.cells.size;
+    precise const dvec3 corner = (dvec3(readCorner(push.vertices, push.triangles, triangle, c)) - firstCentre(push.cells)) / push.cells.size;
     local.corner[c] = corner;
   }
   const dvec3 low = min(min(local.corner[0], local.corner[1]), local.corner[2]);

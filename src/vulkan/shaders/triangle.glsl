@@ -1,4 +1,5 @@
-// Geometry leaf functions: the twins of cpu/triangle.h, rounded exactly as there.
+// Geometry leaf functions: the twins of cpu/triangle.h, rounded exactly as there. With RAYMAP_ROUGH_DIVISION the
+// distances are so only up to how the device divides, and come faster.
 
 float dotExactly(vec3 a, vec3 b) {
   precise const float sum = a.x * b.x + a.y * b.y + a.z * b.z;
@@ -10,9 +11,13 @@ vec3 crossExactly(vec3 a, vec3 b) {
   return product;
 }
 
-// Devices may divide floats inexactly; that of doubles is more than exact enough to be rounded.
-float divideExactly(float a, float b) {
+float divide(float a, float b) {
+#ifdef RAYMAP_ROUGH_DIVISION
+  return a / b;
+#else
+  // Devices may divide floats inexactly; what they make of doubles is more than exact enough to be rounded.
   return float(double(a) / double(b));
+#endif
 }
 
 float squaredLength(vec3 v) {
@@ -22,7 +27,7 @@ float squaredLength(vec3 v) {
 // From the origin to the segment from a to a + e, which may be a point.
 float segmentSquaredDistance(vec3 a, vec3 e) {
   const float length2 = squaredLength(e);
-  const float t = length2 > 0.0 ? clamp(divideExactly(-dotExactly(a, e), length2), 0.0, 1.0) : 0.0;
+  const float t = length2 > 0.0 ? clamp(divide(-dotExactly(a, e), length2), 0.0, 1.0) : 0.0;
   precise const vec3 closest = a + t * e;
   return squaredLength(closest);
 }
@@ -37,7 +42,7 @@ float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   const float w = dotExactly(crossExactly(pa, ab), n);
   float inside = 1.0 / 0.0;
   if (v >= 0.0 && w >= 0.0 && v + w <= area2 && area2 > 0.0) {
-    precise const vec3 closest = pa + divideExactly(v, area2) * ab + divideExactly(w, area2) * ac;
+    precise const vec3 closest = pa + divide(v, area2) * ab + divide(w, area2) * ac;
     inside = squaredLength(closest);
     // Short of slivers the projection is the answer: the edges lie farther away.
     precise const float square = 1e-6 * squaredLength(ab) * squaredLength(ac);

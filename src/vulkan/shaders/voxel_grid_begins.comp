@@ -1,8 +1,7 @@
-// Where each cell's entries begin, now that they are sorted by cell; and an entry of no cell after the last one.
+// Where each cell's entries begin, now that they are sorted by cell.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel.glsl"
-#include "cell_lattice.glsl"
 #include "shared/voxel_grid.h"
 
 layout(push_constant, scalar) uniform Push { VoxelGridPush push; };
@@ -12,5 +11,4 @@ void main() {
   if (entry >= count) return;
   const uint cell = push.cells.at[entry];
   if (entry == 0 || push.cells.at[entry - 1] != cell) push.begins.at[cell] = entry;
-  if (entry + 1 == count) push.cells.at[count] = kNoCell;
 }

@@ -2,7 +2,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel.glsl"
-#include "shared/cell_runs.h"
 #include "shared/voxel_grid.h"
 #include "run_cells.glsl"
 
@@ -19,11 +18,10 @@ void main() {
   if (invocationIndex() == 0) push.count.at[0] = fits() ? push.totals.at[2] : 0;
   if (!fits() || groupIndex() * kRunsGroup >= rows) return;
   loadRunStarts(push.runStarts, rows);
-  for (uint entry = runStarts[0] + gl_LocalInvocationIndex; entry < runStarts[kRunsGroup];
-       entry += gl_WorkGroupSize.x) {
-    const uint local = runOf(entry);
-    const uint run = groupIndex() * kRunsGroup + local;
-    push.cells.at[entry] = push.runCells.at[run] + (entry - runStarts[local]);
-    push.triangles.at[entry] = push.runTriangles.at[run];
+  const uint firstRun = groupIndex() * kRunsGroup, firstEntry = push.runStarts.at[firstRun];
+  for (uint number = gl_LocalInvocationIndex; number < runStarts[kRunsGroup]; number += gl_WorkGroupSize.x) {
+    const uint run = runOf(number);
+    push.cells.at[firstEntry + number] = push.runCells.at[firstRun + run] + (number - runStarts[run]);
+    push.triangles.at[firstEntry + number] = push.runTriangles.at[firstRun + run];
   }
 }

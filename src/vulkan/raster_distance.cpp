@@ -1,0 +1,64 @@
+// Krayer & Müller 2019, §3.3, last paragraph.
+
+#include "raster_distance.h"
+
+#include <bit>
+
+#include "cpu/cell_distance.h"
+#include "shaders/raster_distance_spv.h"
+#include "shaders/raster_samples_spv.h"
+
+namespace raymap::vulkan {
+
+RasterDistance::RasterDistance(Device& device)
+    : runs_(device),
+      kernel_(device, shaders::kRasterDistance, kRunsGroup),
+      squared_(device, "cell distances") {}
+
+void RasterDistance::reserve(const CellLattice& cells, uint32_t triangles) {
+  cells_ = cells;
+  runs_.reserve(triangles);
+  squared_.resize<float>(cells.count());
+}
+
+void RasterDistance::record(Commands& commands, const CellRuns::Triangles& triangles) {
+  runs_.record(commands, triangles, cells_);
+  commands.fill(squared_, std::bit_cast<uint32_t>(emptyCell(cells_.dims)));
+  const RasterDistancePush push{.vertices = triangles.vertices,
+                                .triangles = triangles.triangles,
+                                .runTriangles = runs_.triangles(),
+                                .runCells = runs_.firstCells(),
+                                .runStarts = runs_.starts(),
+                                .totals = runs_.totals(),
+                                .squared = squared_.address(),
+                                .cells = latticeOf(cells_),
+                                .perCell2 = static_cast<float>(1.0 / (cells_.size * cells_.size)),
+                                .mostRows = runs_.mostRows()};
+  runs_.dispatch(commands, kernel_, push);
+}
+
+CellLevelData RasterDistance::level(const DistanceTransform& transform) const {
+  return {.squared = squared_.address(), .nearestCell = transform.nearestCell(), .cells = latticeOf(cells_)};
+}
+
+RasterSamples::RasterSamples(Device& device)
+    : kernel_(device, shaders::kRasterSamples, 256), levels_(device) {}
+
+void RasterSamples::reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels) {
+  dims_ = dims;
+  levels_.reserve(levels);
+}
+
+void RasterSamples::record(Commands& commands, VkDeviceAddress distance) {
+  levels_.record(commands);
+  commands.dispatch(kernel_,
+                    {.levels = levels_.address(),
+                     .distance = distance,
+                     .nx = dims_.x,
+                     .ny = dims_.y,
+                     .nz = dims_.z,
+                     .levelCount = levels_.count()},
+                    uint64_t{dims_.x} * dims_.y * dims_.z);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "cell_levels.h"
+#include "cell_runs.h"
+#include "shared/raster_distance.h"
+#include "shared/raster_samples.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin (the last paragraph of §3.3): each triangle writes its squared distance, in units of the
+/// lattice's cells, into the cells it touches, keeping the minimum; `emptyCell` in all others.
+///
+/// Where there is not room for all rows of cells, `fits` is false once the work is done: then `grow`, record and
+/// run it again.
+class RasterDistance {
+ public:
+  explicit RasterDistance(Device& device);
+
+  /// Makes room for a lattice and so many triangles. Nothing recorded before may still have to run.
+  void reserve(const CellLattice& cells, uint32_t triangles);
+  /// For the lattice of the last `reserve`.
+  void record(Commands& commands, const CellRuns::Triangles& triangles);
+
+  bool fits() const { return runs_.fits(); }
+  void grow() { runs_.grow(); }
+
+  const DeviceBuffer& squared() const { return squared_; }
+  /// For `RasterSamples`, after the transform.
+  CellLevelData level(const DistanceTransform& transform) const;
+
+ private:
+  CellLattice cells_;
+  CellRuns runs_;
+  Kernel<RasterDistancePush> kernel_;
+  DeviceBuffer squared_;
+};
+
+/// The distance, in sample units, of every sample after the distance transform of each level.
+class RasterSamples {
+ public:
+  explicit RasterSamples(Device& device);
+
+  /// For grids of these dims, and levels whose stages have made their room. Nothing recorded before may still
+  /// have to run.
+  void reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels);
+  void record(Commands& commands, VkDeviceAddress distance);
+
+ private:
+  glm::uvec3 dims_{0};
+  Kernel<RasterSamplesPush> kernel_;
+  CellLevels levels_;
+};
+
+}  // namespace raymap::vulkan

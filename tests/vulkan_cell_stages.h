@@ -1,0 +1,224 @@
+#pragma once
+
+// The stages over cells, run on a device, and their results in the CPU's form.
+
+#include <array>
+
+#include "cells.h"
+#include "vulkan/raster_distance.h"
+#include "vulkan/refine.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+
+/// A mesh in cell units on the device.
+struct UploadedMesh {
+  DeviceBuffer vertices;
+  DeviceBuffer triangles;
+
+  CellRuns::Triangles addresses() const {
+    return {.vertices = vertices.address(),
+            .triangles = triangles.address(),
+            .count = static_cast<uint32_t>(triangles.bytes() / sizeof(glm::uvec3))};
+  }
+};
+
+struct TransformResult {
+  Buffer<float> squared;
+  Buffer<uint32_t> cells;
+};
+
+struct RefineResult {
+  std::vector<raymap::CellLevel> levels;
+  Buffer<float> distance;
+  Buffer<uint32_t> triangle;
+};
+
+/// Runs the stages on the device of the tests; stages are kept from one mesh to the next.
+class CellStages : public VulkanTest {
+ public:
+  static raymap::VoxelGrid voxelGrid(const raymap::CellMesh& mesh, const CellLattice& cells) {
+    const UploadedMesh uploaded = uploadMesh(mesh);
+    VoxelGrid& grid = stages().levels[0].grid;
+    grid.reserve(cells, uploaded.addresses().count);
+    runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
+    return toLists(grid);
+  }
+
+  static Buffer<float> cellDistance(const raymap::CellMesh& mesh, const CellLattice& cells) {
+    const UploadedMesh uploaded = uploadMesh(mesh);
+    Level& level = stages().levels[0];
+    level.reserve(cells, uploaded.addresses().count);
+    runUntilItFits(level.grid, [&](Commands& commands) {
+      level.grid.record(commands, uploaded.addresses());
+      level.distance.record(commands, uploaded.addresses(), level.grid);
+    });
+    return downloadBuffer<float>(level.distance.squared());
+  }
+
+  static TransformResult transform(const glm::ivec3& dims, const Buffer<float>& squared) {
+    DistanceTransform& transform = stages().levels[0].transform;
+    const DeviceBuffer values = upload(std::vector<float>(squared.begin(), squared.end()), "squared");
+    transform.reserve(dims);
+    run([&](Commands& commands) { transform.record(commands, values.address()); });
+    EXPECT_TRUE(std::ranges::equal(download<float>(values), squared));
+    return transformed(dims, squared, transform);
+  }
+
+  static RefineResult refine(const raymap::CellMesh& mesh, int reach) {
+    const UploadedMesh uploaded = uploadMesh(mesh);
+    const auto triangles = uploaded.addresses();
+    const std::vector<CellLattice> lattices = coverMesh(mesh);
+    for (size_t l = 0; l < lattices.size(); ++l) {
+      Level& level = stages().levels.at(l);
+      level.reserve(lattices[l], triangles.count);
+      runUntilItFits(level.grid, [&](Commands& commands) {
+        level.grid.record(commands, triangles);
+        level.distance.record(commands, triangles, level.grid);
+        level.transform.record(commands, level.distance.squared().address());
+      });
+    }
+    std::vector<CellLevelData> data;
+    for (size_t l = 0; l < lattices.size(); ++l) data.push_back(stages().levels[l].data());
+    DeviceBuffer distance(device(), "distance"), triangle(device(), "triangle");
+    distance.resize<float>(CellLattice{mesh.dims}.count());
+    triangle.resize<uint32_t>(CellLattice{mesh.dims}.count());
+    stages().refine.reserve(mesh.dims, data);
+    run([&](Commands& commands) {
+      stages().refine.record(commands, triangles,
+                             {.distance = distance.address(),
+                              .triangle = triangle.address(),
+                              .scratch = stages().levels[0].transform.scratch()},
+                             reach);
+    });
+    RefineResult result{
+        .distance = downloadBuffer<float>(distance), .triangle = downloadBuffer<uint32_t>(triangle)};
+    for (size_t l = 0; l < lattices.size(); ++l) result.levels.push_back(stages().levels[l].onTheCpu());
+    return result;
+  }
+
+  /// The levels before the transform.
+  static std::vector<raymap::CellLevel> rasterize(const raymap::CellMesh& mesh) {
+    const UploadedMesh uploaded = uploadMesh(mesh);
+    std::vector<raymap::CellLevel> result;
+    for (const CellLattice& cells : coverMesh(mesh)) {
+      Level& level = stages().levels.at(result.size());
+      level.raster.reserve(cells, uploaded.addresses().count);
+      runUntilItFits(level.raster,
+                     [&](Commands& commands) { level.raster.record(commands, uploaded.addresses()); });
+      result.emplace_back().grid.cells = cells;
+      result.back().squared = downloadBuffer<float>(level.raster.squared());
+    }
+    return result;
+  }
+
+  static Buffer<float> rasterDistance(const raymap::CellMesh& mesh) {
+    std::vector<CellLevelData> data;
+    for (const raymap::CellLevel& rasterized : rasterize(mesh)) {
+      Level& level = stages().levels.at(data.size());
+      level.transform.reserve(rasterized.grid.cells.dims);
+      data.push_back(level.raster.level(level.transform));
+    }
+    DeviceBuffer distance(device(), "distance");
+    distance.resize<float>(CellLattice{mesh.dims}.count());
+    stages().samples.reserve(mesh.dims, data);
+    run([&](Commands& commands) {
+      for (size_t l = 0; l < data.size(); ++l)
+        stages().levels[l].transform.record(commands, data[l].squared);
+      stages().samples.record(commands, distance.address());
+    });
+    return downloadBuffer<float>(distance);
+  }
+
+  static UploadedMesh uploadMesh(const raymap::CellMesh& mesh) {
+    return {upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
+            upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles")};
+  }
+
+  /// Runs what `record` records until the stage has the room it needs; gives how often.
+  template <class Stage, class Record>
+  static int runUntilItFits(Stage& stage, Record&& record) {
+    run(record);
+    int runs = 1;
+    for (; !stage.fits() && runs < 4; ++runs) {
+      stage.grow();
+      run(record);
+    }
+    EXPECT_TRUE(stage.fits());
+    return runs;
+  }
+
+  static raymap::VoxelGrid toLists(const VoxelGrid& grid) {
+    const auto begins = download<uint32_t>(grid.begins());
+    const auto cells = download<uint32_t>(grid.cells()), triangles = download<uint32_t>(grid.triangles());
+    std::vector<uint32_t> listed;
+    raymap::VoxelGrid lists{.cells = grid.lattice()};
+    lists.starts.resize(begins.size() + 1);
+    for (uint32_t c = 0; c < begins.size(); ++c) {
+      lists.starts[c] = listed.size();
+      if (begins[c] == kNoCell) continue;
+      for (size_t e = begins[c]; e < grid.entries() && cells[e] == c; ++e) listed.push_back(triangles[e]);
+    }
+    lists.starts[begins.size()] = listed.size();
+    EXPECT_EQ(grid.entries(), listed.size());
+    lists.triangles = toBuffer(listed);
+    return lists;
+  }
+
+ private:
+  template <class T>
+  static Buffer<T> toBuffer(const std::vector<T>& values) {
+    Buffer<T> buffer(values.size());
+    std::ranges::copy(values, buffer.begin());
+    return buffer;
+  }
+  template <class T>
+  static Buffer<T> downloadBuffer(const DeviceBuffer& buffer) {
+    return toBuffer(download<T>(buffer));
+  }
+
+  /// With the values that the formula in vulkan/distance_transform.h gives.
+  static TransformResult transformed(const glm::ivec3& dims, const Buffer<float>& squared,
+                                     const DistanceTransform& transform) {
+    TransformResult result{squared.clone(), downloadBuffer<uint32_t>(transform.nearestCells())};
+    const CellLattice cells{dims};
+    for (size_t p = 0; p < squared.size(); ++p) {
+      const uint32_t nearest = result.cells[p];
+      if (nearest == kNoCell) continue;
+      const glm::vec3 d(cells.cell(p) - cells.cell(nearest));
+      result.squared[p] = d.z * d.z + (d.y * d.y + (d.x * d.x + squared[nearest]));
+    }
+    return result;
+  }
+
+  struct Level {
+    VoxelGrid grid{device()};
+    CellDistance distance{device()};
+    DistanceTransform transform{device()};
+    RasterDistance raster{device()};
+
+    void reserve(const CellLattice& cells, uint32_t triangles) {
+      grid.reserve(cells, triangles);
+      distance.reserve(cells.count());
+      transform.reserve(cells.dims);
+    }
+    CellLevelData data() const { return levelOf(grid, distance, transform); }
+    raymap::CellLevel onTheCpu() const {
+      TransformResult result =
+          transformed(grid.lattice().dims, downloadBuffer<float>(distance.squared()), transform);
+      return {toLists(grid), std::move(result.squared), std::move(result.cells)};
+    }
+  };
+  struct Stages {
+    std::array<Level, kMostLevels> levels;
+    Refine refine{device()};
+    RasterSamples samples{device()};
+  };
+  static Stages& stages() {
+    shared();  // Made before them, so destroyed after them.
+    static Stages stages;
+    return stages;
+  }
+};
+
+}  // namespace raymap::vulkan
