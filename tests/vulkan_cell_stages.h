@@ -91,8 +91,8 @@ class CellStages : public VulkanTest {
                               .scratch = stages().levels[0].transform.scratch()},
                              reach);
     });
-    RefineResult result{
-        .distance = downloadBuffer<float>(distance), .triangle = downloadBuffer<uint32_t>(triangle)};
+    RefineResult result{.distance = downloadBuffer<float>(distance),
+                        .triangle = downloadBuffer<uint32_t>(triangle)};
     for (size_t l = 0; l < lattices.size(); ++l) result.levels.push_back(stages().levels[l].onTheCpu());
     return result;
   }
@@ -123,8 +123,7 @@ class CellStages : public VulkanTest {
     distance.resize<float>(CellLattice{mesh.dims}.count());
     stages().samples.reserve(mesh.dims, data);
     run([&](Commands& commands) {
-      for (size_t l = 0; l < data.size(); ++l)
-        stages().levels[l].transform.record(commands, data[l].squared);
+      for (size_t l = 0; l < data.size(); ++l) stages().levels[l].transform.record(commands, data[l].squared);
       stages().samples.record(commands, distance.address());
     });
     return downloadBuffer<float>(distance);

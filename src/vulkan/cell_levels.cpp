@@ -20,7 +20,8 @@ CellLevels::CellLevels(Device& device)
     : upload_(device, "cell levels upload", MemoryUse::Upload), levels_(device, "cell levels") {}
 
 void CellLevels::reserve(std::span<const CellLevelData> levels) {
-  if (levels.empty() || levels.size() > kMostLevels) throw std::logic_error("no levels of cells, or too many");
+  if (levels.empty() || levels.size() > kMostLevels)
+    throw std::logic_error("no levels of cells, or too many");
   upload_.resize<CellLevelData>(levels.size());
   levels_.resize<CellLevelData>(levels.size());
   std::ranges::copy(levels, upload_.mapped<CellLevelData>().begin());

@@ -9,7 +9,8 @@
 namespace raymap::vulkan {
 
 /// What the stages before `refine` leave for one of the lattices of `coverMesh`.
-CellLevelData levelOf(const VoxelGrid& grid, const CellDistance& distance, const DistanceTransform& transform);
+CellLevelData levelOf(const VoxelGrid& grid, const CellDistance& distance,
+                      const DistanceTransform& transform);
 
 /// All levels, where kernels can read them.
 class CellLevels {

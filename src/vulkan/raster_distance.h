@@ -10,8 +10,8 @@ namespace raymap::vulkan {
 /// The CPU's twin (the last paragraph of §3.3): each triangle writes its squared distance, in units of the
 /// lattice's cells, into the cells it touches, keeping the minimum; `emptyCell` in all others.
 ///
-/// Where there is not room for all rows of cells, `fits` is false once the work is done: then `grow`, record and
-/// run it again.
+/// Where there is not room for all rows of cells, `fits` is false once the work is done: then `grow`, record
+/// and run it again.
 class RasterDistance {
  public:
   explicit RasterDistance(Device& device);

@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.3, end.
 //
-// Paper: an invocation for each sample. Here: likewise, but a group for each sample that has many triangles to
-// measure, so that crowded cells (fine meshes on coarse grids) leave nobody alone with them.
+// Paper: an invocation for each sample. Here: likewise, but a group for each sample that has many triangles
+// to measure, so that crowded cells (fine meshes on coarse grids) leave nobody alone with them.
 
 #include "refine.h"
 

@@ -5,9 +5,9 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the distance, in sample units, of every sample to the triangles of its nearest occupied cell
-/// and, with `reach` 1, of that cell's neighbours, over all levels; and the closest of those triangles, the
-/// lowest of several.
+/// The CPU's twin: the distance, in sample units, of every sample to the triangles of its nearest occupied
+/// cell and, with `reach` 1, of that cell's neighbours, over all levels; and the closest of those triangles,
+/// the lowest of several.
 class Refine {
  public:
   struct Fields {

@@ -1,0 +1,138 @@
+// The stages over cells, from the mesh to the distance: each result against the CPU's.
+
+#include <raymap/raymap.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "cpu/raster_distance.h"
+#include "cpu/refine.h"
+#include "cpu/triangle.h"
+#include "vulkan_cell_stages.h"
+
+namespace raymap::vulkan {
+namespace {
+
+constexpr double kAllowed = 1e-6;  // of the grid's diagonal
+
+class VulkanCells : public VulkanTest {};
+
+void expectNear(const Buffer<float>& ours, const Buffer<float>& theirs, const glm::ivec3& dims) {
+  const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(dims)));
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (size_t s = 0; s < ours.size(); ++s) {
+    // Where the mesh is as far away as floats reach, so are their steps.
+    ASSERT_NEAR(ours[s], theirs[s], std::max(allowed, 1e-6f * theirs[s])) << "sample " << s;
+  }
+}
+
+void expectSameLevels(const std::vector<raymap::CellLevel>& ours,
+                      const std::vector<raymap::CellLevel>& theirs) {
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (size_t l = 0; l < ours.size(); ++l) {
+    ASSERT_TRUE(std::ranges::equal(ours[l].grid.starts, theirs[l].grid.starts));
+    ASSERT_TRUE(std::ranges::equal(ours[l].grid.triangles, theirs[l].grid.triangles));
+    ASSERT_TRUE(std::ranges::equal(ours[l].squared, theirs[l].squared));
+    ASSERT_TRUE(std::ranges::equal(ours[l].nearestCell, theirs[l].nearestCell));
+  }
+}
+
+/// The triangles may differ where they are equally far away but for rounding.
+void expectClosest(const raymap::CellMesh& mesh, const RefineResult& result) {
+  const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(mesh.dims)));
+  for (size_t s = 0; s < result.distance.size(); ++s) {
+    const uint32_t t = result.triangle[s];
+    ASSERT_LT(t, mesh.triangles.size());
+    const glm::vec3 p(CellLattice{mesh.dims}.cell(s));
+    const float distance =
+        std::sqrt(triangleSquaredDistance(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)));
+    ASSERT_NEAR(result.distance[s], distance, std::max(allowed, 1e-6f * distance)) << s;
+  }
+}
+
+void expectAsOnTheCpu(const raymap::CellMesh& mesh) {
+  Silent silent;
+  const std::vector<raymap::CellLevel> levels = nearestCells(mesh);
+  for (const int reach : {0, 1}) {
+    Buffer<float> distance;
+    refineDistance(mesh, levels, reach, silent.progress, distance, nullptr);
+    const RefineResult result = CellStages::refine(mesh, reach);
+    expectSameLevels(result.levels, levels);
+    expectNear(result.distance, distance, mesh.dims);
+    expectClosest(mesh, result);
+    const RefineResult again = CellStages::refine(mesh, reach);
+    ASSERT_TRUE(std::ranges::equal(again.distance, result.distance)) << "the second time";
+    ASSERT_TRUE(std::ranges::equal(again.triangle, result.triangle)) << "the second time";
+  }
+  Buffer<float> distance;
+  sampleRasterDistance(mesh.dims, levels, silent.progress, distance);
+  expectNear(CellStages::rasterDistance(mesh), distance, mesh.dims);
+}
+
+void expectAsOnTheCpu(const Mesh& mesh, const GridOptions& options) {
+  expectAsOnTheCpu(OwnCellMesh(mesh, fitGrid(mesh, options)));
+}
+
+TEST_F(VulkanCells, GiveWhatTheyGiveOnTheCpu) {
+  expectAsOnTheCpu(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 20});
+  expectAsOnTheCpu(shapes::torus(1.0, 0.3, 60, 30), {.resolution = 24});
+  expectAsOnTheCpu(shapes::soup(200, 3), {.resolution = 24});
+}
+
+TEST_F(VulkanCells, GiveItOfCrowdedCells) {
+  expectAsOnTheCpu(shapes::joined(shapes::sphere(0.01, 4, {0.4, 0.5, 0.5}), shapes::soup(3, 1)),
+                   {.resolution = 12});
+  expectAsOnTheCpu(shapes::sphere(1.0, 5), {.resolution = 6});
+}
+
+TEST_F(VulkanCells, GiveItWhereTheMeshLeavesTheBox) {
+  const Mesh torus = shapes::torus(1.0, 0.3, 40, 20);
+  for (const Box& box : {Box{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)},
+                         Box{glm::dvec3(2.0), glm::dvec3(3.0)}, Box{glm::dvec3(-0.2), glm::dvec3(0.2)},
+                         Box{glm::dvec3(1e4), glm::dvec3(1e4 + 1.0)}})
+    expectAsOnTheCpu(torus, {.resolution = 16, .box = box});
+}
+
+TEST_F(VulkanCells, GiveItOnThinGrids) {
+  for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(1, 1, 50), glm::ivec3(60, 1, 1),
+                                glm::ivec3(1, 40, 3), glm::ivec3(17, 33, 1)})
+    for (const int count : {1, 50}) expectAsOnTheCpu(cellSoup(count, dims, 5));
+}
+
+std::filesystem::path meshFolder() {
+  const char* folder = std::getenv("RAYMAP_MESHES");
+  return folder ? folder : RAYMAP_SHARED_MESHES;
+}
+
+/// The names of every third mesh that is small and not malformed.
+std::vector<std::string> someMeshes() {
+  constexpr int kTriangles = 1000;
+  std::ifstream list(meshFolder() / "MESHES.tsv");
+  std::vector<std::string> names;
+  std::string line;
+  std::getline(list, line);
+  for (int small = 0; std::getline(list, line);) {
+    std::istringstream cells(line);
+    std::array<std::string, 7> row;  // file, kind, source, licence, vertices, welded ones, triangles
+    for (std::string& cell : row) std::getline(cells, cell, '\t');
+    if (row[1] == "malformed" || std::atoi(row[6].c_str()) > kTriangles) continue;
+    if (small++ % 3 == 0) names.push_back(row[0]);
+  }
+  return names;
+}
+
+TEST_F(VulkanCells, GiveItOfRealMeshes) {
+  if (!std::filesystem::exists(meshFolder() / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  size_t tried = 0;
+  for (const std::string& name : someMeshes()) {
+    SCOPED_TRACE(name);
+    expectAsOnTheCpu(readMesh(meshFolder() / name), {.resolution = 16});
+    ++tried;
+  }
+  EXPECT_GT(tried, 5u);
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
