@@ -41,11 +41,10 @@ void main() {
   barrier();
   uint doubtful = 0;
   float winding[kWindingRaysRows];
-  // All reads come before any write, so that they can be under way together. Drivers unroll such a loop; where
-  // [[unroll]] makes the compiler do it, spirv-opt 2022.4 forgets `precise` in all copies but one.
-  for (uint row = 0; row < kWindingRaysRows; ++row)
+  // All reads come before any write, so that they can be under way together.
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
     if (sampleIndex(row) < push.sampleCount) winding[row] = averageOfRays(sampleIndex(row), doubtful);
-  for (uint row = 0; row < kWindingRaysRows; ++row)
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
     if (sampleIndex(row) < push.sampleCount) push.winding.at[sampleIndex(row)] = winding[row];
   doubtful = subgroupAdd(doubtful);
   if (subgroupElect() && doubtful > 0) atomicAdd(doubtfulOfGroup, doubtful);
