@@ -43,7 +43,7 @@ struct Arguments {
   fs::path mesh, field, triangleIds, winding, confidence, stats;
   GridOptions grid;
   std::vector<double> bounds;
-  std::string distance = "exact", sign = "harmonic", device = "auto";
+  std::string distance = "exact", sign = "harmonic";
   Options options;
 };
 
@@ -99,6 +99,7 @@ void makeField(const Mesh& mesh, const Arguments& arguments, Report& report, Fie
   ProgressLine line;
   Options options = arguments.options;
   options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+  options.warn = warn;
   Generator generator;
   generator.generate(mesh, report.grid, options, field);
   report.stats = generator.stats();
@@ -134,6 +135,7 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"band", arguments.options.band},
             {"invert", arguments.options.invert},
             {"threads", arguments.options.threads}}},
+          {"device", report.stats.device},
           {"stages", toJson(report.stats)},
           {"total_ms", report.stats.totalMilliseconds},
           {"write_ms", report.writeMilliseconds},
@@ -154,8 +156,8 @@ void print(const Arguments& arguments, const Report& report) {
   for (const Stats::Stage& stage : report.stats.stages)
     std::printf("  %-20s %10.1f ms\n", stage.name.c_str(), stage.milliseconds);
   std::printf("  %-20s %10.1f ms\n", "write", report.writeMilliseconds);
-  std::printf("field: %.1f ms, peak memory %s", report.stats.totalMilliseconds,
-              sizeText(peakMemory()).c_str());
+  std::printf("field: %.1f ms on %s, peak memory %s", report.stats.totalMilliseconds,
+              report.stats.device.c_str(), sizeText(peakMemory()).c_str());
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
@@ -229,8 +231,9 @@ void addMethodOptions(CLI::App& command, Arguments& arguments) {
 
 void addMachineOptions(CLI::App& command, Arguments& arguments) {
   command
-      .add_option("--device", arguments.device, "What computes it (default auto; only the CPU in this build)")
-      ->check(CLI::IsMember({"auto", "cpu"}))
+      .add_option("--device", arguments.options.device,
+                  "What computes it: cpu, vulkan, vulkan:K (see raymap devices), or auto (default): a GPU if "
+                  "there is one, else the CPU")
       ->group("Machine");
   command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
       ->check(wholeNumberFrom(0))

@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -59,7 +61,8 @@ void addVulkan(DeviceList& list) {
                             .memory = found[k].memory,
                             .sharedMemory = found[k].sharedMemory,
                             .problem = found[k].problem});
-  const auto best = vulkan::bestDevice(found);
+  const std::optional<size_t> best = vulkan::bestDevice(found);
+  if (best) list.best = *best + 1;
   if (best && found[*best].type != vulkan::DeviceType::Software) list.automatic = *best + 1;
 }
 #endif
@@ -79,6 +82,46 @@ DeviceList listDevices() {
   list.note = "built without Vulkan; build with RAYMAP_VULKAN=ON";
 #endif
   return list;
+}
+
+namespace {
+
+/// Whether the system shows a GPU at all: asking every driver takes much longer.
+bool mayHaveGpu() {
+  std::error_code ignored;
+  for (const char* node : {"/dev/dri", "/dev/nvidiactl", "/dev/dxg"})
+    if (std::filesystem::exists(node, ignored)) return true;
+  return false;
+}
+
+void requireUsable(const DeviceList& list, size_t number, const std::string& name) {
+  if (number >= list.devices.size())
+    throw Error(ErrorCode::Unsupported, "there is no device " + name +
+                                            (list.note.empty() ? "" : ": " + list.note) +
+                                            "; `raymap devices` lists them");
+  const ComputeDevice& device = list.devices[number];
+  if (!device.problem.empty())
+    throw Error(ErrorCode::Unsupported, name + " (" + device.name + ") cannot be used: " + device.problem);
+}
+
+}  // namespace
+
+std::optional<size_t> chooseDevice(const std::string& name) {
+  if (name == "cpu" || (name == "auto" && !mayHaveGpu())) return std::nullopt;
+  const std::string prefix = "vulkan:";
+  size_t index = 0;
+  const bool isNumbered =
+      name.starts_with(prefix) &&
+      std::from_chars(name.data() + prefix.size(), name.data() + name.size(), index).ptr ==
+          name.data() + name.size() &&
+      name.size() > prefix.size();
+  if (name != "auto" && name != "vulkan" && !isNumbered)
+    throw Error(ErrorCode::Usage, "there is no device '" + name + "'; use auto, cpu, vulkan or vulkan:K");
+  const DeviceList list = listDevices();
+  if (name == "auto") return list.automatic == 0 ? std::nullopt : std::optional(list.automatic - 1);
+  if (name == "vulkan") index = list.best ? *list.best - 1 : list.devices.size();
+  requireUsable(list, index + 1, name);
+  return index;
 }
 
 }  // namespace raymap

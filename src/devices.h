@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,15 @@ struct ComputeDevice {
 struct DeviceList {
   std::vector<ComputeDevice> devices;  ///< The CPU first, then Vulkan's in its order.
   size_t automatic = 0;                ///< What `auto` takes: a real GPU if one is usable, else the CPU.
+  std::optional<size_t> best;          ///< Of Vulkan's devices, a driver in software included.
   std::string note;                    ///< Why there is no Vulkan device; empty if there is one.
 };
 
 DeviceList listDevices();
+
+/// The Vulkan device that `Options::device` means; none for the CPU. `auto` looks for drivers only on
+/// machines that have a GPU. Throws `Error`: Usage for a name that is none, Unsupported if there is no such
+/// device.
+std::optional<size_t> chooseDevice(const std::string& name);
 
 }  // namespace raymap

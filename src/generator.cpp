@@ -1,13 +1,19 @@
 #include <raymap/error.h>
 #include <raymap/generate.h>
 
+#include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "cpu/backend.h"
 #include "cpu/parallel.h"
+#include "devices.h"
 #include "memory.h"
 #include "pipeline.h"
+#ifdef RAYMAP_VULKAN
+#include "vulkan/runner.h"
+#endif
 
 namespace raymap {
 
@@ -45,8 +51,16 @@ size_t fieldBytes(const Field& field) {
 }  // namespace
 
 struct Generator::Impl {
-  CpuBackend backend;
+  CpuBackend cpu;
+#ifdef RAYMAP_VULKAN
+  std::unique_ptr<vulkan::Runner> gpu;
+  size_t gpuIndex = 0;
+#endif
   Stats stats;
+
+  void run(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
+  void runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
+  void runOnGpu(size_t index, const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
 };
 
 Generator::Generator() : impl_(std::make_unique<Impl>()) {}
@@ -58,25 +72,63 @@ const Stats& Generator::stats() const {
   return impl_->stats;
 }
 
+void Generator::Impl::run(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
+  const std::optional<size_t> index = chooseDevice(options.device);
+  if (!index) {
+    runOnCpu(mesh, grid, options, field);
+    return;
+  }
+  try {
+    runOnGpu(*index, mesh, grid, options, field);
+  } catch (const Error& error) {
+    const bool isMeshOrUser = error.code() == ErrorCode::Input || error.code() == ErrorCode::Usage ||
+                              error.code() == ErrorCode::Cancelled;
+    if (options.device != "auto" || isMeshOrUser) throw;
+    if (options.warn) options.warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
+    runOnCpu(mesh, grid, options, field);
+  }
+}
+
+void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
+  const size_t held = cpu.bytes() + fieldBytes(field);
+  const size_t limit = options.memoryLimit ? options.memoryLimit : availableMemory() + held;
+  checkMemory(CpuBackend::bytesNeeded(mesh, grid, options), limit);
+  stats = {};
+  Progress progress(options, stats);
+  withThreads(options.threads, [&] { runPipeline(cpu, mesh, grid, options, progress, field); });
+  stats.device = "cpu";
+  stats.bytes = cpu.bytes() + fieldBytes(field);
+  stats.doubtfulShare = cpu.doubtfulShare();
+}
+
+#ifdef RAYMAP_VULKAN
+void Generator::Impl::runOnGpu(size_t index, const Mesh& mesh, const Grid& grid, const Options& options,
+                               Field& field) {
+  if (!gpu || gpuIndex != index) gpu = std::make_unique<vulkan::Runner>(index);
+  gpuIndex = index;
+  // Taken out while it runs: what failed is not used again.
+  std::unique_ptr<vulkan::Runner> runner = std::move(gpu);
+  stats = {};
+  runner->run(mesh, grid, options, field, stats);
+  stats.device = "vulkan:" + std::to_string(index);
+  gpu = std::move(runner);
+}
+#else
+void Generator::Impl::runOnGpu(size_t, const Mesh&, const Grid&, const Options&, Field&) {}
+#endif
+
 void Generator::generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
-  CpuBackend& backend = impl_->backend;
-  Stats& stats = impl_->stats;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
   try {
     checkOptions(grid, options);
     validate(mesh);
-    const size_t held = backend.bytes() + fieldBytes(field);
-    const size_t limit = options.memoryLimit ? options.memoryLimit : availableMemory() + held;
-    checkMemory(CpuBackend::bytesNeeded(mesh, grid, options), limit);
-    stats = {};
-    Progress progress(options, stats);
-    withThreads(options.threads, [&] { runPipeline(backend, mesh, grid, options, progress, field); });
+    impl_->run(mesh, grid, options, field);
   } catch (...) {
     field = {};
     throw;
   }
-  for (const Stats::Stage& stage : stats.stages) stats.totalMilliseconds += stage.milliseconds;
-  stats.bytes = backend.bytes() + fieldBytes(field);
-  stats.doubtfulShare = backend.doubtfulShare();
+  impl_->stats.totalMilliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 Field generate(const Mesh& mesh, const Grid& grid, const Options& options) {

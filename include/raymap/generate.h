@@ -37,11 +37,17 @@ struct Options {
   double threshold = 0.5;           ///< Inside means |winding number| > threshold.
   double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
   bool invert = false;              ///< Positive inside instead.
-  int threads = 0;                  ///< 0 = all.
+  int threads = 0;                  ///< Of the CPU; 0 = all.
   bool triangleIds = false;         ///< Also give the closest triangle of each sample (not with `Raster`),
   bool winding = false;             ///< the winding number,
   bool confidence = false;          ///< and how sure the sign is.
   size_t memoryLimit = 0;           ///< Bytes the generator may hold; 0 = what the machine has left.
+
+  /// What computes: "cpu"; "vulkan:K", the Kth Vulkan device, or "vulkan", the best of them, be it a driver
+  /// in software; "auto": a real GPU if one is usable, else the CPU. The same fields but for rounding.
+  std::string device = "auto";
+  /// Told why `auto` could not use the GPU that it found.
+  std::function<void(std::string_view)> warn;
 
   /// Called now and then with the stage and the share of it that is done, 0 to 1; return false to cancel
   /// (the call then throws `Error(Cancelled)` and leaves the field empty). May be called by any thread,
@@ -51,6 +57,7 @@ struct Options {
 
 /// What a run cost.
 struct Stats {
+  std::string device;  ///< "cpu" or "vulkan:K".
   struct Stage {
     std::string name;
     double milliseconds = 0.0;

@@ -28,9 +28,11 @@ namespace HWY_NAMESPACE {
 using Moments = WindingDipoles::Moments;
 
 /// A group is distant from so many times its radius on, at first and when the number turns out so close to
-/// the threshold that the error, 0.002 in the mean, could matter: then it is 0.0002.
-constexpr float kDistant = 2.0f, kMoreDistant = 5.0f;
-constexpr float kClose = 0.03f;
+/// the threshold that the error, 0.002, 0.0002 and 0.00001 in the mean, could matter.
+struct Look {
+  float distant, close;
+};
+constexpr Look kLooks[] = {{2.0f, 0.03f}, {5.0f, 0.004f}, {20.0f, 0.0f}};
 
 /// Half the solid angle of eight triangles, seen from p; zero in their planes.
 HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
@@ -230,9 +232,10 @@ void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& 
   const glm::uvec3 d(dims);
   for (const uint32_t s : samples) {
     const glm::vec3 p(s % d.x, s / d.x % d.y, s / d.x / d.y);
-    float w = solidAngles.windingNumber(p, kDistant);
-    if (std::abs(std::abs(w) - threshold) < kClose) w = solidAngles.windingNumber(p, kMoreDistant);
-    winding[s] = w;
+    for (const Look& look : kLooks) {
+      winding[s] = solidAngles.windingNumber(p, look.distant);
+      if (std::abs(std::abs(winding[s]) - threshold) >= look.close) break;
+    }
   }
 }
 

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <raymap/generate.h>
+
+#include "cell_mesh.h"
+#include "command_buffer.h"
+#include "crossings.h"
+#include "exact_distance.h"
+#include "progress.h"
+#include "ray_map.h"
+#include "sign.h"
+#include "surface_tree.h"
+#include "winding_dipoles.h"
+#include "winding_harmonic.h"
+#include "winding_rays.h"
+
+namespace raymap::vulkan {
+
+/// The device's twin of every stage of pipeline.h. Stages record commands; they run when the field is
+/// finished, or one after the other where somebody watches the progress. Keeps its memory between runs: one
+/// like the one before allocates nothing.
+class Backend {
+ public:
+  explicit Backend(Device& device);
+
+  /// Takes the mesh to the device and sizes the field. The references must live until `finish`.
+  void begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress, Field& field);
+  void voxelGrid();
+  void cellDistance();
+  void distanceTransform();
+  void refine();
+  void rasterDistance();
+  void exactDistance();
+  void crossings();
+  void rayMap();
+  void winding();
+  void sign();
+  /// Brings the distances into the mesh's units, and everything asked for to the host.
+  void finish();
+
+  /// Bytes that a run will hold on the device at most, from sizes alone.
+  static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+
+  /// Share of samples whose six rays disagree.
+  double doubtfulShare() const { return doubtfulShare_; }
+  /// What the device took for each stage of the last run.
+  const std::vector<Stats::Stage>& stages() const { return stages_; }
+
+ private:
+  /// A result on its way to the host.
+  struct Result {
+    DeviceBuffer device, host;
+  };
+
+  template <class Work>
+  void stage(const char* name, Work&& work);
+  void run();
+  Result makeResult(const std::string& name);
+  void reserveStages();
+  void reserveResults();
+  void recordSurfaceTree();
+  void recordHarmonic();
+  static VkDeviceAddress addressOf(const Result& result);
+  void readBack(Result& result);
+  void takeResults();
+  bool hasSign() const { return options_->sign != SignMode::None; }
+
+  Device* device_;
+  const Mesh* inputMesh_ = nullptr;
+  const Grid* grid_ = nullptr;
+  const Options* options_ = nullptr;
+  Field* field_ = nullptr;
+  double doubtfulShare_ = 0.0;
+  std::vector<Stats::Stage> stages_;
+
+  CommandBuffer commandBuffer_;
+  std::optional<Commands> commands_;
+  CellMesh mesh_;
+  SurfaceTree surfaceTree_;
+  ExactDistance exactDistance_;
+  Crossings crossings_;
+  RayMap rayMap_;
+  WindingRays windingRays_;
+  WindingHarmonic windingHarmonic_;
+  WindingDipoles windingDipoles_;
+  Sign sign_;
+  Result distance_, triangle_, winding_, confidence_;
+  DeviceBuffer crossingsStatus_, doubtful_;
+};
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,87 @@
+// Barill et al. 2018, "Fast winding numbers for soups and clouds", where Krayer & Müller 2019, §3.5, only
+// sample.
+
+#include "winding_dipoles.h"
+
+#include <algorithm>
+
+#include "shaders/winding_dipoles_spv.h"
+#include "shaders/winding_doubts_spv.h"
+#include "shaders/winding_moments_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kMomentsGroup = 64;
+// An invocation looks at two samples, three times each. Mesa's driver in software ends loops silently after
+// 65,535 turns in all.
+constexpr uint32_t kFewTurns = 10000;
+constexpr uint32_t kManyTurns = 10000000;
+
+uint64_t ceilDiv(uint64_t a, uint64_t b) {
+  return (a + b - 1) / b;
+}
+
+uint64_t samplesOf(const glm::ivec3& dims) {
+  return uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
+}
+
+}  // namespace
+
+WindingDipoles::WindingDipoles(Device& device)
+    : gate_(device, "dispatches of the dipoles"),
+      doubts_(device, shaders::kWindingDoubts, std::max(kDoubtsGroup, device.limits().maxSubgroupSize)),
+      momentsOf_(device, shaders::kWindingMoments, kMomentsGroup),
+      settle_(device, shaders::kWindingDipoles, kDoubtsGroup),
+      mostTurns_(device.info().type == DeviceType::Software ? kFewTurns : kManyTurns),
+      moments_(device, "moments of the surface tree"),
+      doubtful_(device, "doubtful samples") {}
+
+void WindingDipoles::reserve(uint32_t triangleCount, const glm::ivec3& dims) {
+  dims_ = dims;
+  triangleCount_ = triangleCount;
+  levels_.clear();
+  for (uint32_t nodes = SurfaceTree::leavesOf(triangleCount);; nodes = SurfaceTree::leavesOf(nodes)) {
+    levels_.push_back({0, nodes});
+    if (nodes == 1) break;
+  }
+  for (size_t level = levels_.size() - 1; level-- > 0;)
+    levels_[level].start = levels_[level + 1].start * kArity + 1;
+  moments_.resize<float>((uint64_t{levels_[0].start} + levels_[0].count) * kMomentVectors * 4);
+  doubtful_.resize<uint32_t>(1);
+  gate_.reserve(static_cast<uint32_t>(levels_.size()) + 1);
+  for (uint32_t level = 0; level < levels_.size(); ++level)
+    gate_.plan(level, ceilDiv(levels_[level].count, kMomentsGroup));
+  gate_.plan(static_cast<uint32_t>(levels_.size()), ceilDiv(samplesOf(dims), kDoubtsSamples));
+}
+
+void WindingDipoles::record(Commands& commands, const SurfaceTree& tree, const Fields& fields,
+                            double threshold) {
+  WindingDipolesPush push{.frames = tree.frames().address(),
+                          .discs = tree.discs().address(),
+                          .moments = moments_.address(),
+                          .distance = fields.distance,
+                          .winding = fields.winding,
+                          .doubts = doubtful_.address(),
+                          .disagreeing = fields.disagreeing,
+                          .gridX = static_cast<uint32_t>(dims_.x),
+                          .gridY = static_cast<uint32_t>(dims_.y),
+                          .gridZ = static_cast<uint32_t>(dims_.z),
+                          .triangleCount = triangleCount_,
+                          .firstLeaf = levels_[0].start,
+                          .threshold = static_cast<float>(threshold),
+                          .mostTurns = mostTurns_};
+  commands.fill(doubtful_, 0);
+  commands.dispatch(doubts_, push, samplesOf(dims_));
+  gate_.record(commands, doubtful_.address());
+  for (uint32_t level = 0; level < levels_.size(); ++level) {
+    push.levelStart = levels_[level].start;
+    push.levelCount = levels_[level].count;
+    push.isLeafLevel = level == 0 ? 1 : 0;
+    gate_.dispatch(commands, momentsOf_, push, level);
+  }
+  gate_.dispatch(commands, settle_, push, static_cast<uint32_t>(levels_.size()));
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "gate.h"
+#include "shared/winding_dipoles.h"
+#include "surface_tree.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: winding numbers of the triangles themselves, by a tree of dipoles (Barill et al. 2018),
+/// where the lattice comes close to the threshold. Nothing runs where it does not.
+class WindingDipoles {
+ public:
+  struct Fields {
+    VkDeviceAddress distance = 0;  ///< Unsigned, in cells.
+    VkDeviceAddress winding = 0;
+    VkDeviceAddress disagreeing = 0;  ///< How many samples' rays disagree: where none do, nothing runs.
+  };
+
+  explicit WindingDipoles(Device& device);
+
+  /// Makes room for the tree of so many triangles and grids of these dims. Nothing recorded before may still
+  /// have to run.
+  void reserve(uint32_t triangleCount, const glm::ivec3& dims);
+  /// `tree` holds as many triangles as were reserved.
+  void record(Commands& commands, const SurfaceTree& tree, const Fields& fields, double threshold);
+
+ private:
+  /// Nodes of one level of the tree, leaves first.
+  struct Level {
+    uint32_t start, count;
+  };
+
+  glm::ivec3 dims_{0};
+  uint32_t triangleCount_ = 0;
+  std::vector<Level> levels_;
+  Gate gate_;
+  Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_;
+  uint32_t mostTurns_;
+  DeviceBuffer moments_, doubtful_;
+};
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,189 @@
+// The same field from every backend.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "devices.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class Backends : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (listDevices().devices.size() > 1) return;
+    const char* required = std::getenv("RAYMAP_REQUIRE_VULKAN");
+    if (required && std::string(required) == "1") FAIL() << listDevices().note;
+    GTEST_SKIP() << listDevices().note;
+  }
+
+  static Options everything(const std::string& device) {
+    Options options;
+    options.device = device;
+    options.winding = options.confidence = options.triangleIds = true;
+    return options;
+  }
+
+  static Field make(const Mesh& mesh, const Grid& grid, Options options, const std::string& device) {
+    options.device = device;
+    Generator generator;
+    Field field;
+    generator.generate(mesh, grid, options, field);
+    EXPECT_TRUE(generator.stats().device.starts_with(device)) << generator.stats().device;
+    return field;
+  }
+
+  /// Distances within 1e-6 of the diagonal, signs equal wherever |w| is more than 1e-4 from the threshold.
+  static void expectSame(const Field& a, const Field& b, const Mesh& mesh, double threshold = 0.5) {
+    const double tolerance = 1e-6 * glm::length(bounds(mesh).size());
+    ASSERT_EQ(a.distance.size(), b.distance.size());
+    size_t unlike = 0;
+    for (size_t s = 0; s < a.distance.size(); ++s) {
+      ASSERT_NEAR(std::abs(a.distance[s]), std::abs(b.distance[s]), tolerance) << "sample " << s;
+      if (std::signbit(a.distance[s]) == std::signbit(b.distance[s])) continue;
+      ++unlike;
+      ASSERT_LT(std::abs(std::abs(a.winding[s]) - threshold), 1e-4)
+          << "sample " << s << ": " << a.winding[s] << " and " << b.winding[s];
+    }
+    EXPECT_LE(unlike, a.distance.size() / 10000);
+  }
+
+  static Mesh holedSphere() {
+    Mesh mesh = shapes::sphere(1.0, 4);
+    std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.6; });
+    return mesh;
+  }
+};
+
+TEST_F(Backends, GiveTheSameField) {
+  for (const Mesh& mesh :
+       {shapes::sphere(1.0, 4), holedSphere(), shapes::soup(500, 3), shapes::torus(1.0, 0.3, 40, 20)}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 32});
+    const Field cpu = make(mesh, grid, everything("cpu"), "cpu"),
+                gpu = make(mesh, grid, everything("vulkan"), "vulkan");
+    expectSame(cpu, gpu, mesh);
+    for (size_t s = 0; s < cpu.winding.size(); ++s) {
+      ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 0.06f) << "sample " << s;
+      ASSERT_LT(gpu.triangle[s], mesh.triangles.size());
+    }
+  }
+}
+
+TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  const Grid grid = fitGrid(mesh, {.resolution = 30, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});
+  Options options = everything("cpu");
+  options.invert = true;
+  options.threshold = 0.3;
+  expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh, 0.3);
+}
+
+TEST_F(Backends, GiveTheSameBand) {
+  const Mesh mesh = shapes::sphere(1.0, 4);
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  Options options = everything("cpu");
+  options.band = 3.0;
+  const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
+  expectSame(cpu, gpu, mesh);
+  for (size_t s = 0; s < cpu.distance.size(); ++s)
+    ASSERT_EQ(cpu.triangle[s] == kNoTriangle, gpu.triangle[s] == kNoTriangle) << "sample " << s;
+}
+
+TEST_F(Backends, GiveTheSameRays) {
+  const Mesh mesh = shapes::soup(300, 8);
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  Options options = everything("cpu");
+  options.sign = SignMode::Rays;
+  const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
+  EXPECT_EQ(0, std::memcmp(cpu.winding.data(), gpu.winding.data(), cpu.winding.size() * sizeof(float)));
+  options.sign = SignMode::None;
+  for (const float d : make(mesh, grid, options, "vulkan").distance) ASSERT_GE(d, 0.0f);
+}
+
+TEST_F(Backends, GiveTheSameBitsEachTime) {
+  const Mesh first = holedSphere(), second = shapes::soup(300, 8);
+  Generator generator;
+  Field a, b, c;
+  const Options options = everything("vulkan");
+  const Grid grid = fitGrid(first, {.resolution = 28});
+  generator.generate(first, grid, options, a);
+  generator.generate(second, fitGrid(second, {.resolution = 20}), options, b);
+  generator.generate(first, grid, options, c);
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * 4) == 0;
+  };
+  EXPECT_TRUE(same(a.distance, c.distance));
+  EXPECT_TRUE(same(a.winding, c.winding));
+  EXPECT_TRUE(same(a.triangle, c.triangle));
+  EXPECT_TRUE(same(a.confidence, c.confidence));
+}
+
+TEST_F(Backends, StopWhenAskedAndLeaveNothing) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  Options options;
+  options.device = "vulkan";
+  for (const int stopAt : {0, 2, 4}) {
+    int calls = 0;
+    options.progress = [&](std::string_view, double) { return calls++ < stopAt; };
+    Field field;
+    Generator generator;
+    try {
+      generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), options, field);
+      FAIL() << stopAt;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+    }
+    EXPECT_TRUE(field.distance.empty());
+    options.progress = {};
+    generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), options, field);
+    EXPECT_FALSE(field.distance.empty());
+  }
+}
+
+ErrorCode codeOf(const Mesh& mesh, const Grid& grid, const Options& options) {
+  try {
+    generate(mesh, grid, options);
+  } catch (const Error& error) {
+    return error.code();
+  }
+  return ErrorCode::Usage;
+}
+
+TEST_F(Backends, RefuseWhatTheCpuRefuses) {
+  Mesh far = shapes::sphere(1.0, 2);
+  const Grid grid = fitGrid(far, {.resolution = 16});
+  Options options;
+  options.device = "vulkan";
+  options.memoryLimit = 1000;
+  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory);
+  options.memoryLimit = 0;
+  far.vertices[far.triangles[3].y] = glm::vec3(1e15f);
+  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Input);
+}
+
+TEST(Devices, AreToldApartByName) {
+  const Mesh mesh = shapes::sphere(1.0, 1);
+  const Grid grid = fitGrid(mesh, {.resolution = 4});
+  for (const char* name : {"gpu", "vulkan:", "vulkan:x", "vulkan:-1", "vulkan:1x", ""}) {
+    Options options;
+    options.device = name;
+    try {
+      generate(mesh, grid, options);
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage) << name;
+    }
+  }
+  Options options;
+  options.device = "vulkan:99";
+  EXPECT_EQ(codeOf(mesh, grid, options), ErrorCode::Unsupported);
+}
+
+}  // namespace
+}  // namespace raymap
