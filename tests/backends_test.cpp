@@ -106,6 +106,31 @@ TEST_F(Backends, GiveTheSameRays) {
   for (const float d : make(mesh, grid, options, "vulkan").distance) ASSERT_GE(d, 0.0f);
 }
 
+TEST_F(Backends, GiveTheSamePathsAndEvolution) {
+  const Mesh mesh = holedSphere();
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  Options options = everything("cpu");
+  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution}) {
+    options.sign = sign;
+    const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
+    expectSame(cpu, gpu, mesh);
+    for (size_t s = 0; s < cpu.winding.size(); ++s) ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 1e-5f) << s;
+  }
+}
+
+TEST_F(Backends, GiveTheSameDistancesOfThePaper) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  const Grid whole = fitGrid(mesh, {.resolution = 24});
+  const Grid cut = fitGrid(mesh, {.resolution = 20, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});
+  for (const DistanceMode mode : {DistanceMode::Cell, DistanceMode::Neighbours, DistanceMode::Raster})
+    for (const Grid& grid : {whole, cut}) {
+      Options options = everything("cpu");
+      options.distance = mode;
+      options.triangleIds = mode != DistanceMode::Raster;
+      expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh);
+    }
+}
+
 TEST_F(Backends, GiveTheSameBitsEachTime) {
   const Mesh first = holedSphere(), second = shapes::soup(300, 8);
   Generator generator;

@@ -89,9 +89,9 @@ TEST_F(VulkanCells, GiveItOfCrowdedCells) {
 
 TEST_F(VulkanCells, GiveItWhereTheMeshLeavesTheBox) {
   const Mesh torus = shapes::torus(1.0, 0.3, 40, 20);
-  for (const Box& box : {Box{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)},
-                         Box{glm::dvec3(2.0), glm::dvec3(3.0)}, Box{glm::dvec3(-0.2), glm::dvec3(0.2)},
-                         Box{glm::dvec3(1e4), glm::dvec3(1e4 + 1.0)}})
+  for (const Box& box :
+       {Box{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}, Box{glm::dvec3(2.0), glm::dvec3(3.0)},
+        Box{glm::dvec3(-0.2), glm::dvec3(0.2)}, Box{glm::dvec3(1e4), glm::dvec3(1e4 + 1.0)}})
     expectAsOnTheCpu(torus, {.resolution = 16, .box = box});
 }
 

@@ -61,10 +61,15 @@ std::vector<CellLattice> coverMesh(const CellMesh& mesh) {
       meshLow = glm::min(meshLow, mesh.corner(t, c));
       meshHigh = glm::max(meshHigh, mesh.corner(t, c));
     }
-  std::vector<CellLattice> lattices{{mesh.dims, glm::dvec3(0.0), 1.0}};
+  return coverBounds(meshLow, meshHigh, mesh.dims);
+}
+
+std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
+                                     const glm::ivec3& dims) {
+  std::vector<CellLattice> lattices{{dims, glm::dvec3(0.0), 1.0}};
   const glm::dvec3 low = glm::min(glm::dvec3(-0.5), glm::dvec3(meshLow));
-  const glm::dvec3 high = glm::max(glm::dvec3(mesh.dims) - 0.5, glm::dvec3(meshHigh));
-  if (low == glm::dvec3(-0.5) && high == glm::dvec3(mesh.dims) - 0.5) return lattices;
+  const glm::dvec3 high = glm::max(glm::dvec3(dims) - 0.5, glm::dvec3(meshHigh));
+  if (low == glm::dvec3(-0.5) && high == glm::dvec3(dims) - 0.5) return lattices;
 
   const double limit = std::max(double(lattices[0].count()), 32768.0);
   double size = 1.0;
@@ -73,8 +78,8 @@ std::vector<CellLattice> coverMesh(const CellMesh& mesh) {
     return cells.x * cells.y * cells.z <= limit;
   };
   while (!fits()) size *= 2.0;
-  const glm::ivec3 dims = dimsFor(low, high, size);
-  lattices.push_back({dims, 0.5 * (low + high) - 0.5 * size * glm::dvec3(dims - 1), size});
+  const glm::ivec3 coarse = dimsFor(low, high, size);
+  lattices.push_back({coarse, 0.5 * (low + high) - 0.5 * size * glm::dvec3(coarse - 1), size});
   return lattices;
 }
 

@@ -1,18 +1,8 @@
 #include "backend.h"
 
-#include <raymap/error.h>
-
 #include <cstring>
 
 namespace raymap::vulkan {
-
-namespace {
-
-[[noreturn]] void throwMissing(const std::string& what) {
-  throw Error(ErrorCode::Unsupported, what + " is not computed on a GPU yet; use --device cpu");
-}
-
-}  // namespace
 
 Backend::Backend(Device& device)
     : device_(&device),
@@ -20,9 +10,12 @@ Backend::Backend(Device& device)
       mesh_(device),
       surfaceTree_(device),
       exactDistance_(device),
+      refine_(device),
+      rasterSamples_(device),
       crossings_(device),
       rayMap_(device),
       windingRays_(device),
+      windingPaths_(device),
       windingHarmonic_(device),
       windingDipoles_(device),
       sign_(device),
@@ -40,7 +33,8 @@ size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& o
   size_t perSample = sizeof(float);
   if (options.triangleIds) perSample += sizeof(uint32_t);
   if (options.sign != SignMode::None) perSample += 4 * sizeof(float);
-  if (options.sign == SignMode::Harmonic) perSample += sizeof(float);
+  if (options.sign == SignMode::Harmonic || options.sign == SignMode::Evolution) perSample += sizeof(float);
+  if (options.distance != DistanceMode::Exact) perSample += 4 * sizeof(float);
   if (options.confidence) perSample += sizeof(float);
   constexpr size_t kPerTriangle = 160;
   return grid.sampleCount() * perSample + mesh.triangles.size() * kPerTriangle +
@@ -70,6 +64,7 @@ void Backend::reserveStages() {
   const glm::ivec3& dims = grid_->dims;
   const bool isExact = options_->distance == DistanceMode::Exact;
   const bool isHarmonic = options_->sign == SignMode::Harmonic;
+  if (options_->sign == SignMode::Paths || options_->sign == SignMode::Evolution) windingPaths_.reserve(dims);
   if (isExact || isHarmonic) surfaceTree_.reserve(triangles);
   if (isExact) exactDistance_.reserve(dims);
   if (hasSign()) crossings_.reserve(dims, triangles);
@@ -100,29 +95,14 @@ VkDeviceAddress Backend::addressOf(const Result& result) {
   return result.device.bytes() > 0 ? result.device.address() : 0;
 }
 
-/// Where somebody watches the progress, or may cancel, stages run one by one.
-template <class Work>
-void Backend::stage(const char* name, Work&& work) {
-  commands_->stage(name, work);
-  if (!options_->progress) return;
-  run();
-  commands_ = commandBuffer_.begin();
-}
-
 void Backend::run() {
   commandBuffer_.submitAndWait();
   commands_.reset();
-  for (const StageTime& time : commandBuffer_.times()) stages_.push_back({time.name, time.milliseconds});
-}
-
-void Backend::voxelGrid() {
-  throwMissing("the distance mode");
-}
-void Backend::cellDistance() {}
-void Backend::distanceTransform() {}
-void Backend::refine() {}
-void Backend::rasterDistance() {
-  throwMissing("the distance mode");
+  for (const StageTime& time : commandBuffer_.times())
+    if (!stages_.empty() && stages_.back().name == time.name)
+      stages_.back().milliseconds += time.milliseconds;
+    else
+      stages_.push_back({time.name, time.milliseconds});
 }
 
 void Backend::exactDistance() {
@@ -158,8 +138,18 @@ void Backend::winding() {
     if (options_->sign == SignMode::Harmonic)
       recordHarmonic();
     else if (options_->sign != SignMode::Rays)
-      throwMissing("the sign mode");
+      recordPaths();
   });
+}
+
+void Backend::recordPaths() {
+  const WindingPaths::Fields fields{.rays = crossings_.lines().axes,
+                                    .winding = winding_.device.address(),
+                                    .doubtful = windingRays_.doubtful().address()};
+  if (options_->sign == SignMode::Paths)
+    windingPaths_.recordAverage(*commands_, fields, *options_);
+  else
+    windingPaths_.recordEvolution(*commands_, fields, *options_);
 }
 
 void Backend::recordHarmonic() {

@@ -2,16 +2,23 @@
 
 #include <raymap/generate.h>
 
+#include "cell_distance.h"
+#include "cell_levels.h"
 #include "cell_mesh.h"
 #include "command_buffer.h"
 #include "crossings.h"
+#include "distance_transform.h"
 #include "exact_distance.h"
 #include "progress.h"
+#include "raster_distance.h"
 #include "ray_map.h"
+#include "refine.h"
 #include "sign.h"
 #include "surface_tree.h"
+#include "voxel_grid.h"
 #include "winding_dipoles.h"
 #include "winding_harmonic.h"
+#include "winding_paths.h"
 #include "winding_rays.h"
 
 namespace raymap::vulkan {
@@ -47,18 +54,37 @@ class Backend {
   const std::vector<Stats::Stage>& stages() const { return stages_; }
 
  private:
+  /// What the paper's distances need of one lattice.
+  struct Level {
+    explicit Level(Device& device) : grid(device), distance(device), raster(device), transform(device) {}
+    VoxelGrid grid;
+    CellDistance distance;
+    RasterDistance raster;
+    DistanceTransform transform;
+  };
   /// A result on its way to the host.
   struct Result {
     DeviceBuffer device, host;
   };
 
+  /// Where somebody watches the progress, or may cancel, stages run one by one.
   template <class Work>
-  void stage(const char* name, Work&& work);
+  void stage(const char* name, Work&& work) {
+    commands_->stage(name, work);
+    if (!options_->progress) return;
+    run();
+    commands_ = commandBuffer_.begin();
+  }
+  template <class Part>
+  void stageThatGrows(const char* name, Part Level::*part);
   void run();
+  void coverMesh();
+  CellRuns::Triangles cellTriangles() const;
   Result makeResult(const std::string& name);
   void reserveStages();
   void reserveResults();
   void recordSurfaceTree();
+  void recordPaths();
   void recordHarmonic();
   static VkDeviceAddress addressOf(const Result& result);
   void readBack(Result& result);
@@ -78,9 +104,14 @@ class Backend {
   CellMesh mesh_;
   SurfaceTree surfaceTree_;
   ExactDistance exactDistance_;
+  std::vector<CellLattice> lattices_;
+  std::vector<std::unique_ptr<Level>> levels_;  // at least as many
+  Refine refine_;
+  RasterSamples rasterSamples_;
   Crossings crossings_;
   RayMap rayMap_;
   WindingRays windingRays_;
+  WindingPaths windingPaths_;
   WindingHarmonic windingHarmonic_;
   WindingDipoles windingDipoles_;
   Sign sign_;
