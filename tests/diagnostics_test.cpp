@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <map>
 #include <sstream>
 
+#include "mesh_folder.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -118,30 +117,6 @@ TEST(Diagnostics, RefusesABadIndex) {
   EXPECT_THROW(diagnose(mesh), Error);
 }
 
-std::string meshesFolder() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  return folder != nullptr ? folder : RAYMAP_SHARED_MESHES;
-}
-
-/// The rows of MESHES.tsv, each from column to text.
-std::vector<std::map<std::string, std::string>> readTable(const std::string& path) {
-  std::vector<std::map<std::string, std::string>> rows;
-  std::vector<std::string> header;
-  std::ifstream file(path);
-  for (std::string line, cell; std::getline(file, line);) {
-    std::istringstream cells(line);
-    std::vector<std::string> values;
-    while (std::getline(cells, cell, '\t')) values.push_back(cell);
-    if (header.empty()) {
-      header = values;
-      continue;
-    }
-    auto& row = rows.emplace_back();
-    for (size_t c = 0; c < std::min(header.size(), values.size()); ++c) row[header[c]] = values[c];
-  }
-  return rows;
-}
-
 /// The comma-separated numbers of a cell, which the table rounds to six digits.
 std::vector<double> numbers(const std::string& cell) {
   std::vector<double> values;
@@ -184,16 +159,15 @@ void expectRow(const Diagnostics& found, const std::map<std::string, std::string
 }
 
 TEST(Diagnostics, AgreesWithTheTableOfRealMeshes) {
-  const std::string folder = meshesFolder();
-  const auto table = readTable(folder + "/MESHES.tsv");
-  if (table.empty()) GTEST_SKIP() << "no MESHES.tsv in " << folder;
+  const std::vector<MeshRow> table = meshRows();
+  if (table.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
   int compared = 0, closedGaps = 0;
   for (const auto& row : table) {
     SCOPED_TRACE(row.at("file"));
     if (row.at("kind") == "malformed") continue;
     Mesh mesh;
     try {
-      mesh = readMesh(folder + "/" + row.at("file"));
+      mesh = readMesh(meshFolder() / row.at("file"));
     } catch (const Error&) {
       continue;  // mesh_files_test says which must load.
     }

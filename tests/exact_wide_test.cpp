@@ -4,38 +4,17 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <random>
-#include <sstream>
 
 #include "cpu/parallel.h"
+#include "mesh_folder.h"
 #include "reference.h"
 
 namespace raymap {
 namespace {
 
 constexpr double kAllowed = 1e-6;  // of the diagonal of the bounds
-
-std::filesystem::path meshFolder() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  return folder ? folder : RAYMAP_SHARED_MESHES;
-}
-
-/// The names of all meshes that the list does not call malformed.
-std::vector<std::string> wellFormedMeshes() {
-  std::ifstream list(meshFolder() / "MESHES.tsv");
-  std::vector<std::string> names;
-  std::string line, name, kind;
-  std::getline(list, line);
-  while (std::getline(list, line)) {
-    std::istringstream cells(line);
-    if (std::getline(cells, name, '\t') && std::getline(cells, kind, '\t') && kind != "malformed")
-      names.push_back(name);
-  }
-  return names;
-}
 
 /// Brute force that skips triangles whose bounding sphere lies too far away.
 class BruteForce {

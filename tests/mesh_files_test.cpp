@@ -6,40 +6,18 @@
 #include <raymap/io.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <sstream>
+
+#include "mesh_folder.h"
 
 namespace raymap {
 namespace {
-
-using Row = std::map<std::string, std::string>;
-
-std::filesystem::path folder() {
-  const char* given = std::getenv("RAYMAP_MESHES");
-  return given ? given : RAYMAP_SHARED_MESHES;
-}
 
 std::vector<std::string> split(const std::string& line, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream(line);
   for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
   return parts;
-}
-
-std::vector<Row> table() {
-  std::ifstream file(folder() / "MESHES.tsv");
-  std::vector<Row> rows;
-  std::string line;
-  std::getline(file, line);
-  const std::vector<std::string> names = split(line, '\t');
-  while (std::getline(file, line)) {
-    const std::vector<std::string> values = split(line, '\t');
-    Row& row = rows.emplace_back();
-    for (size_t i = 0; i < std::min(names.size(), values.size()); ++i) row[names[i]] = values[i];
-  }
-  return rows;
 }
 
 glm::dvec3 vector(const std::string& text) {
@@ -59,18 +37,18 @@ double signedVolume(const Mesh& mesh) {
 class MeshFiles : public testing::Test {
  protected:
   void SetUp() override {
-    rows_ = table();
-    if (rows_.empty()) GTEST_SKIP() << "no MESHES.tsv in " << folder();
+    rows_ = meshRows();
+    if (rows_.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
   }
-  std::vector<Row> rows_;
+  std::vector<MeshRow> rows_;
 };
 
 TEST_F(MeshFiles, WholeOnesLoadAsMeasured) {
-  for (Row& row : rows_) {
+  for (MeshRow& row : rows_) {
     if (row["kind"] == "malformed") continue;
     SCOPED_TRACE(row["file"]);
     Mesh mesh;
-    EXPECT_NO_THROW(mesh = readMesh(folder() / row["file"]));
+    EXPECT_NO_THROW(mesh = readMesh(meshFolder() / row["file"]));
     if (mesh.triangles.empty()) continue;
     EXPECT_EQ(mesh.triangles.size(), std::stoull(row["triangles"]));
     EXPECT_NO_THROW(validate(mesh));
@@ -90,11 +68,11 @@ TEST_F(MeshFiles, WholeOnesLoadAsMeasured) {
 }
 
 TEST_F(MeshFiles, BrokenOnesAreRefusedByName) {
-  for (Row& row : rows_) {
+  for (MeshRow& row : rows_) {
     if (row["kind"] != "malformed") continue;
     SCOPED_TRACE(row["file"]);
     try {
-      readMesh(folder() / row["file"]);
+      readMesh(meshFolder() / row["file"]);
       ADD_FAILURE() << "it was read";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::Input) << error.what();

@@ -2,41 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
-#include <map>
 #include <random>
-#include <sstream>
 
+#include "mesh_folder.h"
 #include "sign_scene.h"
 
 namespace raymap {
 namespace {
 
-std::filesystem::path meshFolder() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  return folder ? folder : RAYMAP_SHARED_MESHES;
-}
-
 /// The names of the well-formed meshes that the list calls balanced.
 std::vector<std::string> balancedMeshes() {
-  std::ifstream list(meshFolder() / "MESHES.tsv");
-  const auto cells = [](const std::string& line) {
-    std::vector<std::string> result;
-    std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, '\t');) result.push_back(cell);
-    return result;
-  };
   std::vector<std::string> names;
-  std::string line;
-  std::getline(list, line);
-  std::map<std::string, size_t> column;
-  for (const std::string& title : cells(line)) column.emplace(title, column.size());
-  while (std::getline(list, line)) {
-    const std::vector<std::string> row = cells(line);
-    if (row.at(column.at("balanced")) == "yes" && row.at(column.at("kind")) != "malformed")
-      names.push_back(row.at(column.at("file")));
-  }
+  for (MeshRow& row : meshRows())
+    if (row["balanced"] == "yes" && row["kind"] != "malformed") names.push_back(row["file"]);
   return names;
 }
 

@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 
 #include "cpu/winding_rays.h"
+#include "mesh_folder.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan_sign_stages.h"
@@ -141,8 +140,7 @@ TEST_F(VulkanWindingRays, TheOrderOfTrianglesDoesNotMatter) {
 }
 
 TEST_F(VulkanWindingRays, MeshesOfAllKinds) {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  const std::filesystem::path meshes = folder ? folder : RAYMAP_SHARED_MESHES;
+  const std::filesystem::path meshes = meshFolder();
   if (!std::filesystem::exists(meshes / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
   for (const char* name :
        {"pymesh__tet.obj", "common3d__spot.obj", "libigl__bunny.off", "prusaslicer__M3x10_screw.stl",

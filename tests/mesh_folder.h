@@ -1,0 +1,55 @@
+#pragma once
+
+// The folder of real meshes that wide tests look at where it exists.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace raymap {
+
+/// RAYMAP_MESHES, or the folder beside the project.
+inline std::filesystem::path meshFolder() {
+  const char* folder = std::getenv("RAYMAP_MESHES");
+  return folder ? folder : RAYMAP_SHARED_MESHES;
+}
+
+/// A line of the folder's list, by column.
+using MeshRow = std::map<std::string, std::string>;
+
+/// The list; empty if there is no folder.
+inline std::vector<MeshRow> meshRows() {
+  std::ifstream list(meshFolder() / "MESHES.tsv");
+  const auto split = [](const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, '\t');) cells.push_back(cell);
+    return cells;
+  };
+  std::vector<MeshRow> rows;
+  std::string line;
+  std::getline(list, line);
+  const std::vector<std::string> titles = split(line);
+  while (std::getline(list, line)) {
+    const std::vector<std::string> cells = split(line);
+    MeshRow& row = rows.emplace_back();
+    for (size_t c = 0; c < std::min(titles.size(), cells.size()); ++c) row[titles[c]] = cells[c];
+  }
+  return rows;
+}
+
+/// The names of all meshes that the list does not call malformed.
+inline std::vector<std::string> wellFormedMeshes() {
+  std::vector<std::string> names;
+  for (MeshRow& row : meshRows())
+    if (row["kind"] != "malformed") names.push_back(row["file"]);
+  return names;
+}
+
+}  // namespace raymap
