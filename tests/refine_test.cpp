@@ -73,6 +73,18 @@ class RefineTwins : public TwinTest {
     return refineOnCpu(mesh, reach);
   }
 
+  static bool isEveryAccessChecked() {
+#ifdef RAYMAP_TEST_VULKAN
+    return !isOnCpu() && vulkan::validationFromEnvironment() == vulkan::Validation::Gpu;
+#else
+    return false;
+#endif
+  }
+  /// Software that stands in for a device takes its time.
+  static int fine(int resolution) {
+    return isOnCpu() ? resolution : resolution / 2;
+  }
+
   static void expectAsDefined(const OwnCellMesh& mesh) {
     for (const int reach : {0, 1}) {
       const Result result = refine(mesh, reach);
@@ -86,6 +98,8 @@ class RefineTwins : public TwinTest {
   }
 
   static void expectWithinBounds(const OwnCellMesh& mesh) {
+    if (isEveryAccessChecked())
+      GTEST_SKIP() << "lavapipe ends loops after 65,535 turns, those of the checks too";
     const Mesh truth = mesh.asMesh();
     const Result cell = refine(mesh, 0), neighbours = refine(mesh, 1);
     double cellSum = 0.0, neighbourSum = 0.0;
@@ -123,26 +137,26 @@ TEST_P(RefineTwins, SearchesCrowdedCellsInTheirTree) {
 }
 
 TEST_P(RefineTwins, ErrsByNoMoreThanTheTheorySays) {
-  expectWithinBounds(onGrid(shapes::sphere(1.0, 4), 32));
-  expectWithinBounds(onGrid(shapes::torus(1.0, 0.3, 60, 30), 40));
-  expectWithinBounds(onGrid(shapes::soup(100, 2), 24));
+  expectWithinBounds(onGrid(shapes::sphere(1.0, 4), fine(32)));
+  expectWithinBounds(onGrid(shapes::torus(1.0, 0.3, 60, 30), fine(40)));
+  expectWithinBounds(onGrid(shapes::soup(100, 2), fine(24)));
 }
 
 TEST_P(RefineTwins, SeesTheMeshThatABoxCutsOff) {
   const Mesh torus = shapes::torus(1.0, 0.3, 60, 30);
-  expectWithinBounds(inBox(torus, 24, {glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}));
+  expectWithinBounds(inBox(torus, fine(24), {glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}));
 }
 
 TEST_P(RefineTwins, SeesTheMeshThatABoxDoesNotHold) {
   const Mesh sphere = shapes::sphere(1.0, 3);
-  expectWithinBounds(inBox(sphere, 16, {glm::dvec3(1.5, 0.0, 0.0), glm::dvec3(2.5, 1.0, 1.0)}));
-  expectWithinBounds(inBox(sphere, 16, {glm::dvec3(90.0, 0.0, 0.0), glm::dvec3(91.0, 1.0, 1.0)}));
-  expectWithinBounds(inBox(sphere, 16, {glm::dvec3(-0.1), glm::dvec3(0.1)}));
+  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(1.5, 0.0, 0.0), glm::dvec3(2.5, 1.0, 1.0)}));
+  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(90.0, 0.0, 0.0), glm::dvec3(91.0, 1.0, 1.0)}));
+  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(-0.1), glm::dvec3(0.1)}));
 }
 
 TEST_P(RefineTwins, GivesTiesToTheLowestTriangle) {
   Mesh twice = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2));
-  const Result result = refine(onGrid(twice, 16), 1);
+  const Result result = refine(onGrid(twice, fine(16)), 1);
   for (const uint32_t t : result.triangle) ASSERT_LT(t, twice.triangles.size() / 2);
 }
 
@@ -157,8 +171,8 @@ TEST(Refine, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST_P(RefineTwins, DoesNotCareHowTheAxesAreCalled) {
-  const OwnCellMesh mesh = onGrid(shapes::soup(80, 9), 20);
-  OwnCellMesh turned = onGrid(shapes::soup(80, 9), 20);
+  const OwnCellMesh mesh = onGrid(shapes::soup(80, 9), fine(20));
+  OwnCellMesh turned = onGrid(shapes::soup(80, 9), fine(20));
   for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
   turned.dims = {mesh.dims.z, mesh.dims.x, mesh.dims.y};
   const Result here = refine(mesh, 1), there = refine(turned, 1);
