@@ -2,14 +2,10 @@
 
 #include <raymap/raymap.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 #include "cpu/raster_distance.h"
 #include "cpu/refine.h"
 #include "cpu/triangle.h"
+#include "mesh_folder.h"
 #include "vulkan_cell_stages.h"
 
 namespace raymap::vulkan {
@@ -101,24 +97,14 @@ TEST_F(VulkanCells, GiveItOnThinGrids) {
     for (const int count : {1, 50}) expectAsOnTheCpu(cellSoup(count, dims, 5));
 }
 
-std::filesystem::path meshFolder() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  return folder ? folder : RAYMAP_SHARED_MESHES;
-}
-
 /// The names of every third mesh that is small and not malformed.
 std::vector<std::string> someMeshes() {
   constexpr int kTriangles = 1000;
-  std::ifstream list(meshFolder() / "MESHES.tsv");
   std::vector<std::string> names;
-  std::string line;
-  std::getline(list, line);
-  for (int small = 0; std::getline(list, line);) {
-    std::istringstream cells(line);
-    std::array<std::string, 7> row;  // file, kind, source, licence, vertices, welded ones, triangles
-    for (std::string& cell : row) std::getline(cells, cell, '\t');
-    if (row[1] == "malformed" || std::atoi(row[6].c_str()) > kTriangles) continue;
-    if (small++ % 3 == 0) names.push_back(row[0]);
+  int small = 0;
+  for (MeshRow& row : meshRows()) {
+    if (row["kind"] == "malformed" || std::atoi(row["triangles"].c_str()) > kTriangles) continue;
+    if (small++ % 3 == 0) names.push_back(row["file"]);
   }
   return names;
 }
