@@ -55,17 +55,17 @@ glm::ivec3 dimsFor(const glm::dvec3& low, const glm::dvec3& high, double size) {
 }  // namespace
 
 std::vector<CellLattice> coverMesh(const CellMesh& mesh) {
-  glm::vec3 meshLow(INFINITY), meshHigh(-INFINITY);
+  glm::vec3 low(INFINITY), high(-INFINITY);
   for (size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int c = 0; c < 3; ++c) {
-      meshLow = glm::min(meshLow, mesh.corner(t, c));
-      meshHigh = glm::max(meshHigh, mesh.corner(t, c));
+      low = glm::min(low, mesh.corner(t, c));
+      high = glm::max(high, mesh.corner(t, c));
     }
-  return coverBounds(meshLow, meshHigh, mesh.dims);
+  return coverMesh(mesh.dims, low, high);
 }
 
-std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
-                                     const glm::ivec3& dims) {
+std::vector<CellLattice> coverMesh(const glm::ivec3& dims, const glm::vec3& meshLow,
+                                   const glm::vec3& meshHigh) {
   std::vector<CellLattice> lattices{{dims, glm::dvec3(0.0), 1.0}};
   const glm::dvec3 low = glm::min(glm::dvec3(-0.5), glm::dvec3(meshLow));
   const glm::dvec3 high = glm::max(glm::dvec3(dims) - 0.5, glm::dvec3(meshHigh));
