@@ -10,6 +10,7 @@ layout(constant_id = 3) const uint kSegments = 1;  // and segments.
 layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
 
 const uint kNone = 0xffffffffu;
+const uint kAtOnce = 4;  // Cells that an invocation loads or stores at once.
 
 // Each segment's sites stand in its first places: a site's value, and its place q in the line with the first
 // p from which on it is the lowest so far. In the end the site of each p stands in the value's place.
@@ -159,17 +160,22 @@ void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
   if (j >= 0) sites[placeOf(line, j)] = siteAt(line, j) | uint(from) << 16;
 }
 
-// The value of a cell before this pass: its own, and the squared distances along the axes that are done.
+// The value of a cell before this pass: its own, and the squared distances along the axes that are done. Reads even
+// where the cell has none, so that the reads of several cells can be under way at once.
 float valueBefore(uint cell, uint x, uint y, uint p) {
   if (kAxis == 0) return push.values.at[cell];
   const uint nearest = push.from.at[cell];
-  if (nearest == kNone) return push.empty;
-  const uint nearestX = nearest & 0xffff;
+  const uint nearestX = nearest == kNone ? x : nearest & 0xffff;
   const float dx = float(int(x) - int(nearestX));
-  if (kAxis == 1) return dx * dx + push.values.at[cell - x + nearestX];
-  const uint nearestY = nearest >> 16;
-  const float dy = float(int(y) - int(nearestY));
-  return dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
+  float value;
+  if (kAxis == 1) {
+    value = dx * dx + push.values.at[cell - x + nearestX];
+  } else {
+    const uint nearestY = nearest == kNone ? y : nearest >> 16;
+    const float dy = float(int(y) - int(nearestY));
+    value = dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
+  }
+  return nearest == kNone ? push.empty : value;
 }
 
 // What to write of the nearest cell at q, which the pass before found in `cell`.
@@ -193,22 +199,40 @@ uint placeCount(Tile tile) {
   return lineLength() * (kAxis == 0 ? tile.lines : push.lines);
 }
 
+// The n-th place that an invocation loads and stores of those from `first` on.
+uint placeAfter(uint first, uint n) {
+  return first + n * gl_WorkGroupSize.x;
+}
+
 void load(Tile tile) {
   const uint count = placeCount(tile), x = tile.base % push.nx, y = tile.base / push.nx;
-  for (uint place = gl_LocalInvocationID.x; place < count; place += gl_WorkGroupSize.x) {
-    const uvec2 at = lineAt(place);
-    if (at.x >= tile.lines) continue;
-    values[place] = floatBitsToUint(valueBefore(cellOf(tile, at.x, at.y), x + at.x, y, at.y));
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
+    float loaded[kAtOnce];
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
+      at.x = min(at.x, tile.lines - 1);
+      loaded[n] = valueBefore(cellOf(tile, at.x, at.y), x + at.x, y, at.y);
+    }
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n)
+      if (placeAfter(first, n) < count) values[placeAfter(first, n)] = floatBitsToUint(loaded[n]);
   }
 }
 
 void store(Tile tile) {
   const uint count = placeCount(tile);
-  for (uint place = gl_LocalInvocationID.x; place < count; place += gl_WorkGroupSize.x) {
-    const uvec2 at = lineAt(place);
-    if (at.x >= tile.lines) continue;
-    const uint q = values[place];
-    push.to.at[cellOf(tile, at.x, at.y)] = q == kNone ? kNone : resultOf(cellOf(tile, at.x, q), q);
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
+    uint results[kAtOnce];
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
+      at.x = min(at.x, tile.lines - 1);
+      const uint q = values[placeOf(at.x, at.y)];
+      const uint nearest = resultOf(cellOf(tile, at.x, q == kNone ? at.y : q), q);
+      results[n] = q == kNone ? kNone : nearest;
+    }
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      const uvec2 at = lineAt(placeAfter(first, n));
+      if (placeAfter(first, n) < count && at.x < tile.lines) push.to.at[cellOf(tile, at.x, at.y)] = results[n];
+    }
   }
 }
 
