@@ -61,11 +61,11 @@ std::vector<CellLattice> coverMesh(const CellMesh& mesh) {
       low = glm::min(low, mesh.corner(t, c));
       high = glm::max(high, mesh.corner(t, c));
     }
-  return coverMesh(mesh.dims, low, high);
+  return coverBounds(low, high, mesh.dims);
 }
 
-std::vector<CellLattice> coverMesh(const glm::ivec3& dims, const glm::vec3& meshLow,
-                                   const glm::vec3& meshHigh) {
+std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
+                                     const glm::ivec3& dims) {
   std::vector<CellLattice> lattices{{dims, glm::dvec3(0.0), 1.0}};
   const glm::dvec3 low = glm::min(glm::dvec3(-0.5), glm::dvec3(meshLow));
   const glm::dvec3 high = glm::max(glm::dvec3(dims) - 0.5, glm::dvec3(meshHigh));

@@ -27,9 +27,6 @@ struct CellLattice {
 /// reaches beyond them, a coarser one of at most about as many cells that covers both
 /// (docs/decisions/mesh_outside_the_box.md).
 std::vector<CellLattice> coverMesh(const CellMesh& mesh);
-/// The same for a grid of samples and the bounds of the corners of all triangles, in cell units.
-std::vector<CellLattice> coverMesh(const glm::ivec3& dims, const glm::vec3& meshLow,
-                                   const glm::vec3& meshHigh);
 /// The same for a mesh with these bounds, in cell units.
 std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
                                      const glm::ivec3& dims);
