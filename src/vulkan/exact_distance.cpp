@@ -1,6 +1,6 @@
 // Ours (Krayer & Müller 2019 keep the nearest cell's triangles, §3.3): the true closest triangle of every
 // sample. As on the CPU, blocks of samples get lists of what may be closest to some sample in them; here in
-// two steps, each block by a subgroup whose lanes are candidates first and samples at the end
+// three steps, each block by a subgroup whose lanes are candidates first and samples at the end
 // (docs/decisions/vulkan_exact_distance.md).
 
 #include "exact_distance.h"
@@ -15,10 +15,10 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Each subgroup needs 2.5 KiB of shared memory: eight at most.
+/// Each subgroup needs 4.6 KiB of shared memory: four at most.
 uint32_t groupSizeOf(const DeviceLimits& limits) {
   constexpr uint32_t kBest = 64;
-  constexpr uint32_t kSubgroups = 8;
+  constexpr uint32_t kSubgroups = 4;
   return std::max(std::min(kBest, kSubgroups * limits.minSubgroupSize), limits.maxSubgroupSize);
 }
 
@@ -33,43 +33,49 @@ ExactDistance::ExactDistance(Device& device)
       samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
       rest_(device, shaders::kExactDistanceRest, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
       arguments_(device, "exact distance arguments", 1),
-      lists_(device, "lists of large blocks"),
+      lists_{DeviceBuffer(device, "lists of large blocks"), DeviceBuffer(device, "lists of blocks")},
       unfinished_(device, "unfinished blocks") {}
 
 void ExactDistance::reserve(const glm::ivec3& dims) {
   dims_ = dims;
-  lists_.resize<uint32_t>(blocks(kLargeSide) * kListWords);
-  if (hasShortLoops_) unfinished_.resize<uint32_t>(1 + blocks(kSmallSide));
+  for (uint32_t level = 0; level < kSmallest; ++level)
+    lists_[level].resize<uint32_t>(blocks(level) * kListWords);
+  if (hasShortLoops_) unfinished_.resize<uint32_t>(1 + blocks(kSmallest));
 }
 
-uint64_t ExactDistance::blocks(uint32_t side) const {
-  const glm::u64vec3 along = (glm::u64vec3(dims_) + uint64_t{side - 1}) / uint64_t{side};
+uint64_t ExactDistance::blocks(uint32_t level) const {
+  const uint64_t side = kSides[level];
+  const glm::u64vec3 along = (glm::u64vec3(dims_) + (side - 1)) / side;
   return along.x * along.y * along.z;
 }
 
 void ExactDistance::record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields) {
-  const ExactDistancePush push{.frames = tree.frames().address(),
-                               .discs = tree.discs().address(),
-                               .lists = lists_.address(),
-                               .distance = fields.distance,
-                               .triangle = fields.triangle,
-                               .unfinished = unfinished_.address(),
-                               .dimX = static_cast<uint32_t>(dims_.x),
-                               .dimY = static_cast<uint32_t>(dims_.y),
-                               .dimZ = static_cast<uint32_t>(dims_.z),
-                               .firstLeaf = tree.firstLeaf(),
-                               .leafCount = tree.leafCount(),
-                               .band = static_cast<float>(band),
-                               .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
+  ExactDistancePush push{.frames = tree.frames().address(),
+                         .discs = tree.discs().address(),
+                         .distance = fields.distance,
+                         .triangle = fields.triangle,
+                         .unfinished = unfinished_.address(),
+                         .dimX = static_cast<uint32_t>(dims_.x),
+                         .dimY = static_cast<uint32_t>(dims_.y),
+                         .dimZ = static_cast<uint32_t>(dims_.z),
+                         .firstLeaf = tree.firstLeaf(),
+                         .leafCount = tree.leafCount(),
+                         .band = static_cast<float>(band),
+                         .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
   commands.fill(unfinished_, 0);
-  commands.dispatch(blocks_, push, blocks(kLargeSide) * maxSubgroup_);
-  commands.dispatch(samples_, push, blocks(kSmallSide) * maxSubgroup_);
+  for (uint32_t level = 0; level <= kSmallest; ++level) {
+    push.side = kSides[level];
+    push.parents = level > 0 ? lists_[level - 1].address() : 0;
+    push.blocksPerParent = level > 0 ? kSides[level - 1] / kSides[level] : 0;
+    push.lists = level < kSmallest ? lists_[level].address() : 0;
+    commands.dispatch(level < kSmallest ? blocks_ : samples_, push, blocks(level) * maxSubgroup_);
+  }
   if (hasShortLoops_) recordRest(commands, push);
 }
 
 /// Loops that end too early leave blocks unfinished, which then look at all leaves, some in each pass.
 void ExactDistance::recordRest(Commands& commands, ExactDistancePush push) {
-  const auto most = static_cast<uint32_t>(blocks(kSmallSide));
+  const auto most = static_cast<uint32_t>(blocks(kSmallest));
   arguments_.record(commands, 0,
                     {.count = {.most = most, .address = unfinished_.address()},
                      .itemsPerGroup = groupSize_ / maxSubgroup_});

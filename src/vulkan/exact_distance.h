@@ -1,5 +1,7 @@
 #pragma once
 
+#include <iterator>
+
 #include "shared/exact_distance.h"
 #include "surface_tree.h"
 
@@ -23,7 +25,11 @@ class ExactDistance {
   void record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields);
 
  private:
-  uint64_t blocks(uint32_t side) const;
+  /// Blocks from large to small.
+  static constexpr uint32_t kSides[] = {16, 8, 4};
+  static constexpr uint32_t kSmallest = std::size(kSides) - 1;
+
+  uint64_t blocks(uint32_t level) const;
   void recordRest(Commands& commands, ExactDistancePush push);
 
   bool hasShortLoops_;
@@ -32,7 +38,7 @@ class ExactDistance {
   glm::ivec3 dims_{0};
   Kernel<ExactDistancePush> blocks_, samples_, rest_;
   DispatchArguments arguments_;
-  DeviceBuffer lists_, unfinished_;
+  DeviceBuffer lists_[kSmallest], unfinished_;
 };
 
 }  // namespace raymap::vulkan

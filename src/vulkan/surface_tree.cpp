@@ -9,6 +9,7 @@
 #include "shaders/surface_tree_keys_spv.h"
 #include "shaders/surface_tree_leaves_spv.h"
 #include "shaders/surface_tree_level_spv.h"
+#include "shaders/surface_tree_order_spv.h"
 
 namespace raymap::vulkan {
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr uint32_t kGroup = 128;
 constexpr uint32_t kVerticesEach = 8;  // As in surface_tree_bounds.comp.
+constexpr uint32_t kRun = 512;         // Triangles of the curve that are ordered anew.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 uint32_t roundUp(uint32_t count) {
@@ -27,12 +29,14 @@ uint32_t roundUp(uint32_t count) {
 SurfaceTree::SurfaceTree(Device& device)
     : bounds_(device, shaders::kSurfaceTreeBounds, std::max(kGroup, device.limits().maxSubgroupSize)),
       keys_(device, shaders::kSurfaceTreeKeys, kGroup),
+      order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
       leaves_(device, shaders::kSurfaceTreeLeaves, kGroup, {kGroup / kArity}),
       level_(device, shaders::kSurfaceTreeLevel, kGroup),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
       sortKeys_{DeviceBuffer(device, "keys of triangles"), DeviceBuffer(device, "other keys of triangles")},
-      order_{DeviceBuffer(device, "order of triangles"), DeviceBuffer(device, "other order of triangles")},
+      triangles_{DeviceBuffer(device, "order of triangles"),
+                 DeviceBuffer(device, "other order of triangles")},
       frames_(device, "triangles in frames"),
       discs_(device, "discs") {}
 
@@ -43,7 +47,7 @@ void SurfaceTree::reserve(uint32_t triangles) {
   meshBounds_.resize<uint32_t>(kBoundsWords);
   for (int i = 0; i < 2; ++i) {
     sortKeys_[i].resize<uint32_t>(triangles);
-    order_[i].resize<uint32_t>(triangles);
+    triangles_[i].resize<uint32_t>(triangles);
   }
   frames_.resize<float>(uint64_t{roundUp(triangles)} * kFrameVectors * 4);
   const Level leaves = placeLevels(triangles).front();
@@ -70,7 +74,7 @@ void SurfaceTree::record(Commands& commands, const DeviceMesh& mesh, const glm::
                        .triangles = mesh.triangles,
                        .bounds = meshBounds_.address(),
                        .keys = sortKeys_[0].address(),
-                       .order = order_[0].address(),
+                       .order = triangles_[0].address(),
                        .frames = frames_.address(),
                        .discs = discs_.address(),
                        .vertexCount = mesh.vertexCount,
@@ -83,10 +87,12 @@ void SurfaceTree::record(Commands& commands, const DeviceMesh& mesh, const glm::
   commands.fill(meshBounds_, UINT32_MAX);
   commands.dispatch(bounds_, push, (uint64_t{mesh.vertexCount} + kVerticesEach - 1) / kVerticesEach);
   commands.dispatch(keys_, push, mesh.triangleCount);
-  push.order = sort_
-                   .record(commands, {push.keys, push.order}, {sortKeys_[1].address(), order_[1].address()},
-                           {.most = mesh.triangleCount}, kMortonBits)
-                   .values;
+  push.order =
+      sort_
+          .record(commands, {push.keys, push.order}, {sortKeys_[1].address(), triangles_[1].address()},
+                  {.most = mesh.triangleCount}, kMortonBits)
+          .values;
+  commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
   commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kArity);
   for (size_t level = 1; level < levels_.size(); ++level) {
     push.levelStart = levels_[level].start;

@@ -16,8 +16,8 @@ struct DeviceMesh {
   uint32_t triangleCount = 0;
 };
 
-/// The CPU's twin: triangles in the order of the Morton curve, eight to a leaf, and discs around leaves and
-/// around eight nodes each of the level below. Numbered from the root on (shaders/surface_shapes.glsl).
+/// The CPU's twin: triangles in the order of a space-filling curve, eight to a leaf, and discs around leaves
+/// and around eight nodes each of the level below. Numbered from the root on (shaders/surface_shapes.glsl).
 class SurfaceTree {
  public:
   explicit SurfaceTree(Device& device);
@@ -43,12 +43,12 @@ class SurfaceTree {
 
   static std::vector<Level> placeLevels(uint32_t triangles);
 
-  Kernel<SurfaceTreePush> bounds_, keys_, leaves_, level_;
+  Kernel<SurfaceTreePush> bounds_, keys_, order_, leaves_, level_;
   RadixSort sort_;
   uint32_t reserved_ = 0;
   std::vector<Level> levels_;
   DeviceBuffer meshBounds_;
-  DeviceBuffer sortKeys_[2], order_[2];
+  DeviceBuffer sortKeys_[2], triangles_[2];
   DeviceBuffer frames_, discs_;
 };
 

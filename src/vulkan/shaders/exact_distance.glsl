@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
 const float kInfinity = 1.0 / 0.0;
 const uint kNoTriangle = 0xffffffffu;
 // Nodes on a stack, and how many more one node at a time may leave there: seven on each of the levels below.
-const uint kStack = 192;
+const uint kStack = 320;
 const uint kDeepest = 7 * 10 + 1;
 
 shared uint stackNodes[kMaxSubgroups * kStack];
@@ -21,8 +21,11 @@ shared float cornerDistances[kMaxSubgroups * 8];
 uint work = 0;
 const uint kMostWork = 20000;
 
+// The same for the whole subgroup.
 bool isTooMuchWork() {
-  return uint64_t(push.unfinished) != 0 && work > kMostWork;
+  if (uint64_t(push.unfinished) == 0) return false;
+  work = subgroupMax(work);
+  return work > kMostWork;
 }
 
 uint lane() {
@@ -68,9 +71,12 @@ uvec3 blocksAlong(uint side) {
   return (gridDims() + (side - 1)) / side;
 }
 
-Block blockAt(uvec3 place, uint side) {
-  const uvec3 low = place * side, high = min(low + side, gridDims());
+Block blockFrom(uvec3 low, uvec3 high) {
   return Block(low, high, 0.5 * vec3(low + high - 1), 0.5 * vec3(high - low - 1));
+}
+
+Block blockAt(uvec3 place) {
+  return blockFrom(place * push.side, min((place + 1) * push.side, gridDims()));
 }
 
 uvec3 placeOf(uint index, uvec3 counts) {
@@ -153,6 +159,39 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
     }
     work += 3;
   }
+}
+
+// What the block above hands down: nodes that hold every triangle that may matter, and the triangle closest to its
+// centre; kNoTriangle if the band does not reach it.
+struct List {
+  uint at, count, hint;
+};
+
+List listAbove(uvec3 place) {
+  if (uint64_t(push.parents) == 0) return List(0, 1, 0);
+  const uvec3 above = place / push.blocksPerParent, counts = blocksAlong(push.side * push.blocksPerParent);
+  const uint at = ((above.z * counts.y + above.y) * counts.x + above.x) * kListWords;
+  return List(at + 2, push.parents.at[at], push.parents.at[at + 1]);
+}
+
+uint listedNode(List list, uint index) {
+  return uint64_t(push.parents) == 0 || index >= list.count ? 0 : push.parents.at[list.at + index];
+}
+
+// The triangle closest to the block's centre, unless the band does not reach the block.
+uint findCentre(Block block, List list) {
+  const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre);
+  const float reach = 1.000001 * (push.band + length(block.reach)), limit = push.band > 0 ? reach * reach : kInfinity;
+  Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoTriangle);
+  uint size = 0;
+  for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
+    const uint node = listedNode(list, first + lane());
+    const float bound = squaredDistance(readDisc(push.discs, node), block.centre);
+    pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
+  }
+  findClosest(block.centre, size, closest);
+  if (closest.triangle == kNoTriangle && (push.band == 0 || isTooMuchWork())) return list.hint;
+  return closest.triangle;
 }
 
 // What dominates a block: the distance of one triangle, less the tolerance, at its corners.

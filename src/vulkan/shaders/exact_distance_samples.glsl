@@ -1,26 +1,48 @@
-// The samples of a small block, and the closest triangle of each so far.
+// The samples of a block, and the closest triangle of each so far.
 
-const uint kSamples = kSmallSide * kSmallSide * kSmallSide;
+const uint kSide = 4;  // Of these blocks: push.side.
+const uint kSamples = kSide * kSide * kSide;
 
-shared float sampleSquared[kMaxSubgroups * kSamples];
+shared uint sampleSquared[kMaxSubgroups * kSamples];  // Bits: ordered as the floats are, which are not negative.
 shared uint sampleTriangle[kMaxSubgroups * kSamples];
 
-uint ofSample(uint sampleIndex) {
-  return gl_SubgroupID * kSamples + sampleIndex;
+Closest readSample(uint s) {
+  const uint at = gl_SubgroupID * kSamples + s;
+  return Closest(uintBitsToFloat(sampleSquared[at]), sampleTriangle[at]);
 }
 
-uvec3 samplePlace(Block block, uint sampleIndex) {
-  return block.low + placeOf(sampleIndex, uvec3(kSmallSide));
+void keepSample(uint s, Closest closest) {
+  const uint at = gl_SubgroupID * kSamples + s;
+  sampleSquared[at] = floatBitsToUint(closest.squared);
+  sampleTriangle[at] = closest.triangle;
+}
+
+// Keeps the closest of what several lanes found for a sample, of equals that with the lowest index.
+void takeClosestOfLanes(uint s, Closest before, Closest closest) {
+  const uint at = gl_SubgroupID * kSamples + s, squared = floatBitsToUint(closest.squared);
+  atomicMin(sampleSquared[at], squared);
+  shareWithSubgroup();
+  const uint least = sampleSquared[at];
+  const bool isNew = least < floatBitsToUint(before.squared);
+  if (isNew) sampleTriangle[at] = kNoTriangle;
+  shareWithSubgroup();
+  if (isNew && squared == least) atomicMin(sampleTriangle[at], closest.triangle);
+  shareWithSubgroup();
+}
+
+uvec3 samplePlace(Block block, uint s) {
+  return block.low + placeOf(s, uvec3(kSide));
 }
 
 uint gridIndex(uvec3 place) {
   return (place.z * push.dimY + place.y) * push.dimX + place.x;
 }
 
-void writeSample(uvec3 place, float distance, uint triangle) {
-  const bool isBeyond = triangle == kNoTriangle || push.band > 0 && distance > push.band;
+void writeSample(uvec3 place, Closest closest) {
+  const float distance = sqrt(closest.squared);
+  const bool isBeyond = closest.triangle == kNoTriangle || push.band > 0 && distance > push.band;
   const uint index = gridIndex(place);
-  push.distance.at[index] = !isBeyond ? distance : push.band > 0 ? push.band : kInfinity;
+  push.distance.at[index] = isBeyond ? push.band : distance;
   if (uint64_t(push.triangle) != 0)
-    push.triangle.at[index] = isBeyond ? kNoTriangle : readTriangleId(push.frames, triangle);
+    push.triangle.at[index] = isBeyond ? kNoTriangle : readTriangleId(push.frames, closest.triangle);
 }
