@@ -234,6 +234,7 @@ TEST_F(VulkanDevice, TimesStagesFrameAfterFrame) {
     EXPECT_STREQ(times[1].name, "two");
     EXPECT_GE(times[0].milliseconds, 0.0);
     EXPECT_LT(times[0].milliseconds, 60000.0);
+    EXPECT_GE(times[1].start - times[0].start, times[0].milliseconds - 1e-3);
   }
   EXPECT_EQ(device().heldMemory(), held);
   EXPECT_EQ(download<uint32_t>(buffer).back(), 100u);

@@ -4,6 +4,14 @@
 
 namespace raymap::vulkan {
 
+namespace {
+
+// What crosses the bus.
+constexpr const char* kMeshStage = "begin";
+constexpr const char* kReadBackStage = "read_back";
+
+}  // namespace
+
 Backend::Backend(Device& device)
     : device_(&device),
       commandBuffer_(device),
@@ -56,7 +64,7 @@ void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, 
   reserveResults();
   reserveStages();
   commands_ = commandBuffer_.begin();
-  stage("begin", [&] { mesh_.record(*commands_, mesh, grid); });
+  stage(kMeshStage, [&] { mesh_.record(*commands_, mesh, grid); });
 }
 
 void Backend::reserveStages() {
@@ -98,11 +106,15 @@ VkDeviceAddress Backend::addressOf(const Result& result) {
 void Backend::run() {
   commandBuffer_.submitAndWait();
   commands_.reset();
-  for (const StageTime& time : commandBuffer_.times())
+  for (const StageTime& time : commandBuffer_.times()) {
+    const double end = time.start + time.milliseconds;
+    if (time.name == std::string_view(kMeshStage)) meshReady_ = end;
+    if (time.name != std::string_view(kReadBackStage)) fieldReady_ = end;
     if (!stages_.empty() && stages_.back().name == time.name)
       stages_.back().milliseconds += time.milliseconds;
     else
       stages_.push_back({time.name, time.milliseconds});
+  }
 }
 
 void Backend::exactDistance() {
@@ -179,6 +191,8 @@ void Backend::finish() {
   commands_->stage("finish", [&] {
     sign_.recordFinish(*commands_, distance_.device.address(), static_cast<uint32_t>(grid_->sampleCount()),
                        options_->band, grid_->spacing);
+  });
+  commands_->stage(kReadBackStage, [&] {
     commands_->concurrent([&] {
       for (Result* result : {&distance_, &triangle_, &winding_, &confidence_}) readBack(*result);
       if (!hasSign()) return;

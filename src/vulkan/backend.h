@@ -52,6 +52,9 @@ class Backend {
   double doubtfulShare() const { return doubtfulShare_; }
   /// What the device took for each stage of the last run.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
+  /// What the last run took by the device's clock from the mesh being there to the field being there: waiting
+  /// for the host in between counts, taking either across does not. 0 if it has no timestamps.
+  double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
   /// What the paper's distances need of one lattice.
@@ -98,6 +101,7 @@ class Backend {
   Field* field_ = nullptr;
   double doubtfulShare_ = 0.0;
   std::vector<Stats::Stage> stages_;
+  double meshReady_ = 0.0, fieldReady_ = 0.0;
 
   CommandBuffer commandBuffer_;
   std::optional<Commands> commands_;

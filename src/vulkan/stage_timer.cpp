@@ -23,7 +23,7 @@ void StageTimer::start(VkCommandBuffer buffer, const char* name) {
   if (period_ == 0.0) return;
   if (times_.size() == kMaxStages)
     throw Error(ErrorCode::Usage, "more than " + std::to_string(kMaxStages) + " stages to time at once");
-  times_.push_back({name, 0.0});
+  times_.push_back({name, 0.0, 0.0});
   stamp(buffer);
 }
 
@@ -42,8 +42,11 @@ std::span<const StageTime> StageTimer::read() {
       vkGetQueryPoolResults(device_, pool_.get(), 0, stamps_, ticks_.size() * sizeof(uint64_t), ticks_.data(),
                             sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
       "reading timestamps");
-  for (size_t i = 0; i < times_.size(); ++i)
-    times_[i].milliseconds = static_cast<double>(ticks_[2 * i + 1] - ticks_[2 * i]) * period_ * 1e-6;
+  const auto milliseconds = [&](uint64_t ticks) { return static_cast<double>(ticks) * period_ * 1e-6; };
+  for (size_t i = 0; i < times_.size(); ++i) {
+    times_[i].milliseconds = milliseconds(ticks_[2 * i + 1] - ticks_[2 * i]);
+    times_[i].start = milliseconds(ticks_[2 * i]);
+  }
   return times_;
 }
 

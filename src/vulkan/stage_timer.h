@@ -7,10 +7,11 @@
 
 namespace raymap::vulkan {
 
-/// How long a device took for a stage.
+/// How long a device took for a stage, and when by its clock it began.
 struct StageTime {
   const char* name;
   double milliseconds;
+  double start;  ///< Milliseconds since whenever.
 };
 
 /// Timestamps before and after each stage of one command buffer. On a device without timestamps there are no

@@ -1,0 +1,192 @@
+// Makes fields on a Vulkan device, or on the CPU beside it, with warm buffers, and prints what each cost.
+// Reads one case a line as JSON and answers each with a line of JSON; bench/gpu_tables.py asks, and makes the
+// tables. The first line describes the device.
+
+#include <raymap/error.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "devices.h"
+#include "meshes.h"
+#include "pipeline.h"
+#include "vulkan/backend.h"
+
+namespace raymap::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::map<std::string, DistanceMode> kDistances = {{"exact", DistanceMode::Exact},
+                                                        {"cell", DistanceMode::Cell}};
+const std::map<std::string, SignMode> kSigns = {{"harmonic", SignMode::Harmonic}, {"rays", SignMode::Rays}};
+
+double now() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Run {
+  double milliseconds;  ///< From the mesh on the device to the field there, or in memory for the CPU.
+  std::vector<Stats::Stage> stages;
+};
+
+/// Medians of some runs; the first, which allocates, does not count. Slow ones are repeated less.
+template <class Make>
+Json measure(Make&& make) {
+  constexpr size_t kFewest = 3, kMost = 31;
+  constexpr double kEnough = 150.0, kTooLong = 4000.0;
+  make();
+  std::vector<double> totals, walls;
+  std::map<std::string, std::vector<double>> times;
+  std::vector<Stats::Stage> order;
+  const double start = now();
+  const auto goesOn = [&] {
+    const double spent = now() - start;
+    return totals.empty() ||
+           (totals.size() < kFewest ? spent < kTooLong : totals.size() < kMost && spent < kEnough);
+  };
+  while (goesOn()) {
+    const double before = now();
+    Run run = make();
+    walls.push_back(now() - before);
+    totals.push_back(run.milliseconds);
+    for (const Stats::Stage& stage : run.stages) times[stage.name].push_back(stage.milliseconds);
+    order = std::move(run.stages);
+  }
+  Json stages;
+  for (const Stats::Stage& stage : order) stages[stage.name] = median(times[stage.name]);
+  return {{"ms", median(totals)}, {"wall_ms", median(walls)}, {"runs", totals.size()}, {"stages", stages}};
+}
+
+/// The backend is made anew for each case, so that it holds only what that case needs.
+Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, const Options& options) {
+  vulkan::Backend backend(device);
+  Field field;
+  Json report = measure([&]() -> Run {
+    Stats stats;
+    Progress progress(options, stats);
+    runPipeline(backend, mesh, grid, options, progress, field);
+    return {backend.milliseconds(), backend.stages()};
+  });
+  report["bytes"] = device.heldMemory();
+  report["doubtful_share"] = backend.doubtfulShare();
+  return report;
+}
+
+Json runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options) {
+  Generator generator;
+  Field field;
+  return measure([&]() -> Run {
+    generator.generate(mesh, grid, options, field);
+    return {generator.stats().totalMilliseconds, generator.stats().stages};
+  });
+}
+
+size_t coveringCells(const Mesh& mesh, const Grid& grid) {
+  const Box box = bounds(mesh);
+  const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
+  size_t cells = 0;
+  for (const CellLattice& lattice : coverBounds(inCells(box.min), inCells(box.max), grid.dims))
+    cells += lattice.count();
+  return cells;
+}
+
+Json runCase(vulkan::Device& device, const Json& input) {
+  static std::string lastName;
+  static Mesh mesh;
+  const auto name = input.at("mesh").get<std::string>();
+  if (name != lastName) {
+    lastName.clear();
+    mesh = benchMesh(name);
+    validate(mesh);
+    lastName = name;
+  }
+  const Grid grid = fitGrid(mesh, {.resolution = input.at("resolution")});
+  const bool isCpu = input.at("device") == "cpu";
+  const Options options{
+      .distance = kDistances.at(input.at("distance")), .sign = kSigns.at(input.at("sign")), .device = "cpu"};
+  Json report = isCpu ? runOnCpu(mesh, grid, options) : runOnDevice(device, mesh, grid, options);
+  report["samples"] = grid.sampleCount();
+  report["cells"] = coveringCells(mesh, grid);
+  report["triangles"] = mesh.triangles.size();
+  report["vertices"] = mesh.vertices.size();
+  return report;
+}
+
+/// Bytes read plus bytes written in a second.
+double copyRate(vulkan::Device& device) {
+  constexpr uint64_t kBytes = uint64_t{512} << 20;  // Far beyond any cache.
+  vulkan::DeviceBuffer from(device, "from"), to(device, "to");
+  from.resize<std::byte>(kBytes);
+  to.resize<std::byte>(kBytes);
+  vulkan::CommandBuffer own(device);
+  double best = HUGE_VAL;
+  for (int round = 0; round < 10; ++round) {
+    vulkan::Commands commands = own.begin();
+    commands.fill(from, 1);
+    commands.stage("copy", [&] { commands.copy(from, to, kBytes); });
+    own.submitAndWait();
+    if (own.times().empty())
+      throw Error(ErrorCode::Unsupported, "the device has no timestamps, so nothing can be timed");
+    best = std::min(best, own.times().front().milliseconds);
+  }
+  return 2.0 * double(kBytes) / (1e-3 * best);
+}
+
+void print(const Json& line) {
+  std::puts(line.dump().c_str());
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+  std::string name = "vulkan";
+  CLI::App app("Answers cases from standard input with what they cost.");
+  app.add_option("--device", name, "vulkan or vulkan:K");
+  CLI11_PARSE(app, argc, argv);
+  const std::optional<size_t> index = chooseDevice(name);
+  if (!index) throw Error(ErrorCode::Usage, name + " is no Vulkan device");
+  vulkan::Device device({.index = index});
+  print({{"device", device.info().name},
+         {"driver", device.info().driver},
+         {"is_software", device.info().type == vulkan::DeviceType::Software},
+         {"copy_bytes_per_second", copyRate(device)},
+         {"cpu", listDevices().devices.front().name},
+         {"threads", listDevices().devices.front().threads}});
+  for (std::string line; std::getline(std::cin, line);) {
+    try {
+      print(runCase(device, Json::parse(line)));
+    } catch (const Error& error) {
+      print({{"error", error.what()}});
+      if (error.code() == ErrorCode::DeviceLost) return static_cast<int>(error.code());
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+}  // namespace raymap::bench
+
+int main(int argc, char** argv) {
+  try {
+    return raymap::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "gpu_bench: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,259 @@
+"""Asks gpu_bench for every figure of docs/performance.md's section "On a GPU": prints tables, draws two charts."""
+
+import argparse
+import json
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+
+import charts
+
+SETTINGS = {"exact+harmonic": ("exact", "harmonic"), "cell+rays": ("cell", "rays")}  # The second is the paper's quick one.
+EXTENSIONS = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", ".dae"}
+
+# Milliseconds at most on an NVIDIA H200, by setting, whether the mesh is the million, and resolution.
+AIMS = {
+    ("exact+harmonic", False): {50: 0.5, 128: 1.5, 256: 8, 512: 60},
+    ("cell+rays", False): {50: 0.2, 128: 0.3, 256: 1, 512: 6},
+    ("exact+harmonic", True): {256: 12},
+    ("cell+rays", True): {256: 2},
+}
+SOLVE_AIM = {256: 1.0}  # What the harmonic solve may add where the mesh is broken.
+BYTES_A_SAMPLE = 24
+BYTES_A_TRIANGLE = 200
+
+# The least bytes that a stage moves: input read once, output written once, by sample, cell of the lattices that cover
+# the mesh, triangle and vertex. "begin" and "read_back" cross the bus and are not part of the totals.
+MESH = (12, 12)
+TRAFFIC = {
+    "exact_distance": (4, 0, *MESH),
+    "voxel_grid": (0, 0, 8 + MESH[0], MESH[1]),         # A pair of cell and triangle at least for each.
+    "cell_distance": (0, 4, 8 + MESH[0], MESH[1]),
+    "distance_transform": (0, 8 + 12 + 12, 0, 0),       # Values, and places but in the first of three passes; places.
+    "refine": (4, 4, *MESH),
+    "crossings": (12, 0, *MESH),
+    "ray_map": (24, 0, 0, 0),
+    "winding": (16, 0, 0, 0),
+    "sign": (12, 0, 0, 0),
+    "finish": (8, 0, 0, 0),
+}
+
+
+class Bench:
+    """The program, started again if it dies. Each case runs once."""
+
+    def __init__(self, program, device, log):
+        self.command = [program, *(["--device", device] if device else [])]
+        self.log = log
+        self.answers = {}
+        self.machine = self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        if not line:
+            sys.exit(self.process.wait() or 1)
+        return json.loads(line)
+
+    def run(self, device, mesh, resolution, setting):
+        key = (device, mesh, resolution, setting)
+        if key not in self.answers:
+            print(f"{device} {pathlib.Path(mesh).name} {resolution} {setting}", file=sys.stderr, flush=True)
+            distance, sign = SETTINGS[setting]
+            case = {"device": device, "mesh": mesh, "resolution": resolution, "distance": distance, "sign": sign}
+            self.answers[key] = answer = self.ask(case)
+            self.log.write(json.dumps({**case, **answer}) + "\n")
+            if "error" in answer:
+                print("  " + answer["error"], file=sys.stderr)
+        return self.answers[key]
+
+    def ask(self, case):
+        if self.process.poll() is not None:
+            self.start()
+        try:
+            self.process.stdin.write(json.dumps(case) + "\n")
+            self.process.stdin.flush()
+            line = self.process.stdout.readline()
+        except BrokenPipeError:
+            line = ""
+        return json.loads(line) if line else {"error": f"gpu_bench ended with {self.process.wait()}"}
+
+    def moved(self, stage, answer):
+        """None where it depends on other things."""
+        counts = [answer[name] for name in ("samples", "cells", "triangles", "vertices")]
+        return sum(a * b for a, b in zip(TRAFFIC[stage], counts)) if stage in TRAFFIC else None
+
+    def floor(self, stage, answer):
+        return 1e3 * (self.moved(stage, answer) or 0) / self.machine["copy_bytes_per_second"]
+
+    def verdict(self, value, aim):
+        """The aims are a card's, so a driver in software gets no verdict."""
+        if aim is None:
+            return ""
+        return f"{aim:.3g}" if self.machine["is_software"] else f"{aim:.3g} {'met' if value <= aim else 'MISSED'}"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]]) + "\n"
+
+
+def each(meshes, resolutions):
+    return [(mesh, setting, n) for mesh in meshes for setting in SETTINGS for n in resolutions]
+
+
+def table_of_totals(bench, meshes, resolutions):
+    rows = []
+    for mesh, setting, n in each(meshes, resolutions):
+        answer = bench.run("vulkan", mesh, n, setting)
+        if "error" in answer:
+            rows.append([mesh, setting, n, answer["error"], *[""] * 8])
+            continue
+        floor = sum(bench.floor(stage, answer) for stage in answer["stages"])
+        ms, size = answer["ms"], answer["bytes"] / answer["samples"]
+        allowed = BYTES_A_SAMPLE + BYTES_A_TRIANGLE * answer["triangles"] / answer["samples"]
+        aim = AIMS[setting, mesh == "million"].get(n)
+        rows.append([mesh, setting, n, f"{ms:.3f}", bench.verdict(ms, aim), f"{floor:.3f}", f"{ms / floor:.1f}",
+                     f"{answer['wall_ms']:.2f}", answer["runs"], f"{1e-6 * answer['bytes']:.0f}", f"{size:.1f}",
+                     f"{allowed:.1f} {'met' if size <= allowed else 'MISSED'}"])
+    return table(["mesh", "setting", "resolution", "ms", "aim", "floor ms", "ms / floor", "wall ms with transfers", "runs",
+                  "MB held", "bytes a sample", "at most"], rows)
+
+
+def table_of_stages(bench, meshes, resolutions):
+    rows, excess = [], {}
+    for mesh, setting, _ in each(meshes, resolutions[:1]):
+        answers = {n: bench.run("vulkan", mesh, n, setting) for n in resolutions}
+        answers = {n: answer for n, answer in answers.items() if "error" not in answer}
+        for stage in next(iter(answers.values()), {"stages": {}})["stages"]:
+            cells = [stage, mesh, setting, ", ".join(f"{answer['stages'][stage]:.3f}" for answer in answers.values())]
+            n = 256 if 256 in answers else max(answers)
+            floor = bench.floor(stage, answers[n])
+            if floor:
+                ms = answers[n]["stages"][stage]
+                excess[stage, mesh, setting, n] = ms - floor
+                cells += [n, f"{1e-6 * bench.moved(stage, answers[n]):.1f}", f"{floor:.3f}", f"{ms / floor:.1f}"]
+            rows.append(cells + ["–"] * (8 - len(cells)))
+    result = table(["stage", "mesh", "setting", "ms at " + ", ".join(map(str, resolutions)), "at", "MB at least", "floor ms",
+                    "ms / floor"], rows)
+    worst = sorted(excess.items(), key=lambda item: -item[1])[:5]
+    return result + "\nFarthest above their floors: " + "; ".join(
+        f"{stage} ({mesh}, {setting}, {n}) by {ms:.3f} ms" for (stage, mesh, setting, n), ms in worst) + ".\n"
+
+
+def table_of_solves(bench, meshes, resolutions):
+    """The six rays alone are part of both settings' stage."""
+    rows = []
+    for mesh in meshes:
+        for n in resolutions:
+            harmonic, rays = (bench.run("vulkan", mesh, n, setting) for setting in SETTINGS)
+            if "error" in harmonic or "error" in rays:
+                continue
+            with_solve, without = (answer["stages"]["winding"] for answer in (harmonic, rays))
+            share, added = harmonic["doubtful_share"], with_solve - without
+            rows.append([mesh, n, f"{100 * share:.3f} %", f"{without:.3f}", f"{with_solve:.3f}", f"{added:.3f}",
+                         bench.verdict(added, SOLVE_AIM.get(n)) if share else "nothing is solved"])
+    return table(["mesh", "resolution", "samples whose rays disagree", "six rays ms", "harmonic ms", "added ms", "aim"], rows)
+
+
+def table_of_coarse(bench, mesh, coarse, fine):
+    rows = []
+    for setting in SETTINGS:
+        few, many = (bench.run("vulkan", mesh, n, setting) for n in (coarse, fine))
+        if "error" not in few and "error" not in many:
+            rows.append([mesh, setting, f"{few['ms']:.3f}", f"{many['ms']:.3f}", bench.verdict(few["ms"], many["ms"])])
+    return table(["mesh", "setting", f"ms at {coarse}", f"ms at {fine}", f"aim: {coarse} never slower"], rows)
+
+
+def series_of(bench, cases, x_of):
+    """{name: [(x, ms)]} for the device and the CPU and both settings; `cases`: (mesh, resolution)."""
+    series = {}
+    for device in ("vulkan", "cpu"):
+        for setting in SETTINGS:
+            answers = [(case, bench.run(device, *case, setting)) for case in cases]
+            series[f"{'Vulkan' if device == 'vulkan' else 'CPU'}, {setting}"] = [
+                (x_of(case, answer), answer["ms"]) for case, answer in answers if "error" not in answer]
+    return series
+
+
+def runtime_over_meshes(bench, meshes, resolutions, folder):
+    """The paper's Fig. 8."""
+    shown = {f"{n} samples": {} for n in resolutions}
+    for mesh in meshes:  # One after the other, so that each is read once.
+        for n in resolutions:
+            for name, points in series_of(bench, [(mesh, n)], lambda case, answer: answer["triangles"]).items():
+                shown[f"{n} samples"].setdefault(name, []).extend(points)
+    charts.draw(folder / "runtime_over_meshes.svg", ("triangles", "milliseconds"), shown)
+    rows = [[title, name, len(points), *(f"{of([ms for _, ms in points]):.3f}" for of in (statistics.mean, statistics.median, max))]
+            for title, series in shown.items() for name, points in series.items() if points]
+    return table(["resolution", "what", "meshes", "mean ms", "median ms", "slowest ms"], rows)
+
+
+def runtime_over_resolutions(bench, meshes, resolutions, folder):
+    """The paper's Fig. 9."""
+    shown = {pathlib.Path(mesh).name: series_of(bench, [(mesh, n) for n in resolutions], lambda case, answer: case[1])
+             for mesh in meshes}
+    charts.draw(folder / "runtime_over_resolutions.svg", ("samples along the longest side", "milliseconds"), shown,
+                x_ticks=resolutions, is_line=True)
+    rows = [[title, name, *(f"{dict(points)[n]:.3f}" if n in dict(points) else "–" for n in resolutions)]
+            for title, series in shown.items() for name, points in series.items()]
+    return table(["mesh", "ms of", *resolutions], rows)
+
+
+def meshes_of(folder, is_quick):
+    if not folder:
+        return ["sphere", "bunny", "holes", "million"][:2 if is_quick else 4]
+    files = [file for file in sorted(folder.iterdir()) if file.suffix.lower() in EXTENSIONS]
+    files.sort(key=lambda file: file.stat().st_size)
+    return [str(file) for file in (files[:24:4] if is_quick else files)]
+
+
+def small_mesh(bench, meshes, resolution):
+    """About a tenth of the bunny's triangles, or what comes closest."""
+    def distance(mesh):
+        return abs(bench.run("vulkan", mesh, resolution, "cell+rays").get("triangles", 1e9) - 7000)
+    return min(meshes, key=distance)
+
+
+def report(bench, meshes, is_quick, folder):
+    resolutions = (16, 24) if is_quick else (50, 128, 256, 512)
+    over_meshes = (16, 24) if is_quick else (50, 100)
+    over_resolutions = resolutions if is_quick else (16, 32, 50, 64, 100, 128, 256, 512)
+    largest = "bunny" if is_quick else "million"
+    broken = ("bunny", "holes")
+    shown = dict.fromkeys((*broken, largest))
+    machine = bench.machine
+    yield (f"{machine['device']} ({machine['driver']}), copies {1e-9 * machine['copy_bytes_per_second']:.1f} GB/s; CPU: "
+           f"{machine['cpu']}, {machine['threads']} threads. Medians of warm runs by the device's clock, from the mesh on the "
+           "device to the field there.\n")
+    yield "## Fields\n\n" + table_of_totals(bench, shown, resolutions)
+    yield "## Stages\n\n" + table_of_stages(bench, shown, resolutions)
+    yield "## The harmonic solve\n\n" + table_of_solves(bench, ("sphere", *broken), resolutions)
+    yield "## A coarse grid for many triangles\n\n" + table_of_coarse(bench, largest, 16, 24 if is_quick else 64)
+    yield "## Over the meshes\n\n" + runtime_over_meshes(bench, meshes, over_meshes, folder)
+    three = dict.fromkeys((small_mesh(bench, meshes, over_meshes[0]), "bunny", largest))
+    yield "## Over the resolutions\n\n" + runtime_over_resolutions(bench, three, over_resolutions, folder)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("program", help="the built program `gpu_bench`")
+    parser.add_argument("output", type=pathlib.Path, help="the folder for tables.md, runs.jsonl and the charts")
+    parser.add_argument("meshes", nargs="?", type=pathlib.Path, help="a folder of meshes to go through")
+    parser.add_argument("--device", help="vulkan:K; the best if not given")
+    parser.add_argument("--quick", action="store_true", help="small grids and few meshes")
+    arguments = parser.parse_intermixed_args()  # The folder may come after options.
+    if arguments.meshes:
+        os.environ["RAYMAP_MESHES"] = str(arguments.meshes)  # Where the bunny's scan may be.
+    meshes = meshes_of(arguments.meshes, arguments.quick)
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    with open(arguments.output / "runs.jsonl", "w") as log, open(arguments.output / "tables.md", "w") as tables:
+        for part in report(Bench(arguments.program, arguments.device, log), meshes, arguments.quick, arguments.output):
+            for file in (sys.stdout, tables):
+                print(part, file=file, flush=True)
+
+
+if __name__ == "__main__":
+    main()
