@@ -33,6 +33,8 @@ Field makeField(const Arguments& arguments) {
   ProgressLine line;
   Options options;
   options.threads = arguments.options.threads;
+  options.device = arguments.options.device;
+  options.warn = warn;
   options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
   return generate(mesh, fitGrid(mesh, {.resolution = arguments.resolution}), options);
 }
@@ -53,6 +55,7 @@ Picture draw(const Field& field, const Arguments& arguments) {
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.size[0]);
   ProgressLine line;
   RenderOptions options = arguments.options;
+  options.warn = warn;
   options.progress = [&](double done) { return line.report("render", done); };
   return renderField(field, options);
 }
@@ -108,6 +111,10 @@ void addRender(CLI::App& app) {
       ->required();
   command->add_option("--resolution", arguments->resolution, "Of the field made from a mesh (default 256)")
       ->check(wholeNumberFrom(1));
+  command->add_option(
+      "--device", arguments->options.device,
+      "What draws it, and makes a mesh's field: cpu, vulkan, vulkan:K (see raymap devices), or "
+      "auto (default): a GPU if there is one, else the CPU");
   command->add_option("--threads", arguments->options.threads, "Threads; 0 = all (default)")
       ->check(wholeNumberFrom(0));
   addViewOptions(*command, *arguments);

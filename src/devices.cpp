@@ -124,4 +124,9 @@ std::optional<size_t> chooseDevice(const std::string& name) {
   return index;
 }
 
+bool isOfTheDevice(const Error& error) {
+  return error.code() != ErrorCode::Input && error.code() != ErrorCode::Usage &&
+         error.code() != ErrorCode::Cancelled;
+}
+
 }  // namespace raymap

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <raymap/error.h>
+
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace raymap {
@@ -32,5 +36,24 @@ DeviceList listDevices();
 /// machines that have a GPU. Throws `Error`: Usage for a name that is none, Unsupported if there is no such
 /// device.
 std::optional<size_t> chooseDevice(const std::string& name);
+
+/// Whether another device may do what this error stopped: not where the input is at fault, or the user.
+bool isOfTheDevice(const Error& error);
+
+/// `onGpu(index)` or `onCpu()`, as the device's name says. Where `auto` finds a GPU that fails, it says so by
+/// `warn` and takes the CPU.
+template <class OnGpu, class OnCpu>
+void runOnDevice(const std::string& name, const std::function<void(std::string_view)>& warn, OnGpu&& onGpu,
+                 OnCpu&& onCpu) {
+  const std::optional<size_t> index = chooseDevice(name);
+  if (!index) return onCpu();
+  try {
+    return onGpu(*index);
+  } catch (const Error& error) {
+    if (name != "auto" || !isOfTheDevice(error)) throw;
+    if (warn) warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
+  }
+  onCpu();
+}
 
 }  // namespace raymap

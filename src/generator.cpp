@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "cpu/backend.h"
@@ -73,20 +72,9 @@ const Stats& Generator::stats() const {
 }
 
 void Generator::Impl::run(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
-  const std::optional<size_t> index = chooseDevice(options.device);
-  if (!index) {
-    runOnCpu(mesh, grid, options, field);
-    return;
-  }
-  try {
-    runOnGpu(*index, mesh, grid, options, field);
-  } catch (const Error& error) {
-    const bool isMeshOrUser = error.code() == ErrorCode::Input || error.code() == ErrorCode::Usage ||
-                              error.code() == ErrorCode::Cancelled;
-    if (options.device != "auto" || isMeshOrUser) throw;
-    if (options.warn) options.warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
-    runOnCpu(mesh, grid, options, field);
-  }
+  runOnDevice(
+      options.device, options.warn, [&](size_t index) { runOnGpu(index, mesh, grid, options, field); },
+      [&] { runOnCpu(mesh, grid, options, field); });
 }
 
 void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {

@@ -21,6 +21,8 @@ class Camera {
   Ray ray(double x, double y) const;
   /// Where the floor under the shape lies: its height along `RenderOptions::up`.
   double floor() const { return floor_; }
+  /// Of the picture, in pixels.
+  double height() const { return height_; }
   /// Width of a pixel at distance 1.
   double pixelAngle() const { return 2.0 * tangent_ / height_; }
 

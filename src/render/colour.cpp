@@ -24,8 +24,6 @@ double roundedUp(double length) {
 }
 
 Colour distanceColour(double value, double range) {
-  static const Colour kOutside[] = {srgb(255, 246, 232), srgb(247, 190, 120), srgb(206, 104, 52)};
-  static const Colour kInside[] = {srgb(228, 241, 250), srgb(116, 173, 214), srgb(38, 84, 148)};
   const Colour* ramp = value < 0.0 ? kInside : kOutside;
   const double depth = range > 0.0 ? std::min(std::abs(value) / range, 1.0) : 0.0;
   return depth < 0.5 ? glm::mix(ramp[0], ramp[1], 2.0 * depth)

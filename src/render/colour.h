@@ -41,6 +41,10 @@ inline double lineCoverage(double distance, double width) {
   return std::clamp(0.5 * width + 0.5 - distance, 0.0, 1.0);
 }
 
+/// Of distances at the surface, half way and deepest.
+inline const Colour kOutside[] = {srgb(255, 246, 232), srgb(247, 190, 120), srgb(206, 104, 52)};
+inline const Colour kInside[] = {srgb(228, 241, 250), srgb(116, 173, 214), srgb(38, 84, 148)};
+
 /// The colour of a slice where the distance is `value`: warm outside, cool inside, palest at zero and deepest
 /// at +-`range`.
 Colour distanceColour(double value, double range);

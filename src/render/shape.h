@@ -50,6 +50,14 @@ class Shape {
     const double solid = std::max(level_ - extent_.deepest, 1e-9);
     return wall_ > 0.0 ? std::min(wall_, solid) : solid;
   }
+  const Field& field() const { return field_; }
+  double level() const { return level_; }  ///< The field's value that is drawn as surface.
+  double wall() const { return wall_; }    ///< 0: solid.
+  double band() const { return band_; }    ///< 0: none.
+  /// What lies above `cutOffset` along `cutNormal` is cut away, if `isCut`.
+  bool isCut() const { return cut_; }
+  const glm::dvec3& cutNormal() const { return cutNormal_; }
+  double cutOffset() const { return cutOffset_; }
   glm::dvec3 centre() const { return 0.5 * (extent_.min + extent_.max); }
   double radius() const { return 0.5 * glm::length(extent_.max - extent_.min); }
 

@@ -1,0 +1,66 @@
+#include "shade.h"
+
+#include <algorithm>
+
+#include "sphere_trace.h"
+
+namespace raymap {
+
+namespace {
+
+// Where in a pixel the four samples of antialiasing lie: a rotated square, so that near-horizontal and
+// near-vertical edges get all four levels.
+constexpr glm::dvec2 kSubPixels[] = {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}};
+
+/// What the shape leaves of the light on the floor, seen along a ray that misses the shape.
+double floorShade(const Scene& scene, const Ray& ray) {
+  const double down = -glm::dot(ray.direction, scene.up);
+  const double t = (glm::dot(ray.origin, scene.up) - scene.camera.floor()) / down;
+  if (!(down > 1e-6) || !(t > 0.0) || !std::isfinite(t)) return 1.0;
+  const glm::dvec3 p = ray.origin + t * ray.direction;
+  const double sun = softShadow(scene.shape, p, scene.toLight);
+  const double sky = ambientOpenness(scene.shape, p, scene.up);
+  return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
+}
+
+/// The cut face is a drawing, not a thing: the colours of a slice, unlit but for what stands on it.
+Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
+  const double d = scene.shape.fieldDistance(p);
+  const Colour ground = distanceColour(std::min(d, -1e-9), scene.shape.depth());
+  return (0.6 + 0.4 * ambientOpenness(scene.shape, p, n)) *
+         drawContour(drawIsoLines(ground, d, t * scene.camera.pixelAngle(), scene.lineStep), d,
+                     t * scene.camera.pixelAngle(), kContour);
+}
+
+Colour surface(const Scene& scene, const Ray& ray, double t) {
+  const glm::dvec3 p = ray.origin + t * ray.direction;
+  const glm::dvec3 n = scene.shape.normal(p);
+  if (scene.shape.isOnCutFace(p)) return cutFace(scene, p, n, t);
+  const double facing = glm::dot(n, scene.toLight);
+  const double sun = facing > 0.0 ? facing * softShadow(scene.shape, p + n, scene.toLight) : 0.0;
+  const double open = ambientOpenness(scene.shape, p, n);
+  const double upward = 0.5 + 0.5 * glm::dot(n, scene.up);
+  const Colour incoming = sun * kSun + open * (upward * kSky + (1.0 - upward) * kBounce);
+  const double grazing = std::pow(1.0 - std::clamp(-glm::dot(n, ray.direction), 0.0, 1.0), 5.0);
+  const double shine =
+      std::pow(std::max(glm::dot(n, glm::normalize(scene.toLight - ray.direction)), 0.0), 50.0) *
+      (sun > 0.0 ? sun : 0.0);
+  const Colour lit = 0.5 * kClay * incoming + 0.25 * grazing * open * kSky + 0.12 * shine * kSun;
+  return lit * (1.0 + lit / 4.0) / (1.0 + lit);  // highlights bend instead of clipping
+}
+
+/// `y` is the height in the picture.
+Colour light(const Scene& scene, const Ray& ray, double y) {
+  if (const std::optional<double> t = trace(scene.shape, ray)) return surface(scene, ray, *t);
+  return glm::mix(kBackgroundTop, kBackgroundBottom, y / scene.camera.height()) * floorShade(scene, ray);
+}
+
+}  // namespace
+
+Colour pixelColour(const Scene& scene, int x, int y) {
+  Colour sum(0.0);
+  for (const glm::dvec2& s : kSubPixels) sum += light(scene, scene.camera.ray(x + s.x, y + s.y), y + s.y);
+  return 0.25 * sum;
+}
+
+}  // namespace raymap

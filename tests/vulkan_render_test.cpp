@@ -1,0 +1,177 @@
+#include <raymap/render.h>
+
+#include <array>
+#include <cstdlib>
+#include <limits>
+
+#include "analytic_fields.h"
+#include "render/scene.h"
+#include "vulkan/draw_scene.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+using analytic::cube;
+using analytic::sampled;
+
+Field torus(int n) {
+  return sampled(cube(n, 2.0), [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.25); });
+}
+
+/// The one corner that all three middle planes cut off is round: something to tell the sides apart.
+double solid(const glm::dvec3& p) {
+  return std::max(analytic::box(p, {0.7, 0.5, 0.6}), -analytic::sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));
+}
+
+class VulkanRender : public VulkanTest {
+ protected:
+  static Picture draw(const Field& field, const RenderOptions& options) {
+    Picture picture{options.width, options.height,
+                    std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
+    Options run;
+    if (options.progress)
+      run.progress = [&](std::string_view, double done) { return options.progress(done); };
+    Stats stats;
+    Progress progress(run, stats);
+    drawScene(device(), Scene(field, options), progress, picture);
+    EXPECT_EQ(device().guards()->damaged(), "");
+    return picture;
+  }
+
+  static void expectAsOnTheCpu(const Field& field, RenderOptions options = {}) {
+    options.width = 160;
+    options.height = 120;
+    const Picture ours = draw(field, options);
+    EXPECT_EQ(ours.rgb, draw(field, options).rgb);
+    options.device = "cpu";
+    expectClose(ours, renderField(field, options));
+  }
+
+  /// As render.h promises.
+  static void expectClose(const Picture& ours, const Picture& theirs) {
+    ASSERT_EQ(ours.rgb.size(), theirs.rgb.size());
+    const size_t pixels = ours.rgb.size() / 3;
+    std::array<double, 3> sum{};
+    size_t off = 0;
+    for (size_t p = 0; p < pixels; ++p) {
+      int worst = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        const int difference = std::abs(int(ours.rgb[3 * p + c]) - int(theirs.rgb[3 * p + c]));
+        sum[c] += difference;
+        worst = std::max(worst, difference);
+      }
+      off += worst > 8 ? 1 : 0;
+    }
+    for (const double s : sum) EXPECT_LE(s / double(pixels), 0.1);
+    EXPECT_LE(double(off) / double(pixels), 0.002);
+  }
+};
+
+TEST_F(VulkanRender, SphereAndTorus) {
+  expectAsOnTheCpu(sampled(cube(32, 2.0), [](const glm::dvec3& p) { return analytic::sphere(p, 0.7); }));
+  expectAsOnTheCpu(torus(40), {.direction = {0.3, -1.0, 0.2}, .up = {0, 0, 1}, .fieldOfView = 60.0});
+}
+
+TEST_F(VulkanRender, CutAndShell) {
+  const Field field = sampled(cube(48, 2.0), solid);
+  expectAsOnTheCpu(field);
+  expectAsOnTheCpu(field, {.cut = true});
+  expectAsOnTheCpu(field, {.shell = 0.15});
+  expectAsOnTheCpu(field, {.direction = {1.0, -0.5, 0.4}, .cut = true, .shell = 0.1});
+}
+
+TEST_F(VulkanRender, UnsignedAndBanded) {
+  expectAsOnTheCpu(sampled(cube(32, 2.0), [](const glm::dvec3& p) { return std::abs(solid(p)); }));
+  Field banded = sampled(cube(48, 2.0), [](const glm::dvec3& p) { return std::clamp(solid(p), -0.2, 0.2); });
+  banded.band = 0.2;
+  expectAsOnTheCpu(banded);
+  expectAsOnTheCpu(banded, {.cut = true, .shell = 0.1});
+}
+
+TEST_F(VulkanRender, GridsThatCutTheShape) {
+  expectAsOnTheCpu(sampled({{40, 20, 30}, {-0.5, -0.2, -0.4}, 0.03}, solid));
+  expectAsOnTheCpu(sampled({{30, 30, 1}, {-1.0, -1.0, 0.0}, 0.07}, solid));
+  expectAsOnTheCpu(sampled({{1, 1, 90}, {0.0, 0.0, -1.0}, 0.02}, solid));
+  expectAsOnTheCpu(sampled({{1, 1, 1}, {0.0, 0.0, 0.0}, 1.0}, solid));
+}
+
+TEST_F(VulkanRender, HugeAndTinyValues) {
+  for (const double depth : {50.0, 1e30})
+    expectAsOnTheCpu(sampled(cube(16, 2.0), [&](const glm::dvec3&) { return -depth; }), {.cut = true});
+  expectAsOnTheCpu(sampled(cube(8, 2.0), [](const glm::dvec3&) { return 1e30; }));
+  for (const double scale : {1e-20, 1e20}) {
+    Field field = torus(32);
+    for (float& d : field.distance) d = float(d * scale);
+    field.grid.spacing *= scale;
+    field.grid.origin *= scale;
+    expectAsOnTheCpu(field, {.cut = true, .shell = 0.1 * scale});
+  }
+}
+
+TEST_F(VulkanRender, TheEyeFarAway) {
+  expectAsOnTheCpu(torus(48), {.fieldOfView = 1.0});
+}
+
+TEST_F(VulkanRender, PicturesOfAnySize) {
+  const Field field = torus(24);
+  for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 61), glm::ivec2(130, 3)}) {
+    RenderOptions options{.width = size.x, .height = size.y};
+    const Picture ours = draw(field, options);
+    options.device = "cpu";
+    expectClose(ours, renderField(field, options));
+  }
+}
+
+TEST_F(VulkanRender, ReportsProgressAndStops) {
+  const Field field = torus(24);
+  int calls = 0;
+  double last = 0.0;
+  RenderOptions options{.width = 40, .height = 120};
+  options.progress = [&](double done) {
+    EXPECT_GE(done, last);
+    last = done;
+    return ++calls > 0;
+  };
+  draw(field, options);
+  EXPECT_GT(calls, 1);
+  EXPECT_EQ(last, 1.0);
+  options.progress = [](double) { return false; };
+  try {
+    draw(field, options);
+    FAIL() << "not stopped";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
+  }
+}
+
+TEST_F(VulkanRender, RefusesShapesThatItsLoopsCannotCross) {
+  const Field needle = sampled({{1, 1, 40000}, {0, 0, 0}, 1.0}, [](const glm::dvec3&) { return -1.0; });
+  try {
+    draw(needle, {.width = 4, .height = 4});
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Unsupported);
+  }
+}
+
+TEST_F(VulkanRender, ByName) {
+  const Field field = torus(24);
+  RenderOptions options{.width = 64, .height = 48, .device = "vulkan"};
+  const Picture ours = renderField(field, options);
+  options.device = "cpu";
+  expectClose(ours, renderField(field, options));
+  for (const auto& [name, code] :
+       {std::pair("gpu", ErrorCode::Usage), std::pair("vulkan:99", ErrorCode::Unsupported)}) {
+    options.device = name;
+    try {
+      renderField(field, options);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
