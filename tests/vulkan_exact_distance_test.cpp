@@ -2,9 +2,8 @@
 
 #include <raymap/io.h>
 
-#include <filesystem>
-
 #include "exact_cases.h"
+#include "mesh_folder.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -122,16 +121,14 @@ TEST_F(VulkanExactDistance, SurvivesHugeCoordinates) {
 }
 
 TEST_F(VulkanExactDistance, IsExactOnRealMeshes) {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  const std::filesystem::path path(folder ? folder : RAYMAP_SHARED_MESHES);
-  if (!std::filesystem::exists(path / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
   for (const char* name :
        {"pymesh__tet.obj", "libigl__cube.off", "trimesh__20mm-xyz-cube.stl", "trimesh__featuretype.ply",
         "prusaslicer__M3x10_screw.stl", "libigl__bunny.off", "common3d__spot.obj", "sellan__eiffel.obj",
         "manifold__mengerSponge3.glb", "draco__bun_zipper.ply", "libigl__planexy.off",
         "meshlab__non_manif_hole.ply", "common3d__beetle.obj", "meshlab__conrod.stl",
         "stanford-drago__dragon_vrip_res4.ply"}) {
-    const Mesh mesh = readMesh(path / name);
+    const Mesh mesh = readMesh(meshFolder() / name);
     const Grid grid = fitGrid(mesh, {.resolution = 48});
     const Found found = find(mesh, grid);
     EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 100), kAllowed) << name;
