@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import os
 import pathlib
 import statistics
@@ -182,6 +183,8 @@ def runtime_over_meshes(bench, meshes, resolutions, folder):
     """The paper's Fig. 8."""
     shown = {f"{n} samples": {} for n in resolutions}
     for mesh in meshes:  # One after the other, so that each is read once.
+        if "error" in bench.run("vulkan", mesh, resolutions[0], "exact+harmonic"):
+            continue  # No mesh, as a rule.
         for n in resolutions:
             for name, points in series_of(bench, [(mesh, n)], lambda case, answer: answer["triangles"]).items():
                 shown[f"{n} samples"].setdefault(name, []).extend(points)
@@ -213,7 +216,7 @@ def meshes_of(folder, is_quick):
 def small_mesh(bench, meshes, resolution):
     """About a tenth of the bunny's triangles, or what comes closest."""
     def distance(mesh):
-        return abs(bench.run("vulkan", mesh, resolution, "cell+rays").get("triangles", 1e9) - 7000)
+        return abs(bench.run("vulkan", mesh, resolution, "exact+harmonic").get("triangles", math.inf) - 7000)
     return min(meshes, key=distance)
 
 
@@ -246,6 +249,10 @@ def main():
     parser.add_argument("--quick", action="store_true", help="small grids and few meshes")
     arguments = parser.parse_intermixed_args()  # The folder may come after options.
     if arguments.meshes:
+        if not arguments.meshes.is_dir():
+            parser.error(f"{arguments.meshes} is no folder")
+        if not meshes_of(arguments.meshes, arguments.quick):
+            parser.error(f"{arguments.meshes} holds no meshes")
         os.environ["RAYMAP_MESHES"] = str(arguments.meshes)  # Where the bunny's scan may be.
     meshes = meshes_of(arguments.meshes, arguments.quick)
     arguments.output.mkdir(parents=True, exist_ok=True)
