@@ -84,7 +84,7 @@ TEST_F(Cli, HelpsAndTellsItsVersion) {
     EXPECT_NE(generate.find(option), std::string::npos) << option;
   const std::string render = succeed("render --help").out;
   for (const char* option :
-       {"--cut", "--shell", "--slice", "--index", "--resolution", "--size", "--direction"})
+       {"--cut", "--shell", "--slice", "--index", "--resolution", "--size", "--direction", "--device"})
     EXPECT_NE(render.find(option), std::string::npos) << option;
 }
 
@@ -218,6 +218,9 @@ TEST_F(Cli, DrawsPictures) {
   EXPECT_NE(readBytes(path("cut.png")), png);
   succeed("render torus.ply -o direct.png --resolution 24 --size 64 48");
   EXPECT_EQ(readBytes(path("direct.png")), png);
+  expectFailure("render torus.nrrd -o gpu.png --device gpu", ErrorCode::Usage, "'gpu'");
+  expectFailure("render torus.nrrd -o gpu.png --device vulkan:99", ErrorCode::Unsupported, "vulkan:99");
+  EXPECT_FALSE(fs::exists(path("gpu.png")));
   const Result slice = succeed("render torus.nrrd -o slice.png --slice z --index 3");
   EXPECT_EQ(slice.out.rfind("wrote slice.png, ", 0), 0u) << slice.out;
   expectFailure("render torus.nrrd -o slice.png --slice z --index 99", ErrorCode::Usage, "across z");

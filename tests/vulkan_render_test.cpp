@@ -1,10 +1,11 @@
-#include <raymap/render.h>
+#include <raymap/raymap.h>
 
 #include <array>
 #include <cstdlib>
 #include <limits>
 
 #include "analytic_fields.h"
+#include "mesh_folder.h"
 #include "render/scene.h"
 #include "vulkan/draw_scene.h"
 #include "vulkan_device.h"
@@ -106,6 +107,18 @@ TEST_F(VulkanRender, HugeAndTinyValues) {
     field.grid.spacing *= scale;
     field.grid.origin *= scale;
     expectAsOnTheCpu(field, {.cut = true, .shell = 0.1 * scale});
+  }
+}
+
+TEST_F(VulkanRender, RealMeshes) {
+  const std::vector<std::string> names = wellFormedMeshes();
+  if (names.empty()) GTEST_SKIP() << "no folder of meshes";
+  for (size_t n = 0; n < names.size(); n += 1 + names.size() / 6) {
+    SCOPED_TRACE(names[n]);
+    const Mesh mesh = readMesh(meshFolder() / names[n]);
+    const Field field = generate(mesh, fitGrid(mesh, {.resolution = 40}), {.device = "cpu"});
+    expectAsOnTheCpu(field);
+    expectAsOnTheCpu(field, {.cut = true, .shell = 3.0 * field.grid.spacing});
   }
 }
 
