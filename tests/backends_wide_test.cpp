@@ -1,0 +1,49 @@
+// Every mesh of the shared folder, on a Vulkan device and on the CPU, which other tests compare with the
+// truth.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <cmath>
+
+#include "devices.h"
+#include "mesh_folder.h"
+
+namespace raymap {
+namespace {
+
+/// A driver in software takes a minute for a million triangles; larger ones are left to real devices.
+constexpr size_t kMostTriangles = 200'000;
+
+Field make(const Mesh& mesh, const char* device) {
+  Options options;
+  options.device = device;
+  options.winding = true;
+  return generate(mesh, fitGrid(mesh, {.resolution = 48}), options);
+}
+
+TEST(Backends, GiveTheSameFieldOfEveryMesh) {
+  const std::vector<std::string> names = wellFormedMeshes();
+  if (names.empty()) GTEST_SKIP() << "no folder of meshes";
+  if (listDevices().devices.size() < 2) GTEST_SKIP() << listDevices().note;
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = readMesh(meshFolder() / name);
+    if (mesh.triangles.size() > kMostTriangles) continue;
+    const Field cpu = make(mesh, "cpu"), gpu = make(mesh, "vulkan");
+    const double tolerance = 1e-6 * glm::length(bounds(mesh).size());
+    double largest = 0.0;
+    size_t wrong = 0;
+    for (size_t s = 0; s < cpu.distance.size(); ++s) {
+      const float a = cpu.distance[s], b = gpu.distance[s];
+      largest = std::max(largest, double(std::abs(std::abs(a) - std::abs(b))));
+      wrong += std::signbit(a) != std::signbit(b) && std::abs(a) > tolerance &&
+               std::abs(std::abs(cpu.winding[s]) - 0.5f) > 1e-4f;
+    }
+    EXPECT_LE(largest, tolerance);
+    EXPECT_EQ(wrong, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace raymap
