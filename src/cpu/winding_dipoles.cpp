@@ -251,8 +251,9 @@ namespace {
 HWY_EXPORT(buildMoments);
 HWY_EXPORT(replace);
 
-/// The lattice is hardly ever farther from the winding number than this (docs/signs.md). It knows least at
-/// the rims of the surface, at most `distance` cells away.
+/// The lattice is hardly ever farther from the winding number than this
+/// (docs/decisions/winding_dipoles.md). It knows least at the rims of the surface, at most `distance` cells
+/// away.
 float latticeError(float distance) {
   constexpr float kMost = 0.15f, kLeast = 0.015f, kMostWithin = 2.0f;
   return std::max(kMost * std::min(1.0f, kMostWithin / distance), kLeast);
