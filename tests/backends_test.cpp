@@ -190,6 +190,12 @@ TEST_F(Backends, RefuseWhatTheCpuRefuses) {
   options.memoryLimit = 1000;
   EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory);
   options.memoryLimit = 0;
+  Generator generator;
+  Field field;
+  generator.generate(far, grid, options, field);
+  options.memoryLimit = generator.stats().bytes - 1;
+  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory) << "what it held before";
+  options.memoryLimit = 0;
   far.vertices[far.triangles[3].y] = glm::vec3(1e15f);
   EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Input);
 }

@@ -38,14 +38,20 @@ Backend::Backend(Device& device)
 }
 
 size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
-  size_t perSample = sizeof(float);
-  if (options.triangleIds) perSample += sizeof(uint32_t);
-  if (options.sign != SignMode::None) perSample += 4 * sizeof(float);
-  if (options.sign == SignMode::Harmonic || options.sign == SignMode::Evolution) perSample += sizeof(float);
-  if (options.distance != DistanceMode::Exact) perSample += 4 * sizeof(float);
-  if (options.confidence) perSample += sizeof(float);
+  const bool isSigned = options.sign != SignMode::None;
+  constexpr size_t kResult = 2 * sizeof(float);  // Here, and on its way to the host.
+  size_t perSample = kResult;
+  if (options.triangleIds) perSample += kResult;
+  if (options.confidence && isSigned) perSample += kResult;
+  if (isSigned) perSample += 3 * sizeof(int32_t) + (options.winding ? kResult : sizeof(float));
+  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) perSample += sizeof(float);
+  perSample += options.distance == DistanceMode::Exact ? 2 : 4 * sizeof(float);
+  size_t coarse = 0;
+  for (int level = 1; options.sign == SignMode::Harmonic && level <= coarsestHarmonicLevel(grid.dims);
+       ++level)
+    coarse += 4 * sizeof(float) * harmonicBox(grid.dims, level).sampleCount();
   constexpr size_t kPerTriangle = 160;
-  return grid.sampleCount() * perSample + mesh.triangles.size() * kPerTriangle +
+  return coarse + grid.sampleCount() * perSample + mesh.triangles.size() * kPerTriangle +
          mesh.vertices.size() * 2 * sizeof(glm::vec3);
 }
 

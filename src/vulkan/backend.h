@@ -45,7 +45,8 @@ class Backend {
   /// Brings the distances into the mesh's units, and everything asked for to the host.
   void finish();
 
-  /// Bytes that a run will hold on the device at most, from sizes alone.
+  /// Bytes that a run will hold, from sizes alone; the lists of the voxel grid, whose length only the device
+  /// finds out, come on top.
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
   /// Share of samples whose six rays disagree.
