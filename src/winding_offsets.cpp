@@ -6,15 +6,19 @@ namespace raymap {
 
 namespace {
 
-/// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over the box of half the
-/// grid's size around the sample, so that any number of passes is well spaced.
+// Sides of the box of built-in offset points, as a share of the grid's: the farther a path leads, the more
+// broken surface it crosses; too near, and all of them see the same. docs/signs.md has figures of other sizes.
+constexpr double kBox = 3.0 / 16.0;
+
+/// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over a box around the sample,
+/// so that any number of passes is well spaced.
 glm::ivec3 builtInOffset(int64_t pass, const glm::ivec3& dims) {
   constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1
   const double steps[3] = {1.0 / kRoot, 1.0 / (kRoot * kRoot), 1.0 / (kRoot * kRoot * kRoot)};
   glm::ivec3 offset;
   for (int c = 0; c < 3; ++c) {
     const double turn = 0.5 + double(pass + 1) * steps[c];
-    offset[c] = static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * dims[c]));
+    offset[c] = static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * kBox * dims[c]));
   }
   return offset;
 }
