@@ -7,7 +7,8 @@ namespace raymap {
 namespace {
 
 // Sides of the box of built-in offset points, as a share of the grid's: the farther a path leads, the more
-// broken surface it crosses; too near, and all of them see the same. docs/signs.md has figures of other sizes.
+// broken surface it crosses; too near, and all of them see the same. docs/signs.md has figures of other
+// sizes.
 constexpr double kBox = 3.0 / 16.0;
 
 /// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over a box around the sample,
