@@ -3,7 +3,6 @@
 #include <raymap/error.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "features.h"
 #include "instance.h"
@@ -31,22 +30,10 @@ std::string versionText(uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version));
 }
 
-/// Mesa's driver in software: 24.0.5 crashes in exact_distance, 22.3.6 runs all tests; no others were tried.
-bool isKnownToCrash(const VkPhysicalDeviceDriverProperties& driver) {
-  constexpr int kLastGood = 22;
-  const std::string info = driver.driverInfo;
-  return driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE && info.starts_with("Mesa ") &&
-         std::atoi(info.c_str() + 5) > kLastGood;
-}
-
-std::string problemOf(VkPhysicalDevice device, uint32_t version,
-                      const VkPhysicalDeviceDriverProperties& driver) {
+std::string problemOf(VkPhysicalDevice device, uint32_t version) {
   if (version < VK_API_VERSION_1_3)
     return "it has Vulkan " + versionText(version) + ", 1.3 is needed; update its driver";
   if (!computeFamily(device)) return "it has no queue that computes";
-  if (isKnownToCrash(driver))
-    return std::string("its driver in software crashes in the exact distance from Mesa 23 on (") +
-           driver.driverInfo + "); use the CPU";
   const std::string missing = missingFeatures(device);
   return missing.empty() ? "" : "it lacks " + missing;
 }
@@ -91,7 +78,7 @@ DeviceInfo describe(VkPhysicalDevice device) {
           .driver = std::string(driver.driverName) + " " + driver.driverInfo,
           .memory = largestHeap(device),
           .sharedMemory = basic.limits.maxComputeSharedMemorySize,
-          .problem = problemOf(device, version, driver)};
+          .problem = problemOf(device, version)};
 }
 
 std::optional<uint32_t> computeFamily(VkPhysicalDevice device) {

@@ -15,8 +15,10 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Each subgroup needs 4.6 KiB of shared memory: four at most.
-uint32_t groupSizeOf(const DeviceLimits& limits) {
+/// Each subgroup needs 4.6 KiB of shared memory: four at most. One in software, where drivers may take a
+/// barrier of a subgroup for one of the group (docs/decisions/vulkan_exact_distance.md).
+uint32_t groupSizeOf(const DeviceLimits& limits, bool isSoftware) {
+  if (isSoftware) return limits.maxSubgroupSize;
   constexpr uint32_t kBest = 64;
   constexpr uint32_t kSubgroups = 4;
   return std::max(std::min(kBest, kSubgroups * limits.minSubgroupSize), limits.maxSubgroupSize);
@@ -27,7 +29,7 @@ uint32_t groupSizeOf(const DeviceLimits& limits) {
 ExactDistance::ExactDistance(Device& device)
     : hasShortLoops_(device.info().type == DeviceType::Software),
       maxSubgroup_(device.limits().maxSubgroupSize),
-      groupSize_(groupSizeOf(device.limits())),
+      groupSize_(groupSizeOf(device.limits(), hasShortLoops_)),
       blocks_(device, shaders::kExactDistanceBlocks, groupSize_,
               {groupSize_ / device.limits().minSubgroupSize}),
       samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
