@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/animation.h>
 #include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/field.h>

@@ -275,16 +275,25 @@ GltfDocument::Component GltfDocument::component(const Json& accessor, const char
   return result;
 }
 
-std::vector<glm::dvec3> GltfDocument::positions(uint64_t accessor) const {
+std::vector<double> GltfDocument::reals(uint64_t accessor, const char* type, uint64_t components) const {
   const std::string what = "accessors[" + std::to_string(accessor) + "]";
-  const Component part = component(element("accessors", accessor), "VEC3", what);
+  const Component part = component(element("accessors", accessor), type, what);
   const uint64_t bytes = componentBytes(part.type);
-  std::vector<glm::dvec3> result;
-  readAccessor(accessor, 3 * bytes, [&](uint64_t i, const std::byte* at) {
-    if (i == result.size()) result.emplace_back();
-    for (uint64_t c = 0; c < 3; ++c)
-      result[i][static_cast<int>(c)] = loadReal(at + c * bytes, part.type, part.normalized);
+  std::vector<double> result;
+  readAccessor(accessor, components * bytes, [&](uint64_t i, const std::byte* at) {
+    if (i * components == result.size()) result.resize(result.size() + components);
+    for (uint64_t c = 0; c < components; ++c)
+      result[i * components + c] = loadReal(at + c * bytes, part.type, part.normalized);
   });
+  return result;
+}
+
+std::vector<glm::dvec3> GltfDocument::positions(uint64_t accessor) const {
+  const std::vector<double> numbers = reals(accessor, "VEC3", 3);
+  std::vector<glm::dvec3> result;
+  result.reserve(numbers.size() / 3);
+  for (size_t i = 0; i < numbers.size(); i += 3)
+    result.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
   return result;
 }
 

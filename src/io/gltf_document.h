@@ -29,6 +29,8 @@ class GltfDocument {
   /// At most the bytes of its bufferView.
   uint64_t accessorCount(uint64_t accessor) const;
   std::vector<glm::dvec3> positions(uint64_t accessor) const;
+  /// All numbers of an accessor whose elements are of that type ("VEC4") and have so many.
+  std::vector<double> reals(uint64_t accessor, const char* type, uint64_t components) const;
   std::vector<uint32_t> vertexIndices(uint64_t accessor) const;
 
  private:

@@ -2,6 +2,7 @@
 
 // What every mesh reader shares: the file in memory, its errors and warnings, and the last steps to a Mesh.
 
+#include <raymap/animation.h>
 #include <raymap/buffer.h>
 #include <raymap/io.h>
 
@@ -32,6 +33,7 @@ Mesh readStl(const MeshFile& file);
 Mesh readOff(const MeshFile& file);
 Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
+AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 
 /// Throws `Error(File)` if it is none, or `Error(Memory)` if it is too large to read.
 uint64_t regularFileSize(const std::filesystem::path& path);

@@ -1,3 +1,4 @@
+#include <raymap/animation.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
 
@@ -42,6 +43,13 @@ Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
   if (!format->read) return importMesh(path, warn);
   const Buffer<std::byte> bytes = loadFile(path);
   return format->read({bytes, path, warn});
+}
+
+AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation, const Warn& warn) {
+  if (const std::string extension = lowerExtension(path); extension != ".gltf" && extension != ".glb")
+    throw Error(ErrorCode::Unsupported, path.string() + ": animations are read from .gltf and .glb only");
+  const Buffer<std::byte> bytes = loadFile(path);
+  return readAnimatedGltf({bytes, path, warn}, animation);
 }
 
 std::vector<std::string> meshExtensions() {

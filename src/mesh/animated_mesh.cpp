@@ -1,0 +1,179 @@
+// Krayer & Müller 2019, §3: dynamic data. Skins as glTF 2.0 defines them (§3.7.3, §3.11, appendix C there).
+
+#include <raymap/animation.h>
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
+
+namespace raymap {
+
+namespace {
+
+using Node = AnimatedMesh::Node;
+using Track = AnimatedMesh::Track;
+
+size_t valuesPerTime(const Track& track) {
+  return track.interpolation == Track::Interpolation::CubicSpline ? 3 : 1;
+}
+
+glm::dquat quaternion(const glm::dvec4& v) {
+  return {v.w, v.x, v.y, v.z};
+}
+
+/// A Hermite spline from time `key` to the next; `share` of the way there.
+glm::dvec4 onSpline(const Track& track, size_t key, double share) {
+  const glm::dvec4* v = &track.values[3 * key];
+  const double length = track.times[key + 1] - track.times[key];
+  const double s = share, s2 = s * s, s3 = s2 * s;
+  return (2.0 * s3 - 3.0 * s2 + 1.0) * v[1] + length * (s3 - 2.0 * s2 + s) * v[2] +
+         (3.0 * s2 - 2.0 * s3) * v[4] + length * (s3 - s2) * v[3];
+}
+
+glm::dvec4 onArc(const glm::dvec4& from, const glm::dvec4& to, double share) {
+  const glm::dquat q = glm::slerp(glm::normalize(quaternion(from)), glm::normalize(quaternion(to)), share);
+  return {q.x, q.y, q.z, q.w};
+}
+
+glm::dvec4 valueAt(const Track& track, double seconds) {
+  const std::vector<double>& times = track.times;
+  const size_t count = valuesPerTime(track);
+  const auto value = [&](size_t key) { return track.values[count * key + count / 2]; };
+  if (!(seconds > times.front())) return value(0);
+  if (seconds >= times.back()) return value(times.size() - 1);
+  const auto next =
+      static_cast<size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
+  const size_t key = next - 1;
+  const double share = (seconds - times[key]) / (times[next] - times[key]);
+  switch (track.interpolation) {
+    case Track::Interpolation::Step:
+      return value(key);
+    case Track::Interpolation::CubicSpline:
+      return onSpline(track, key, share);
+    default:
+      return track.target == Track::Target::Rotation ? onArc(value(key), value(next), share)
+                                                     : glm::mix(value(key), value(next), share);
+  }
+}
+
+void move(Node& node, const Track& track, double seconds) {
+  const glm::dvec4 value = valueAt(track, seconds);
+  switch (track.target) {
+    case Track::Target::Translation:
+      node.translation = glm::dvec3(value);
+      break;
+    case Track::Target::Rotation:
+      node.rotation = quaternion(value);
+      break;
+    case Track::Target::Scale:
+      node.scale = glm::dvec3(value);
+      break;
+  }
+}
+
+glm::dmat4 transform(const Node& node) {
+  return glm::scale(glm::translate(glm::dmat4(1.0), node.translation) *
+                        glm::mat4_cast(glm::normalize(node.rotation)),
+                    node.scale) *
+         node.matrix;
+}
+
+/// Of every node, to the place that none hangs on.
+std::vector<glm::dmat4> nodeTransforms(const AnimatedMesh& mesh, double seconds) {
+  std::vector<Node> nodes = mesh.nodes;
+  for (const Track& track : mesh.tracks) move(nodes[track.node], track, seconds);
+  std::vector<glm::dmat4> transforms;
+  transforms.reserve(nodes.size());
+  for (const Node& node : nodes)
+    transforms.push_back(node.parent < 0 ? transform(node)
+                                         : transforms[static_cast<size_t>(node.parent)] * transform(node));
+  return transforms;
+}
+
+JointMatrix rounded(const glm::dmat4& m, const glm::dvec3& from, const glm::dvec3& to) {
+  const glm::dvec3 shift = glm::dvec3(m * glm::dvec4(from, 1.0)) - to;
+  JointMatrix result;
+  for (int row = 0; row < 3; ++row) result.rows[row] = {m[0][row], m[1][row], m[2][row], shift[row]};
+  return result;
+}
+
+glm::vec3 moved(const AnimatedMesh& mesh, const std::vector<JointMatrix>& matrices, size_t vertex) {
+  const glm::dvec4 p(mesh.rest.vertices[vertex], 1.0);
+  glm::dvec3 sum(0.0);
+  for (int k = 0; k < 4; ++k) {
+    const JointMatrix& matrix = matrices[mesh.joints[vertex][k]];
+    for (int row = 0; row < 3; ++row)
+      sum[row] += double(mesh.weights[vertex][k]) * glm::dot(glm::dvec4(matrix.rows[row]), p);
+  }
+  return glm::vec3(sum);
+}
+
+[[noreturn]] void fail(const std::string& what) {
+  throw Error(ErrorCode::Input, "the animated mesh is not valid: " + what);
+}
+
+void validateVertices(const AnimatedMesh& mesh) {
+  const size_t count = mesh.rest.vertices.size();
+  if (mesh.joints.size() != count || mesh.weights.size() != count)
+    fail(std::to_string(count) + " vertices have " + std::to_string(mesh.joints.size()) +
+         " sets of joints and " + std::to_string(mesh.weights.size()) + " of weights");
+  for (size_t v = 0; v < count; ++v)
+    for (int k = 0; k < 4; ++k)
+      if (mesh.joints[v][k] >= mesh.skeleton.size())
+        fail("vertex " + std::to_string(v) + " follows joint " + std::to_string(mesh.joints[v][k]) + " of " +
+             std::to_string(mesh.skeleton.size()));
+}
+
+void validateTrack(const AnimatedMesh& mesh, size_t index) {
+  const Track& track = mesh.tracks[index];
+  const std::string what = "track " + std::to_string(index);
+  if (track.node >= mesh.nodes.size()) fail(what + " moves node " + std::to_string(track.node));
+  if (track.times.empty()) fail(what + " has no times");
+  if (!std::is_sorted(track.times.begin(), track.times.end())) fail(what + " goes back in time");
+  if (track.values.size() != track.times.size() * valuesPerTime(track))
+    fail(what + " has " + std::to_string(track.values.size()) + " values for " +
+         std::to_string(track.times.size()) + " times");
+}
+
+}  // namespace
+
+double AnimatedMesh::seconds() const {
+  double last = 0.0;
+  for (const Track& track : tracks)
+    if (!track.times.empty()) last = std::max(last, track.times.back());
+  return last;
+}
+
+void validate(const AnimatedMesh& mesh) {
+  validate(mesh.rest);
+  validateVertices(mesh);
+  for (size_t n = 0; n < mesh.nodes.size(); ++n)
+    if (mesh.nodes[n].parent >= static_cast<int>(n))
+      fail("node " + std::to_string(n) + " hangs on node " + std::to_string(mesh.nodes[n].parent) +
+           ", which does not come before it");
+  for (size_t j = 0; j < mesh.skeleton.size(); ++j)
+    if (mesh.skeleton[j].node >= mesh.nodes.size())
+      fail("joint " + std::to_string(j) + " is node " + std::to_string(mesh.skeleton[j].node) + " of " +
+           std::to_string(mesh.nodes.size()));
+  for (size_t t = 0; t < mesh.tracks.size(); ++t) validateTrack(mesh, t);
+}
+
+std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds) {
+  const std::vector<glm::dmat4> nodes = nodeTransforms(mesh, seconds);
+  std::vector<JointMatrix> matrices;
+  matrices.reserve(mesh.skeleton.size());
+  for (const AnimatedMesh::Joint& joint : mesh.skeleton)
+    matrices.push_back(rounded(nodes[joint.node] * joint.inverseBind, mesh.rest.origin, mesh.origin));
+  return matrices;
+}
+
+Mesh posed(const AnimatedMesh& mesh, double seconds) {
+  const std::vector<JointMatrix> matrices = jointMatrices(mesh, seconds);
+  Mesh result{.triangles = mesh.rest.triangles, .origin = mesh.origin};
+  result.vertices.reserve(mesh.rest.vertices.size());
+  for (size_t v = 0; v < mesh.rest.vertices.size(); ++v) result.vertices.push_back(moved(mesh, matrices, v));
+  return result;
+}
+
+}  // namespace raymap
