@@ -103,6 +103,36 @@ TEST(Render, SilhouetteOfASphereIsItsProjectedDisc) {
   EXPECT_GT(disc, 0.35 * options.height);  // it fills the picture
 }
 
+TEST(Render, TheCameraStandsStillBeforeAFrame) {
+  const RenderOptions options{.width = 120, .height = 90, .frame = Box{{-0.9, -0.5, -0.8}, {0.8, 0.9, 0.8}}};
+  const auto camera = [&](const Field& field) { return Camera(options, Shape(field, options)); };
+  const Field small = ball(48, 0.3), large = ball(48, 0.6);
+  EXPECT_EQ(camera(small).eye(), camera(large).eye());
+  EXPECT_EQ(camera(small).floor(), camera(large).floor());
+  EXPECT_NEAR(std::sqrt(double(silhouette(large, options)) / double(silhouette(small, options))), 2.0, 0.1);
+  // The box fills the picture: its corners lie within, some of them near an edge.
+  double closest = 1.0;
+  const Camera still = camera(small);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Box& box = *options.frame;
+    const glm::dvec3 p{corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                       corner & 4 ? box.max.z : box.min.z};
+    const glm::dvec3 to = (p - small.grid.origin) / small.grid.spacing - still.eye();
+    const double scale = 2.0 / (still.pixelAngle() * glm::dot(to, still.forward()));
+    const double edge = std::max(std::abs(glm::dot(to, still.right())) * scale / 120.0,
+                                 std::abs(glm::dot(to, still.up())) * scale / 90.0);
+    EXPECT_LE(edge, 0.87);
+    closest = std::min(closest, 1.0 - edge);
+  }
+  EXPECT_NEAR(closest, 0.14, 0.01);
+}
+
+TEST(Render, RefusesFramesWithoutSize) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const Box& box : {Box{}, Box{glm::dvec3(1), glm::dvec3(1)}, Box{glm::dvec3(0), glm::dvec3(inf)}})
+    EXPECT_EQ(refusal(ball(16, 0.7), {.frame = box}), ErrorCode::Usage);
+}
+
 TEST(Render, BandedFieldTracesLikeTheWholeOne) {
   const RenderOptions options{.width = 120, .height = 90};
   const auto shape = [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.2); };

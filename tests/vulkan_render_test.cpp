@@ -1,13 +1,13 @@
 #include <raymap/raymap.h>
 
-#include <array>
-#include <cstdlib>
 #include <limits>
 
 #include "analytic_fields.h"
 #include "mesh_folder.h"
+#include "pictures.h"
 #include "render/scene.h"
 #include "vulkan/draw_scene.h"
+#include "vulkan/render_field.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -48,25 +48,6 @@ class VulkanRender : public VulkanTest {
     options.device = "cpu";
     expectClose(ours, renderField(field, options));
   }
-
-  /// As render.h promises.
-  static void expectClose(const Picture& ours, const Picture& theirs) {
-    ASSERT_EQ(ours.rgb.size(), theirs.rgb.size());
-    const size_t pixels = ours.rgb.size() / 3;
-    std::array<double, 3> sum{};
-    size_t off = 0;
-    for (size_t p = 0; p < pixels; ++p) {
-      int worst = 0;
-      for (size_t c = 0; c < 3; ++c) {
-        const int difference = std::abs(int(ours.rgb[3 * p + c]) - int(theirs.rgb[3 * p + c]));
-        sum[c] += difference;
-        worst = std::max(worst, difference);
-      }
-      off += worst > 8 ? 1 : 0;
-    }
-    for (const double s : sum) EXPECT_LE(s / double(pixels), 0.1);
-    EXPECT_LE(double(off) / double(pixels), 0.002);
-  }
 };
 
 TEST_F(VulkanRender, SphereAndTorus) {
@@ -80,6 +61,35 @@ TEST_F(VulkanRender, CutAndShell) {
   expectAsOnTheCpu(field, {.cut = true});
   expectAsOnTheCpu(field, {.shell = 0.15});
   expectAsOnTheCpu(field, {.direction = {1.0, -0.5, 0.4}, .cut = true, .shell = 0.1});
+}
+
+TEST_F(VulkanRender, FramedByABox) {
+  const Field field = sampled(cube(40, 2.0), solid);
+  const Box box{glm::dvec3(-0.8, -0.4, -0.9), glm::dvec3(0.9, 1.1, 0.7)};
+  expectAsOnTheCpu(field, {.frame = box});
+  expectAsOnTheCpu(field, {.cut = true, .shell = 0.1, .frame = box});
+}
+
+/// Where another kernel, here an upload, left it, in the mesh's units.
+TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
+  const Field field = torus(32);
+  const RenderOptions options{
+      .width = 120, .height = 90, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}, .device = "cpu"};
+  const Picture theirs = renderField(field, options);
+  const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
+  DeviceBuffer pixels(device(), "pixels");
+  pixels.resize<uint32_t>(120 * 90);
+  const Field elsewhere{.grid = field.grid};
+  const Scene scene(elsewhere, options);
+  RenderField stage(device());
+  run([&](Commands& commands) {
+    stage.recordScene(commands, scene, 120, 90);
+    stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)}, pixels.address(), 0, 90);
+  });
+  Picture ours{120, 90, {}};
+  for (const uint32_t pixel : download<uint32_t>(pixels))
+    for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
+  expectClose(ours, theirs);
 }
 
 TEST_F(VulkanRender, UnsignedAndBanded) {

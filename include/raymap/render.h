@@ -1,10 +1,12 @@
 #pragma once
 
 #include <raymap/field.h>
+#include <raymap/mesh.h>
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,7 +32,10 @@ struct RenderOptions {
   double fieldOfView = 30.0;                ///< Degrees from the bottom to the top of the picture.
   bool cut = false;    ///< Show half: what lies before the middle plane is cut away (paper Fig. 1).
   double shell = 0.0;  ///< Hollow it out, leaving an outer wall this thick, mesh units (paper Fig. 1).
-  int threads = 0;     ///< Of the CPU; 0 = all.
+  /// What the camera frames, instead of the shape: a box in the mesh's units that many fields share, so that
+  /// it stands still while a shape moves. What reaches beyond the ball around it is cut off.
+  std::optional<Box> frame;
+  int threads = 0;  ///< Of the CPU; 0 = all.
 
   /// What draws, as in `Options`. A GPU's picture differs a little from the CPU's: the mean of a colour by
   /// at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8.

@@ -62,6 +62,16 @@ Extent findExtent(const Field& field, double level) {
   return all;
 }
 
+/// What the camera frames, in samples; as deep as its shortest side lets it be.
+Extent frameExtent(const Box& frame, const Grid& grid) {
+  const glm::dvec3 size = frame.size();
+  if (frame.isEmpty() || !std::isfinite(size.x + size.y + size.z) || size == glm::dvec3(0.0))
+    throw Error(ErrorCode::Usage, "the box to frame has no size; give one around the shape");
+  return {.min = (frame.min - grid.origin) / grid.spacing,
+          .max = (frame.max - grid.origin) / grid.spacing,
+          .deepest = -0.5 * std::min({size.x, size.y, size.z}) / grid.spacing};
+}
+
 /// The horizontal grid axis that points most to the camera.
 glm::dvec3 cutAxis(const glm::dvec3& direction, const glm::dvec3& up) {
   int axis = -1;
@@ -83,16 +93,18 @@ Shape::Shape(const Field& field, const RenderOptions& options)
       level_(0.0),
       wall_(options.shell / field.grid.spacing),
       band_(field.band / field.grid.spacing),
-      extent_(findExtent(field, 0.0)),
+      isFramed_(options.frame.has_value()),
       cut_(options.cut) {
+  if (!field.distance.empty()) extent_ = findExtent(field, 0.0);
   if (!(options.shell >= 0.0) || (field.band > 0.0 && options.shell >= field.band))
     throw Error(ErrorCode::Usage, "a shell of " + std::to_string(options.shell) +
                                       " cannot be drawn: it must not be negative, and thinner than the " +
                                       "field's band (" + std::to_string(field.band) + ") if it has one");
-  if (extent_.deepest >= 0.0) {
+  if (extent_.deepest >= 0.0 && !field.distance.empty()) {
     level_ = kSkin;
     extent_ = findExtent(field, level_);
   }
+  if (isFramed_) extent_ = frameExtent(*options.frame, field.grid);
   if (glm::any(glm::greaterThan(extent_.min, extent_.max))) {  // nothing inside: frame the grid
     extent_.min = glm::dvec3(0.0);
     extent_.max = sampler_.last();
@@ -102,6 +114,7 @@ Shape::Shape(const Field& field, const RenderOptions& options)
 }
 
 std::vector<double> Shape::reach(std::span<const glm::dvec3> directions) const {
+  if (isFramed_) return reachOfFrame(directions);
   std::vector<std::vector<double>> sheets(size_t(field_.grid.dims.z));
   parallelFor(sheets.size(), 1, [&](size_t k, size_t) {
     sheets[k].assign(directions.size(), -INFINITY);
@@ -117,6 +130,17 @@ std::vector<double> Shape::reach(std::span<const glm::dvec3> directions) const {
     for (const std::vector<double>& sheet : sheets) all[n] = std::max(all[n], sheet[n]);
     if (all[n] == -INFINITY)  // nothing inside
       all[n] = glm::dot(directions[n], centre()) + radius();
+  }
+  return all;
+}
+
+std::vector<double> Shape::reachOfFrame(std::span<const glm::dvec3> directions) const {
+  std::vector<double> all;
+  for (const glm::dvec3& direction : directions) {
+    const glm::dvec3 corner(direction.x > 0.0 ? extent_.max.x : extent_.min.x,
+                            direction.y > 0.0 ? extent_.max.y : extent_.min.y,
+                            direction.z > 0.0 ? extent_.max.z : extent_.min.z);
+    all.push_back(glm::dot(direction, corner));
   }
   return all;
 }

@@ -21,7 +21,8 @@ struct Extent {
 /// signed distance bound of its own: maximum for intersection. Units as in `FieldSampler`.
 class Shape {
  public:
-  /// Refers to the field. Throws `Error(Usage)`, and `Error(Input)` if a sample is not finite.
+  /// Refers to the field. Throws `Error(Usage)`, and `Error(Input)` if a sample is not finite. A field whose
+  /// samples lie on a device has none here: it must be signed, and the options must say what to frame.
   Shape(const Field& field, const RenderOptions& options);
 
   double distance(const glm::dvec3& p) const {
@@ -62,6 +63,7 @@ class Shape {
   double radius() const { return 0.5 * glm::length(extent_.max - extent_.min); }
 
  private:
+  std::vector<double> reachOfFrame(std::span<const glm::dvec3> directions) const;
   double cutDistance(const glm::dvec3& p) const { return glm::dot(cutNormal_, p) - cutOffset_; }
 
   const Field& field_;
@@ -70,6 +72,7 @@ class Shape {
   double wall_;
   double band_;
   Extent extent_;
+  bool isFramed_;
   bool cut_;
   glm::dvec3 cutNormal_{0.0};
   double cutOffset_ = 0.0;

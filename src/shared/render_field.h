@@ -12,13 +12,15 @@ RAYMAP_CONSTANT uint kRenderSubPixels = 4;  // each by so many rays: an invocati
 RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kRenderSubPixels;
 
 struct RenderFieldPush {
-  RAYMAP_ADDRESS(Floats) samples;  // In units of the spacing.
+  RAYMAP_ADDRESS(Floats) samples;
   RAYMAP_ADDRESS(RenderScenes) scene;
   RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue from the lowest byte.
   RenderShape shape;
   uint width, height;
   uint firstRow, rows;
+  float scale;  // Spacings to a unit of the samples.
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(RenderFieldPush, 96);
+RAYMAP_CHECK_SIZE(RenderFieldPush, 104);
 
 RAYMAP_SHARED_END

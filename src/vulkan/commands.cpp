@@ -51,6 +51,11 @@ void Commands::fill(const DeviceBuffer& buffer, uint32_t value) {
   vkCmdFillBuffer(buffer_, buffer.handle(), buffer.offset(), buffer.bytes(), value);
 }
 
+void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size) {
+  barrier();
+  vkCmdUpdateBuffer(buffer_, buffer.handle(), buffer.offset(), size, bytes);
+}
+
 void Commands::copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes) {
   if (bytes == 0) return;
   barrier();

@@ -25,6 +25,12 @@ class Commands {
     dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
   }
   void fill(const DeviceBuffer& buffer, uint32_t value);
+  /// Writes numbers that the host knows while it records: at most 65,536 bytes, a multiple of 4.
+  template <class T>
+  void update(const DeviceBuffer& buffer, const T& value) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536 && sizeof(T) % 4 == 0);
+    updateBytes(buffer, &value, sizeof value);
+  }
   void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes);
 
   /// Commands recorded by `work` have one barrier before all of them and may run at once: none may write
@@ -49,6 +55,7 @@ class Commands {
   void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations);
   void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                              const DeviceBuffer& arguments, VkDeviceSize offset);
+  void updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size);
   void bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes);
   void barrier();
 

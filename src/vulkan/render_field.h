@@ -1,7 +1,5 @@
 #pragma once
 
-#include <raymap/render.h>
-
 #include "commands.h"
 #include "shared/render_field.h"
 
@@ -11,30 +9,34 @@ struct Scene;
 
 namespace raymap::vulkan {
 
+/// Farther than any ray goes, in samples, and its square still is a float.
+inline constexpr double kFarthest = 1e15;
+
 /// The CPU's twin (render/shade.cpp): a picture of a scene, a ray of a pixel an invocation.
 class RenderField {
  public:
+  /// Samples of the scene's field, x fastest, and how many of the scene's units, spacings, each unit of
+  /// theirs is. They may lie in any buffer.
+  struct Samples {
+    VkDeviceAddress address = 0;
+    float scale = 1.0F;
+  };
+
   explicit RenderField(Device& device);
 
-  /// Makes room and brings the scene to where the device can fetch it. Throws `Error(Unsupported)` if a ray
-  /// would need more steps than the device can be trusted with.
-  void reserve(const Scene& scene, int width, int height);
-  /// Fetches the scene,
-  void recordScene(Commands& commands);
-  /// draws some rows, from the top,
-  void recordRows(Commands& commands, int first, int count);
-  /// and brings the picture back.
-  void recordPicture(Commands& commands);
-  /// Once that has run.
-  void take(Picture& picture) const;
+  /// Takes the scene to where rays find it. Throws `Error(Unsupported)` if a ray would need more steps than
+  /// the device can be trusted with.
+  void recordScene(Commands& commands, const Scene& scene, int width, int height);
+  /// Draws some of its rows, from the top, to `pixels`: 32 bits each, red in the lowest, then green and blue.
+  void recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels, int first, int count);
 
  private:
-  void refuseLongRays(double radius) const;
+  void refuseScene(const Scene& scene) const;
 
   Device* device_;
   Kernel<RenderFieldPush> kernel_;
   RenderFieldPush push_{};
-  DeviceBuffer uploadedSamples_, samples_, uploadedScene_, scene_, pixels_, picture_;
+  DeviceBuffer scene_;
 };
 
 }  // namespace raymap::vulkan

@@ -8,6 +8,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes
 
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
+// Farther than any ray goes, and its square still is a float.
+const float kFar = 1e15;
+
 struct Ray {
   vec3 origin;
   vec3 direction;
@@ -29,7 +32,8 @@ float trilinear(vec3 q) {
   const vec3 share = q - vec3(cell);
   const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
   const float low = sheet(at, share.xy);
-  return low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+  const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+  return clamp(push.scale * value, -kFar, kFar);
 }
 
 float fieldValue(vec3 p) {
