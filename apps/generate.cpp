@@ -86,6 +86,8 @@ void finishOptions(Arguments& arguments) {
   options.confidence = !arguments.confidence.empty();
   if (options.sign == SignMode::None && (options.winding || options.confidence))
     throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
+  if (options.sign == SignMode::None && options.closeHoles)
+    throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none");
   if (options.distance == DistanceMode::Raster && options.triangleIds)
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
   if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
@@ -134,12 +136,14 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"threshold", arguments.options.threshold},
             {"band", arguments.options.band},
             {"invert", arguments.options.invert},
+            {"close_holes", arguments.options.closeHoles},
             {"threads", arguments.options.threads}}},
           {"device", report.stats.device},
           {"stages", toJson(report.stats)},
           {"total_ms", report.stats.totalMilliseconds},
           {"write_ms", report.writeMilliseconds},
           {"doubtful_share", report.stats.doubtfulShare},
+          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
           {"generator_bytes", report.stats.bytes},
           {"peak_memory_bytes", peakMemory()}};
 }
@@ -161,6 +165,9 @@ void print(const Arguments& arguments, const Report& report) {
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
+  if (report.stats.patchTriangles > 0)
+    std::printf("closed holes: %s, area %.4g\n", counted(report.stats.patchTriangles, "triangle").c_str(),
+                report.stats.patchArea);
   for (const fs::path& path : report.written) printWritten(path);
 }
 
@@ -226,6 +233,11 @@ void addMethodOptions(CLI::App& command, Arguments& arguments) {
       ->check(numberFrom(0, true));
   add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
       ->check(numberFrom(0));
+  command
+      .add_flag("--close-holes", options.closeHoles,
+                "Distances also to the surface missing in holes, put where the winding number crosses the "
+                "threshold")
+      ->group("Method");
   command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
 }
 

@@ -28,6 +28,7 @@ void checkOptions(const Grid& grid, const Options& options) {
   require(options.passes >= 0, "the number of passes must not be negative");
   require(options.threshold >= 0.0, "the threshold must not be negative");
   require(options.threads >= 0, "the number of threads must not be negative");
+  require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
   require(!options.triangleIds || options.distance != DistanceMode::Raster,
           "the raster distance knows no closest triangles; use another distance");
   require(grid.sampleCount() < kNoTriangle,
@@ -87,6 +88,8 @@ void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options
   stats.device = "cpu";
   stats.bytes = cpu.bytes() + fieldBytes(field);
   stats.doubtfulShare = cpu.doubtfulShare();
+  stats.patchTriangles = cpu.patch().triangles.size();
+  stats.patchArea = cpu.patch().area() * grid.spacing * grid.spacing;
 }
 
 #ifdef RAYMAP_VULKAN

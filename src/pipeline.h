@@ -23,6 +23,7 @@ concept Backend = requires(B b, const Mesh& mesh, const Grid& grid, const Option
   b.crossings();
   b.rayMap();
   b.winding();
+  b.closeHoles();
   b.sign();
   b.finish();
 };
@@ -57,7 +58,9 @@ void runPipeline(B& backend, const Mesh& mesh, const Grid& grid, const Options& 
     stage("crossings", &B::crossings);  // §3.5: signed crossings of every lattice edge.
     stage("ray_map", &B::rayMap);       // §3.5, Eq. 3-8: their sums towards infinity.
     stage("winding", &B::winding);      // §3.5, Eq. 9-11, and the harmonic solve.
-    stage("sign", &B::sign);            // §3.5: threshold, confidence.
+    if (options.closeHoles)
+      stage("close_holes", &B::closeHoles);  // §4, end: surface where the sign changes and none is.
+    stage("sign", &B::sign);                 // §3.5: threshold, confidence.
   }
   stage("finish", &B::finish);  // Mesh units.
 }

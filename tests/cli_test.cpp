@@ -79,7 +79,7 @@ TEST_F(Cli, HelpsAndTellsItsVersion) {
   const std::string generate = succeed("generate --help").out;
   for (const char* option :
        {"--output", "--resolution", "--voxel-size", "--bounds", "--padding", "--distance", "--sign",
-        "--passes", "--threshold", "--band", "--invert", "--device", "--threads", "--memory-limit",
+        "--passes", "--threshold", "--band", "--close-holes", "--invert", "--device", "--threads", "--memory-limit",
         "--triangle-ids", "--winding", "--confidence", "--stats", "Examples:"})
     EXPECT_NE(generate.find(option), std::string::npos) << option;
   const std::string render = succeed("render --help").out;
@@ -128,6 +128,20 @@ TEST_F(Cli, WritesTheExampleMesh) {
   EXPECT_GT(whole["triangles"], 90000);
   succeed("example -o torn.ply --holes");
   EXPECT_GT(Json::parse(succeed("info torn.ply --json").out)["boundary_edges"], 300);
+}
+
+TEST_F(Cli, ClosesHoles) {
+  Mesh mesh = shapes::sphere(1.0, 4);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
+  writeMesh(path("open.ply"), mesh);
+  const Result result = succeed(
+      "generate open.ply -o open.nrrd --resolution 32 --close-holes --device cpu --stats stats.json");
+  EXPECT_NE(result.out.find("closed holes:"), std::string::npos) << result.out;
+  const Json stats = json("stats.json");
+  EXPECT_TRUE(stats["options"]["close_holes"]);
+  EXPECT_NEAR(stats["patch"]["area"], 1.13, 0.1);
+  EXPECT_GT(stats["patch"]["triangles"], 100);
+  expectFailure("generate open.ply -o none.nrrd --close-holes --sign none", ErrorCode::Usage, "needs a sign");
 }
 
 TEST_F(Cli, MakesAFieldOfAMesh) {

@@ -37,6 +37,7 @@ struct Options {
   double threshold = 0.5;           ///< Inside means |winding number| > threshold.
   double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
   bool invert = false;              ///< Positive inside instead.
+  bool closeHoles = false;          ///< Take distances to the surface missing in holes too (CPU only so far).
   int threads = 0;                  ///< Of the CPU; 0 = all.
   bool triangleIds = false;         ///< Also give the closest triangle of each sample (not with `Raster`),
   bool winding = false;             ///< the winding number,
@@ -66,6 +67,8 @@ struct Stats {
   double totalMilliseconds = 0.0;  ///< From triangles in memory to the finished field.
   size_t bytes = 0;                ///< Held by the generator and the field together at the peak.
   double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
+  size_t patchTriangles = 0;       ///< Of the surface that closes holes.
+  double patchArea = 0.0;          ///< In the mesh's units.
 };
 
 /// Makes fields, keeping its buffers between calls: for meshes that change every frame. Not thread-safe.

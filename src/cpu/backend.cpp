@@ -21,6 +21,7 @@ namespace raymap {
 namespace {
 
 constexpr size_t kGrain = size_t{1} << 16;
+constexpr size_t kTreeBytesPerTriangle = 108;
 
 void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells) {
   cells.dims = grid.dims;
@@ -46,7 +47,9 @@ size_t CpuBackend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options
   if (options.sign == SignMode::Harmonic) perSample += 14;
   if (options.sign == SignMode::Evolution) perSample += sizeof(float);
   if (options.confidence) perSample += sizeof(float);
-  const size_t perTriangle = (exact ? 0 : 32) + (exact || options.sign == SignMode::Harmonic ? 108 : 0);
+  const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
+  const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
+                             (options.closeHoles ? kRimBytesPerTriangle : 0);
   return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
          mesh.vertices.size() * sizeof(glm::vec3);
 }
@@ -67,6 +70,7 @@ void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& option
   field.winding.resize(options.winding && options.sign != SignMode::None ? count : 0);
   field.confidence.resize(options.confidence && options.sign != SignMode::None ? count : 0);
   windingSummary_ = {};
+  patch_.clear();
 }
 
 const SurfaceTree& CpuBackend::surfaceTree() {
@@ -130,6 +134,32 @@ void CpuBackend::winding() {
       *progress_, windingBuffer());
 }
 
+/// How much surface is missing only this stage finds out.
+void CpuBackend::requirePatch(size_t missingEdges) const {
+  const size_t needed = bytes() + patchBytes(missingEdges) + 2 * missingEdges * kTreeBytesPerTriangle;
+  if (needed > memoryLimit_ || 2 * missingEdges >= kNoTriangle)
+    throw Error(ErrorCode::Memory, "surface is missing at " + std::to_string(missingEdges) +
+                                       " lattice edges, too many to close in the memory left; use a lower "
+                                       "resolution or a higher limit");
+}
+
+void CpuBackend::closeHoles() {
+  // Where the six rays agree, triangles account for every change of the winding number.
+  if (windingSummary_.doubtfulShare == 0.0) return;
+  const std::vector<MissingEdge> edges =
+      findMissingEdges(rayMap_, windingBuffer(), options_->threshold, *progress_);
+  if (edges.empty()) return;
+  requirePatch(edges.size());
+  const auto windingAt = [this](std::span<const glm::vec3> points) {
+    return windingSolver_.numbersAt([this]() -> const SurfaceTree& { return surfaceTree(); }, points,
+                                    *progress_);
+  };
+  makePatch(mesh_, edges, windingBuffer(), options_->threshold, windingAt, *progress_, patch_);
+  patchTree_.build(patch_.mesh);
+  addExactDistance(patchTree_, mesh_.dims, *progress_, field_->distance,
+                   options_->triangleIds ? &field_->triangle : nullptr);
+}
+
 void CpuBackend::sign() {
   applySign(windingBuffer(), options_->threshold, options_->invert, field_->distance);
   if (options_->confidence)
@@ -149,7 +179,7 @@ void CpuBackend::finish() {
 
 size_t CpuBackend::bytes() const {
   size_t total = mesh_.vertices.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
-                 winding_.capacityBytes();
+                 winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
   for (const CellLevel& level : levels_)
     total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
              level.squared.capacityBytes() + level.nearestCell.capacityBytes();

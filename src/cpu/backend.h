@@ -4,6 +4,7 @@
 
 #include "cell_level.h"
 #include "cell_mesh.h"
+#include "close_holes.h"
 #include "crossings.h"
 #include "progress.h"
 #include "ray_map.h"
@@ -27,12 +28,15 @@ class CpuBackend {
   void crossings();
   void rayMap();
   void winding();
+  void closeHoles();
   void sign();
   /// Brings the distances into the mesh's units.
   void finish();
 
   /// Share of samples whose six rays disagree.
   double doubtfulShare() const { return windingSummary_.doubtfulShare; }
+  /// The surface that `closeHoles` added.
+  const HolePatch& patch() const { return patch_; }
   /// Bytes held, the field not counted.
   size_t bytes() const;
 
@@ -40,6 +44,7 @@ class CpuBackend {
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
  private:
+  void requirePatch(size_t missingEdges) const;
   /// Built when a stage first asks for it.
   const SurfaceTree& surfaceTree();
   Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }
@@ -58,6 +63,8 @@ class CpuBackend {
   Winding windingSolver_;
   WindingSummary windingSummary_;
   Buffer<float> winding_;
+  HolePatch patch_;
+  SurfaceTree patchTree_;
 };
 
 }  // namespace raymap

@@ -36,6 +36,7 @@ struct ExactDistanceJob {
   float tolerance;  // cells: candidates that cannot win by more are dropped
   float* distance;
   uint32_t* triangle;  // may be null
+  bool isAddition;     // keeps what is as close already
 };
 
 }  // namespace raymap
@@ -111,6 +112,7 @@ class BlockRefiner {
     uint32_t active = samplesFrom(low, half);
     placeHalves(low, half, reach, level);
     measure(candidates, active, level);
+    if (job_.isAddition) active = skipClose(low, half, reach, active, level);
     if (job_.band > 0.0f) active = skipFar(low, half, reach, active, level);
     if (!active) return;
     if (half == 2) {
@@ -176,6 +178,26 @@ class BlockRefiner {
                      return hn::Mul(d, d);
                    });
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
+  }
+
+  /// Leaves out the halves that are closer to what was there before.
+  uint32_t skipClose(glm::ivec3 low, int half, float reach, uint32_t active, const Level& level) const {
+    uint32_t rest = active;
+    forEachLane(active, [&](size_t lane) {
+      const float closest = level.distance.v[lane] - reach * std::sqrt(3.0f) - job_.tolerance;
+      if (!isAnyFarther(low + half * octant(lane), half, closest)) rest &= ~(1u << lane);
+    });
+    return rest;
+  }
+
+  bool isAnyFarther(glm::ivec3 begin, int half, float distance) const {
+    const glm::ivec3 end = glm::min(begin + half, job_.dims);
+    for (int z = begin.z; z < end.z; ++z)
+      for (int y = begin.y; y < end.y; ++y) {
+        const float* row = job_.distance + (size_t(z) * job_.dims.y + y) * job_.dims.x;
+        if (std::any_of(row + begin.x, row + end.x, [&](float d) { return d > distance; })) return true;
+      }
+    return false;
   }
 
   /// Fills the halves that the band does not reach; returns the rest.
@@ -378,10 +400,12 @@ class BlockRefiner {
     forEachLane(samples, [&](size_t s) {
       const glm::ivec3 p = low + octant(s);
       const size_t index = (size_t(p.z) * job_.dims.y + p.y) * job_.dims.x + p.x;
+      if (job_.isAddition && !(distance.v[s] < job_.distance[index])) return;
       const bool beyond = job_.band > 0.0f && distance.v[s] > job_.band;
       job_.distance[index] = beyond ? job_.band : distance.v[s];
       if (job_.triangle)
-        job_.triangle[index] = beyond ? kNoTriangle : tree_.triangleId(samples_.closest[half][s]);
+        job_.triangle[index] =
+            beyond || job_.isAddition ? kNoTriangle : tree_.triangleId(samples_.closest[half][s]);
     });
   }
 
@@ -429,14 +453,32 @@ namespace raymap {
 
 HWY_EXPORT(refineBlocks);
 
+namespace {
+
+ExactDistanceJob jobOf(const SurfaceTree& tree, const glm::ivec3& dims, Buffer<float>& distance,
+                       Buffer<uint32_t>* triangle) {
+  return {.tree = tree,
+          .dims = dims,
+          .band = 0.0f,
+          .tolerance = 1e-7f * glm::length(glm::vec3(dims)),
+          .distance = distance.data(),
+          .triangle = triangle ? triangle->data() : nullptr,
+          .isAddition = false};
+}
+
+}  // namespace
+
 void computeExactDistance(const SurfaceTree& tree, const glm::ivec3& dims, double band, Progress& progress,
                           Buffer<float>& distance, Buffer<uint32_t>* triangle) {
-  const ExactDistanceJob job{tree,
-                             dims,
-                             static_cast<float>(band),
-                             1e-7f * glm::length(glm::vec3(dims)),
-                             distance.data(),
-                             triangle ? triangle->data() : nullptr};
+  ExactDistanceJob job = jobOf(tree, dims, distance, triangle);
+  job.band = static_cast<float>(band);
+  HWY_DYNAMIC_DISPATCH(refineBlocks)(job, progress);
+}
+
+void addExactDistance(const SurfaceTree& tree, const glm::ivec3& dims, Progress& progress,
+                      Buffer<float>& distance, Buffer<uint32_t>* triangle) {
+  ExactDistanceJob job = jobOf(tree, dims, distance, triangle);
+  job.isAddition = true;
   HWY_DYNAMIC_DISPATCH(refineBlocks)(job, progress);
 }
 

@@ -10,4 +10,9 @@ namespace raymap {
 void computeExactDistance(const SurfaceTree& tree, const glm::ivec3& dims, double band, Progress& progress,
                           Buffer<float>& distance, Buffer<uint32_t>* triangle);
 
+/// The same for further triangles: samples that are closer to them than `distance` says get their distance,
+/// and `kNoTriangle`. Costs little where few are.
+void addExactDistance(const SurfaceTree& tree, const glm::ivec3& dims, Progress& progress,
+                      Buffer<float>& distance, Buffer<uint32_t>* triangle);
+
 }  // namespace raymap

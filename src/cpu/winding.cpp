@@ -21,6 +21,11 @@ size_t Winding::bytes() const {
   return impl_->paths.bytes() + impl_->harmonic.bytes() + impl_->dipoles.bytes();
 }
 
+std::vector<float> Winding::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
+                                      Progress& progress) {
+  return impl_->dipoles.numbersAt(surface, points, progress);
+}
+
 WindingSummary Winding::compute(const RayMap& map, const SurfaceSource& surface,
                                 const Buffer<float>& distance, const Options& options, Progress& progress,
                                 Buffer<float>& winding) {

@@ -23,6 +23,9 @@ class Winding {
   /// to it, in cells.
   WindingSummary compute(const RayMap& map, const SurfaceSource& surface, const Buffer<float>& distance,
                          const Options& options, Progress& progress, Buffer<float>& winding);
+  /// The winding numbers of the triangles themselves at some points, whatever the mode.
+  std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
+                               Progress& progress);
   size_t bytes() const;
 
  private:

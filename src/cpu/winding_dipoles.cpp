@@ -226,6 +226,14 @@ void buildMoments(const SurfaceTree& tree, size_t level, Moments* moments) {
   });
 }
 
+/// To 0.0002 in the mean.
+void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
+          float* winding) {
+  SolidAngles solidAngles(tree, moments);
+  for (size_t p = 0; p < points.size(); ++p)
+    winding[p] = solidAngles.windingNumber(points[p], kLooks[1].distant);
+}
+
 void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
              std::span<const uint32_t> samples, float* winding) {
   SolidAngles solidAngles(tree, moments);
@@ -249,6 +257,7 @@ namespace raymap {
 namespace {
 
 HWY_EXPORT(buildMoments);
+HWY_EXPORT(look);
 HWY_EXPORT(replace);
 
 /// The lattice is hardly ever farther from the winding number than this
@@ -276,16 +285,34 @@ std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer
 
 }  // namespace
 
+const SurfaceTree& WindingDipoles::prepare(const SurfaceSource& surface) {
+  const SurfaceTree& tree = surface();
+  moments_.resize(tree.root() / kPacket + 1);
+  for (size_t level = 0; level < tree.levels().size(); ++level)
+    HWY_DYNAMIC_DISPATCH(buildMoments)(tree, level, moments_.data());
+  return tree;
+}
+
+std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
+                                             Progress& progress) {
+  constexpr size_t kGrain = 256;
+  std::vector<float> winding(points.size());
+  const SurfaceTree& tree = prepare(surface);
+  parallelFor(points.size(), kGrain, [&](size_t begin, size_t end) {
+    progress.poll();
+    HWY_DYNAMIC_DISPATCH(look)
+    (tree, moments_.data(), points.subspan(begin, end - begin), winding.data() + begin);
+  });
+  return winding;
+}
+
 void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims,
                             const Buffer<float>& distance, double threshold, Progress& progress,
                             Buffer<float>& winding) {
   const auto limit = static_cast<float>(threshold);
   const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
   if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;
-  const SurfaceTree& tree = surface();
-  moments_.resize(tree.root() / kPacket + 1);
-  for (size_t level = 0; level < tree.levels().size(); ++level)
-    HWY_DYNAMIC_DISPATCH(buildMoments)(tree, level, moments_.data());
+  const SurfaceTree& tree = prepare(surface);
   parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
     if (chunks[chunk].empty()) return;
     progress.poll();

@@ -19,6 +19,10 @@ class WindingDipoles {
   void settle(const SurfaceSource& surface, const glm::ivec3& dims, const Buffer<float>& distance,
               double threshold, Progress& progress, Buffer<float>& winding);
 
+  /// The winding numbers at some points.
+  std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
+                               Progress& progress);
+
   size_t bytes() const { return moments_.capacityBytes(); }
 
   /// The moments of eight nodes: the solid angle that a distant point sees, about the centres of their discs.
@@ -29,6 +33,8 @@ class WindingDipoles {
   };
 
  private:
+  const SurfaceTree& prepare(const SurfaceSource& surface);
+
   Buffer<Moments> moments_;  // by packet of nodes
 };
 

@@ -1,5 +1,7 @@
 #include "backend.h"
 
+#include <raymap/error.h>
+
 #include <cstring>
 
 namespace raymap::vulkan {
@@ -180,6 +182,11 @@ void Backend::recordHarmonic() {
                           .winding = winding_.device.address(),
                           .disagreeing = windingRays_.doubtful().address()},
                          options_->threshold);
+}
+
+/// Before anything has run: stages are only recorded so far, but where somebody watches.
+void Backend::closeHoles() {
+  throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far; use --device cpu");
 }
 
 void Backend::sign() {

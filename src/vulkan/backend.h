@@ -41,6 +41,7 @@ class Backend {
   void crossings();
   void rayMap();
   void winding();
+  void closeHoles();
   void sign();
   /// Brings the distances into the mesh's units, and everything asked for to the host.
   void finish();
