@@ -7,7 +7,9 @@ namespace raymap {
 // One file per subcommand; each adds its options and what to run.
 void addGenerate(CLI::App& app);
 void addInfo(CLI::App& app);
+void addMesh(CLI::App& app);
 void addRender(CLI::App& app);
+void addRepair(CLI::App& app);
 void addCompare(CLI::App& app);
 void addConvert(CLI::App& app);
 void addExample(CLI::App& app);

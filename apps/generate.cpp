@@ -1,14 +1,11 @@
 #include <raymap/raymap.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <iterator>
-#include <map>
-#include <optional>
 #include <ostream>
 
 #include "checks.h"
 #include "commands.h"
+#include "field_options.h"
 #include "io/atomic_file.h"
 #include "report.h"
 #include "terminal.h"
@@ -18,16 +15,6 @@ namespace raymap {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::map<std::string, DistanceMode> kDistances{{"exact", DistanceMode::Exact},
-                                                     {"neighbours", DistanceMode::Neighbours},
-                                                     {"cell", DistanceMode::Cell},
-                                                     {"raster", DistanceMode::Raster}};
-const std::map<std::string, SignMode> kSigns{{"harmonic", SignMode::Harmonic},
-                                             {"paths", SignMode::Paths},
-                                             {"evolution", SignMode::Evolution},
-                                             {"rays", SignMode::Rays},
-                                             {"none", SignMode::None}};
 
 constexpr const char* kFooter = R"(Examples:
   raymap generate bunny.obj -o bunny.vdb
@@ -39,12 +26,8 @@ constexpr const char* kFooter = R"(Examples:
   raymap generate scan.ply -o scan.npz --winding w.npy --confidence c.npy --stats scan.json
       and how sure the sign is, and what was wrong with the mesh)";
 
-struct Arguments {
+struct Arguments : FieldArguments {
   fs::path mesh, field, triangleIds, winding, confidence, stats;
-  GridOptions grid;
-  std::vector<double> bounds;
-  std::string distance = "exact", sign = "harmonic";
-  Options options;
 };
 
 /// One run, as the summary and the statistics tell it.
@@ -78,33 +61,15 @@ double milliseconds(Work&& work) {
 }
 
 void finishOptions(Arguments& arguments) {
+  finishFieldArguments(arguments);
   Options& options = arguments.options;
-  options.distance = kDistances.at(arguments.distance);
-  options.sign = kSigns.at(arguments.sign);
   options.triangleIds = !arguments.triangleIds.empty();
   options.winding = !arguments.winding.empty();
   options.confidence = !arguments.confidence.empty();
   if (options.sign == SignMode::None && (options.winding || options.confidence))
     throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
-  if (options.sign == SignMode::None && options.closeHoles)
-    throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none");
   if (options.distance == DistanceMode::Raster && options.triangleIds)
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
-  if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
-    arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-    if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
-      throw Error(ErrorCode::Usage, "--bounds: each of x0 y0 z0 must be less than its x1 y1 z1");
-  }
-}
-
-void makeField(const Mesh& mesh, const Arguments& arguments, Report& report, Field& field) {
-  ProgressLine line;
-  Options options = arguments.options;
-  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
-  options.warn = warn;
-  Generator generator;
-  generator.generate(mesh, report.grid, options, field);
-  report.stats = generator.stats();
 }
 
 void writeAll(const Arguments& arguments, const Field& field, Report& report) {
@@ -179,8 +144,7 @@ void run(Arguments& arguments) {
   report.loadMilliseconds = milliseconds([&] { mesh = readMesh(arguments.mesh, warn); });
   report.found = diagnose(mesh);
   report.grid = fitGrid(mesh, arguments.grid);
-  Field field;
-  makeField(mesh, arguments, report, field);
+  const Field field = makeField(mesh, report.grid, arguments.options, &report.stats);
   report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty()) {
     writeAtomically(arguments.stats,
@@ -188,73 +152,6 @@ void run(Arguments& arguments) {
     report.written.push_back(arguments.stats);
   }
   print(arguments, report);
-}
-
-template <class Map>
-CLI::IsMember oneOf(const Map& modes) {
-  std::vector<std::string> names;
-  std::transform(modes.begin(), modes.end(), std::back_inserter(names),
-                 [](const auto& mode) { return mode.first; });
-  return CLI::IsMember(names);
-}
-
-void addGridOptions(CLI::App& command, Arguments& arguments) {
-  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
-                                               "Samples along the longest side (default 128)");
-  resolution->check(wholeNumberFrom(1))->group("Grid");
-  command
-      .add_option("--voxel-size", arguments.grid.voxelSize,
-                  "Distance between samples, in the mesh's units, instead of --resolution")
-      ->check(numberFrom(0, true))
-      ->excludes(resolution)
-      ->group("Grid");
-  CLI::Option* bounds = command.add_option("--bounds", arguments.bounds,
-                                           "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's, padded)");
-  bounds->expected(6)->group("Grid");
-  command
-      .add_option("--padding", arguments.grid.padding,
-                  "Padding of the mesh's bounds, as a share of its longest side (default 0.1)")
-      ->check(numberFrom(0))
-      ->excludes(bounds)
-      ->group("Grid");
-}
-
-void addMethodOptions(CLI::App& command, Arguments& arguments) {
-  Options& options = arguments.options;
-  const auto add = [&](const char* name, auto& value, const char* help) {
-    return command.add_option(name, value, help)->group("Method");
-  };
-  add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
-      ->check(oneOf(kDistances));
-  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
-  add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
-      ->check(wholeNumberFrom(1));
-  add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
-      ->check(numberFrom(0, true));
-  add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
-      ->check(numberFrom(0));
-  command
-      .add_flag("--close-holes", options.closeHoles,
-                "Distances also to the surface missing in holes, put where the winding number crosses the "
-                "threshold")
-      ->group("Method");
-  command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
-}
-
-void addMachineOptions(CLI::App& command, Arguments& arguments) {
-  command
-      .add_option("--device", arguments.options.device,
-                  "What computes it: cpu, vulkan, vulkan:K (see raymap devices), or auto (default): a GPU if "
-                  "there is one, else the CPU")
-      ->group("Machine");
-  command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
-      ->check(wholeNumberFrom(0))
-      ->group("Machine");
-  command
-      .add_option("--memory-limit", arguments.options.memoryLimit,
-                  "Refuse to need more than this, e.g. 2GB (default: what the machine has left)")
-      ->transform(CLI::AsSizeValue(false))
-      ->group("Machine");
 }
 
 void addOutputOptions(CLI::App& command, Arguments& arguments) {

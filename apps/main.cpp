@@ -69,7 +69,9 @@ int run(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   addGenerate(app);
   addInfo(app);
+  addMesh(app);
   addRender(app);
+  addRepair(app);
   addCompare(app);
   addConvert(app);
   addExample(app);

@@ -2,6 +2,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -28,26 +29,12 @@ struct Arguments {
   RenderOptions options;
 };
 
-Field makeField(const Arguments& arguments) {
-  const Mesh mesh = readMesh(arguments.input, warn);
-  ProgressLine line;
-  Options options;
-  options.threads = arguments.options.threads;
-  options.device = arguments.options.device;
-  options.warn = warn;
-  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
-  return generate(mesh, fitGrid(mesh, {.resolution = arguments.resolution}), options);
-}
-
 Field loadField(const Arguments& arguments) {
-  if (hasExtension(arguments.input, fieldExtensions())) return readField(arguments.input);
-  if (hasExtension(arguments.input, meshExtensions())) return makeField(arguments);
-  std::string known;
-  for (const auto& extensions : {meshExtensions(), fieldExtensions()})
-    for (const std::string& extension : extensions) known += " " + extension;
-  throw Error(ErrorCode::Unsupported,
-              arguments.input.string() +
-                  ": cannot tell by its name whether this is a mesh or a field; known are" + known);
+  FieldArguments field;
+  field.grid.resolution = arguments.resolution;
+  field.options.threads = arguments.options.threads;
+  field.options.device = arguments.options.device;
+  return loadField(arguments.input, field);
 }
 
 Picture draw(const Field& field, const Arguments& arguments) {

@@ -73,14 +73,15 @@ class Cli : public ::testing::Test {
 TEST_F(Cli, HelpsAndTellsItsVersion) {
   EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
   const std::string help = succeed("--help").out;
-  for (const char* word :
-       {"generate", "info", "render", "compare", "convert", "example", "devices", "Exit codes"})
+  for (const char* word : {"generate", "info", "mesh", "render", "repair", "compare", "convert", "example",
+                           "devices", "Exit codes"})
     EXPECT_NE(help.find(word), std::string::npos) << word;
   const std::string generate = succeed("generate --help").out;
   for (const char* option :
-       {"--output", "--resolution", "--voxel-size", "--bounds", "--padding", "--distance", "--sign",
-        "--passes", "--threshold", "--band", "--close-holes", "--invert", "--device", "--threads", "--memory-limit",
-        "--triangle-ids", "--winding", "--confidence", "--stats", "Examples:"})
+       {"--output",       "--resolution", "--voxel-size", "--bounds",    "--padding",
+        "--distance",     "--sign",       "--passes",     "--threshold", "--band",
+        "--close-holes",  "--invert",     "--device",     "--threads",   "--memory-limit",
+        "--triangle-ids", "--winding",    "--confidence", "--stats",     "Examples:"})
     EXPECT_NE(generate.find(option), std::string::npos) << option;
   const std::string render = succeed("render --help").out;
   for (const char* option :
@@ -134,8 +135,8 @@ TEST_F(Cli, ClosesHoles) {
   Mesh mesh = shapes::sphere(1.0, 4);
   std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
   writeMesh(path("open.ply"), mesh);
-  const Result result = succeed(
-      "generate open.ply -o open.nrrd --resolution 32 --close-holes --device cpu --stats stats.json");
+  const Result result =
+      succeed("generate open.ply -o open.nrrd --resolution 32 --close-holes --device cpu --stats stats.json");
   EXPECT_NE(result.out.find("closed holes:"), std::string::npos) << result.out;
   const Json stats = json("stats.json");
   EXPECT_TRUE(stats["options"]["close_holes"]);
@@ -241,6 +242,76 @@ TEST_F(Cli, DrawsPictures) {
   EXPECT_TRUE(fs::exists(path("slice.png")));
 }
 
+TEST_F(Cli, MakesAClosedMesh) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  mesh.triangles.pop_back();
+  writeMesh(path("torn.ply"), mesh);
+  succeed("generate torn.ply -o torn.vdb --resolution 40");
+  for (const char* name : {"a.ply", "a.obj", "a.stl", "a.glb"}) {
+    const std::string text = succeed(std::string("mesh torn.vdb -o ") + name).out;
+    EXPECT_NE(text.find(std::string("wrote ") + name), std::string::npos) << text;
+    const Diagnostics found = diagnose(readMesh(path(name)));
+    EXPECT_TRUE(found.watertight && found.consistentlyOriented) << name;
+    EXPECT_NEAR(found.signedVolume, 19.1, 0.3) << name;
+  }
+  succeed("mesh torn.ply -o direct.ply --resolution 40");
+  EXPECT_EQ(readBytes(path("direct.ply")), readBytes(path("a.ply")));
+  succeed("mesh torn.vdb -o grown.ply --iso 0.2");
+  EXPECT_GT(diagnose(readMesh(path("grown.ply"))).signedVolume, 25.0);
+  const Result cut = run("mesh torn.ply -o cut.ply --voxel-size 0.1 --bounds -4 -4 -1 0 4 1");
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_NE(cut.err.find("closed there"), std::string::npos) << cut.err;
+  EXPECT_NEAR(diagnose(readMesh(path("cut.ply"))).signedVolume, 9.5, 0.3);
+  expectFailure("mesh torn.vdb -o a.fbx", ErrorCode::Usage,
+                "--output a.fbx: the name must end in one of .ply");
+  expectFailure("mesh torn.vdb -o b.ply --iso -9", ErrorCode::Usage, "no surface at -9");
+  EXPECT_FALSE(fs::exists(path("b.ply")));
+}
+
+TEST_F(Cli, RepairsAMesh) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
+  mesh.triangles.pop_back();
+  writeMesh(path("torn.ply"), mesh);
+  const std::string text = succeed("repair torn.ply -o solid.stl --resolution 64 --stats solid.json").out;
+  EXPECT_NE(text.find("wrong with it: 3 boundary edges"), std::string::npos) << text;
+  EXPECT_NE(text.find("watertight"), std::string::npos) << text;
+  const Json solid = json("solid.json");
+  const double spacing = solid["grid"]["spacing"];
+  EXPECT_TRUE(solid["after"]["watertight"]);
+  EXPECT_LT(solid["result_from_mesh"]["max"], 0.5 * spacing);
+  EXPECT_LT(solid["mesh_from_result"]["max"], 0.5 * spacing);
+  EXPECT_GT(solid["result_from_mesh"]["points"], 10000);
+  succeed("repair torn.ply -o grown.ply --resolution 64 --offset 0.15 --stats grown.json");
+  const double ratio = json("grown.json")["after"]["signed_volume"].get<double>() /
+                       solid["after"]["signed_volume"].get<double>();
+  EXPECT_NEAR(ratio, 0.85 * 0.85 / 0.49, 0.01);
+  EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
+}
+
+TEST_F(Cli, HollowsAMeshOut) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  succeed("repair ball.ply -o ball.stl --resolution 64 --shell 0.2 --stats ball.json");
+  const Json ball = json("ball.json");
+  EXPECT_EQ(ball["hollows"], 1);
+  EXPECT_EQ(ball["after"]["components"], 2);
+  EXPECT_NEAR(ball["after"]["signed_volume"], 4.18879 * (1.0 - 0.512), 0.02);
+  succeed("repair ball.ply -o drained.stl --resolution 64 --shell 0.2 --drain-hole 0.3 --stats drained.json");
+  const Json drained = json("drained.json");
+  EXPECT_EQ(drained["drain_holes"], 1);
+  EXPECT_EQ(drained["after"]["components"], 1);
+  EXPECT_TRUE(drained["after"]["watertight"]);
+  // A sphere in a sphere becomes one sphere: straight down from the middle, the way is free.
+  const Mesh mesh = readMesh(path("drained.stl"));
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const glm::dvec3 p = mesh.position(v);
+    EXPECT_TRUE(p.z > -0.7 || std::hypot(p.x, p.y) > 0.1) << p.x << " " << p.y << " " << p.z;
+  }
+  expectFailure("repair ball.ply -o thin.stl --resolution 64 --shell 0.01", ErrorCode::Usage,
+                "thinner than two samples");
+  expectFailure("repair ball.ply -o thin.stl --drain-hole 0.3", ErrorCode::Usage,
+                "--drain-hole requires --shell");
+}
+
 TEST_F(Cli, RefusesWhatMakesNoSense) {
   writeTorus();
   const auto refuse = [&](const std::string& options, const std::string& message) {
@@ -270,7 +341,7 @@ TEST_F(Cli, RefusesWhatMakesNoSense) {
   expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
   expectFailure("", ErrorCode::Usage,
-                "name a command: generate info render compare convert example devices;");
+                "name a command: generate info mesh render repair compare convert example devices;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
                 "convert example devices; paint is none; see raymap --help");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");

@@ -19,11 +19,14 @@ using Warn = std::function<void(std::string_view)>;
 /// Throws `Error(File)` or `Error(Input)` naming the file, the element and the value.
 Mesh readMesh(const std::filesystem::path& path, const Warn& warn = {});
 
-/// Writes binary .ply, like `writeField`.
+/// Writes .ply (binary), .obj, .stl (binary) or .glb by extension, whole or not at all like `writeField`. An
+/// STL has single precision and no shared vertices; the others give back the very mesh.
 void writeMesh(const std::filesystem::path& path, const Mesh& mesh);
 
-/// File name endings, with the dot and in lower case, that `readMesh` / `readField` / `writeField` know.
+/// File name endings, with the dot and in lower case, that `readMesh`, `writeMesh`, and `readField` and
+/// `writeField` know.
 std::vector<std::string> meshExtensions();
+std::vector<std::string> writableMeshExtensions();
 std::vector<std::string> fieldExtensions();
 
 /// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: origin 0, spacing 1.

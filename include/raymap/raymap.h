@@ -7,5 +7,7 @@
 #include <raymap/generate.h>
 #include <raymap/grid.h>
 #include <raymap/io.h>
+#include <raymap/isosurface.h>
 #include <raymap/mesh.h>
 #include <raymap/render.h>
+#include <raymap/repair.h>

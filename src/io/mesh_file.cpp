@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cfloat>
 #include <cstdio>
@@ -66,6 +67,12 @@ void MeshFile::fail(const std::string& what) const {
 
 void MeshFile::warnThat(const std::string& what) const {
   if (warn) warn(path.string() + ": " + what);
+}
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
 }
 
 uint64_t regularFileSize(const std::filesystem::path& path) {

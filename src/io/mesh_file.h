@@ -35,6 +35,9 @@ Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 
+/// A file name's ending, with the dot.
+std::string lowerExtension(const std::filesystem::path& path);
+
 /// Throws `Error(File)` if it is none, or `Error(Memory)` if it is too large to read.
 uint64_t regularFileSize(const std::filesystem::path& path);
 /// The whole of a regular file. Throws `Error(File)` or `Error(Memory)`.

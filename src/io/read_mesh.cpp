@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "import_mesh.h"
 #include "mesh_file.h"
@@ -21,12 +20,6 @@ struct Format {
 constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly},   Format{".stl", readStl},
                               Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf},
                               Format{".3mf", nullptr}, Format{".fbx", nullptr},   Format{".dae", nullptr}};
-
-std::string lowerExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 [[noreturn]] void failExtension(const std::filesystem::path& path) {
   std::string known;

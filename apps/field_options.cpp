@@ -1,0 +1,133 @@
+#include "field_options.h"
+
+#include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+#include "checks.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+const std::map<std::string, DistanceMode> kDistances{{"exact", DistanceMode::Exact},
+                                                     {"neighbours", DistanceMode::Neighbours},
+                                                     {"cell", DistanceMode::Cell},
+                                                     {"raster", DistanceMode::Raster}};
+const std::map<std::string, SignMode> kSigns{{"harmonic", SignMode::Harmonic},
+                                             {"paths", SignMode::Paths},
+                                             {"evolution", SignMode::Evolution},
+                                             {"rays", SignMode::Rays},
+                                             {"none", SignMode::None}};
+
+template <class Map>
+CLI::IsMember oneOf(const Map& modes) {
+  std::vector<std::string> names;
+  std::transform(modes.begin(), modes.end(), std::back_inserter(names),
+                 [](const auto& mode) { return mode.first; });
+  return CLI::IsMember(names);
+}
+
+}  // namespace
+
+void addGridOptions(CLI::App& command, FieldArguments& arguments) {
+  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
+                                               "Samples along the longest side (default 128)");
+  resolution->check(wholeNumberFrom(1))->group("Grid");
+  command
+      .add_option("--voxel-size", arguments.grid.voxelSize,
+                  "Distance between samples, in the mesh's units, instead of --resolution")
+      ->check(numberFrom(0, true))
+      ->excludes(resolution)
+      ->group("Grid");
+  CLI::Option* bounds = command.add_option("--bounds", arguments.bounds,
+                                           "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's, padded)");
+  bounds->expected(6)->group("Grid");
+  command
+      .add_option("--padding", arguments.grid.padding,
+                  "Padding of the mesh's bounds, as a share of its longest side (default 0.1)")
+      ->check(numberFrom(0))
+      ->excludes(bounds)
+      ->group("Grid");
+}
+
+void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
+  Options& options = arguments.options;
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->group("Method");
+  };
+  add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
+      ->check(oneOf(kDistances));
+  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
+  add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
+      ->check(wholeNumberFrom(1));
+  add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
+      ->check(numberFrom(0, true));
+  add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
+      ->check(numberFrom(0));
+  command
+      .add_flag("--close-holes", options.closeHoles,
+                "Distances also to the surface missing in holes, put where the winding number crosses the "
+                "threshold")
+      ->group("Method");
+  command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
+}
+
+void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
+  command
+      .add_option("--device", arguments.options.device,
+                  "What computes it: cpu, vulkan, vulkan:K (see raymap devices), or auto (default): a GPU if "
+                  "there is one, else the CPU")
+      ->group("Machine");
+  command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
+      ->check(wholeNumberFrom(0))
+      ->group("Machine");
+  command
+      .add_option("--memory-limit", arguments.options.memoryLimit,
+                  "Refuse to need more than this, e.g. 2GB (default: what the machine has left)")
+      ->transform(CLI::AsSizeValue(false))
+      ->group("Machine");
+}
+
+void finishFieldArguments(FieldArguments& arguments) {
+  arguments.options.distance = kDistances.at(arguments.distance);
+  arguments.options.sign = kSigns.at(arguments.sign);
+  if (arguments.options.sign == SignMode::None && arguments.options.closeHoles)
+    throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none");
+  if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
+    arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+    if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))
+      throw Error(ErrorCode::Usage, "--bounds: each of x0 y0 z0 must be less than its x1 y1 z1");
+  }
+}
+
+Field makeField(const Mesh& mesh, const Grid& grid, Options options, Stats* stats) {
+  ProgressLine line;
+  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+  options.warn = warn;
+  Generator generator;
+  Field field;
+  generator.generate(mesh, grid, options, field);
+  if (stats) *stats = generator.stats();
+  return field;
+}
+
+Field loadField(const std::filesystem::path& path, const FieldArguments& arguments) {
+  if (hasExtension(path, fieldExtensions())) return readField(path);
+  if (hasExtension(path, meshExtensions())) {
+    const Mesh mesh = readMesh(path, warn);
+    return makeField(mesh, fitGrid(mesh, arguments.grid), arguments.options);
+  }
+  std::string known;
+  for (const auto& extensions : {meshExtensions(), fieldExtensions()})
+    for (const std::string& extension : extensions) known += " " + extension;
+  throw Error(
+      ErrorCode::Unsupported,
+      path.string() + ": cannot tell by its name whether this is a mesh or a field; known are" + known);
+}
+
+}  // namespace raymap

@@ -1,0 +1,59 @@
+#include <raymap/raymap.h>
+
+#include <cstdio>
+
+#include "checks.h"
+#include "commands.h"
+#include "field_options.h"
+#include "report.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  raymap mesh scan.vdb -o scan.ply                      (the surface of a field)
+  raymap mesh scan.ply -o scan.stl --resolution 256     (makes the field first: a closed mesh of a broken one)
+  raymap mesh part.stl -o grown.stl --iso 0.5           (half a unit outside of the surface)
+
+Every edge of the result has exactly two faces, facing outwards. What reaches the grid's box is closed there.)";
+
+struct Arguments : FieldArguments {
+  std::filesystem::path input, mesh;
+  IsosurfaceOptions surface;
+};
+
+void run(Arguments& arguments) {
+  finishFieldArguments(arguments);
+  checkOutputs({{"--output", arguments.mesh, writableMeshExtensions()}});
+  const Field field = loadField(arguments.input, arguments);
+  arguments.surface.threads = arguments.options.threads;
+  arguments.surface.warn = warn;
+  const Mesh mesh = isosurface(field, arguments.surface);
+  writeMesh(arguments.mesh, mesh);
+  std::printf("%s, %s\n", counted(mesh.triangles.size(), "triangle").c_str(),
+              mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str());
+  printWritten(arguments.mesh);
+}
+
+}  // namespace
+
+void addMesh(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("mesh", "Make a closed mesh of a field, or of a mesh through its field");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("input", arguments->input, "A field or a mesh")->type_name("FIELD|MESH")->required();
+  command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl or .glb")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--iso", arguments->surface.iso,
+                      "Distance at which the surface lies, in the mesh's units (default 0)");
+  addGridOptions(*command, *arguments);
+  addMethodOptions(*command, *arguments);
+  addMachineOptions(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

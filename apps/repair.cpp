@@ -1,0 +1,176 @@
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ostream>
+
+#include "checks.h"
+#include "commands.h"
+#include "field_options.h"
+#include "io/atomic_file.h"
+#include "report.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Examples:
+  raymap repair scan.ply -o scan.stl                    (a watertight solid, 256 samples along the longest side)
+  raymap repair part.stl -o part.3.stl --voxel-size 0.1 --offset 0.2
+  raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls of 2, a hole 4 wide at the bottom)
+
+All lengths are in the mesh's units. How far the result lies from the mesh is measured and printed.)";
+
+struct Arguments : FieldArguments {
+  fs::path mesh, result, stats;
+  RepairOptions repair;
+  std::vector<double> down;
+};
+
+/// The mesh's bounds, padded as by `generate`, and room for what the offset adds.
+Grid fitRepairGrid(const Mesh& mesh, const Arguments& arguments) {
+  GridOptions options = arguments.grid;
+  Box box = bounds(mesh);
+  const glm::dvec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  const double room = options.padding * longest + std::max(arguments.repair.offset, 0.0);
+  options.box = Box{box.min - room, box.max + room};
+  return fitGrid(mesh, options);
+}
+
+bool isSound(const Diagnostics& found) {
+  return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0;
+}
+
+Json toJson(const Deviation& deviation) {
+  return {
+      {"max", deviation.max}, {"mean", deviation.mean}, {"p99", deviation.p99}, {"points", deviation.points}};
+}
+
+Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
+  return {{"raymap", RAYMAP_VERSION},
+          {"mesh", arguments.mesh.string()},
+          {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
+          {"options",
+           {{"offset", arguments.repair.offset},
+            {"shell", arguments.repair.shell},
+            {"drain_hole", arguments.repair.drainHole}}},
+          {"before", toJson(report.before)},
+          {"after", toJson(report.after)},
+          {"result_from_mesh", toJson(report.ofResult)},
+          {"mesh_from_result", toJson(report.ofMesh)},
+          {"buried_share", report.buriedShare},
+          {"lost_share", report.lostShare},
+          {"hollows", report.hollows},
+          {"drain_holes", report.holes},
+          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
+          {"stages", toJson(report.stats)}};
+}
+
+void print(const char* name, const Deviation& deviation, double spacing) {
+  std::printf("  %-22s at most %.3g (%.2g samples), 99 %% within %.3g, mean %.3g\n", name, deviation.max,
+              deviation.max / spacing, deviation.p99, deviation.mean);
+}
+
+void print(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
+  std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
+              counted(report.before.triangles, "triangle").c_str(), describeDefects(report.before).c_str());
+  std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
+  std::printf("result: %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
+              counted(report.after.components, "part").c_str(),
+              isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
+  std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
+              report.after.signedVolume);
+  print("result from mesh", report.ofResult, grid.spacing);
+  print("mesh from result", report.ofMesh, grid.spacing);
+  if (report.stats.patchTriangles > 0)
+    std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
+  if (report.buriedShare > 0.0)
+    std::printf("  %.3g %% of the mesh lies inside the solid, and is no surface any more\n",
+                100.0 * report.buriedShare);
+  if (report.lostShare > 0.0)
+    std::printf("  %.3g %% of the mesh lies outside of it: open there, or thinner than the samples\n",
+                100.0 * report.lostShare);
+  if (arguments.repair.shell > 0.0)
+    std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
+                counted(report.holes, "drain hole").c_str());
+}
+
+void run(Arguments& arguments) {
+  if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
+  checkOutputs(
+      {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
+  const Mesh mesh = readMesh(arguments.mesh, warn);
+  const Grid grid = fitRepairGrid(mesh, arguments);
+  RepairReport report;
+  Mesh result;
+  {
+    ProgressLine line;
+    Options options = arguments.options;
+    options.closeHoles = true;
+    options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+    options.warn = warn;
+    result = repair(mesh, grid, options, arguments.repair, &report);
+  }
+  if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");
+  writeMesh(arguments.result, result);
+  if (!arguments.stats.empty())
+    writeAtomically(arguments.stats,
+                    [&](std::ostream& out) { out << describe(arguments, grid, report).dump(2) << "\n"; });
+  print(arguments, grid, report);
+  printWritten(arguments.result);
+  if (!arguments.stats.empty()) printWritten(arguments.stats);
+}
+
+void addShapeOptions(CLI::App& command, Arguments& arguments) {
+  RepairOptions& repair = arguments.repair;
+  command.add_option("--offset", repair.offset, "Move the surface outwards by this, or inwards if negative")
+      ->group("Shape");
+  CLI::Option* shell = command.add_option("--shell", repair.shell, "Hollow it out, leaving walls this thick");
+  shell->check(numberFrom(0, true))->group("Shape");
+  CLI::Option* hole = command.add_option(
+      "--drain-hole", repair.drainHole,
+      "Drill a hole this wide straight down from the lowest point of each hollow; those it does not fit "
+      "into stay solid");
+  hole->check(numberFrom(0, true))->needs(shell)->group("Shape");
+  command.add_option("--down", arguments.down, "What is down (default 0 0 -1)")
+      ->expected(3)
+      ->needs(hole)
+      ->group("Shape");
+}
+
+void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
+  arguments.grid.resolution = 256;
+  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
+                                               "Samples along the longest side (default 256)");
+  resolution->check(wholeNumberFrom(1))->group("Grid");
+  command.add_option("--voxel-size", arguments.grid.voxelSize, "Distance between samples instead")
+      ->check(numberFrom(0, true))
+      ->excludes(resolution)
+      ->group("Grid");
+}
+
+}  // namespace
+
+void addRepair(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("repair", "Make a watertight solid of any mesh, to print for example");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("mesh", arguments->mesh, "OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+      ->type_name("MESH")
+      ->required();
+  command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl or .glb")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
+  addRepairGridOptions(*command, *arguments);
+  addShapeOptions(*command, *arguments);
+  addMachineOptions(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

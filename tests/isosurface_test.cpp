@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "closed_mesh.h"
+#include "reference.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+using glm::dvec3;
+using Distance = std::function<double(const dvec3&)>;
+
+Field makeField(const Grid& grid, const Distance& distance) {
+  Field field;
+  field.grid = grid;
+  field.distance.resize(grid.sampleCount());
+  for (int k = 0; k < grid.dims.z; ++k)
+    for (int j = 0; j < grid.dims.y; ++j)
+      for (int i = 0; i < grid.dims.x; ++i)
+        field.distance[grid.index({i, j, k})] = float(distance(grid.position({i, j, k})));
+  return field;
+}
+
+/// `count` samples along each side of a cube around the origin.
+Grid gridAround(double halfSide, int count) {
+  const double spacing = 2.0 * halfSide / count;
+  return {glm::ivec3(count), dvec3(spacing / 2 - halfSide), spacing};
+}
+
+Distance sphere(double radius) {
+  return [=](const dvec3& p) { return glm::length(p) - radius; };
+}
+
+double boxDistance(const dvec3& p, const dvec3& half) {
+  const dvec3 q = glm::abs(p) - half;
+  return glm::length(glm::max(q, 0.0)) + std::min(std::max({q.x, q.y, q.z}), 0.0);
+}
+
+/// Turns by no round angle about two axes.
+glm::dmat3 turned() {
+  const double a = 0.51, b = 0.83;
+  const glm::dmat3 aboutZ(std::cos(a), std::sin(a), 0, -std::sin(a), std::cos(a), 0, 0, 0, 1);
+  const glm::dmat3 aboutX(1, 0, 0, 0, std::cos(b), std::sin(b), 0, -std::sin(b), std::cos(b));
+  return aboutZ * aboutX;
+}
+
+void expectSound(const Mesh& mesh) {
+  EXPECT_TRUE(isClosed(mesh));
+  const Diagnostics found = diagnose(mesh);
+  EXPECT_TRUE(found.watertight);
+  EXPECT_TRUE(found.consistentlyOriented);
+  EXPECT_EQ(found.degenerateFaces, 0u);
+  EXPECT_EQ(found.duplicateFaces, 0u);
+  EXPECT_EQ(found.vertices, found.weldedVertices);
+}
+
+TEST(Isosurface, ClosesEveryCaseOfACube) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> magnitude(0.1, 1.0);
+  for (int corners = 1; corners < 256; ++corners) {
+    SCOPED_TRACE(corners);
+    Field field = makeField(gridAround(1.0, 2), sphere(1.0));
+    for (int c = 0; c < 8; ++c)
+      field.distance[size_t(c)] = float((corners >> c & 1) != 0 ? -magnitude(random) : magnitude(random));
+    const Mesh mesh = isosurface(field);
+    expectSound(mesh);
+    EXPECT_GT(volumeOf(mesh), 0.0);
+  }
+}
+
+TEST(Isosurface, ClosesNoise) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise;
+    const Field field = makeField(gridAround(6.0, 12), [&](const dvec3&) { return noise(random); });
+    const Mesh mesh = isosurface(field, {.iso = 0.1 * double(seed % 7) - 0.3});
+    expectSound(mesh);
+    EXPECT_GT(volumeOf(mesh), 0.0);
+  }
+}
+
+TEST(Isosurface, ClosesCheckerboards) {
+  for (const int period : {1, 2, 3}) {
+    SCOPED_TRACE(period);
+    const Grid grid = gridAround(6.0, 12);
+    int n = 0;
+    const auto board = [&](const dvec3& p) {
+      const glm::ivec3 cell = glm::ivec3(p + 6.0) / period;
+      return ((cell.x + cell.y + cell.z) % 2 == 0 ? -1.0 : 1.0) * (1.0 + 0.001 * (n++ % 10));
+    };
+    expectSound(isosurface(makeField(grid, board)));
+    const auto equal = [&](const dvec3& p) { return board(p) < 0.0 ? -1.0 : 1.0; };
+    expectSound(isosurface(makeField(grid, equal)));
+  }
+}
+
+TEST(Isosurface, HasTheShapeOfASphere) {
+  const Mesh mesh = isosurface(makeField(gridAround(1.0, 40), sphere(0.7)));
+  expectSound(mesh);
+  const double h = 2.0 / 40;
+  double worst = 0.0;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    worst = std::max(worst, std::abs(glm::length(mesh.position(v)) - 0.7));
+  EXPECT_LT(worst, 0.03 * h);
+  EXPECT_NEAR(volumeOf(mesh) / (4.0 / 3.0 * std::numbers::pi * 0.343), 1.0, 2e-3);
+  EXPECT_EQ(int(mesh.vertices.size()) - int(mesh.triangles.size()) / 2, 2);  // Euler.
+}
+
+TEST(Isosurface, LiesWhereAsked) {
+  const Field field = makeField(gridAround(1.0, 40), sphere(0.5));
+  for (const double iso : {-0.2, 0.15}) {
+    const Mesh mesh = isosurface(field, {.iso = iso});
+    EXPECT_NEAR(std::cbrt(volumeOf(mesh) * 0.75 / std::numbers::pi), 0.5 + iso, 1e-3);
+  }
+}
+
+TEST(Isosurface, HasTheHoleOfATorus) {
+  const auto torus = [](const dvec3& p) { return std::hypot(std::hypot(p.x, p.y) - 1.0, p.z) - 0.4; };
+  const Mesh mesh = isosurface(makeField(gridAround(1.6, 48), torus));
+  expectSound(mesh);
+  EXPECT_EQ(int(mesh.vertices.size()) - int(mesh.triangles.size()) / 2, 0);
+  const double truth = 2.0 * std::numbers::pi * std::numbers::pi * 0.16;
+  EXPECT_NEAR(volumeOf(mesh) / truth, 1.0, 3e-3);
+}
+
+/// How far a cube's mesh is from the cube, in samples: its vertices, and the cube's edges and corners.
+struct CubeError {
+  double vertices = 0.0, edges = 0.0, corners = 0.0;
+};
+
+CubeError cubeError(const glm::dmat3& turn, int count) {
+  const Grid grid = gridAround(1.0, count);
+  const dvec3 half(0.51, 0.43, 0.37);
+  const auto distance = [&](const dvec3& p) { return boxDistance(glm::transpose(turn) * p, half); };
+  const Mesh mesh = isosurface(makeField(grid, distance));
+  expectSound(mesh);
+  CubeError error;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    error.vertices = std::max(error.vertices, std::abs(distance(mesh.position(v))) / grid.spacing);
+  for (int edge = 0; edge < 12; ++edge)
+    for (int step = 0; step <= 16; ++step) {
+      const int axis = edge / 4;
+      dvec3 p;
+      p[axis] = (step / 8.0 - 1.0) * half[axis];
+      p[(axis + 1) % 3] = (edge & 1 ? 1 : -1) * half[(axis + 1) % 3];
+      p[(axis + 2) % 3] = (edge & 2 ? 1 : -1) * half[(axis + 2) % 3];
+      double& worst = step % 16 == 0 ? error.corners : error.edges;
+      worst = std::max(worst, reference::distance(mesh, turn * p) / grid.spacing);
+    }
+  return error;
+}
+
+TEST(Isosurface, KeepsTheEdgesOfACube) {
+  for (const bool isTurned : {false, true})
+    for (const int count : {24, 32}) {
+      const CubeError error = cubeError(isTurned ? turned() : glm::dmat3(1.0), count);
+      EXPECT_LT(error.vertices, 0.4);
+      EXPECT_LT(error.edges, 0.4);
+      EXPECT_LT(error.corners, 0.6);
+    }
+}
+
+TEST(Isosurface, ClosesASolidThatReachesTheBox) {
+  const Grid grid = gridAround(2.0, 16);
+  std::string warning;
+  const IsosurfaceOptions options{.warn = [&](std::string_view text) { warning = text; }};
+  const Mesh half = isosurface(makeField(grid, [](const dvec3& p) { return p.x - 0.3; }), options);
+  expectSound(half);
+  EXPECT_NEAR(volumeOf(half), 2.3 * 4.0 * 4.0, 0.05);
+  EXPECT_NE(warning.find("closed there"), std::string::npos);
+  warning.clear();
+  isosurface(makeField(grid, sphere(1.0)), options);
+  EXPECT_EQ(warning, "");
+  const Mesh whole = isosurface(makeField(grid, [](const dvec3&) { return -1.0; }));
+  expectSound(whole);
+  EXPECT_NEAR(volumeOf(whole), 64.0, 0.1);
+}
+
+TEST(Isosurface, TakesGridsOfOneSample) {
+  for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(5, 1, 1), glm::ivec3(1, 4, 3)}) {
+    const Grid grid{dims, dvec3(0.0), 1.0};
+    const Mesh mesh = isosurface(makeField(grid, [](const dvec3&) { return -1.0; }));
+    expectSound(mesh);
+    EXPECT_NEAR(volumeOf(mesh) / double(grid.sampleCount()), 1.0, 0.06);
+  }
+}
+
+TEST(Isosurface, IsTheSameForAnyNumberOfThreads) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise;
+  const Field field =
+      makeField(gridAround(1.0, 24), [&](const dvec3& p) { return sphere(0.7)(p) + 0.1 * noise(random); });
+  const Mesh one = isosurface(field, {.threads = 1});
+  for (const int threads : {2, 8}) {
+    const Mesh other = isosurface(field, {.threads = threads});
+    EXPECT_TRUE(one.vertices == other.vertices);
+    EXPECT_TRUE(one.triangles == other.triangles);
+  }
+}
+
+TEST(Isosurface, SaysWhyThereIsNone) {
+  Field field = makeField(gridAround(1.0, 8), sphere(0.5));
+  const auto errorOf = [&](double iso) -> std::string {
+    try {
+      isosurface(field, {.iso = iso});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_NE(errorOf(-0.6).find("the field's values go from"), std::string::npos);
+  field.band = 0.2;
+  EXPECT_NE(errorOf(0.3).find("clamped at 0.2"), std::string::npos);
+  field.distance[field.grid.index({1, 2, 3})] = NAN;
+  EXPECT_NE(errorOf(0.0).find("sample (1, 2, 3)"), std::string::npos);
+  field.distance.resize(3);
+  EXPECT_NE(errorOf(0.0).find("3 distances"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include "files.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+/// What is read must have the same triangles, in the same order and from the same corner on.
+void expectSame(const Mesh& read, const Mesh& written, double tolerance) {
+  ASSERT_EQ(read.triangles.size(), written.triangles.size());
+  for (size_t t = 0; t < read.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3 p = read.position(read.triangles[t][c]), q = written.position(written.triangles[t][c]);
+      for (int a = 0; a < 3; ++a) ASSERT_NEAR(p[a], q[a], tolerance) << t;
+    }
+}
+
+class WriteMesh : public testing::TestWithParam<const char*> {
+ protected:
+  std::filesystem::path path() const { return folder_.path() / ("mesh" + std::string(GetParam())); }
+  bool hasShared() const { return std::string(GetParam()) != ".stl"; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_P(WriteMesh, IsReadAgain) {
+  const Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  writeMesh(path(), mesh);
+  std::string warnings;
+  const Mesh read = readMesh(path(), [&](std::string_view text) { warnings += text; });
+  EXPECT_EQ(warnings, "");
+  expectSame(read, mesh, 1e-7);
+  if (hasShared()) {
+    EXPECT_TRUE(read.triangles == mesh.triangles);
+  }
+  const Diagnostics found = diagnose(read);
+  EXPECT_TRUE(found.watertight);
+  EXPECT_GT(found.signedVolume, 0.0);
+  writeMesh(path(), read);
+  expectSame(readMesh(path()), read, 0.0);
+}
+
+TEST_P(WriteMesh, LosesNothingFarAway) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  mesh.origin = {1e6, -3e6, 0.1};
+  writeMesh(path(), mesh);
+  expectSame(readMesh(path()), mesh, hasShared() ? 1e-7 : 0.25);  // An STL holds seven digits.
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, WriteMesh, testing::Values(".ply", ".obj", ".stl", ".glb"),
+                         [](const auto& test) { return std::string(test.param).substr(1); });
+
+TEST(WriteMeshNames, AreChecked) {
+  const TemporaryFolder folder;
+  const auto codeOf = [&](const char* name, const Mesh& mesh) {
+    try {
+      writeMesh(folder.path() / name, mesh);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode{};
+  };
+  const Mesh mesh = shapes::box(glm::dvec3(0.0), glm::dvec3(1.0));
+  EXPECT_EQ(codeOf("mesh.fbx", mesh), ErrorCode::Usage);
+  EXPECT_EQ(codeOf("mesh.PLY", mesh), ErrorCode{});
+  EXPECT_EQ(codeOf("none/mesh.ply", mesh), ErrorCode::File);
+  EXPECT_EQ(codeOf("empty.ply", Mesh()), ErrorCode::Input);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "empty.ply"));
+}
+
+}  // namespace
+}  // namespace raymap
