@@ -8,7 +8,10 @@ set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy-contrib libhwy libpng zlib pugixml mini
 set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
   DEFINE_SYMBOL "")  # so that the compiler cache serves static and shared builds alike
 install(TARGETS raymap EXPORT raymapTargets)
-install(DIRECTORY include/raymap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY include/raymap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN vulkan.h EXCLUDE)
+if(RAYMAP_VULKAN)
+  install(FILES include/raymap/vulkan.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raymap)
+endif()
 
 set(RAYMAP_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/raymap)
 configure_package_config_file(cmake/raymapConfig.cmake.in raymapConfig.cmake INSTALL_DESTINATION ${RAYMAP_CMAKE_DIR})

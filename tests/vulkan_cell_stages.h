@@ -40,16 +40,20 @@ class CellStages : public VulkanTest {
   static raymap::VoxelGrid voxelGrid(const raymap::CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     VoxelGrid& grid = stages().levels[0].grid;
-    grid.reserve(cells, uploaded.addresses().count);
-    runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
+    const auto reserve = [&](const ListSizes& lists) {
+      grid.reserve(cells, uploaded.addresses().count, lists);
+    };
+    runUntilItFits(grid, reserve, [&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
     return toLists(grid);
   }
 
   static Buffer<float> cellDistance(const raymap::CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     Level& level = stages().levels[0];
-    level.reserve(cells, uploaded.addresses().count);
-    runUntilItFits(level.grid, [&](Commands& commands) {
+    const auto reserve = [&](const ListSizes& lists) {
+      level.reserve(cells, uploaded.addresses().count, lists);
+    };
+    runUntilItFits(level.grid, reserve, [&](Commands& commands) {
       level.grid.record(commands, uploaded.addresses());
       level.distance.record(commands, uploaded.addresses(), level.grid);
     });
@@ -71,8 +75,10 @@ class CellStages : public VulkanTest {
     const std::vector<CellLattice> lattices = coverMesh(mesh);
     for (size_t l = 0; l < lattices.size(); ++l) {
       Level& level = stages().levels.at(l);
-      level.reserve(lattices[l], triangles.count);
-      runUntilItFits(level.grid, [&](Commands& commands) {
+      const auto reserve = [&](const ListSizes& lists) {
+        level.reserve(lattices[l], triangles.count, lists);
+      };
+      runUntilItFits(level.grid, reserve, [&](Commands& commands) {
         level.grid.record(commands, triangles);
         level.distance.record(commands, triangles, level.grid);
         level.transform.record(commands, level.distance.squared().address());
@@ -103,8 +109,10 @@ class CellStages : public VulkanTest {
     std::vector<raymap::CellLevel> result;
     for (const CellLattice& cells : coverMesh(mesh)) {
       Level& level = stages().levels.at(result.size());
-      level.raster.reserve(cells, uploaded.addresses().count);
-      runUntilItFits(level.raster,
+      const auto reserve = [&](const ListSizes& lists) {
+        level.raster.reserve(cells, uploaded.addresses().count, lists);
+      };
+      runUntilItFits(level.raster, reserve,
                      [&](Commands& commands) { level.raster.record(commands, uploaded.addresses()); });
       result.emplace_back().grid.cells = cells;
       result.back().squared = downloadBuffer<float>(level.raster.squared());
@@ -135,31 +143,39 @@ class CellStages : public VulkanTest {
   }
 
   /// Runs what `record` records until the stage has the room it needs; gives how often.
-  template <class Stage, class Record>
-  static int runUntilItFits(Stage& stage, Record&& record) {
+  template <class Stage, class Reserve, class Record>
+  static int runUntilItFits(Stage& stage, Reserve&& reserve, Record&& record) {
+    reserve(ListSizes{});
     run(record);
     int runs = 1;
-    for (; !stage.fits() && runs < 4; ++runs) {
-      stage.grow();
+    for (; !stage.fits(sizes(stage)) && runs < 4; ++runs) {
+      reserve(sizes(stage));
       run(record);
     }
-    EXPECT_TRUE(stage.fits());
+    EXPECT_TRUE(stage.fits(sizes(stage)));
     return runs;
+  }
+
+  /// What a stage counted.
+  template <class Stage>
+  static ListSizes sizes(const Stage& stage) {
+    return sizesOf(download<CellRunsTotals>(stage.totals()).at(0));
   }
 
   static raymap::VoxelGrid toLists(const VoxelGrid& grid) {
     const auto begins = download<uint32_t>(grid.begins());
     const auto cells = download<uint32_t>(grid.cells()), triangles = download<uint32_t>(grid.triangles());
+    const uint64_t entries = sizes(grid).entries;
     std::vector<uint32_t> listed;
     raymap::VoxelGrid lists{.cells = grid.lattice()};
     lists.starts.resize(begins.size() + 1);
     for (uint32_t c = 0; c < begins.size(); ++c) {
       lists.starts[c] = listed.size();
       if (begins[c] == kNoCell) continue;
-      for (size_t e = begins[c]; e < grid.entries() && cells[e] == c; ++e) listed.push_back(triangles[e]);
+      for (size_t e = begins[c]; e < entries && cells[e] == c; ++e) listed.push_back(triangles[e]);
     }
     lists.starts[begins.size()] = listed.size();
-    EXPECT_EQ(grid.entries(), listed.size());
+    EXPECT_EQ(entries, listed.size());
     lists.triangles = toBuffer(listed);
     return lists;
   }
@@ -196,8 +212,8 @@ class CellStages : public VulkanTest {
     DistanceTransform transform{device()};
     RasterDistance raster{device()};
 
-    void reserve(const CellLattice& cells, uint32_t triangles) {
-      grid.reserve(cells, triangles);
+    void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
+      grid.reserve(cells, triangles, lists);
       distance.reserve(cells.count());
       transform.reserve(cells.dims);
     }

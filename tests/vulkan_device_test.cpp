@@ -266,7 +266,7 @@ struct Foreign {
 
   std::string messages;
   Instance instance{Validation::On, [this](std::string_view message) { messages += message; }};
-  BorrowedDevice borrowed;
+  DeviceHandles borrowed;
 };
 
 TEST_F(VulkanDevice, WorksOnACallersDevice) {

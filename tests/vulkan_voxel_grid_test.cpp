@@ -20,9 +20,10 @@ class VulkanVoxelGrid : public VulkanTest {
  protected:
   static void expectAsOnTheCpu(VoxelGrid& grid, const raymap::CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
-    grid.reserve(cells, uploaded.addresses().count);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
-    CellStages::runUntilItFits(grid, record);
+    CellStages::runUntilItFits(
+        grid, [&](const ListSizes& lists) { grid.reserve(cells, uploaded.addresses().count, lists); },
+        record);
     const raymap::VoxelGrid ours = CellStages::toLists(grid);
     EXPECT_TRUE(areSame(ours, onTheCpu(mesh, cells)));
     run(record);
@@ -88,7 +89,7 @@ TEST_F(VulkanVoxelGrid, HasNoneOfTrianglesFarAway) {
   for (glm::vec3& v : mesh.vertices) v += glm::vec3(1e5f, -3.0f, 2e20f);
   VoxelGrid grid(device());
   expectAsOnTheCpu(grid, mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0});
-  EXPECT_EQ(grid.entries(), 0u);
+  EXPECT_EQ(CellStages::sizes(grid).entries, 0u);
 }
 
 TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
@@ -100,17 +101,15 @@ TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
   const CellLattice cells{large.dims, glm::dvec3(0.0), 1.0};
   VoxelGrid grid(device());
   const UploadedMesh few = CellStages::uploadMesh(small), many = CellStages::uploadMesh(large);
-  grid.reserve(cells, 2);
-  EXPECT_EQ(
-      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }),
-      1);
-  EXPECT_GT(
-      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, many.addresses()); }),
-      1);
+  const auto runs = [&](const UploadedMesh& mesh) {
+    return CellStages::runUntilItFits(
+        grid, [&](const ListSizes& lists) { grid.reserve(cells, 2, lists); },
+        [&](Commands& commands) { grid.record(commands, mesh.addresses()); });
+  };
+  EXPECT_EQ(runs(few), 1);
+  EXPECT_GT(runs(many), 1);
   EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(large, cells)));
-  EXPECT_EQ(
-      CellStages::runUntilItFits(grid, [&](Commands& commands) { grid.record(commands, few.addresses()); }),
-      1);
+  EXPECT_EQ(runs(few), 1);
   EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(small, cells)));
 }
 
@@ -123,11 +122,12 @@ TEST_F(VulkanVoxelGrid, RefusesMoreThanCanBeNumbered) {
   }
   VoxelGrid grid(device());
   const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
-  grid.reserve({mesh.dims, glm::dvec3(0.0), 1.0}, 1000);
+  const CellLattice cells{mesh.dims, glm::dvec3(0.0), 1.0};
+  grid.reserve(cells, 1000);
   run([&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
-  EXPECT_FALSE(grid.fits());
+  EXPECT_FALSE(grid.fits(CellStages::sizes(grid)));
   try {
-    grid.grow();
+    grid.reserve(cells, 1000, CellStages::sizes(grid));
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory) << error.what();

@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "pipeline.h"
+
 namespace raymap::vulkan {
 
 namespace {
@@ -15,28 +17,16 @@ constexpr const char* kReadBackStage = "read_back";
 }  // namespace
 
 Backend::Backend(Device& device)
-    : device_(&device),
+    : StageRecorder(device),
+      device_(&device),
       commandBuffer_(device),
-      mesh_(device),
-      surfaceTree_(device),
-      exactDistance_(device),
-      refine_(device),
-      rasterSamples_(device),
-      crossings_(device),
-      rayMap_(device),
-      windingRays_(device),
-      windingPaths_(device),
-      windingHarmonic_(device),
-      windingDipoles_(device),
-      sign_(device),
+      upload_(device),
       distance_(makeResult("distance")),
       triangle_(makeResult("closest triangle")),
       winding_(makeResult("winding number")),
       confidence_(makeResult("confidence")),
-      crossingsStatus_(device, "crossings status for the host", MemoryUse::ReadBack),
-      doubtful_(device, "doubtful samples for the host", MemoryUse::ReadBack) {
-  crossingsStatus_.resize<CrossingsStatus>(1);
-  doubtful_.resize<uint32_t>(1);
+      findings_(device, "findings for the host", MemoryUse::ReadBack) {
+  findings_.resize<Findings>(1);
 }
 
 size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
@@ -61,54 +51,65 @@ Backend::Result Backend::makeResult(const std::string& name) {
   return {DeviceBuffer(*device_, name), DeviceBuffer(*device_, name + " for the host", MemoryUse::ReadBack)};
 }
 
-void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress&, Field& field) {
+void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress,
+                    Field& field) {
   inputMesh_ = &mesh;
-  grid_ = &grid;
-  options_ = &options;
+  progress_ = &progress;
   field_ = &field;
   doubtfulShare_ = 0.0;
   stages_.clear();
-  mesh_.reserve(mesh);
-  reserveResults();
-  reserveStages();
-  commands_ = commandBuffer_.begin();
-  stage(kMeshStage, [&] { mesh_.record(*commands_, mesh, grid); });
+  upload_.fill(mesh);
+  reserve(extentOf(mesh, grid, options));
+  reserveResults(grid, options);
+  StageRecorder::begin(commandBuffer_.begin(), grid, options,
+                       {.distance = distance_.device.address(),
+                        .triangle = addressOf(triangle_),
+                        .winding = addressOf(winding_),
+                        .confidence = addressOf(confidence_)});
+  stage(kMeshStage, [&] { recordMesh(upload_.source()); });
 }
 
-void Backend::reserveStages() {
-  const uint32_t triangles = mesh_.triangleCount();
-  const glm::ivec3& dims = grid_->dims;
-  const bool isExact = options_->distance == DistanceMode::Exact;
-  const bool isHarmonic = options_->sign == SignMode::Harmonic;
-  if (options_->sign == SignMode::Paths || options_->sign == SignMode::Evolution) windingPaths_.reserve(dims);
-  if (isExact || isHarmonic) surfaceTree_.reserve(triangles);
-  if (isExact) exactDistance_.reserve(dims);
-  if (hasSign()) crossings_.reserve(dims, triangles);
-  if (!isHarmonic) return;
-  windingHarmonic_.reserve(dims);
-  windingDipoles_.reserve(triangles, dims);
+StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const {
+  Extent extent{.vertices = static_cast<uint32_t>(mesh.vertices.size()),
+                .triangles = static_cast<uint32_t>(mesh.triangles.size()),
+                .dims = grid.dims,
+                .distance = options.distance,
+                .sign = options.sign};
+  if (options.distance == DistanceMode::Exact) return extent;
+  const Box box = bounds(mesh);
+  const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
+  extent.lattices = coverBounds(inCells(box.min), inCells(box.max), grid.dims);
+  extent.outside = HUGE_VAL;  // They cover all of it.
+  return extent;
 }
 
-void Backend::reserveResults() {
-  const size_t count = grid_->sampleCount();
+void Backend::reserveResults(const Grid& grid, const Options& options) {
+  const size_t count = grid.sampleCount();
   const bool isSigned = hasSign();
   const auto reserve = [&](Result& result, auto& values, bool isAskedFor, bool isNeeded) {
     result.device.resize<float>(isNeeded ? count : 0);
     result.host.resize<float>(isAskedFor ? count : 0);
     values.resize(isAskedFor ? count : 0);
   };
-  field_->grid = *grid_;
-  field_->band = options_->band * grid_->spacing;
+  field_->grid = grid;
+  field_->band = options.band * grid.spacing;
   reserve(distance_, field_->distance, true, true);
-  reserve(triangle_, field_->triangle, options_->triangleIds, options_->triangleIds);
-  reserve(winding_, field_->winding, options_->winding && isSigned, isSigned);
-  reserve(confidence_, field_->confidence, options_->confidence && isSigned,
-          options_->confidence && isSigned);
+  reserve(triangle_, field_->triangle, options.triangleIds, options.triangleIds);
+  reserve(winding_, field_->winding, options.winding && isSigned, isSigned);
+  reserve(confidence_, field_->confidence, options.confidence && isSigned, options.confidence && isSigned);
 }
 
 /// 0 if it is not asked for.
 VkDeviceAddress Backend::addressOf(const Result& result) {
   return result.device.bytes() > 0 ? result.device.address() : 0;
+}
+
+/// Where somebody watches the progress, or may cancel, stages run one by one.
+void Backend::afterStage() {
+  if (!options_->progress) return;
+  recordFindings(findings_.handle(), findings_.offset());
+  run();
+  commands_ = commandBuffer_.begin();
 }
 
 void Backend::run() {
@@ -125,95 +126,34 @@ void Backend::run() {
   }
 }
 
-void Backend::exactDistance() {
-  stage("exact_distance", [&] {
-    recordSurfaceTree();
-    exactDistance_.record(*commands_, surfaceTree_, options_->band,
-                          {.distance = distance_.device.address(), .triangle = addressOf(triangle_)});
-  });
+bool Backend::growIfFull() {
+  const Findings& findings = findings_.mapped<Findings>().front();
+  if (fits(findings)) return false;
+  grow(findings);
+  return true;
 }
 
-void Backend::recordSurfaceTree() {
-  surfaceTree_.record(*commands_,
-                      {.vertices = mesh_.vertexBuffer().address(),
-                       .triangles = mesh_.triangleBuffer().address(),
-                       .vertexCount = mesh_.vertexCount(),
-                       .triangleCount = mesh_.triangleCount()},
-                      grid_->dims);
+/// Again with more room until it fits, where it has run by now; else `finish` looks.
+void Backend::voxelGrid() {
+  do StageRecorder::voxelGrid();
+  while (options_->progress && growIfFull());
 }
 
-void Backend::crossings() {
-  stage("crossings", [&] {
-    crossings_.record(*commands_, mesh_.vertexBuffer().address(), mesh_.triangleBuffer().address());
-  });
-}
-
-void Backend::rayMap() {
-  stage("ray_map", [&] { rayMap_.record(*commands_, crossings_.lines()); });
-}
-
-void Backend::winding() {
-  stage("winding", [&] {
-    windingRays_.record(*commands_, crossings_.lines(), winding_.device.address());
-    if (options_->sign == SignMode::Harmonic)
-      recordHarmonic();
-    else if (options_->sign != SignMode::Rays)
-      recordPaths();
-  });
-}
-
-void Backend::recordPaths() {
-  const WindingPaths::Fields fields{.rays = crossings_.lines().axes,
-                                    .winding = winding_.device.address(),
-                                    .doubtful = windingRays_.doubtful().address()};
-  if (options_->sign == SignMode::Paths)
-    windingPaths_.recordAverage(*commands_, fields, *options_);
-  else
-    windingPaths_.recordEvolution(*commands_, fields, *options_);
-}
-
-void Backend::recordHarmonic() {
-  windingHarmonic_.record(*commands_, {.rays = crossings_.lines().axes,
-                                       .winding = winding_.device.address(),
-                                       .doubtful = windingRays_.doubtful().address()});
-  if (options_->distance != DistanceMode::Exact) recordSurfaceTree();
-  windingDipoles_.record(*commands_, surfaceTree_,
-                         {.distance = distance_.device.address(),
-                          .winding = winding_.device.address(),
-                          .disagreeing = windingRays_.doubtful().address()},
-                         options_->threshold);
-}
-
-/// Before anything has run: stages are only recorded so far, but where somebody watches.
-void Backend::closeHoles() {
-  throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far; use --device cpu");
-}
-
-void Backend::sign() {
-  stage("sign", [&] {
-    sign_.record(*commands_,
-                 {.rays = crossings_.lines().axes,
-                  .winding = winding_.device.address(),
-                  .distance = distance_.device.address(),
-                  .confidence = addressOf(confidence_)},
-                 glm::uvec3(grid_->dims), options_->threshold, options_->invert);
-  });
+void Backend::rasterDistance() {
+  do StageRecorder::rasterDistance();
+  while (options_->progress && growIfFull());
 }
 
 void Backend::finish() {
-  commands_->stage("finish", [&] {
-    sign_.recordFinish(*commands_, distance_.device.address(), static_cast<uint32_t>(grid_->sampleCount()),
-                       options_->band, grid_->spacing);
-  });
+  commands_->stage("finish", [&] { recordFinish(); });
   commands_->stage(kReadBackStage, [&] {
     commands_->concurrent([&] {
       for (Result* result : {&distance_, &triangle_, &winding_, &confidence_}) readBack(*result);
-      if (!hasSign()) return;
-      commands_->copy(crossings_.status(), crossingsStatus_, crossingsStatus_.bytes());
-      commands_->copy(windingRays_.doubtful(), doubtful_, doubtful_.bytes());
     });
+    recordFindings(findings_.handle(), findings_.offset());
   });
   run();
+  if (growIfFull()) return runPipeline(*this, *inputMesh_, *grid_, *options_, *progress_, *field_);
   takeResults();
 }
 
@@ -222,10 +162,9 @@ void Backend::readBack(Result& result) {
 }
 
 void Backend::takeResults() {
-  if (hasSign()) {
-    throwIfFailed(crossingsStatus_.mapped<CrossingsStatus>().front());
-    doubtfulShare_ = double(doubtful_.mapped<uint32_t>().front()) / double(grid_->sampleCount());
-  }
+  const Status status = describe(findings_.mapped<Findings>().front());
+  if (status.error) throw *status.error;
+  doubtfulShare_ = status.doubtfulShare;
   const auto take = [](const Result& result, auto& values) {
     if (!values.empty())
       std::memcpy(values.data(), result.host.mapped<std::byte>().data(), result.host.bytes());

@@ -3,33 +3,62 @@
 #include <raymap/grid.h>
 #include <raymap/mesh.h>
 
-#include "commands.h"
+#include "gate.h"
 #include "shared/cell_mesh.h"
 
 namespace raymap::vulkan {
 
 /// A mesh on the device, its vertices in cell units, where sample (i, j, k) of the grid lies at (i, j, k):
-/// three floats a vertex and three 32-bit indices a triangle, tightly packed.
+/// three floats a vertex and three 32-bit indices a triangle, tightly packed. Whatever it is made from, no
+/// index is out of range and no vertex infinite or not a number: triangles that had such have become points
+/// on others.
 class CellMesh {
  public:
+  /// A mesh that the device can read, perhaps someone else's.
+  struct Source {
+    VkDeviceAddress positions = 0;  ///< In the mesh's units.
+    uint32_t stride = 3;            ///< Floats from one to the next.
+    VkDeviceAddress triangles = 0;  ///< Three indices each.
+    uint32_t vertexCount = 0;
+    uint32_t triangleCount = 0;
+    glm::dvec3 origin{0.0};
+  };
+
   explicit CellMesh(Device& device);
 
-  /// Makes room for the mesh and takes it to where the device can read it. Nothing recorded before may still
-  /// have to run.
-  void reserve(const Mesh& mesh);
-  /// For the mesh of the last `reserve`.
-  void record(Commands& commands, const Mesh& mesh, const Grid& grid);
+  /// Makes room for meshes of up to so many. Nothing recorded before may still have to run.
+  void reserve(uint32_t vertices, uint32_t triangles);
+  /// Counts triangles that reach so many samples beyond the grid.
+  void record(Commands& commands, const Source& source, const Grid& grid, double outside);
 
+  /// Of the mesh of the last `record`.
   const DeviceBuffer& vertexBuffer() const { return vertices_; }
   const DeviceBuffer& triangleBuffer() const { return triangles_; }
   uint32_t vertexCount() const { return vertexCount_; }
   uint32_t triangleCount() const { return triangleCount_; }
+  /// One `CellMeshStatus`.
+  const DeviceBuffer& status() const { return status_; }
 
  private:
-  Kernel<CellMeshPush> kernel_;
-  DeviceBuffer positions_, vertices_, uploadedTriangles_, triangles_;
+  Kernel<CellMeshPush> toCells_, check_, mend_;
+  Gate gate_;
+  DeviceBuffer vertices_, triangles_, status_;
   uint32_t vertexCount_ = 0;
   uint32_t triangleCount_ = 0;
+};
+
+/// A mesh of the host's where the device can read it.
+class MeshUpload {
+ public:
+  explicit MeshUpload(Device& device);
+
+  /// Nothing recorded before may still have to run.
+  void fill(const Mesh& mesh);
+  const CellMesh::Source& source() const { return source_; }
+
+ private:
+  CellMesh::Source source_;
+  DeviceBuffer positions_, triangles_;
 };
 
 }  // namespace raymap::vulkan

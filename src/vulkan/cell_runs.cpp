@@ -28,18 +28,20 @@ CellRuns::CellRuns(Device& device)
       runTriangles_(device, "cell runs' triangles"),
       runCells_(device, "cell runs' cells"),
       runStarts_(device, "cell runs' starts"),
-      totals_(device, "cell runs' totals"),
-      readBack_(device, "cell runs' totals read back", MemoryUse::ReadBack) {}
+      totals_(device, "cell runs' totals") {}
 
-void CellRuns::reserve(uint32_t triangles) {
+void CellRuns::reserve(uint32_t triangles, uint64_t rows) {
   // In fine meshes a triangle touches about two rows; few are no work in any case.
   constexpr uint64_t kRowsPerTriangle = 3, kFewRows = uint64_t{1} << 16;
+  if (rows > kMostRows)
+    throw Error(ErrorCode::Memory, "the triangles touch " + std::to_string(rows) +
+                                       " rows of cells, the device can number " + std::to_string(kMostRows) +
+                                       "; use a lower resolution, exact distance or the CPU");
+  const uint64_t wanted = std::max(rows + rows / 8, kRowsPerTriangle * triangles + kFewRows);
   mostTriangles_ = triangles;
   rowStarts_.resize<uint32_t>(uint64_t{triangles} + 1);
   totals_.resize<CellRunsTotals>(1);
-  readBack_.resize<CellRunsTotals>(1);
-  reserveRows(std::max(mostRows_, static_cast<uint32_t>(std::min<uint64_t>(
-                                      kMostRows, kRowsPerTriangle * triangles + kFewRows))));
+  reserveRows(std::max(mostRows_, static_cast<uint32_t>(std::min<uint64_t>(kMostRows, wanted))));
 }
 
 void CellRuns::reserveRows(uint32_t rows) {
@@ -68,27 +70,6 @@ void CellRuns::record(Commands& commands, const Triangles& triangles, const Cell
   arguments_.record(commands, 0, {.count = rows, .itemsPerGroup = kRunsGroup, .fewestGroups = 1});
   arguments_.dispatch(commands, findRuns_, push, 0);
   scan_.record(commands, runStarts_.address(), runStarts_.address(), rows);
-  commands.copy(totals_, readBack_, totals_.bytes());
-}
-
-CellRunsTotals CellRuns::counted() const {
-  return readBack_.mapped<CellRunsTotals>()[0];
-}
-
-uint64_t CellRuns::rows() const {
-  return uint64_t{counted().rowsHigh} << 32 | counted().rows;
-}
-
-uint64_t CellRuns::entries() const {
-  return uint64_t{counted().entriesHigh} << 32 | counted().entries;
-}
-
-void CellRuns::grow() {
-  if (rows() > kMostRows)
-    throw Error(ErrorCode::Memory, "the triangles touch " + std::to_string(rows()) +
-                                       " rows of cells, the device can number " + std::to_string(kMostRows) +
-                                       "; use a lower resolution, exact distance or the CPU");
-  reserveRows(std::max(mostRows_, static_cast<uint32_t>(std::min<uint64_t>(kMostRows, rows() + rows() / 8))));
 }
 
 }  // namespace raymap::vulkan

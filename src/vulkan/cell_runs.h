@@ -6,11 +6,17 @@
 
 namespace raymap::vulkan {
 
+/// What was counted.
+inline ListSizes sizesOf(const CellRunsTotals& totals) {
+  return {.rows = uint64_t{totals.rowsHigh} << 32 | totals.rows,
+          .entries = uint64_t{totals.entriesHigh} << 32 | totals.entries};
+}
+
 /// The CPU's twin: every run of cells along x that a triangle touches, by ascending triangles. A run for each
 /// row of cells that the triangle's bounds touch; some are empty.
 ///
-/// How many there are the device finds out: where there is not room for them all, the runs are undefined, and
-/// `fits` is false once the work is done. Then `grow`, record and run it again.
+/// How many there are the device finds out, and writes to `totals`: where there is not room for them all, the
+/// runs are undefined, and `fits` says so. Then reserve for as many, record and run it again.
 class CellRuns {
  public:
   /// Of a mesh in cell units.
@@ -22,24 +28,20 @@ class CellRuns {
 
   explicit CellRuns(Device& device);
 
-  /// Makes room for so many triangles and a guess at their runs. Nothing recorded before may still have to
-  /// run.
-  void reserve(uint32_t triangles);
+  /// Makes room for so many triangles and for a guess at their rows, or so many if these are more. Nothing
+  /// recorded before may still have to run. Throws `Error(Memory)` if there are more than can be numbered.
+  void reserve(uint32_t triangles, uint64_t rows = 0);
+  /// For no more triangles than were reserved.
   void record(Commands& commands, const Triangles& triangles, const CellLattice& cells);
 
-  /// After the work is done: how many rows, and how many cells with their repetitions.
-  uint64_t rows() const;
-  uint64_t entries() const;
-  bool fits() const { return rows() <= mostRows_; }
-  /// Makes room for the rows counted. Throws `Error(Memory)` if they cannot be numbered.
-  void grow();
+  bool fits(const ListSizes& sizes) const { return sizes.rows <= mostRows_; }
 
   /// By run; one more start than runs.
   VkDeviceAddress triangles() const { return runTriangles_.address(); }
   VkDeviceAddress firstCells() const { return runCells_.address(); }
   VkDeviceAddress starts() const { return runStarts_.address(); }
-  /// `CellRunsTotals`.
-  VkDeviceAddress totals() const { return totals_.address(); }
+  /// One `CellRunsTotals`, for `sizesOf` when the work is done.
+  const DeviceBuffer& totals() const { return totals_; }
   uint32_t mostRows() const { return mostRows_; }
   /// Groups of `kRunsGroup` runs, at least one.
   template <class Push>
@@ -48,7 +50,6 @@ class CellRuns {
   }
 
  private:
-  CellRunsTotals counted() const;
   void reserveRows(uint32_t rows);
 
   Kernel<CellRunsPush> countRows_, findRuns_;
@@ -56,7 +57,7 @@ class CellRuns {
   DispatchArguments arguments_;
   uint32_t mostTriangles_ = 0;
   uint32_t mostRows_ = 0;
-  DeviceBuffer rowStarts_, runTriangles_, runCells_, runStarts_, totals_, readBack_;
+  DeviceBuffer rowStarts_, runTriangles_, runCells_, runStarts_, totals_;
 };
 
 }  // namespace raymap::vulkan

@@ -2,23 +2,6 @@
 
 namespace raymap::vulkan {
 
-namespace {
-
-/// Makes what was written visible to the host.
-void showHost(VkCommandBuffer buffer) {
-  const VkMemoryBarrier2 memory{
-      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-      .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-      .srcAccessMask = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
-      .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,
-      .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT};
-  const VkDependencyInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &memory};
-  vkCmdPipelineBarrier2(buffer, &info);
-}
-
-}  // namespace
-
 CommandBuffer::CommandBuffer(Device& device) : device_(&device), timer_(device) {
   const VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                      .queueFamilyIndex = device.queueFamily()};
@@ -41,7 +24,7 @@ Commands CommandBuffer::begin() {
 }
 
 void CommandBuffer::submitAndWait() {
-  showHost(buffer_);
+  showAll(buffer_);
   check(vkEndCommandBuffer(buffer_), "recording commands");
   const VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                            .commandBuffer = buffer_};

@@ -12,7 +12,37 @@ uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
 }
 
+constexpr VkPipelineStageFlags2 kWork =
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags2 kReads =
+    VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+constexpr VkPipelineStageFlags2 kWorkAndArguments = kWork | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
+
+void barrierBetween(VkCommandBuffer buffer, VkPipelineStageFlags2 before, VkAccessFlags2 written,
+                    VkPipelineStageFlags2 after, VkAccessFlags2 accessed) {
+  const VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                .srcStageMask = before,
+                                .srcAccessMask = written,
+                                .dstStageMask = after,
+                                .dstAccessMask = accessed};
+  const VkDependencyInfo info{
+      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &memory};
+  vkCmdPipelineBarrier2(buffer, &info);
+}
+
 }  // namespace
+
+void waitForAll(VkCommandBuffer buffer) {
+  barrierBetween(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+                 kWorkAndArguments, kWrites | kReads);
+}
+
+void showAll(VkCommandBuffer buffer) {
+  barrierBetween(buffer, kWork, kWrites, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+                 VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT |
+                     VK_ACCESS_2_HOST_WRITE_BIT);
+}
 
 Commands::Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer)
     : buffer_(buffer), layout_(layout), timer_(timer) {
@@ -56,28 +86,24 @@ void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32
   vkCmdUpdateBuffer(buffer_, buffer.handle(), buffer.offset(), size, bytes);
 }
 
-void Commands::copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes) {
+void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes) {
   if (bytes == 0) return;
   barrier();
-  const VkBufferCopy region{.srcOffset = from.offset(), .dstOffset = to.offset(), .size = bytes};
-  vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
+  const VkBufferCopy region{.srcOffset = from.offset(), .dstOffset = offset, .size = bytes};
+  vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
+}
+
+void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent) {
+  barrier();
+  const VkBufferImageCopy region{
+      .bufferOffset = from.offset(),
+      .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
+      .imageExtent = extent};
+  vkCmdCopyBufferToImage(buffer_, from.handle(), to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 void Commands::barrier() {
-  if (isConcurrent_) return;
-  constexpr VkPipelineStageFlags2 kWork =
-      VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  constexpr VkAccessFlags2 kReads =
-      VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
-  const VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                .srcStageMask = kWork,
-                                .srcAccessMask = kWrites,
-                                .dstStageMask = kWork | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                                .dstAccessMask = kWrites | kReads};
-  const VkDependencyInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &memory};
-  vkCmdPipelineBarrier2(buffer_, &info);
+  if (!isConcurrent_) barrierBetween(buffer_, kWork, kWrites, kWorkAndArguments, kWrites | kReads);
 }
 
 }  // namespace raymap::vulkan

@@ -6,12 +6,19 @@
 
 namespace raymap::vulkan {
 
+/// Lets what is recorded afterwards see the results of all commands before it, also of others on the queue.
+void waitForAll(VkCommandBuffer buffer);
+/// Lets all later commands, and the host once the work is done, see the results of what was recorded before.
+void showAll(VkCommandBuffer buffer);
+
 /// Records into a command buffer, ours or the caller's: each command sees the results of all before it,
 /// because every one has a full barrier before it (docs/decisions/vulkan_memory.md). Records no allocation.
 class Commands {
  public:
   /// `timer` may be null: stages are then not timed.
   Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
+
+  VkCommandBuffer handle() const { return buffer_; }
 
   /// Runs at least `invocations` invocations, in groups of the kernel's size: shaders check bounds.
   template <class Push>
@@ -31,7 +38,12 @@ class Commands {
     static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536 && sizeof(T) % 4 == 0);
     updateBytes(buffer, &value, sizeof value);
   }
-  void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes);
+  void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes) {
+    copy(from, to.handle(), to.offset(), bytes);
+  }
+  void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes);
+  /// Into an image of one layer and level in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
+  void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
 
   /// Commands recorded by `work` have one barrier before all of them and may run at once: none may write
   /// what another one of them touches.

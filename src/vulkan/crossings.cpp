@@ -56,18 +56,18 @@ void Crossings::reserve(const glm::ivec3& dims, uint64_t triangleCount) {
     checkSize(edges[static_cast<size_t>(axis)], "lattice edges along an axis");
   }
   dims_ = dims;
-  triangleCount_ = static_cast<uint32_t>(triangleCount);
   for (size_t axis = 0; axis < 3; ++axis) lines_[axis].resize<int32_t>(edges[axis]);
   runCounts_.resize<uint32_t>(triangleCount + 1);
-  scan_.reserve(triangleCount_);
+  scan_.reserve(static_cast<uint32_t>(triangleCount));
 }
 
-void Crossings::record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles) {
+void Crossings::record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles,
+                       uint32_t triangleCount) {
   CrossingsPush push{.vertices = vertices,
                      .triangles = triangles,
                      .runs = runCounts_.address(),
                      .status = status_.address(),
-                     .triangleCount = triangleCount_};
+                     .triangleCount = triangleCount};
   for (int axis = 0; axis < 3; ++axis) {
     push.lines[axis] = line(axis).address();
     push.dims[axis] = static_cast<uint32_t>(dims_[axis]);
@@ -76,9 +76,9 @@ void Crossings::record(Commands& commands, VkDeviceAddress vertices, VkDeviceAdd
     commands.fill(status_, 0);
     for (const DeviceBuffer& axis : lines_) commands.fill(axis, 0);
   });
-  commands.dispatch(reach_, push, triangleCount_);
-  commands.dispatch(triangles_, push, triangleCount_);
-  scan_.record(commands, push.runs, push.runs, {.most = triangleCount_});
+  commands.dispatch(reach_, push, triangleCount);
+  commands.dispatch(triangles_, push, triangleCount);
+  scan_.record(commands, push.runs, push.runs, {.most = triangleCount});
   arguments_.record(commands, 0,
                     {.count = {.most = kMostRuns, .address = push.status + offsetof(CrossingsStatus, runs)},
                      .itemsPerGroup = kCrossingsGroup});
@@ -89,20 +89,21 @@ LatticeLines Crossings::lines() const {
   return {dims_, {line(0).address(), line(1).address(), line(2).address()}};
 }
 
-void throwIfFailed(const CrossingsStatus& status) {
+std::optional<Error> failureOf(const CrossingsStatus& status) {
   if (status.tooFarCorner != 0) {
     const uint32_t corner = ~status.tooFarCorner;
-    throw Error(ErrorCode::Input,
-                "corner " + std::to_string(corner % 3) + " of triangle " + std::to_string(corner / 3) +
-                    " lies too far from the grid's first sample: the furthest one is " +
-                    std::to_string(std::bit_cast<float>(status.reach)) +
-                    " cells away, the sign needs less than 2^40; use a coarser grid or remove the vertex");
+    return Error(ErrorCode::Input,
+                 "corner " + std::to_string(corner % 3) + " of triangle " + std::to_string(corner / 3) +
+                     " lies too far from the grid's first sample: the furthest one is " +
+                     std::to_string(std::bit_cast<float>(status.reach)) +
+                     " cells away, the sign needs less than 2^40; use a coarser grid or remove the vertex");
   }
   const uint64_t runs = (uint64_t{status.runsHigh} << 32) | status.runs;
   if (runs > kMostRuns)
-    throw Error(ErrorCode::Unsupported, "the large triangles cover " + std::to_string(runs) +
-                                            " runs of lattice lines, the device can number 2^31; use a "
-                                            "lower resolution or the CPU");
+    return Error(ErrorCode::Unsupported, "the large triangles cover " + std::to_string(runs) +
+                                             " runs of lattice lines, the device can number 2^31; use a "
+                                             "lower resolution or the CPU");
+  return std::nullopt;
 }
 
 }  // namespace raymap::vulkan

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <raymap/error.h>
+
 #include <array>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "scan.h"
 #include "shared/crossings.h"
@@ -23,20 +26,21 @@ class Crossings {
  public:
   explicit Crossings(Device& device);
 
+  /// Makes room for grids of these dims and so many triangles. Nothing recorded before may still have to run.
   /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.
   void reserve(const glm::ivec3& dims, uint64_t triangleCount);
-  /// Counts the crossings of as many triangles as were reserved: `vertices` are three floats each, in cells,
-  /// `triangles` three indices each.
-  void record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles);
+  /// Counts the crossings of up to as many triangles as were reserved: `vertices` are three floats each, in
+  /// cells, `triangles` three indices each.
+  void record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles,
+              uint32_t triangleCount);
 
   LatticeLines lines() const;
   const DeviceBuffer& line(int axis) const { return lines_[static_cast<size_t>(axis)]; }
-  /// One `CrossingsStatus`, for `throwIfFailed` when the work has been done.
+  /// One `CrossingsStatus`, for `failureOf` when the work has been done.
   const DeviceBuffer& status() const { return status_; }
 
  private:
   glm::ivec3 dims_{0};
-  uint32_t triangleCount_ = 0;
   Kernel<CrossingsPush> reach_;
   Kernel<CrossingsPush> triangles_;
   Kernel<CrossingsPush> runs_;
@@ -47,8 +51,8 @@ class Crossings {
   DeviceBuffer status_;
 };
 
-/// Throws what kept the crossings from being counted: `Error(Input)` if a vertex lies too far away,
+/// What kept the crossings from being counted, if anything: `Error(Input)` if a vertex lies too far away,
 /// `Error(Unsupported)` if large triangles cover too many lines.
-void throwIfFailed(const CrossingsStatus& status);
+std::optional<Error> failureOf(const CrossingsStatus& status);
 
 }  // namespace raymap::vulkan

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <vector>
 
-#include "features.h"
 #include "memory.h"
 
 namespace raymap::vulkan {
@@ -49,7 +48,8 @@ Device::Device(const DeviceOptions& options)
   std::vector<DeviceInfo> infos;
   for (const VkPhysicalDevice device : found) infos.push_back(describe(device));
   const size_t chosen = choose(infos, options.index);
-  physical_ = found[chosen];
+  handles_.instance = instance_->handle();
+  handles_.physical = found[chosen];
   info_ = infos[chosen];
   if (options.guards) guards_ = std::make_unique<Guards>();
   if (options.validation != Validation::Off)
@@ -60,14 +60,10 @@ Device::Device(const DeviceOptions& options)
   makeShared();
 }
 
-Device::Device(const BorrowedDevice& borrowed)
-    : physical_(borrowed.physical),
-      device_(borrowed.device, Destroy{false}),
-      queue_(borrowed.queue),
-      queueFamily_(borrowed.queueFamily) {
+Device::Device(const DeviceHandles& borrowed) : handles_(borrowed), device_(borrowed.device, Destroy{false}) {
   openLoader();
   loadFunctions(borrowed.instance);
-  info_ = describe(physical_);
+  info_ = describe(handles_.physical);
   if (!info_.problem.empty())
     throw Error(ErrorCode::Unsupported, info_.name + " cannot be used: " + info_.problem);
   readLimits();
@@ -77,45 +73,44 @@ Device::Device(const BorrowedDevice& borrowed)
 Device::~Device() = default;
 
 void Device::makeDevice() {
-  queueFamily_ = computeFamily(physical_).value();
+  handles_.queueFamily = computeFamily(handles_.physical).value();
   const float priority = 1.0F;
   const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                      .queueFamilyIndex = queueFamily_,
+                                      .queueFamilyIndex = queueFamily(),
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
   Features features;
   setRequired(features);
-  features.v12.shaderBufferInt64Atomics = hasInt64Atomics(physical_) ? VK_TRUE : VK_FALSE;
+  features.v12.shaderBufferInt64Atomics = hasInt64Atomics(handles_.physical) ? VK_TRUE : VK_FALSE;
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features.v10,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue};
-  VkDevice device = VK_NULL_HANDLE;
-  check(vkCreateDevice(physical_, &info, nullptr, &device), "starting " + info_.name);
-  device_.reset(device);
-  vkGetDeviceQueue(device, queueFamily_, 0, &queue_);
+  check(vkCreateDevice(handles_.physical, &info, nullptr, &handles_.device), "starting " + info_.name);
+  device_.reset(handles_.device);
+  vkGetDeviceQueue(handles_.device, queueFamily(), 0, &handles_.queue);
 }
 
 void Device::readLimits() {
   VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v13};
-  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  vkGetPhysicalDeviceProperties2(handles_.physical, &properties);
   const VkPhysicalDeviceLimits& basic = properties.properties.limits;
   uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
   limits_ = {
       .sharedMemory = basic.maxComputeSharedMemorySize,
       .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
       .minSubgroupSize = v13.minSubgroupSize,
       .maxSubgroupSize = v13.maxSubgroupSize,
       .bufferSize = v13.maxBufferSize,
-      .timestampPeriod = families.at(queueFamily_).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
+      .timestampPeriod = families.at(queueFamily()).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
       // Whether a caller switched them on for a device of theirs cannot be asked.
-      .hasInt64Atomics = instance_ && hasInt64Atomics(physical_),
-      .hasMemoryBudget = hasExtension(physical_, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
-  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+      .hasInt64Atomics = instance_ && hasInt64Atomics(handles_.physical),
+      .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
+  vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
 }
 
 void Device::makeShared() {
@@ -160,7 +155,7 @@ uint64_t Device::availableMemory(uint32_t memoryType) const {
     VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
     VkPhysicalDeviceMemoryProperties2 memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, &budget};
-    vkGetPhysicalDeviceMemoryProperties2(physical_, &memory);
+    vkGetPhysicalDeviceMemoryProperties2(handles_.physical, &memory);
     available = budget.heapBudget[heap] - std::min(budget.heapBudget[heap], budget.heapUsage[heap]);
   } else {
     available -= std::min(available, heldMemory_);

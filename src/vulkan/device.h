@@ -5,6 +5,7 @@
 #include <string>
 
 #include "device_list.h"
+#include "features.h"
 #include "guards.h"
 #include "handle.h"
 #include "instance.h"
@@ -17,15 +18,6 @@ struct DeviceOptions {
   Validation validation = validationFromEnvironment();
   MessageCallback message;  ///< Gets what the validation layer says.
   bool guards = false;      ///< Guard bytes around every buffer, for tests: slow memory on a card.
-};
-
-/// A device of the caller's, made with at least the features of `setRequired`; it must outlive ours.
-struct BorrowedDevice {
-  VkInstance instance = VK_NULL_HANDLE;
-  VkPhysicalDevice physical = VK_NULL_HANDLE;
-  VkDevice device = VK_NULL_HANDLE;
-  uint32_t queueFamily = 0;
-  VkQueue queue = VK_NULL_HANDLE;  ///< Nobody else may use it while we submit to it.
 };
 
 struct DeviceLimits {
@@ -51,14 +43,17 @@ class Device {
  public:
   /// Throws `Error(Unsupported)`: no loader, no driver, no such device, a feature missing.
   explicit Device(const DeviceOptions& options = {});
-  explicit Device(const BorrowedDevice& borrowed);
+  /// A device of the caller's, made with at least the features of `requireFeatures`; it must outlive ours.
+  /// Nobody else may use its queue while we submit to it.
+  explicit Device(const DeviceHandles& borrowed);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
   VkDevice handle() const { return device_.get(); }
-  VkQueue queue() const { return queue_; }
-  uint32_t queueFamily() const { return queueFamily_; }
+  const DeviceHandles& handles() const { return handles_; }
+  VkQueue queue() const { return handles_.queue; }
+  uint32_t queueFamily() const { return handles_.queueFamily; }
   const DeviceInfo& info() const { return info_; }
   const DeviceLimits& limits() const { return limits_; }
   /// The layout of every kernel: no descriptors, `kPushBytes` bytes of push constants.
@@ -99,10 +94,8 @@ class Device {
   void makeShared();
 
   std::unique_ptr<Instance> instance_;
-  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  DeviceHandles handles_;
   std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> device_{nullptr, Destroy{true}};
-  VkQueue queue_ = VK_NULL_HANDLE;
-  uint32_t queueFamily_ = 0;
   DeviceInfo info_;
   DeviceLimits limits_;
   VkPhysicalDeviceMemoryProperties memory_{};

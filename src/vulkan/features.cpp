@@ -4,23 +4,30 @@ namespace raymap::vulkan {
 
 namespace {
 
+/// Structs of whoever asks.
+struct FeatureStructs {
+  VkPhysicalDeviceFeatures& v10;
+  VkPhysicalDeviceVulkan12Features& v12;
+  VkPhysicalDeviceVulkan13Features& v13;
+};
+
 struct Required {
   const char* name;
-  VkBool32& (*in)(Features& features);
+  VkBool32& (*in)(const FeatureStructs& features);
 };
 
 constexpr Required kRequired[] = {
     // Predicates and monotone keys.
-    {"shaderFloat64", [](Features& f) -> VkBool32& { return f.v10.features.shaderFloat64; }},
-    {"shaderInt64", [](Features& f) -> VkBool32& { return f.v10.features.shaderInt64; }},
+    {"shaderFloat64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderFloat64; }},
+    {"shaderInt64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderInt64; }},
     // How shaders reach memory.
-    {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
-    {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"bufferDeviceAddress", [](const FeatureStructs& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
+    {"scalarBlockLayout", [](const FeatureStructs& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     // Barriers, sizes of work groups chosen when a pipeline is made, and subgroups without idle lanes.
-    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
-    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
-    {"computeFullSubgroups", [](Features& f) -> VkBool32& { return f.v13.computeFullSubgroups; }},
-    {"subgroupSizeControl", [](Features& f) -> VkBool32& { return f.v13.subgroupSizeControl; }},
+    {"synchronization2", [](const FeatureStructs& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"maintenance4", [](const FeatureStructs& f) -> VkBool32& { return f.v13.maintenance4; }},
+    {"computeFullSubgroups", [](const FeatureStructs& f) -> VkBool32& { return f.v13.computeFullSubgroups; }},
+    {"subgroupSizeControl", [](const FeatureStructs& f) -> VkBool32& { return f.v13.subgroupSizeControl; }},
 };
 
 constexpr VkSubgroupFeatureFlags kSubgroupOperations =
@@ -36,8 +43,9 @@ bool hasSubgroupOperations(VkPhysicalDevice device) {
 
 }  // namespace
 
-void setRequired(Features& features) {
-  for (const Required& required : kRequired) required.in(features) = VK_TRUE;
+void requireFeatures(VkPhysicalDeviceFeatures& v10, VkPhysicalDeviceVulkan12Features& v12,
+                     VkPhysicalDeviceVulkan13Features& v13) {
+  for (const Required& required : kRequired) required.in({v10, v12, v13}) = VK_TRUE;
 }
 
 std::string missingFeatures(VkPhysicalDevice device) {
@@ -48,7 +56,7 @@ std::string missingFeatures(VkPhysicalDevice device) {
     missing += (missing.empty() ? "" : ", ") + std::string(name);
   };
   for (const Required& required : kRequired)
-    if (required.in(features) == VK_FALSE) add(required.name);
+    if (required.in({features.v10.features, features.v12, features.v13}) == VK_FALSE) add(required.name);
   if (!hasSubgroupOperations(device)) add("subgroup arithmetic and ballot in compute shaders");
   return missing;
 }

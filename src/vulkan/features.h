@@ -3,6 +3,8 @@
 #include <string>
 
 #include "api.h"
+// After Vulkan's declarations, as it asks.
+#include <raymap/vulkan.h>
 
 namespace raymap::vulkan {
 
@@ -17,8 +19,10 @@ struct Features {
   VkPhysicalDeviceFeatures2 v10{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
 };
 
-/// Switches on what the shaders need; a borrowed device must have been made with at least these.
-void setRequired(Features& features);
+/// Switches on what the shaders need.
+inline void setRequired(Features& features) {
+  requireFeatures(features.v10.features, features.v12, features.v13);
+}
 /// Names what the shaders need and the device lacks; empty if nothing.
 std::string missingFeatures(VkPhysicalDevice device);
 

@@ -15,9 +15,9 @@ RasterDistance::RasterDistance(Device& device)
       kernel_(device, shaders::kRasterDistance, kRunsGroup),
       squared_(device, "cell distances") {}
 
-void RasterDistance::reserve(const CellLattice& cells, uint32_t triangles) {
+void RasterDistance::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
   cells_ = cells;
-  runs_.reserve(triangles);
+  runs_.reserve(triangles, lists.rows);
   squared_.resize<float>(cells.count());
 }
 
@@ -29,7 +29,7 @@ void RasterDistance::record(Commands& commands, const CellRuns::Triangles& trian
                                 .runTriangles = runs_.triangles(),
                                 .runCells = runs_.firstCells(),
                                 .runStarts = runs_.starts(),
-                                .totals = runs_.totals(),
+                                .totals = runs_.totals().address(),
                                 .squared = squared_.address(),
                                 .cells = latticeOf(cells_),
                                 .perCell2 = static_cast<float>(1.0 / (cells_.size * cells_.size)),

@@ -10,19 +10,22 @@ namespace raymap::vulkan {
 /// The CPU's twin (the last paragraph of §3.3): each triangle writes its squared distance, in units of the
 /// lattice's cells, into the cells it touches, keeping the minimum; `emptyCell` in all others.
 ///
-/// Where there is not room for all rows of cells, `fits` is false once the work is done: then `grow`, record
-/// and run it again.
+/// How many rows of cells there are the device finds out, and writes to `totals`: where there is not room for
+/// them all, the distances are undefined, and `fits` says so. Then reserve for as many, record and run it
+/// again.
 class RasterDistance {
  public:
   explicit RasterDistance(Device& device);
 
-  /// Makes room for a lattice and so many triangles. Nothing recorded before may still have to run.
-  void reserve(const CellLattice& cells, uint32_t triangles);
-  /// For the lattice of the last `reserve`.
+  /// Makes room for a lattice and so many triangles, and for a guess at their rows, or so many if these are
+  /// more. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more than can
+  /// be numbered or had.
+  void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists = {});
+  /// For the lattice of the last `reserve`, and no more triangles.
   void record(Commands& commands, const CellRuns::Triangles& triangles);
 
-  bool fits() const { return runs_.fits(); }
-  void grow() { runs_.grow(); }
+  const DeviceBuffer& totals() const { return runs_.totals(); }
+  bool fits(const ListSizes& sizes) const { return runs_.fits(sizes); }
 
   const DeviceBuffer& squared() const { return squared_; }
   /// For `RasterSamples`, after the transform.

@@ -20,8 +20,12 @@ constexpr uint32_t kVerticesEach = 8;  // As in surface_tree_bounds.comp.
 constexpr uint32_t kRun = 512;         // Triangles of the curve that are ordered anew.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
+uint32_t nodesOver(uint32_t count) {
+  return (count + kArity - 1) / kArity;
+}
+
 uint32_t roundUp(uint32_t count) {
-  return (count + kArity - 1) / kArity * kArity;
+  return nodesOver(count) * kArity;
 }
 
 }  // namespace
@@ -57,7 +61,7 @@ void SurfaceTree::reserve(uint32_t triangles) {
 
 std::vector<SurfaceTree::Level> SurfaceTree::placeLevels(uint32_t triangles) {
   std::vector<Level> levels;
-  for (uint32_t nodes = leavesOf(triangles);; nodes = leavesOf(nodes)) {
+  for (uint32_t nodes = nodesOver(triangles);; nodes = nodesOver(nodes)) {
     levels.push_back({0, nodes});
     if (nodes == 1) break;
   }
@@ -69,6 +73,7 @@ std::vector<SurfaceTree::Level> SurfaceTree::placeLevels(uint32_t triangles) {
 void SurfaceTree::record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims) {
   if (mesh.triangleCount == 0 || mesh.triangleCount > reserved_)
     throw std::logic_error("a tree over no triangles, or more than reserved");
+  triangleCount_ = mesh.triangleCount;
   levels_ = placeLevels(mesh.triangleCount);
   SurfaceTreePush push{.vertices = mesh.vertices,
                        .triangles = mesh.triangles,

@@ -40,15 +40,20 @@ VoxelGrid::VoxelGrid(Device& device)
       begins_(device, "cells' first entries"),
       count_(device, "entries' count") {}
 
-void VoxelGrid::reserve(const CellLattice& cells, uint32_t triangles) {
+void VoxelGrid::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
   // Twice what a fine mesh has; few are no work in any case.
   constexpr uint64_t kEntriesPerTriangle = 4, kFewEntries = uint64_t{1} << 17;
+  if (lists.entries > kMostEntries)
+    throw Error(ErrorCode::Memory, "the cells' triangle lists hold " + std::to_string(lists.entries) +
+                                       " entries, the device can sort " + std::to_string(kMostEntries) +
+                                       "; use a lower resolution or exact distance");
+  const uint64_t wanted =
+      std::max(lists.entries + lists.entries / 8, kEntriesPerTriangle * triangles + kFewEntries);
   cells_ = cells;
-  runs_.reserve(triangles);
+  runs_.reserve(triangles, lists.rows);
   begins_.resize<uint32_t>(cells.count());
   count_.resize<uint32_t>(1);
-  reserveEntries(std::max(mostEntries_, static_cast<uint32_t>(std::min<uint64_t>(
-                                            kMostEntries, kEntriesPerTriangle * triangles + kFewEntries))));
+  reserveEntries(std::max(mostEntries_, static_cast<uint32_t>(std::min<uint64_t>(kMostEntries, wanted))));
 }
 
 void VoxelGrid::reserveEntries(uint32_t entries) {
@@ -75,7 +80,7 @@ void VoxelGrid::record(Commands& commands, const CellRuns::Triangles& triangles)
   VoxelGridPush push{.runTriangles = runs_.triangles(),
                      .runCells = runs_.firstCells(),
                      .runStarts = runs_.starts(),
-                     .totals = runs_.totals(),
+                     .totals = runs_.totals().address(),
                      .cells = entryCells_[unsorted].address(),
                      .triangles = entryTriangles_[unsorted].address(),
                      .begins = begins_.address(),
@@ -89,16 +94,6 @@ void VoxelGrid::record(Commands& commands, const CellRuns::Triangles& triangles)
   push.triangles = entryTriangles_[0].address();
   arguments_.record(commands, 0, {.count = entryCount(), .itemsPerGroup = kRunsGroup});
   arguments_.dispatch(commands, findBegins_, push, 0);
-}
-
-void VoxelGrid::grow() {
-  runs_.grow();
-  if (runs_.entries() > kMostEntries)
-    throw Error(ErrorCode::Memory, "the cells' triangle lists hold " + std::to_string(runs_.entries()) +
-                                       " entries, the device can sort " + std::to_string(kMostEntries) +
-                                       "; use a lower resolution or exact distance");
-  const uint64_t wanted = std::min<uint64_t>(kMostEntries, runs_.entries() + runs_.entries() / 8);
-  reserveEntries(std::max(mostEntries_, static_cast<uint32_t>(wanted)));
 }
 
 }  // namespace raymap::vulkan

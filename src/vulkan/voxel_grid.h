@@ -10,22 +10,22 @@ namespace raymap::vulkan {
 /// triangle, in ascending order: cell c's begin at `begins[c]`, `kNoCell` if it has none, and go on as long
 /// as entries are of c.
 ///
-/// How many there are the device finds out: where there is not room for them all, there will be none, and
-/// `fits` is false once the work is done. Then `grow`, record and run it again until it is true; later meshes
-/// of about the same size fit at once.
+/// How many there are the device finds out, and writes to `totals`: where there is not room for them all,
+/// there will be none, and `fits` says so. Then reserve for as many, record and run it again until it says
+/// yes (too many rows hide how many entries there are); later meshes of about the same size fit at once.
 class VoxelGrid {
  public:
   explicit VoxelGrid(Device& device);
 
-  /// Makes room for a lattice and so many triangles, and for a guess at their entries. Nothing recorded
-  /// before may still have to run.
-  void reserve(const CellLattice& cells, uint32_t triangles);
-  /// For the lattice of the last `reserve`.
+  /// Makes room for a lattice and so many triangles, and for a guess at their lists, or such if these are
+  /// longer. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more entries
+  /// than can be numbered or had.
+  void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists = {});
+  /// For the lattice of the last `reserve`, and no more triangles.
   void record(Commands& commands, const CellRuns::Triangles& triangles);
 
-  bool fits() const { return runs_.fits() && runs_.entries() <= mostEntries_; }
-  /// Throws `Error(Memory)` if there are more entries than can be numbered or had.
-  void grow();
+  const DeviceBuffer& totals() const { return runs_.totals(); }
+  bool fits(const ListSizes& sizes) const { return runs_.fits(sizes) && sizes.entries <= mostEntries_; }
 
   const CellLattice& lattice() const { return cells_; }
   /// By entry.
@@ -40,7 +40,6 @@ class VoxelGrid {
   void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push) const {
     arguments_.dispatch(commands, kernel, push, 0);
   }
-  uint64_t entries() const { return runs_.entries(); }
 
  private:
   void reserveEntries(uint32_t entries);

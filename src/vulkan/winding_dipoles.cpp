@@ -39,21 +39,15 @@ WindingDipoles::WindingDipoles(Device& device)
       doubtful_(device, "doubtful samples") {}
 
 void WindingDipoles::reserve(uint32_t triangleCount, const glm::ivec3& dims) {
+  const std::vector<SurfaceTree::Level> levels = SurfaceTree::placeLevels(triangleCount);
   dims_ = dims;
-  triangleCount_ = triangleCount;
-  levels_.clear();
-  for (uint32_t nodes = SurfaceTree::leavesOf(triangleCount);; nodes = SurfaceTree::leavesOf(nodes)) {
-    levels_.push_back({0, nodes});
-    if (nodes == 1) break;
-  }
-  for (size_t level = levels_.size() - 1; level-- > 0;)
-    levels_[level].start = levels_[level + 1].start * kArity + 1;
-  moments_.resize<float>((uint64_t{levels_[0].start} + levels_[0].count) * kMomentVectors * 4);
+  mostLevels_ = static_cast<uint32_t>(levels.size());
+  moments_.resize<float>((uint64_t{levels[0].start} + levels[0].count) * kMomentVectors * 4);
   doubtful_.resize<uint32_t>(1);
-  gate_.reserve(static_cast<uint32_t>(levels_.size()) + 1);
-  for (uint32_t level = 0; level < levels_.size(); ++level)
-    gate_.plan(level, ceilDiv(levels_[level].count, kMomentsGroup));
-  gate_.plan(static_cast<uint32_t>(levels_.size()), ceilDiv(samplesOf(dims), kDoubtsSamples));
+  gate_.reserve(mostLevels_ + 1);
+  for (uint32_t level = 0; level < mostLevels_; ++level)
+    gate_.plan(level, ceilDiv(levels[level].count, kMomentsGroup));
+  gate_.plan(mostLevels_, ceilDiv(samplesOf(dims), kDoubtsSamples));
 }
 
 void WindingDipoles::record(Commands& commands, const SurfaceTree& tree, const Fields& fields,
@@ -68,20 +62,21 @@ void WindingDipoles::record(Commands& commands, const SurfaceTree& tree, const F
                           .gridX = static_cast<uint32_t>(dims_.x),
                           .gridY = static_cast<uint32_t>(dims_.y),
                           .gridZ = static_cast<uint32_t>(dims_.z),
-                          .triangleCount = triangleCount_,
-                          .firstLeaf = levels_[0].start,
+                          .triangleCount = tree.triangleCount(),
+                          .firstLeaf = tree.firstLeaf(),
                           .threshold = static_cast<float>(threshold),
                           .mostTurns = mostTurns_};
   commands.fill(doubtful_, 0);
   commands.dispatch(doubts_, push, samplesOf(dims_));
   gate_.record(commands, doubtful_.address());
-  for (uint32_t level = 0; level < levels_.size(); ++level) {
-    push.levelStart = levels_[level].start;
-    push.levelCount = levels_[level].count;
+  const std::vector<SurfaceTree::Level>& levels = tree.levels();
+  for (uint32_t level = 0; level < levels.size(); ++level) {
+    push.levelStart = levels[level].start;
+    push.levelCount = levels[level].count;
     push.isLeafLevel = level == 0 ? 1 : 0;
     gate_.dispatch(commands, momentsOf_, push, level);
   }
-  gate_.dispatch(commands, settle_, push, static_cast<uint32_t>(levels_.size()));
+  gate_.dispatch(commands, settle_, push, mostLevels_);
 }
 
 }  // namespace raymap::vulkan

@@ -20,21 +20,14 @@ class WindingDipoles {
 
   explicit WindingDipoles(Device& device);
 
-  /// Makes room for the tree of so many triangles and grids of these dims. Nothing recorded before may still
-  /// have to run.
+  /// Makes room for trees of up to so many triangles and grids of these dims. Nothing recorded before may
+  /// still have to run.
   void reserve(uint32_t triangleCount, const glm::ivec3& dims);
-  /// `tree` holds as many triangles as were reserved.
   void record(Commands& commands, const SurfaceTree& tree, const Fields& fields, double threshold);
 
  private:
-  /// Nodes of one level of the tree, leaves first.
-  struct Level {
-    uint32_t start, count;
-  };
-
   glm::ivec3 dims_{0};
-  uint32_t triangleCount_ = 0;
-  std::vector<Level> levels_;
+  uint32_t mostLevels_ = 0;
   Gate gate_;
   Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_;
   uint32_t mostTurns_;

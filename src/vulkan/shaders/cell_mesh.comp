@@ -2,16 +2,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel.glsl"
-#include "shared/cell_mesh.h"
-
-layout(push_constant, scalar) uniform Push { CellMeshPush push; };
+#include "cell_mesh.glsl"
 
 void main() {
   const uint v = invocationIndex();
-  if (v >= push.count) return;
-  const dvec3 position =
-      dvec3(push.positions.at[3 * v], push.positions.at[3 * v + 1], push.positions.at[3 * v + 2]);
+  if (v >= push.vertexCount) return;
+  const uint from = push.stride * v;
+  const dvec3 position = dvec3(push.positions.at[from], push.positions.at[from + 1], push.positions.at[from + 2]);
   precise const dvec3 fromOrigin = dvec3(push.shiftX, push.shiftY, push.shiftZ) + position;
   precise const dvec3 cells = fromOrigin * push.scale;
-  for (uint axis = 0; axis < 3; ++axis) push.vertices.at[3 * v + axis] = float(cells[axis]);
+  const vec3 vertex = vec3(cells);
+  writeVertex(v, vertex);
+  if (!isFinite(vertex)) atomicAdd(push.status.now.bad, 1);
 }

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <raymap/generate.h>
+
+namespace raymap {
+
+/// Throws `Error(Usage)` for a grid or options that make no sense.
+void checkOptions(const Grid& grid, const Options& options);
+
+}  // namespace raymap

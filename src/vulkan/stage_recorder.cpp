@@ -1,0 +1,187 @@
+#include "stage_recorder.h"
+
+#include <cstddef>
+
+namespace raymap::vulkan {
+
+StageRecorder::StageRecorder(Device& device)
+    : device_(&device),
+      mesh_(device),
+      surfaceTree_(device),
+      exactDistance_(device),
+      refine_(device),
+      rasterSamples_(device),
+      crossings_(device),
+      rayMap_(device),
+      windingRays_(device),
+      windingPaths_(device),
+      windingHarmonic_(device),
+      windingDipoles_(device),
+      sign_(device) {}
+
+void StageRecorder::reserve(const Extent& extent) {
+  extent_ = extent;
+  const bool isHarmonic = extent.sign == SignMode::Harmonic;
+  mesh_.reserve(extent.vertices, extent.triangles);
+  if (isExact() || isHarmonic) surfaceTree_.reserve(extent.triangles);
+  if (isExact())
+    exactDistance_.reserve(extent.dims);
+  else
+    reserveCells();
+  if (hasSign()) reserveSign();
+}
+
+void StageRecorder::reserveSign() {
+  const glm::ivec3& dims = extent_.dims;
+  crossings_.reserve(dims, extent_.triangles);
+  if (extent_.sign == SignMode::Paths || extent_.sign == SignMode::Evolution) windingPaths_.reserve(dims);
+  if (extent_.sign != SignMode::Harmonic) return;
+  windingHarmonic_.reserve(dims);
+  windingDipoles_.reserve(extent_.triangles, dims);
+}
+
+void StageRecorder::begin(const Commands& commands, const Grid& grid, const Options& options,
+                          const Results& results) {
+  commands_ = commands;
+  grid_ = &grid;
+  options_ = &options;
+  results_ = results;
+}
+
+void StageRecorder::recordMesh(const CellMesh::Source& source) {
+  mesh_.record(*commands_, source, *grid_, extent_.outside);
+}
+
+void StageRecorder::exactDistance() {
+  stage("exact_distance", [&] {
+    recordSurfaceTree();
+    exactDistance_.record(*commands_, surfaceTree_, options_->band,
+                          {.distance = results_.distance, .triangle = results_.triangle});
+  });
+}
+
+void StageRecorder::recordSurfaceTree() {
+  surfaceTree_.record(*commands_,
+                      {.vertices = mesh_.vertexBuffer().address(),
+                       .triangles = mesh_.triangleBuffer().address(),
+                       .vertexCount = mesh_.vertexCount(),
+                       .triangleCount = mesh_.triangleCount()},
+                      extent_.dims);
+}
+
+void StageRecorder::crossings() {
+  stage("crossings", [&] {
+    crossings_.record(*commands_, mesh_.vertexBuffer().address(), mesh_.triangleBuffer().address(),
+                      mesh_.triangleCount());
+  });
+}
+
+void StageRecorder::rayMap() {
+  stage("ray_map", [&] { rayMap_.record(*commands_, crossings_.lines()); });
+}
+
+void StageRecorder::winding() {
+  stage("winding", [&] {
+    windingRays_.record(*commands_, crossings_.lines(), results_.winding);
+    if (options_->sign == SignMode::Harmonic)
+      recordHarmonic();
+    else if (options_->sign != SignMode::Rays)
+      recordPaths();
+  });
+}
+
+void StageRecorder::recordPaths() {
+  const WindingPaths::Fields fields{.rays = crossings_.lines().axes,
+                                    .winding = results_.winding,
+                                    .doubtful = windingRays_.doubtful().address()};
+  if (options_->sign == SignMode::Paths)
+    windingPaths_.recordAverage(*commands_, fields, *options_);
+  else
+    windingPaths_.recordEvolution(*commands_, fields, *options_);
+}
+
+void StageRecorder::recordHarmonic() {
+  windingHarmonic_.record(*commands_, {.rays = crossings_.lines().axes,
+                                       .winding = results_.winding,
+                                       .doubtful = windingRays_.doubtful().address()});
+  if (!isExact()) recordSurfaceTree();
+  windingDipoles_.record(*commands_, surfaceTree_,
+                         {.distance = results_.distance,
+                          .winding = results_.winding,
+                          .disagreeing = windingRays_.doubtful().address()},
+                         options_->threshold);
+}
+
+/// Before anything has run: stages are only recorded so far, but where somebody watches.
+void StageRecorder::closeHoles() {
+  throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far; use --device cpu");
+}
+
+void StageRecorder::sign() {
+  stage("sign", [&] {
+    sign_.record(*commands_,
+                 {.rays = crossings_.lines().axes,
+                  .winding = results_.winding,
+                  .distance = results_.distance,
+                  .confidence = results_.confidence},
+                 glm::uvec3(extent_.dims), options_->threshold, options_->invert);
+  });
+}
+
+void StageRecorder::recordFinish() {
+  sign_.recordFinish(*commands_, results_.distance, static_cast<uint32_t>(sampleCount()), options_->band,
+                     grid_->spacing);
+}
+
+void StageRecorder::recordFindings(VkBuffer to, VkDeviceSize offset) {
+  const auto copy = [&](const DeviceBuffer& from, size_t part) {
+    commands_->copy(from, to, offset + part, from.bytes());
+  };
+  commands_->concurrent([&] {
+    copy(mesh_.status(), offsetof(Findings, mesh));
+    if (hasSign()) {
+      copy(crossings_.status(), offsetof(Findings, crossings));
+      copy(windingRays_.doubtful(), offsetof(Findings, doubtful));
+    }
+    if (isExact()) return;
+    for (size_t l = 0; l < extent_.lattices.size(); ++l)
+      copy(isRaster() ? levels_[l]->raster.totals() : levels_[l]->grid.totals(),
+           offsetof(Findings, lists) + l * sizeof(CellRunsTotals));
+  });
+}
+
+Status StageRecorder::describe(const Findings& findings) const {
+  Status status{.error = errorOf(findings),
+                .triangles = findings.mesh.badTriangles,
+                .outside = isExact() ? 0 : findings.mesh.outside};
+  if (hasSign()) status.doubtfulShare = double(findings.doubtful) / double(sampleCount());
+  if (isExact()) return status;
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
+    const ListSizes sizes = sizesOf(findings.lists[l]);
+    status.lists.rows = std::max(status.lists.rows, sizes.rows);
+    status.lists.entries = std::max(status.lists.entries, sizes.entries);
+  }
+  return status;
+}
+
+std::optional<Error> StageRecorder::errorOf(const Findings& findings) const {
+  const CellMeshStatus& mesh = findings.mesh;
+  if (!fits(findings))
+    return Error(ErrorCode::Memory,
+                 "the lists of the cells' triangles outgrew their room; reserve as much as the status says");
+  if (hasSign())
+    if (std::optional<Error> error = failureOf(findings.crossings)) return error;
+  if (mesh.badTriangles > 0)
+    return Error(ErrorCode::Input,
+                 std::to_string(mesh.badTriangles) + " triangles were left out, the first is number " +
+                     std::to_string(~mesh.firstBad) +
+                     ": a vertex index is out of range, or a vertex not finite or too far away");
+  if (!isExact() && mesh.outside > 0)
+    return Error(ErrorCode::Input,
+                 std::to_string(mesh.outside) + " triangles reach more than " +
+                     std::to_string(extent_.outside) +
+                     " samples beyond the grid, where they were not looked for; reserve for more outside");
+  return std::nullopt;
+}
+
+}  // namespace raymap::vulkan

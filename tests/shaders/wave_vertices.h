@@ -1,0 +1,17 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "shared/types.h"
+
+RAYMAP_SHARED_BEGIN
+
+struct WaveVerticesPush {
+  RAYMAP_ADDRESS(Floats) rest;  // Three a vertex.
+  RAYMAP_ADDRESS(Floats) moved;
+  uint count;  // Of vertices.
+  float time;
+};
+RAYMAP_CHECK_SIZE(WaveVerticesPush, 24);
+
+RAYMAP_SHARED_END
