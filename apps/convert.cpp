@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "report.h"
+#include "terminal.h"
 
 namespace raymap {
 
@@ -15,25 +16,39 @@ std::string_view arrayToConvert(const Field& field) {
   return field.confidence.empty() ? "triangle" : "confidence";
 }
 
+struct Arguments {
+  std::filesystem::path input, output;
+};
+
+void convertField(const Arguments& arguments) {
+  checkOutputs({{"output", arguments.output, fieldExtensions()}});
+  const Field field = readField(arguments.input);
+  writeField(arguments.output, field, arrayToConvert(field));
+}
+
+void convertMesh(const Arguments& arguments) {
+  checkOutputs({{"output", arguments.output, writableMeshExtensions()}});
+  writeMesh(arguments.output, readMesh(arguments.input, warn));
+}
+
 }  // namespace
 
 void addConvert(CLI::App& app) {
-  struct Arguments {
-    std::filesystem::path input, output;
-  };
-  CLI::App* command = app.add_subcommand("convert", "Write a field in another format");
+  CLI::App* command = app.add_subcommand("convert", "Write a field, or a mesh, in another format");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, ".vdb, .nrrd, .npz, .npy or .vti")
-      ->type_name("FIELD")
+  command->add_option("input", arguments->input, "A field or a mesh")->type_name("FIELD|MESH")->required();
+  command
+      ->add_option(
+          "output", arguments->output,
+          "A field: .vdb, .nrrd, .npz, .vti, or .npy (without its grid); a mesh: .ply, .obj, .stl or .glb")
+      ->type_name("FILE")
       ->required();
-  command->add_option("output", arguments->output, "Likewise; a .npy is without its grid")
-      ->type_name("FIELD")
-      ->required();
-  command->footer("Example:\n  raymap convert bunny.vdb bunny.nrrd");
+  command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");
   command->callback([arguments] {
-    checkOutputs({{"output", arguments->output, fieldExtensions()}});
-    const Field field = readField(arguments->input);
-    writeField(arguments->output, field, arrayToConvert(field));
+    if (hasExtension(arguments->input, meshExtensions()))
+      convertMesh(*arguments);
+    else
+      convertField(*arguments);
     printWritten(arguments->output);
   });
 }

@@ -221,6 +221,15 @@ TEST_F(Cli, ConvertsAndCompares) {
   EXPECT_NE(succeed("compare a.nrrd broken.nrrd").out.find("not finite        1,"), std::string::npos);
 }
 
+TEST_F(Cli, ConvertsMeshes) {
+  writeTorus();
+  succeed("convert torus.ply torus.glb");
+  const Mesh before = readMesh(path("torus.ply")), after = readMesh(path("torus.glb"));
+  EXPECT_EQ(before.vertices, after.vertices);
+  EXPECT_EQ(before.triangles, after.triangles);
+  expectFailure("convert torus.ply torus.vdb", ErrorCode::Usage, "torus.vdb");
+}
+
 TEST_F(Cli, DrawsPictures) {
   writeTorus();
   succeed("generate torus.ply -o torus.nrrd --resolution 24");
