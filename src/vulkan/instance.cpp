@@ -29,7 +29,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL passMessage(VkDebugUtilsMessageSeverityFlagBitsEX
                                            VkDebugUtilsMessageTypeFlagsEXT,
                                            const VkDebugUtilsMessengerCallbackDataEXT* data, void* callback) {
   const auto& message = *static_cast<const MessageCallback*>(callback);
-  if (message) message(data->pMessage);
+  if (message) message(std::string(data->pMessageIdName ? data->pMessageIdName : "") + ": " + data->pMessage);
   return VK_FALSE;
 }
 
