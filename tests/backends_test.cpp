@@ -171,6 +171,38 @@ TEST_F(Backends, StopWhenAskedAndLeaveNothing) {
   }
 }
 
+TEST_F(Backends, KeepNothingForWhatIsNotAskedFor) {
+  const Mesh mesh = holedSphere();
+  for (const DistanceMode mode : {DistanceMode::Exact, DistanceMode::Cell}) {
+    Options options = everything("vulkan");
+    options.distance = mode;
+    const Grid grid = fitGrid(mesh, {.resolution = 24});
+    const Field all = make(mesh, grid, options, "vulkan");
+    options.winding = options.confidence = options.triangleIds = false;
+    const Field alone = make(mesh, grid, options, "vulkan");
+    EXPECT_TRUE(alone.winding.empty() && alone.confidence.empty() && alone.triangle.empty());
+    EXPECT_EQ(0,
+              std::memcmp(all.distance.data(), alone.distance.data(), alone.distance.size() * sizeof(float)));
+  }
+}
+
+TEST_F(Backends, HoldLittleMemory) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Grid grid = fitGrid(mesh, {.resolution = 96});
+  Options options;
+  options.device = "vulkan";
+  const auto bytesPerSample = [&] {
+    Generator generator;
+    Field field;
+    generator.generate(mesh, grid, options, field);
+    return double(generator.stats().bytes) / double(grid.sampleCount());
+  };
+  EXPECT_LE(bytesPerSample(), 24.0);
+  options.distance = DistanceMode::Cell;
+  options.sign = SignMode::Rays;
+  EXPECT_LE(bytesPerSample(), 25.0);
+}
+
 ErrorCode codeOf(const Mesh& mesh, const Grid& grid, const Options& options) {
   try {
     generate(mesh, grid, options);

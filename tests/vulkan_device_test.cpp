@@ -6,6 +6,7 @@
 #include "shaders/number_invocations_spv.h"
 #include "vulkan/dispatch_arguments.h"
 #include "vulkan/features.h"
+#include "vulkan/scratch_memory.h"
 #include "vulkan/spirv.h"
 
 namespace raymap::vulkan {
@@ -144,6 +145,30 @@ TEST_F(VulkanDevice, KeepsABuffersMemory) {
   EXPECT_GT(device().heldMemory(), held);
   other.release();
   EXPECT_EQ(device().heldMemory(), before);
+}
+
+TEST_F(VulkanDevice, SharesScratchMemory) {
+  ScratchMemory scratch(device());
+  DeviceBuffer a(device(), "a", &scratch), b(device(), "b", &scratch), later(device(), "later", &scratch);
+  const uint64_t before = device().heldMemory();
+  a.resize<uint32_t>(1000);
+  b.resize<uint32_t>(10);
+  scratch.startPhase();
+  later.resize<uint32_t>(100);
+  EXPECT_EQ(later.address(), a.address());
+  EXPECT_EQ(later.bytes(), 400u);
+  EXPECT_GE(b.address() > a.address() ? b.address() - a.address() : a.address() - b.address(), 40u);
+  const uint64_t held = device().heldMemory();
+  EXPECT_GE(held, before + 4040);
+
+  run([&](Commands& commands) { commands.fill(b, 1); });
+  scratch.startPhase();
+  later.resize<uint32_t>(500);
+  EXPECT_EQ(device().heldMemory(), held);
+  scratch.startPhase();
+  later.resize<uint32_t>(100000);
+  EXPECT_EQ(later.address(), a.address());  // Both moved.
+  EXPECT_EQ(download<uint32_t>(b), std::vector<uint32_t>(10, 1));
 }
 
 TEST_F(VulkanDevice, MapsWhatTheHostShares) {

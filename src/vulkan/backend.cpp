@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "pipeline.h"
@@ -14,6 +15,25 @@ namespace {
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
 
+/// What of a field crosses at once: a quarter, but neither so little that waiting for it takes longer than
+/// copying, nor so much that it does not stay in the host's caches.
+uint64_t pieceBytes(uint64_t fieldBytes) {
+  constexpr uint64_t kLeast = uint64_t{1} << 20, kMost = uint64_t{1} << 24;
+  return std::min(fieldBytes, std::clamp(fieldBytes / 4, kLeast, kMost));
+}
+
+/// While the sign is found, beside the results.
+size_t signBytes(const glm::ivec3& dims, const Options& options) {
+  const glm::u64vec3 n(dims);
+  const size_t samples = n.x * n.y * n.z;
+  size_t numbers = 3 * samples + n.x * n.y + n.y * n.z + n.z * n.x;  // The ray map.
+  if (!options.winding) numbers += samples;
+  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) numbers += samples;
+  for (int level = 1; options.sign == SignMode::Harmonic && level <= coarsestHarmonicLevel(dims); ++level)
+    numbers += 2 * harmonicBox(dims, level).sampleCount();
+  return numbers * sizeof(float);
+}
+
 }  // namespace
 
 Backend::Backend(Device& device)
@@ -21,34 +41,26 @@ Backend::Backend(Device& device)
       device_(&device),
       commandBuffer_(device),
       upload_(device),
-      distance_(makeResult("distance")),
-      triangle_(makeResult("closest triangle")),
-      winding_(makeResult("winding number")),
-      confidence_(makeResult("confidence")),
-      findings_(device, "findings for the host", MemoryUse::ReadBack) {
+      distance_(device, "distance"),
+      triangle_(device, "closest triangle"),
+      winding_(device, "winding number"),
+      confidence_(device, "confidence"),
+      findings_(device, "findings for the host", MemoryUse::ReadBack),
+      piece_(device, "piece of a field for the host", MemoryUse::ReadBack) {
   findings_.resize<Findings>(1);
 }
 
 size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
+  constexpr size_t kNumber = sizeof(float), kPerTriangle = 160;
+  const size_t samples = grid.sampleCount();
   const bool isSigned = options.sign != SignMode::None;
-  constexpr size_t kResult = 2 * sizeof(float);  // Here, and on its way to the host.
-  size_t perSample = kResult;
-  if (options.triangleIds) perSample += kResult;
-  if (options.confidence && isSigned) perSample += kResult;
-  if (isSigned) perSample += 3 * sizeof(int32_t) + (options.winding ? kResult : sizeof(float));
-  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) perSample += sizeof(float);
-  perSample += options.distance == DistanceMode::Exact ? 2 : 4 * sizeof(float);
-  size_t coarse = 0;
-  for (int level = 1; options.sign == SignMode::Harmonic && level <= coarsestHarmonicLevel(grid.dims);
-       ++level)
-    coarse += 4 * sizeof(float) * harmonicBox(grid.dims, level).sampleCount();
-  constexpr size_t kPerTriangle = 160;
-  return coarse + grid.sampleCount() * perSample + mesh.triangles.size() * kPerTriangle +
-         mesh.vertices.size() * 2 * sizeof(glm::vec3);
-}
-
-Backend::Result Backend::makeResult(const std::string& name) {
-  return {DeviceBuffer(*device_, name), DeviceBuffer(*device_, name + " for the host", MemoryUse::ReadBack)};
+  const size_t results = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned && options.winding ? 1 : 0) +
+                         (isSigned && options.confidence ? 1 : 0);
+  // Distances and sign share their memory.
+  const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
+  const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
+  return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) +
+         mesh.triangles.size() * kPerTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
 }
 
 void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress,
@@ -62,10 +74,10 @@ void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, 
   reserve(extentOf(mesh, grid, options));
   reserveResults(grid, options);
   StageRecorder::begin(commandBuffer_.begin(), grid, options,
-                       {.distance = distance_.device.address(),
-                        .triangle = addressOf(triangle_),
-                        .winding = addressOf(winding_),
-                        .confidence = addressOf(confidence_)});
+                       {.distance = distance_.address(),
+                        .triangle = options.triangleIds ? triangle_.address() : 0,
+                        .winding = options.winding ? winding_.address() : 0,
+                        .confidence = options.confidence ? confidence_.address() : 0});
   stage(kMeshStage, [&] { recordMesh(upload_.source()); });
 }
 
@@ -74,7 +86,8 @@ StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, cons
                 .triangles = static_cast<uint32_t>(mesh.triangles.size()),
                 .dims = grid.dims,
                 .distance = options.distance,
-                .sign = options.sign};
+                .sign = options.sign,
+                .hasWinding = options.winding};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -84,24 +97,18 @@ StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, cons
 }
 
 void Backend::reserveResults(const Grid& grid, const Options& options) {
-  const size_t count = grid.sampleCount();
-  const bool isSigned = hasSign();
-  const auto reserve = [&](Result& result, auto& values, bool isAskedFor, bool isNeeded) {
-    result.device.resize<float>(isNeeded ? count : 0);
-    result.host.resize<float>(isAskedFor ? count : 0);
-    values.resize(isAskedFor ? count : 0);
+  const auto reserve = [&](DeviceBuffer& result, auto& values, bool isAskedFor) {
+    const size_t count = isAskedFor ? grid.sampleCount() : 0;
+    result.resize<float>(count);
+    values.resize(count);
   };
   field_->grid = grid;
   field_->band = options.band * grid.spacing;
-  reserve(distance_, field_->distance, true, true);
-  reserve(triangle_, field_->triangle, options.triangleIds, options.triangleIds);
-  reserve(winding_, field_->winding, options.winding && isSigned, isSigned);
-  reserve(confidence_, field_->confidence, options.confidence && isSigned, options.confidence && isSigned);
-}
-
-/// 0 if it is not asked for.
-VkDeviceAddress Backend::addressOf(const Result& result) {
-  return result.device.bytes() > 0 ? result.device.address() : 0;
+  reserve(distance_, field_->distance, true);
+  reserve(triangle_, field_->triangle, options.triangleIds);
+  reserve(winding_, field_->winding, options.winding && hasSign());
+  reserve(confidence_, field_->confidence, options.confidence && hasSign());
+  piece_.resize<std::byte>(pieceBytes(distance_.bytes()));
 }
 
 /// Where somebody watches the progress, or may cancel, stages run one by one.
@@ -146,33 +153,40 @@ void Backend::rasterDistance() {
 
 void Backend::finish() {
   commands_->stage("finish", [&] { recordFinish(); });
-  commands_->stage(kReadBackStage, [&] {
-    commands_->concurrent([&] {
-      for (Result* result : {&distance_, &triangle_, &winding_, &confidence_}) readBack(*result);
-    });
-    recordFindings(findings_.handle(), findings_.offset());
-  });
+  recordFindings(findings_.handle(), findings_.offset());
+  recordPiece(distance_, 0);
   run();
   if (growIfFull()) return runPipeline(*this, *inputMesh_, *grid_, *options_, *progress_, *field_);
   takeResults();
-}
-
-void Backend::readBack(Result& result) {
-  if (result.host.bytes() > 0) commands_->copy(result.device, result.host, result.host.bytes());
 }
 
 void Backend::takeResults() {
   const Status status = describe(findings_.mapped<Findings>().front());
   if (status.error) throw *status.error;
   doubtfulShare_ = status.doubtfulShare;
-  const auto take = [](const Result& result, auto& values) {
-    if (!values.empty())
-      std::memcpy(values.data(), result.host.mapped<std::byte>().data(), result.host.bytes());
-  };
-  take(distance_, field_->distance);
-  take(triangle_, field_->triangle);
-  take(winding_, field_->winding);
-  take(confidence_, field_->confidence);
+  readBack(distance_, field_->distance.data(), true);
+  readBack(triangle_, field_->triangle.data());
+  readBack(winding_, field_->winding.data());
+  readBack(confidence_, field_->confidence.data());
+}
+
+void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
+  commands_->stage(kReadBackStage, [&] {
+    commands_->copyPart(result, first, piece_, std::min(piece_.bytes(), result.bytes() - first));
+  });
+}
+
+/// Piece by piece: memory for the host to see all of it at once would be a sixth of what a run holds.
+void Backend::readBack(const DeviceBuffer& result, void* to, bool isFirstThere) {
+  for (uint64_t done = 0; done < result.bytes(); done += piece_.bytes()) {
+    if (done > 0 || !isFirstThere) {
+      commands_ = commandBuffer_.begin();
+      recordPiece(result, done);
+      run();
+    }
+    std::memcpy(static_cast<std::byte*>(to) + done, piece_.mapped<std::byte>().data(),
+                std::min(piece_.bytes(), result.bytes() - done));
+  }
 }
 
 }  // namespace raymap::vulkan

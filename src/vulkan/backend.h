@@ -33,20 +33,14 @@ class Backend : public StageRecorder {
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
-  /// A result on its way to the host.
-  struct Result {
-    DeviceBuffer device, host;
-  };
-
   void afterStage() override;
   void run();
   bool growIfFull();
   Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
-  Result makeResult(const std::string& name);
   void reserveResults(const Grid& grid, const Options& options);
-  static VkDeviceAddress addressOf(const Result& result);
-  void readBack(Result& result);
   void takeResults();
+  void recordPiece(const DeviceBuffer& result, uint64_t first);
+  void readBack(const DeviceBuffer& result, void* to, bool isFirstThere = false);
 
   Device* device_;
   const Mesh* inputMesh_ = nullptr;
@@ -58,8 +52,8 @@ class Backend : public StageRecorder {
 
   CommandBuffer commandBuffer_;
   MeshUpload upload_;
-  Result distance_, triangle_, winding_, confidence_;
-  DeviceBuffer findings_;
+  DeviceBuffer distance_, triangle_, winding_, confidence_;
+  DeviceBuffer findings_, piece_;  // For the host.
 };
 
 }  // namespace raymap::vulkan

@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include "scratch_memory.h"
+
 namespace raymap::vulkan {
 
 namespace {
@@ -19,6 +21,18 @@ constexpr VkBufferUsageFlags kUsage =
 
 }  // namespace
 
+VkBuffer DeviceBuffer::handle() const {
+  return scratch_ ? scratch_->at(place_).handle() : buffer_.get();
+}
+
+VkDeviceSize DeviceBuffer::offset() const {
+  return scratch_ ? scratch_->at(place_).offset() : offset_;
+}
+
+VkDeviceAddress DeviceBuffer::address() const {
+  return scratch_ && size_ > 0 ? scratch_->at(place_).address() : address_;
+}
+
 void DeviceBuffer::release() {
   if (!buffer_) return;
   if (device_->guards()) device_->guards()->forget(buffer_.get());
@@ -30,6 +44,11 @@ void DeviceBuffer::release() {
 }
 
 void DeviceBuffer::resizeBytes(uint64_t bytes) {
+  if (scratch_) {
+    place_ = scratch_->take(bytes);
+    size_ = bytes;
+    return;
+  }
   if (bytes > capacity_) {
     release();
     try {
@@ -93,10 +112,12 @@ void DeviceBuffer::swap(DeviceBuffer& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(name_, other.name_);
   std::swap(use_, other.use_);
+  std::swap(scratch_, other.scratch_);
   std::swap(size_, other.size_);
   std::swap(capacity_, other.capacity_);
   std::swap(heldMemory_, other.heldMemory_);
   std::swap(offset_, other.offset_);
+  std::swap(place_, other.place_);
   std::swap(address_, other.address_);
   std::swap(mapped_, other.mapped_);
   memory_.swap(other.memory_);

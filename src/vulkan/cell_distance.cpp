@@ -12,8 +12,8 @@
 
 namespace raymap::vulkan {
 
-CellDistance::CellDistance(Device& device)
-    : kernel_(device, shaders::kCellDistance, kRunsGroup), squared_(device, "cell distances") {}
+CellDistance::CellDistance(Device& device, ScratchMemory* scratch)
+    : kernel_(device, shaders::kCellDistance, kRunsGroup), squared_(device, "cell distances", scratch) {}
 
 void CellDistance::reserve(size_t cells) {
   squared_.resize<float>(cells);

@@ -9,7 +9,7 @@ namespace raymap::vulkan {
 /// the triangles in it; `emptyCell` in all others.
 class CellDistance {
  public:
-  explicit CellDistance(Device& device);
+  explicit CellDistance(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for lattices of so many cells. Nothing recorded before may still have to run.
   void reserve(size_t cells);

@@ -93,6 +93,14 @@ void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, 
   vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
 }
 
+void Commands::copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to,
+                        VkDeviceSize bytes) {
+  if (bytes == 0) return;
+  barrier();
+  const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = to.offset(), .size = bytes};
+  vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
+}
+
 void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent) {
   barrier();
   const VkBufferImageCopy region{

@@ -42,6 +42,8 @@ class Commands {
     copy(from, to.handle(), to.offset(), bytes);
   }
   void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes);
+  /// From a byte of `from` on to the beginning of `to`.
+  void copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize bytes);
   /// Into an image of one layer and level in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
   void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
 

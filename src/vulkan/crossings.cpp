@@ -33,14 +33,15 @@ void checkSize(uint64_t elements, const char* what) {
 
 }  // namespace
 
-Crossings::Crossings(Device& device)
+Crossings::Crossings(Device& device, ScratchMemory* scratch)
     : reach_(device, shaders::kCrossingsReach, kCrossingsGroup),
       triangles_(device, shaders::kCrossingsTriangles, kCrossingsGroup),
       runs_(device, shaders::kCrossingsRuns, kCrossingsGroup),
       scan_(device),
       arguments_(device, "crossings arguments", 1),
-      lines_{DeviceBuffer(device, "crossings along x"), DeviceBuffer(device, "crossings along y"),
-             DeviceBuffer(device, "crossings along z")},
+      lines_{DeviceBuffer(device, "crossings along x", scratch),
+             DeviceBuffer(device, "crossings along y", scratch),
+             DeviceBuffer(device, "crossings along z", scratch)},
       runCounts_(device, "crossings runs"),
       status_(device, "crossings status") {
   status_.resize<CrossingsStatus>(1);

@@ -24,7 +24,7 @@ struct LatticeLines {
 /// ones are not kept.
 class Crossings {
  public:
-  explicit Crossings(Device& device);
+  explicit Crossings(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims and so many triangles. Nothing recorded before may still have to run.
   /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.

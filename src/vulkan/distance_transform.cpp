@@ -38,13 +38,13 @@ uint32_t segmentsOf(int length) {
 
 }  // namespace
 
-DistanceTransform::DistanceTransform(Device& device)
+DistanceTransform::DistanceTransform(Device& device, ScratchMemory* scratch)
     : groupSize_(groupSizeOf(device.limits())),
       alongX_(device, shaders::kDistanceTransform, groupSize_, {0, groupSize_ * kSegmentCells, groupSize_}),
       alongY_(device, shaders::kDistanceTransform, groupSize_, {1, groupSize_ * kSegmentCells, groupSize_}),
       alongZ_(device, shaders::kDistanceTransform, groupSize_, {2, groupSize_ * kSegmentCells, groupSize_}),
-      nearest_(device, "nearest cells"),
-      scratch_(device, "nearest cells, pass before") {}
+      nearest_(device, "nearest cells", scratch),
+      scratch_(device, "nearest cells, pass before", scratch) {}
 
 void DistanceTransform::reserve(const glm::ivec3& dims) {
   const auto longest = static_cast<uint32_t>(std::max({dims.x, dims.y, dims.z}));

@@ -11,7 +11,7 @@ namespace raymap::vulkan {
 /// cell q is ((dx^2 + f(q)) + dy^2) + dz^2 in single precision.
 class DistanceTransform {
  public:
-  explicit DistanceTransform(Device& device);
+  explicit DistanceTransform(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims. Nothing recorded before may still have to run. Throws
   /// `Error(Unsupported)` where a line of cells does not fit into the memory that a work group shares.

@@ -26,7 +26,7 @@ uint32_t groupSizeOf(const DeviceLimits& limits, bool isSoftware) {
 
 }  // namespace
 
-ExactDistance::ExactDistance(Device& device)
+ExactDistance::ExactDistance(Device& device, ScratchMemory* scratch)
     : hasShortLoops_(device.info().type == DeviceType::Software),
       maxSubgroup_(device.limits().maxSubgroupSize),
       groupSize_(groupSizeOf(device.limits(), hasShortLoops_)),
@@ -35,7 +35,8 @@ ExactDistance::ExactDistance(Device& device)
       samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
       rest_(device, shaders::kExactDistanceRest, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
       arguments_(device, "exact distance arguments", 1),
-      lists_{DeviceBuffer(device, "lists of large blocks"), DeviceBuffer(device, "lists of blocks")},
+      lists_{DeviceBuffer(device, "lists of large blocks", scratch),
+             DeviceBuffer(device, "lists of blocks", scratch)},
       unfinished_(device, "unfinished blocks") {}
 
 void ExactDistance::reserve(const glm::ivec3& dims) {

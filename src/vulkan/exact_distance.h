@@ -16,7 +16,7 @@ class ExactDistance {
     VkDeviceAddress triangle = 0;  ///< 0: not asked for.
   };
 
-  explicit ExactDistance(Device& device);
+  explicit ExactDistance(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for a grid. Nothing recorded before may still have to run.
   void reserve(const glm::ivec3& dims);

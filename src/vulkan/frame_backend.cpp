@@ -5,10 +5,7 @@
 namespace raymap::vulkan {
 
 FrameBackend::FrameBackend(Device& device)
-    : StageRecorder(device),
-      image_(device),
-      winding_(device, "winding number"),
-      findings_(device, "findings for the host", MemoryUse::ReadBack) {
+    : StageRecorder(device), image_(device), findings_(device, "findings for the host", MemoryUse::ReadBack) {
   findings_.resize<Findings>(1);
 }
 
@@ -23,7 +20,6 @@ void FrameBackend::reserve(const Room& room) {
                 .outside = room.outside};
   extent.lists.fill(room.lists);
   StageRecorder::reserve(extent);
-  winding_.resize<float>(hasSign() ? sampleCount() : 0);
   image_.reserve(room.dims, room.image);
   findings_.mapped<Findings>().front() = {};
 }
@@ -31,7 +27,6 @@ void FrameBackend::reserve(const Room& room) {
 void FrameBackend::begin(const Mesh&, const Grid& grid, const Options& options, Progress&, Field&) {
   Results results = frame_->results;
   if (results.distance == 0) results.distance = image_.distance();
-  if (results.winding == 0) results.winding = winding_.address();
   waitForAll(frame_->commands.handle());
   StageRecorder::begin(frame_->commands, grid, options, results);
   recordMesh(frame_->mesh);

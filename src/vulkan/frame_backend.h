@@ -15,7 +15,7 @@ class FrameBackend : public StageRecorder {
   struct Frame {
     Commands commands;
     CellMesh::Source mesh;
-    Results results;  ///< Without a distance, an image's; without a winding number, one that nobody sees.
+    Results results;  ///< Without a distance, an image's.
     VkImage image = VK_NULL_HANDLE;
     VkImageLayout imageLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     BufferRange status;
@@ -39,7 +39,7 @@ class FrameBackend : public StageRecorder {
  private:
   std::optional<Frame> frame_;
   FieldImage image_;
-  DeviceBuffer winding_, findings_;
+  DeviceBuffer findings_;
 };
 
 }  // namespace raymap::vulkan

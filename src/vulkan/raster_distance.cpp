@@ -10,10 +10,10 @@
 
 namespace raymap::vulkan {
 
-RasterDistance::RasterDistance(Device& device)
+RasterDistance::RasterDistance(Device& device, ScratchMemory* scratch)
     : runs_(device),
       kernel_(device, shaders::kRasterDistance, kRunsGroup),
-      squared_(device, "cell distances") {}
+      squared_(device, "cell distances", scratch) {}
 
 void RasterDistance::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
   cells_ = cells;

@@ -15,7 +15,7 @@ namespace raymap::vulkan {
 /// again.
 class RasterDistance {
  public:
-  explicit RasterDistance(Device& device);
+  explicit RasterDistance(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for a lattice and so many triangles, and for a guess at their rows, or so many if these are
   /// more. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more than can

@@ -6,34 +6,41 @@ namespace raymap::vulkan {
 
 StageRecorder::StageRecorder(Device& device)
     : device_(&device),
+      scratch_(device),
       mesh_(device),
       surfaceTree_(device),
-      exactDistance_(device),
+      exactDistance_(device, &scratch_),
       refine_(device),
       rasterSamples_(device),
-      crossings_(device),
+      crossings_(device, &scratch_),
       rayMap_(device),
       windingRays_(device),
-      windingPaths_(device),
-      windingHarmonic_(device),
+      windingPaths_(device, &scratch_),
+      windingHarmonic_(device, &scratch_),
       windingDipoles_(device),
-      sign_(device) {}
+      sign_(device),
+      winding_(device, "winding number", &scratch_) {}
 
 void StageRecorder::reserve(const Extent& extent) {
   extent_ = extent;
   const bool isHarmonic = extent.sign == SignMode::Harmonic;
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic) surfaceTree_.reserve(extent.triangles);
+  // The sign needs nothing that the distances leave but themselves.
+  scratch_.startPhase();
+  if (hasSign()) reserveSign();
+  // Last, for the levels of cells keep addresses.
+  scratch_.startPhase();
   if (isExact())
     exactDistance_.reserve(extent.dims);
   else
     reserveCells();
-  if (hasSign()) reserveSign();
 }
 
 void StageRecorder::reserveSign() {
   const glm::ivec3& dims = extent_.dims;
   crossings_.reserve(dims, extent_.triangles);
+  winding_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
   if (extent_.sign == SignMode::Paths || extent_.sign == SignMode::Evolution) windingPaths_.reserve(dims);
   if (extent_.sign != SignMode::Harmonic) return;
   windingHarmonic_.reserve(dims);
@@ -46,6 +53,7 @@ void StageRecorder::begin(const Commands& commands, const Grid& grid, const Opti
   grid_ = &grid;
   options_ = &options;
   results_ = results;
+  if (results.winding == 0) results_.winding = winding_.address();
 }
 
 void StageRecorder::recordMesh(const CellMesh::Source& source) {

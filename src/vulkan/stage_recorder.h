@@ -15,6 +15,7 @@
 #include "raster_distance.h"
 #include "ray_map.h"
 #include "refine.h"
+#include "scratch_memory.h"
 #include "sign.h"
 #include "surface_tree.h"
 #include "voxel_grid.h"
@@ -52,6 +53,7 @@ class StageRecorder {
     glm::ivec3 dims{0};
     DistanceMode distance = DistanceMode::Exact;
     SignMode sign = SignMode::Harmonic;
+    bool hasWinding = false;  ///< Results always come with a place for the winding number.
     /// What the paper's distances search: `coverBounds` of meshes that reach no farther than `outside`.
     std::vector<CellLattice> lattices;
     double outside = 0.0;  ///< In samples, beyond the grid.
@@ -60,9 +62,9 @@ class StageRecorder {
   /// Where the results lie, of every sample.
   struct Results {
     VkDeviceAddress distance = 0;
-    VkDeviceAddress triangle = 0;  ///< 0: not asked for.
-    VkDeviceAddress winding = 0;   ///< 0 only without a sign.
-    VkDeviceAddress confidence = 0;
+    VkDeviceAddress triangle = 0;    ///< 0: not asked for.
+    VkDeviceAddress winding = 0;     ///< Likewise.
+    VkDeviceAddress confidence = 0;  ///< Likewise.
   };
 
   explicit StageRecorder(Device& device);
@@ -103,7 +105,11 @@ class StageRecorder {
  private:
   /// What the paper's distances need of one lattice.
   struct Level {
-    explicit Level(Device& device) : grid(device), distance(device), raster(device), transform(device) {}
+    Level(Device& device, ScratchMemory* scratch)
+        : grid(device, scratch),
+          distance(device, scratch),
+          raster(device, scratch),
+          transform(device, scratch) {}
     VoxelGrid grid;
     CellDistance distance;
     RasterDistance raster;
@@ -122,6 +128,7 @@ class StageRecorder {
   Device* device_;
   Extent extent_;
   Results results_;
+  ScratchMemory scratch_;  // Before what lies there.
   CellMesh mesh_;
   SurfaceTree surfaceTree_;
   ExactDistance exactDistance_;
@@ -135,6 +142,7 @@ class StageRecorder {
   WindingHarmonic windingHarmonic_;
   WindingDipoles windingDipoles_;
   Sign sign_;
+  DeviceBuffer winding_;  // Where nobody else has a place for it.
 };
 
 }  // namespace raymap::vulkan

@@ -12,7 +12,7 @@ CellRuns::Triangles StageRecorder::cellTriangles() const {
 
 void StageRecorder::reserveCells() {
   const std::vector<CellLattice>& lattices = extent_.lattices;
-  while (levels_.size() < lattices.size()) levels_.push_back(std::make_unique<Level>(*device_));
+  while (levels_.size() < lattices.size()) levels_.push_back(std::make_unique<Level>(*device_, &scratch_));
   std::vector<CellLevelData> data;
   for (size_t l = 0; l < lattices.size(); ++l) {
     Level& level = *levels_[l];

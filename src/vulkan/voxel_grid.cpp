@@ -29,7 +29,7 @@ uint32_t bitsOf(const CellLattice& cells) {
 
 }  // namespace
 
-VoxelGrid::VoxelGrid(Device& device)
+VoxelGrid::VoxelGrid(Device& device, ScratchMemory* scratch)
     : runs_(device),
       writeEntries_(device, shaders::kVoxelGridEntries, kRunsGroup),
       findBegins_(device, shaders::kVoxelGridBegins, kRunsGroup),
@@ -37,7 +37,7 @@ VoxelGrid::VoxelGrid(Device& device)
       arguments_(device, "voxel grid arguments", 1),
       entryCells_{{device, "entries' cells"}, {device, "entries' cells, unsorted"}},
       entryTriangles_{{device, "entries' triangles"}, {device, "entries' triangles, unsorted"}},
-      begins_(device, "cells' first entries"),
+      begins_(device, "cells' first entries", scratch),
       count_(device, "entries' count") {}
 
 void VoxelGrid::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {

@@ -15,7 +15,7 @@ namespace raymap::vulkan {
 /// yes (too many rows hide how many entries there are); later meshes of about the same size fit at once.
 class VoxelGrid {
  public:
-  explicit VoxelGrid(Device& device);
+  explicit VoxelGrid(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for a lattice and so many triangles, and for a guess at their lists, or such if these are
   /// longer. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more entries

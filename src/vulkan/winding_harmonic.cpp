@@ -28,8 +28,9 @@ uint64_t restrictGroups(const glm::ivec3& coarse) {
 
 }  // namespace
 
-WindingHarmonic::WindingHarmonic(Device& device)
+WindingHarmonic::WindingHarmonic(Device& device, ScratchMemory* scratch)
     : device_(&device),
+      scratch_(scratch),
       gate_(device, "dispatches of the harmonic solve"),
       jumps_(device, shaders::kWindingJumps, kGroup),
       relax_(device, shaders::kWindingRelax, kGroup),
@@ -39,20 +40,17 @@ WindingHarmonic::WindingHarmonic(Device& device)
       coarsest_(device, shaders::kWindingCoarsest, kCoarsestGroup, {kCoarsestSweeps}) {}
 
 void WindingHarmonic::reserve(const glm::ivec3& dims) {
-  if (dims == dims_) return;
   const auto count = static_cast<size_t>(coarsestHarmonicLevel(dims)) + 1;
   while (levels_.size() > count) levels_.pop_back();
   while (levels_.size() < count)
-    levels_.push_back({.values = {*device_, "winding values"},
-                       .jumps = {*device_, "winding jumps"},
-                       .correction = {*device_, "winding correction"},
-                       .residual = {*device_, "winding residual"}});
+    levels_.push_back({.values = {*device_, "winding values", scratch_},
+                       .rightHandSide = {*device_, "right-hand side of winding", scratch_}});
   for (size_t l = 0; l < count; ++l) {
     Level& level = levels_[l];
     level.box = harmonicBox(dims, int(l));
     if (l == 0) continue;
-    for (DeviceBuffer* field : {&level.values, &level.jumps, &level.correction, &level.residual})
-      field->resize<float>(level.box.sampleCount());
+    level.values.resize<float>(level.box.sampleCount());
+    level.rightHandSide.resize<float>(level.box.sampleCount());
   }
   dims_ = dims;
   plan();
@@ -73,7 +71,7 @@ void WindingHarmonic::record(Commands& commands, const Fields& fields) {
   gate_.record(commands, fields.doubtful);
   commands.concurrent([&] {
     for (uint32_t l = 1; l < levels_.size(); ++l)
-      dispatch(commands, jumps_, push(fields, l, levels_[l].jumps.address()), Extent::Samples);
+      dispatch(commands, jumps_, push(fields, l, levels_[l].rightHandSide.address()), Extent::Samples);
   });
   for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
 }
@@ -82,7 +80,7 @@ void WindingHarmonic::record(Commands& commands, const Fields& fields) {
 /// error below that of the lattice itself (docs/signs.md).
 void WindingHarmonic::solve(Commands& commands, const Fields& fields, uint32_t level) {
   const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
-  const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].jumps.address();
+  const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].rightHandSide.address();
   if (level == coarsest()) {
     solveCoarsest(commands, values, jumps);
     return;
@@ -101,15 +99,15 @@ void WindingHarmonic::improve(Commands& commands, const Fields& fields, uint32_t
   WindingHarmonicPush fine = push(fields, level, values);
   fine.rightHandSide = rightHandSide;
   relax(commands, fine);
-  fine.coarse = coarse.residual.address();
+  fine.coarse = coarse.rightHandSide.address();
   dispatch(commands, restrict_, fine, Extent::RestrictGroups);
   if (level + 1 == coarsest()) {
-    solveCoarsest(commands, coarse.correction.address(), coarse.residual.address());
+    solveCoarsest(commands, coarse.values.address(), coarse.rightHandSide.address());
   } else {
-    commands.fill(coarse.correction, 0);
-    improve(commands, fields, level + 1, coarse.correction.address(), coarse.residual.address());
+    commands.fill(coarse.values, 0);
+    improve(commands, fields, level + 1, coarse.values.address(), coarse.rightHandSide.address());
   }
-  fine.coarse = coarse.correction.address();
+  fine.coarse = coarse.values.address();
   dispatch(commands, correct_, fine, Extent::Samples);
   relax(commands, fine);
 }

@@ -20,7 +20,7 @@ class WindingHarmonic {
     VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
   };
 
-  explicit WindingHarmonic(Device& device);
+  explicit WindingHarmonic(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims. Nothing recorded before may still have to run.
   void reserve(const glm::ivec3& dims);
@@ -28,10 +28,12 @@ class WindingHarmonic {
   void record(Commands& commands, const Fields& fields);
 
  private:
-  /// One lattice of the hierarchy; the finest one's values are the result, and its jumps are not kept.
+  /// One lattice of the hierarchy. Its values and what its equations ask for: first of the solution and of
+  /// the jumps; once the next finer one has started from that, of a correction and of the residual it is to
+  /// mend. The finest one's values are the result, and what it asks for is not kept.
   struct Level {
     LatticeBox box;
-    DeviceBuffer values, jumps, correction, residual;
+    DeviceBuffer values, rightHandSide;
   };
   /// Where the arguments of a level's dispatches lie.
   enum class Extent : uint32_t { Samples, HalfSamples, RestrictGroups, OneGroup };
@@ -50,6 +52,7 @@ class WindingHarmonic {
   uint32_t coarsest() const { return static_cast<uint32_t>(levels_.size()) - 1; }
 
   Device* device_;
+  ScratchMemory* scratch_;
   glm::ivec3 dims_{0};
   std::vector<Level> levels_;
   Gate gate_;

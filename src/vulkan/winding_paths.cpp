@@ -12,10 +12,10 @@ namespace raymap::vulkan {
 
 static_assert(kPointsPerStep <= kPointsPerDispatch);
 
-WindingPaths::WindingPaths(Device& device)
+WindingPaths::WindingPaths(Device& device, ScratchMemory* scratch)
     : gate_(device, "winding paths dispatch"),
       kernel_(device, shaders::kWindingPaths, kWindingPathsGroup),
-      next_(device, "winding of the next step") {
+      next_(device, "winding of the next step", scratch) {
   gate_.reserve(1);
 }
 

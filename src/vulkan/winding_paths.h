@@ -19,7 +19,7 @@ class WindingPaths {
     VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
   };
 
-  explicit WindingPaths(Device& device);
+  explicit WindingPaths(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims. Nothing recorded before may still have to run.
   void reserve(const glm::ivec3& dims);
