@@ -18,6 +18,9 @@ check() { # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
   cmake -S tests/consumer -B "$root/$1-consumer" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >>"$root/$1.log"
   cmake --build "$root/$1-consumer" >>"$root/$1.log"
   "$root/$1-consumer/consumer"
+  if [[ -x $root/$1-consumer/vulkan_consumer ]]; then
+    "$root/$1-consumer/vulkan_consumer" || [[ $? -eq 77 ]]  # It says that there is no device.
+  fi
 
   echo "$1, pkg-config:"
   libraries=$(dirname "$(dirname "$(find "$prefix" -name raymap.pc)")")

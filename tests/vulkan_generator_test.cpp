@@ -449,7 +449,7 @@ TEST_F(VulkanGenerator, RefusesWhatItHasNoRoomFor) {
 class Counted {
  public:
   Counted() {
-    calls() = 0;
+    calls() = submissions() = 0;
     vkAllocateMemory = [](VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* by,
                           VkDeviceMemory* memory) {
       ++calls();
@@ -466,6 +466,10 @@ class Counted {
       ++calls();
       return before().makePipelines(device, cache, count, info, by, pipelines);
     };
+    vkQueueSubmit2 = [](VkQueue queue, uint32_t count, const VkSubmitInfo2* submits, VkFence fence) {
+      ++submissions();
+      return before().submit(queue, count, submits, fence);
+    };
     vkMapMemory = [](VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size,
                      VkMemoryMapFlags flags, void** data) {
       ++calls();
@@ -477,6 +481,7 @@ class Counted {
     vkCreateBuffer = before().makeBuffer;
     vkCreateComputePipelines = before().makePipelines;
     vkMapMemory = before().map;
+    vkQueueSubmit2 = before().submit;
   }
   Counted(const Counted&) = delete;
   Counted& operator=(const Counted&) = delete;
@@ -485,6 +490,11 @@ class Counted {
     static int calls = 0;
     return calls;
   }
+  /// Those of a frame are the test's own; the host's way has one.
+  static int& submissions() {
+    static int submissions = 0;
+    return submissions;
+  }
 
  private:
   struct Functions {
@@ -492,6 +502,7 @@ class Counted {
     PFN_vkCreateBuffer makeBuffer = vkCreateBuffer;
     PFN_vkCreateComputePipelines makePipelines = vkCreateComputePipelines;
     PFN_vkMapMemory map = vkMapMemory;
+    PFN_vkQueueSubmit2 submit = vkQueueSubmit2;
   };
   /// Vulkan's own, kept when first asked for: before the first count.
   static const Functions& before() {
@@ -500,6 +511,20 @@ class Counted {
   }
   const Functions& keep_ = before();
 };
+
+TEST_F(VulkanGenerator, ReadsNothingBackOnTheHostsWay) {
+  const Mesh mesh = shapes::soup(400, 1);  // Its lists outgrow their room at first.
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster}) {
+    const Options options{.distance = distance, .sign = SignMode::Rays};
+    const Field first = hostField(mesh, grid, options);
+    const Counted counted;
+    const Field second = hostField(mesh, grid, options);
+    EXPECT_EQ(Counted::calls(), 0);
+    EXPECT_EQ(Counted::submissions(), 1);
+    EXPECT_TRUE(std::ranges::equal(first.distance, second.distance));
+  }
+}
 
 TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
   constexpr float kStep = 0.01f;
@@ -543,6 +568,7 @@ TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
       const Counted counted;
       generator.reserve(roomFor(mesh, grid, options));
       EXPECT_GT(Counted::calls(), 0);
+      EXPECT_EQ(Counted::submissions(), 0);
     }
     frame(0);
     const std::vector<float> first(distance.mapped<float>().begin(), distance.mapped<float>().end());
@@ -551,6 +577,7 @@ TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
       const Counted counted;
       for (int number = 1; number < frames; ++number) frame(number);
       EXPECT_EQ(Counted::calls(), 0);
+      EXPECT_EQ(Counted::submissions(), frames - 1);
     }
     EXPECT_EQ(generator.bytes(), held);
     EXPECT_FALSE(generator.status().error);
