@@ -113,15 +113,14 @@ void Backend::reserveResults(const Grid& grid, const Options& options) {
 
 /// Where somebody watches the progress, or may cancel, stages run one by one.
 void Backend::afterStage() {
-  if (!options_->progress) return;
+  if (!options().progress) return;
   recordFindings(findings_.handle(), findings_.offset());
   run();
-  commands_ = commandBuffer_.begin();
+  continueIn(commandBuffer_.begin());
 }
 
 void Backend::run() {
   commandBuffer_.submitAndWait();
-  commands_.reset();
   for (const StageTime& time : commandBuffer_.times()) {
     const double end = time.start + time.milliseconds;
     if (time.name == std::string_view(kMeshStage)) meshReady_ = end;
@@ -143,20 +142,20 @@ bool Backend::growIfFull() {
 /// Again with more room until it fits, where it has run by now; else `finish` looks.
 void Backend::voxelGrid() {
   do StageRecorder::voxelGrid();
-  while (options_->progress && growIfFull());
+  while (options().progress && growIfFull());
 }
 
 void Backend::rasterDistance() {
   do StageRecorder::rasterDistance();
-  while (options_->progress && growIfFull());
+  while (options().progress && growIfFull());
 }
 
 void Backend::finish() {
-  commands_->stage("finish", [&] { recordFinish(); });
+  commands().stage("finish", [&] { recordFinish(); });
   recordFindings(findings_.handle(), findings_.offset());
   recordPiece(distance_, 0);
   run();
-  if (growIfFull()) return runPipeline(*this, *inputMesh_, *grid_, *options_, *progress_, *field_);
+  if (growIfFull()) return runPipeline(*this, *inputMesh_, grid(), options(), *progress_, *field_);
   takeResults();
 }
 
@@ -171,8 +170,8 @@ void Backend::takeResults() {
 }
 
 void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
-  commands_->stage(kReadBackStage, [&] {
-    commands_->copyPart(result, first, piece_, std::min(piece_.bytes(), result.bytes() - first));
+  commands().stage(kReadBackStage, [&] {
+    commands().copyPart(result, first, piece_, std::min(piece_.bytes(), result.bytes() - first));
   });
 }
 
@@ -180,7 +179,7 @@ void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
 void Backend::readBack(const DeviceBuffer& result, void* to, bool isFirstThere) {
   for (uint64_t done = 0; done < result.bytes(); done += piece_.bytes()) {
     if (done > 0 || !isFirstThere) {
-      commands_ = commandBuffer_.begin();
+      continueIn(commandBuffer_.begin());
       recordPiece(result, done);
       run();
     }

@@ -34,7 +34,7 @@ void FrameBackend::begin(const Mesh&, const Grid& grid, const Options& options, 
 
 void FrameBackend::finish() {
   recordFinish();
-  if (frame_->image) image_.record(*commands_, frame_->image, frame_->imageLayout);
+  if (frame_->image) image_.record(commands(), frame_->image, frame_->imageLayout);
   recordFindings(findings_.handle(), findings_.offset());
   if (frame_->status.buffer) recordFindings(frame_->status.buffer, frame_->status.offset);
   showAll(frame_->commands.handle());

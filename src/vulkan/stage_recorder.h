@@ -98,9 +98,11 @@ class StageRecorder {
   bool isExact() const { return extent_.distance == DistanceMode::Exact; }
   size_t sampleCount() const { return CellLattice{extent_.dims}.count(); }
 
-  std::optional<Commands> commands_;
-  const Grid* grid_ = nullptr;
-  const Options* options_ = nullptr;
+  Commands& commands() { return *commands_; }
+  /// Into another command buffer from now on.
+  void continueIn(const Commands& commands) { commands_ = commands; }
+  const Grid& grid() const { return *grid_; }
+  const Options& options() const { return *options_; }
 
  private:
   /// What the paper's distances need of one lattice.
@@ -126,6 +128,9 @@ class StageRecorder {
   std::optional<Error> errorOf(const Findings& findings) const;
 
   Device* device_;
+  std::optional<Commands> commands_;
+  const Grid* grid_ = nullptr;
+  const Options* options_ = nullptr;
   Extent extent_;
   Results results_;
   ScratchMemory scratch_;  // Before what lies there.
