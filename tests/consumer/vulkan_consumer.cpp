@@ -1,5 +1,5 @@
-// A field that never leaves the GPU: the mesh lies in buffers of ours, the field comes to lie in another, on a
-// device of ours, by a command buffer of ours. Only to check it, this looks at two samples from the host.
+// A field that never leaves the GPU: the mesh lies in buffers of ours, the field comes to lie in another, on
+// a device of ours, by a command buffer of ours. Only to check it, this looks at two samples from the host.
 
 #include <raymap/raymap.h>
 #include <raymap/vulkan.h>
@@ -53,7 +53,8 @@ struct Buffer {
   void* memory = nullptr;
 };
 
-Buffer makeBuffer(const raymap::vulkan::DeviceHandles& on, VkDeviceSize bytes, const void* contents = nullptr) {
+Buffer makeBuffer(const raymap::vulkan::DeviceHandles& on, VkDeviceSize bytes,
+                  const void* contents = nullptr) {
   Buffer buffer;
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                 .size = bytes,
