@@ -1,5 +1,6 @@
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -18,7 +19,18 @@ constexpr const char* kFooter = R"(Examples:
 Measured after joining vertices at exactly equal positions. Only a balanced mesh (every edge used equally
 often in both directions) has a certain inside; for any other, 'raymap generate' finds the likeliest one.)";
 
-void print(const Diagnostics& found) {
+void print(const std::vector<Hole>& holes) {
+  constexpr size_t kMost = 5;
+  std::printf("%-24s %s\n", "holes", grouped(holes.size()).c_str());
+  for (size_t h = 0; h < std::min(holes.size(), kMost); ++h)
+    std::printf("  %-22s %s, length %.4g, diameter %.4g, at %.4g %.4g %.4g\n", "",
+                counted(holes[h].edges, "edge").c_str(), holes[h].length, holes[h].diameter,
+                holes[h].centre.x, holes[h].centre.y, holes[h].centre.z);
+  if (holes.size() > kMost)
+    std::printf("  %-22s and %s smaller ones\n", "", grouped(holes.size() - kMost).c_str());
+}
+
+void print(const Diagnostics& found, const SelfIntersections& crossings) {
   const auto count = [](const char* name, size_t value) {
     std::printf("%-24s %s\n", name, grouped(value).c_str());
   };
@@ -40,10 +52,13 @@ void print(const Diagnostics& found) {
   yes("consistently oriented", found.consistentlyOriented);
   yes("balanced", found.balanced);
   count("boundary edges", found.boundaryEdges);
+  print(found.holes);
   count("non-manifold edges", found.nonManifoldEdges);
   count("flipped edges", found.flippedEdges);
   count("degenerate faces", found.degenerateFaces);
   count("duplicate faces", found.duplicateFaces);
+  std::printf("%-24s %s%s, of %s\n", "crossing pairs of faces", crossings.isComplete ? "" : "at least ",
+              grouped(crossings.pairs).c_str(), counted(crossings.faces.size(), "face").c_str());
 }
 
 }  // namespace
@@ -61,11 +76,13 @@ void addInfo(CLI::App& app) {
   command->add_flag("--json", arguments->isJson, "For programs");
   command->footer(kFooter);
   command->callback([arguments] {
-    const Diagnostics found = diagnose(readMesh(arguments->mesh, warn));
-    if (arguments->isJson)
-      std::cout << toJson(found).dump(2) << "\n";
-    else
-      print(found);
+    const Mesh mesh = readMesh(arguments->mesh, warn);
+    const Diagnostics found = diagnose(mesh);
+    const SelfIntersections crossings = findSelfIntersections(mesh);
+    if (!arguments->isJson) return print(found, crossings);
+    Json json = toJson(found);
+    json["self_intersections"] = toJson(crossings);
+    std::cout << json.dump(2) << "\n";
   });
 }
 

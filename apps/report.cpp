@@ -2,14 +2,35 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
+#include <span>
 #include <utility>
 
 namespace raymap {
 
 Json toJson(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
+}
+
+namespace {
+
+Json listHoles(const std::vector<Hole>& holes) {
+  constexpr size_t kMost = 1000;
+  Json list = Json::array();
+  for (const Hole& hole : std::span(holes).first(std::min(holes.size(), kMost)))
+    list.push_back({{"edges", hole.edges},
+                    {"length", hole.length},
+                    {"centre", toJson(hole.centre)},
+                    {"diameter", hole.diameter}});
+  return list;
+}
+
+}  // namespace
+
+Json toJson(const SelfIntersections& found) {
+  return {{"pairs", found.pairs}, {"faces", found.faces.size()}, {"complete", found.isComplete}};
 }
 
 Json toJson(const Diagnostics& found) {
@@ -21,6 +42,8 @@ Json toJson(const Diagnostics& found) {
           {"balanced", found.balanced},
           {"components", found.components},
           {"boundary_edges", found.boundaryEdges},
+          {"hole_count", found.holes.size()},
+          {"holes", listHoles(found.holes)},
           {"nonmanifold_edges", found.nonManifoldEdges},
           {"flipped_edges", found.flippedEdges},
           {"degenerate_faces", found.degenerateFaces},

@@ -13,6 +13,7 @@ using Json = nlohmann::ordered_json;
 
 Json toJson(const glm::dvec3& v);
 Json toJson(const Diagnostics& found);
+Json toJson(const SelfIntersections& found);
 Json toJson(const Stats& stats);
 
 /// "418 boundary edges, 2 duplicate faces", or "nothing".

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 #include <sstream>
 
 #include "mesh_folder.h"
@@ -109,6 +110,106 @@ TEST(Diagnostics, FindsNeedles) {
 TEST(Diagnostics, CountsComponents) {
   EXPECT_EQ(diagnose(shapes::joined(shapes::sphere(1, 1), shapes::torus(4, 1, 12, 8))).components, 2u);
   EXPECT_EQ(diagnose(shapes::soup(100, 1)).components, 100u);
+}
+
+TEST(Diagnostics, TracesHoles) {
+  // A grid of squares 10 x 10 without a square of 2 x 3 and one that touches its corner.
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  for (int y = 0; y <= 10; ++y)
+    for (int x = 0; x <= 10; ++x) p.emplace_back(x, y, 5.0);
+  for (uint32_t y = 0; y < 10; ++y)
+    for (uint32_t x = 0; x < 10; ++x) {
+      if ((x >= 2 && x < 4 && y >= 2 && y < 5) || (x == 4 && y == 5)) continue;
+      const uint32_t a = y * 11 + x;
+      t.insert(t.end(), {{a, a + 1, a + 12}, {a, a + 12, a + 11}});
+    }
+  const std::vector<Hole> holes = diagnose(makeMesh(p, t)).holes;
+  ASSERT_EQ(holes.size(), 3u);
+  const size_t edges[] = {40, 10, 4};
+  const double diameters[] = {std::sqrt(200.0), std::sqrt(13.0), std::sqrt(2.0)};
+  const glm::dvec3 centres[] = {{5, 5, 5}, {3, 3.5, 5}, {4.5, 5.5, 5}};
+  for (size_t h = 0; h < 3; ++h) {
+    EXPECT_EQ(holes[h].edges, edges[h]);
+    EXPECT_DOUBLE_EQ(holes[h].length, double(edges[h]));
+    EXPECT_NEAR(holes[h].diameter, diameters[h], 1e-6);
+    EXPECT_LT(glm::distance(holes[h].centre, centres[h]), 1e-6);
+  }
+}
+
+TEST(Diagnostics, CountsEveryBoundaryEdgeInOneHole) {
+  // An edge with three faces: what is left around it does not close.
+  Mesh fan;
+  fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  for (const Mesh& mesh : {fan, shapes::soup(50, 4)}) {
+    const Diagnostics found = diagnose(mesh);
+    size_t edges = 0;
+    for (const Hole& hole : found.holes) edges += hole.edges;
+    EXPECT_EQ(edges, found.boundaryEdges);
+  }
+  EXPECT_TRUE(diagnose(shapes::sphere(1.0, 2)).holes.empty());
+}
+
+TEST(Diagnostics, CountsCrossingFaces) {
+  EXPECT_EQ(findSelfIntersections(shapes::sphere(1.0, 3)).pairs, 0u);
+  EXPECT_EQ(findSelfIntersections(shapes::torus(1.0, 0.4, 40, 20)).pairs, 0u);
+  const SelfIntersections apart = findSelfIntersections(
+      shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({1, 0, 0}, {2, 1, 1})));
+  EXPECT_EQ(apart.pairs, 0u);  // They touch.
+  Mesh two;
+  two.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}, {9, 9, 0}};
+  two.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const SelfIntersections crossing = findSelfIntersections(two);
+  EXPECT_EQ(crossing.pairs, 1u);
+  EXPECT_EQ(crossing.faces, (std::vector<uint32_t>{0, 1}));
+}
+
+bool segmentCrosses(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3 (&t)[3]) {
+  const auto side = [](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r, const glm::dvec3& s) {
+    return glm::dot(glm::cross(q - p, r - p), s - p) > 0.0;
+  };
+  if (side(t[0], t[1], t[2], a) == side(t[0], t[1], t[2], b)) return false;
+  const bool first = side(a, b, t[0], t[1]);
+  return side(a, b, t[1], t[2]) == first && side(a, b, t[2], t[0]) == first;
+}
+
+TEST(Diagnostics, FindsTheCrossingsOfASoup) {
+  const Mesh mesh = shapes::soup(200, 9);
+  size_t expected = 0;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (size_t j = i + 1; j < mesh.triangles.size(); ++j) {
+      glm::dvec3 a[3], b[3];
+      for (int c = 0; c < 3; ++c) {
+        a[c] = mesh.position(mesh.triangles[i][c]);
+        b[c] = mesh.position(mesh.triangles[j][c]);
+      }
+      bool cross = false;
+      for (int c = 0; c < 3; ++c)
+        cross = cross || segmentCrosses(a[c], a[(c + 1) % 3], b) || segmentCrosses(b[c], b[(c + 1) % 3], a);
+      expected += cross ? 1 : 0;
+    }
+  EXPECT_GT(expected, 1000u);
+  EXPECT_EQ(findSelfIntersections(mesh).pairs, expected);
+}
+
+TEST(Diagnostics, StopsCountingWhereAllFacesCross) {
+  // Triangles around one axis, through each other.
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (uint32_t i = 0; i < 60000; ++i) {
+    const double turn = 3.0 * unit(random);
+    const glm::dvec3 side(std::cos(turn), std::sin(turn), 0.0);
+    for (const glm::dvec3& corner :
+         {side + glm::dvec3(0, 0, unit(random)), -side + glm::dvec3(0, 0, unit(random)), glm::dvec3(0, 0, 3)})
+      p.push_back(corner);
+    t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  const SelfIntersections found = findSelfIntersections(makeMesh(p, t));
+  EXPECT_FALSE(found.isComplete);
+  EXPECT_GT(found.pairs, 1000000u);
 }
 
 TEST(Diagnostics, RefusesABadIndex) {

@@ -2,51 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <numeric>
 
 #include "cpu/parallel.h"
+#include "half_edges.h"
+#include "holes.h"
+#include "weld.h"
 
 namespace raymap {
 
 namespace {
 
 constexpr double kDegenerateHeight = 1e-6;  // Share of the longest edge.
-
-/// A position as sortable bits, equal exactly where the coordinates are (-0 equals 0, even NaN has a place).
-struct WeldKey {
-  std::array<uint32_t, 3> bits;
-  uint32_t vertex;
-  bool operator<(const WeldKey& other) const { return bits < other.bits; }
-};
-
-/// An edge between two welded vertices, and whether its face walks it from the lower one to the higher one.
-struct Edge {
-  uint64_t ends;
-  bool forward;
-  bool operator<(const Edge& other) const { return ends < other.ends; }
-};
-
-/// Which distinct position each vertex has.
-struct Welding {
-  std::vector<uint32_t> ids;
-  size_t count = 0;
-};
-
-Welding weld(const Mesh& mesh) {
-  std::vector<WeldKey> keys(mesh.vertices.size());
-  for (uint32_t v = 0; v < keys.size(); ++v) {
-    const glm::vec3 p = mesh.vertices[v] + 0.0f;  // Turns -0 into 0.
-    keys[v] = {{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)}, v};
-  }
-  tbb::parallel_sort(keys.begin(), keys.end());
-  Welding welding{std::vector<uint32_t>(keys.size()), 0};
-  for (size_t k = 0; k < keys.size(); ++k) {
-    if (k == 0 || keys[k].bits != keys[k - 1].bits) ++welding.count;
-    welding.ids[keys[k].vertex] = static_cast<uint32_t>(welding.count - 1);
-  }
-  return welding;
-}
 
 bool hasRepeatedCorner(const glm::uvec3& face) {
   return face.x == face.y || face.y == face.z || face.z == face.x;
@@ -90,28 +57,30 @@ std::vector<glm::uvec3> measureFaces(const Mesh& mesh, const Welding& welding, D
   return faces;
 }
 
-void countEdges(const std::vector<glm::uvec3>& faces, Diagnostics& found) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * faces.size());
-  for (const glm::uvec3& face : faces)
-    for (int c = 0; c < 3; ++c) {
-      const uint32_t a = face[c], b = face[(c + 1) % 3];
-      edges.push_back({uint64_t{std::min(a, b)} << 32 | std::max(a, b), a < b});
-    }
-  tbb::parallel_sort(edges.begin(), edges.end());
-  found.watertight = found.balanced = !faces.empty();
-  for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    size_t forward = 0;
-    for (; end < edges.size() && edges[end].ends == edges[begin].ends; ++end)
-      forward += edges[end].forward ? 1 : 0;
-    const size_t count = end - begin;
-    if (count == 1) ++found.boundaryEdges;
+std::vector<Hole> findHoles(const Mesh& mesh, const Welding& welding,
+                            std::span<const std::pair<uint32_t, uint32_t>> boundary) {
+  std::vector<uint32_t> vertexOf(welding.count);
+  for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
+  return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
+}
+
+void countEdges(const Mesh& mesh, const Welding& welding, Diagnostics& found) {
+  const std::vector<HalfEdge> halfEdges = sortHalfEdges(mesh, welding);
+  std::vector<std::pair<uint32_t, uint32_t>> boundary;
+  found.balanced = !halfEdges.empty();
+  forEachEdge(halfEdges, [&](std::span<const HalfEdge> edge) {
+    const size_t count = edge.size();
+    const auto forward =
+        size_t(std::count_if(edge.begin(), edge.end(), [](const HalfEdge& h) { return h.isForward; }));
+    if (count == 1) boundary.emplace_back(edge[0].low, edge[0].high);
     if (count > 2) ++found.nonManifoldEdges;
     if (count == 2 && forward != 1) ++found.flippedEdges;
     if (2 * forward != count) found.balanced = false;
-  }
-  found.watertight = found.watertight && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
+  });
+  found.boundaryEdges = boundary.size();
+  found.watertight = !halfEdges.empty() && boundary.empty() && found.nonManifoldEdges == 0;
   found.consistentlyOriented = found.flippedEdges == 0;
+  if (!boundary.empty()) found.holes = findHoles(mesh, welding, boundary);
 }
 
 size_t countDuplicates(const std::vector<glm::uvec3>& faces) {
@@ -147,14 +116,14 @@ size_t countComponents(const std::vector<glm::uvec3>& faces, size_t vertexCount)
 
 Diagnostics diagnose(const Mesh& mesh) {
   validate(mesh);
-  const Welding welding = weld(mesh);
+  const Welding welding = weldVertices(mesh.vertices);
   Diagnostics found;
   found.vertices = mesh.vertices.size();
   found.weldedVertices = welding.count;
   found.triangles = mesh.triangles.size();
   found.bounds = bounds(mesh);
   const std::vector<glm::uvec3> faces = measureFaces(mesh, welding, found);
-  countEdges(faces, found);
+  countEdges(mesh, welding, found);
   found.duplicateFaces = countDuplicates(faces);
   found.components = countComponents(faces, welding.count);
   return found;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <raymap/mesh.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "weld.h"
+
+namespace raymap {
+
+/// A face's side of an edge between two distinct positions, the lower one's number first.
+struct HalfEdge {
+  uint32_t low, high;
+  uint32_t face;
+  bool isForward;  ///< Whether the face walks from the lower one to the higher one.
+
+  bool isOfSameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
+};
+
+/// Those of an edge stand together, faces ascending. Faces with a repeated corner have none.
+std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding);
+
+/// Calls `work(halfEdges)` for each edge.
+template <class Work>
+void forEachEdge(std::span<const HalfEdge> halfEdges, Work&& work) {
+  for (size_t begin = 0, end = 0; begin < halfEdges.size(); begin = end) {
+    while (end < halfEdges.size() && halfEdges[end].isOfSameEdge(halfEdges[begin])) ++end;
+    work(halfEdges.subspan(begin, end - begin));
+  }
+}
+
+}  // namespace raymap

@@ -1,0 +1,107 @@
+// Boundary edges as loops.
+
+#include "holes.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kNotOnPath = std::numeric_limits<size_t>::max();
+
+/// The edges at each of the positions that have any, numbered anew from 0.
+struct Network {
+  explicit Network(std::span<const std::pair<uint32_t, uint32_t>> edges) {
+    for (const auto& [a, b] : edges) {
+      positions.push_back(a);
+      positions.push_back(b);
+    }
+    std::sort(positions.begin(), positions.end());
+    positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
+    edgesAt.resize(positions.size());
+    for (size_t e = 0; e < edges.size(); ++e) {
+      ends.emplace_back(numberOf(edges[e].first), numberOf(edges[e].second));
+      edgesAt[ends[e].first].push_back(e);
+      edgesAt[ends[e].second].push_back(e);
+    }
+    isUsed.resize(edges.size());
+  }
+
+  size_t numberOf(uint32_t position) const {
+    return size_t(std::lower_bound(positions.begin(), positions.end(), position) - positions.begin());
+  }
+  /// Where a walk should start: first at places that a chain of edges ends at.
+  std::vector<size_t> starts() const {
+    std::vector<size_t> order(positions.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::stable_partition(order.begin(), order.end(), [&](size_t p) { return edgesAt[p].size() % 2 != 0; });
+    return order;
+  }
+  /// Walks an unused edge from a place to its other end; false if there is none.
+  bool step(size_t& place) {
+    std::vector<size_t>& edges = edgesAt[place];
+    while (!edges.empty() && isUsed[edges.back()]) edges.pop_back();
+    if (edges.empty()) return false;
+    const size_t e = edges.back();
+    isUsed[e] = true;
+    place = ends[e].first == place ? ends[e].second : ends[e].first;
+    return true;
+  }
+
+  std::vector<uint32_t> positions;
+  std::vector<std::pair<size_t, size_t>> ends;
+  std::vector<std::vector<size_t>> edgesAt;
+  std::vector<bool> isUsed;
+};
+
+Hole measure(std::span<const glm::dvec3> corners) {
+  Hole hole{.edges = corners.size() - 1};
+  for (size_t c = 0; c + 1 < corners.size(); ++c) {
+    const double length = glm::distance(corners[c], corners[c + 1]);
+    hole.length += length;
+    hole.centre += 0.5 * length * (corners[c] + corners[c + 1]);
+  }
+  hole.centre = hole.length > 0.0 ? hole.centre / hole.length : corners[0];
+  for (const glm::dvec3& corner : corners)
+    hole.diameter = std::max(hole.diameter, 2.0 * glm::distance(corner, hole.centre));
+  return hole;
+}
+
+}  // namespace
+
+std::vector<Hole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>> edges,
+                             const std::function<glm::dvec3(uint32_t)>& position) {
+  Network network(edges);
+  std::vector<Hole> holes;
+  std::vector<size_t> path, placeOnPath(network.positions.size(), kNotOnPath);
+  const auto cutFrom = [&](size_t first) {  // the end of the path
+    std::vector<glm::dvec3> corners;
+    for (size_t p = first; p < path.size(); ++p) corners.push_back(position(network.positions[path[p]]));
+    if (corners.size() > 1) holes.push_back(measure(corners));
+    for (size_t p = first; p + 1 < path.size(); ++p) placeOnPath[path[p]] = kNotOnPath;
+    path.resize(first);
+  };
+  for (size_t place : network.starts()) {
+    path.assign(1, place);
+    placeOnPath[place] = 0;
+    while (network.step(place)) {
+      path.push_back(place);
+      if (const size_t before = placeOnPath[place]; before != kNotOnPath) {
+        cutFrom(before);
+        path.push_back(place);
+      }
+      placeOnPath[place] = path.size() - 1;
+    }
+    placeOnPath[path.back()] = kNotOnPath;
+    cutFrom(0);
+  }
+  std::stable_sort(holes.begin(), holes.end(),
+                   [](const Hole& a, const Hole& b) { return a.length > b.length; });
+  return holes;
+}
+
+}  // namespace raymap
