@@ -1,15 +1,17 @@
 #pragma once
 
 // Fields made and used on a GPU, with no way through the host: the mesh in buffers of yours, the work
-// recorded into a command buffer of yours, the field in a buffer or 3D image of yours. docs/vulkan.md shows
-// how.
+// recorded into a command buffer of yours, the field in a buffer or 3D image of yours. docs/vulkan.md and
+// examples/animated show how.
 //
 // The one public header with Vulkan's types, and not part of raymap.h. Of Vulkan it needs declarations only:
 // who uses volk, or wants VK_NO_PROTOTYPES, includes or defines that first. raymap itself opens the loader
 // (libvulkan.so.1) at run time.
 
+#include <raymap/animation.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/render.h>
 #include <vulkan/vulkan_core.h>
 
 #include <memory>
@@ -145,6 +147,62 @@ class Generator {
 
   /// Device memory held.
   uint64_t bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A skin and a pose of its joints, as in `AnimatedMesh`. Buffers as for `MeshBuffers`.
+struct SkinBuffers {
+  BufferRange rest;      ///< Three floats a vertex, tightly packed.
+  BufferRange joints;    ///< Four 16-bit numbers of matrices a vertex
+  BufferRange weights;   ///< and four floats; or neither, if the first matrix moves all vertices.
+  BufferRange matrices;  ///< A `JointMatrix` a joint; like the weights at a multiple of 16 bytes.
+  uint32_t vertexCount = 0;
+  uint32_t jointCount = 0;
+};
+
+/// Records what `posed` does on the CPU. Barriers, threads and lifetime are as of `Generator`.
+class Skinner {
+ public:
+  explicit Skinner(const DeviceHandles& device);
+  ~Skinner();
+  Skinner(Skinner&&) noexcept;
+  Skinner& operator=(Skinner&&) noexcept;
+
+  /// Writes three floats a vertex to `vertices`, good for `MeshBuffers`. A vertex that follows a joint out of
+  /// range becomes not a number, which a generator reports. Throws `Error(Usage)`, having recorded
+  /// nothing.
+  void record(VkCommandBuffer commands, const SkinBuffers& skin, const BufferRange& vertices);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A signed field on the device, as a generator leaves it.
+struct FieldBuffer {
+  BufferRange distance;  ///< Floats, x fastest, in the mesh's units.
+  Grid grid;
+  double band = 0.0;  ///< As `Field::band`, in the mesh's units.
+};
+
+/// Records the drawing of pictures, as `renderField` draws them. Barriers, threads and lifetime are as of
+/// `Generator`.
+class Renderer {
+ public:
+  explicit Renderer(const DeviceHandles& device);
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  /// Writes 32 bits a pixel to `pixels`, rows from the top: sRGB red in the lowest byte, then green, blue and
+  /// 255, as in VK_FORMAT_R8G8B8A8_SRGB. `options.frame` must be given: where the shape is, only the device
+  /// knows. Options about the host (threads, device, progress) do not count. Throws `Error`: Usage,
+  /// Unsupported, having recorded nothing.
+  void record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
+              const BufferRange& pixels);
 
  private:
   struct Impl;

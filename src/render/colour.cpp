@@ -7,12 +7,16 @@
 
 namespace raymap {
 
-Picture makePicture(int width, int height) {
+void checkPictureSize(int width, int height) {
   const auto isValid = [](int side) { return side >= 1 && side <= kMaxPictureSide; };
   if (!isValid(width) || !isValid(height))
     throw Error(ErrorCode::Usage, "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
                                       " pixels cannot be made: both sides must be 1 to " +
                                       std::to_string(kMaxPictureSide));
+}
+
+Picture makePicture(int width, int height) {
+  checkPictureSize(width, height);
   return {width, height, std::vector<uint8_t>(3 * size_t(width) * size_t(height))};
 }
 

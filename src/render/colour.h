@@ -30,7 +30,9 @@ inline void setPixel(Picture& picture, int x, int y, const Colour& colour) {
     pixel[c] = static_cast<uint8_t>(std::lround(255.0 * encodeSrgb(std::clamp(colour[c], 0.0, 1.0))));
 }
 
-/// An empty picture; throws `Error(Usage)` unless both sides are within 1 and `kMaxPictureSide`.
+/// Throws `Error(Usage)` unless both sides are within 1 and `kMaxPictureSide`.
+void checkPictureSize(int width, int height);
+/// An empty picture of a size that is checked.
 Picture makePicture(int width, int height);
 
 /// 1, 2 or 5 times a power of ten, nearest to `length` from above.

@@ -6,13 +6,16 @@
 
 namespace raymap {
 
-void validateField(const Field& field) {
-  const glm::ivec3 dims = field.grid.dims;
-  if (glm::any(glm::lessThan(dims, glm::ivec3(1))) || !(field.grid.spacing > 0.0) ||
-      !std::isfinite(field.grid.spacing))
+void validateGrid(const Grid& grid) {
+  const glm::ivec3 dims = grid.dims;
+  if (glm::any(glm::lessThan(dims, glm::ivec3(1))) || !(grid.spacing > 0.0) || !std::isfinite(grid.spacing))
     throw Error(ErrorCode::Usage, "the field is empty: its grid has " + std::to_string(dims.x) + " x " +
                                       std::to_string(dims.y) + " x " + std::to_string(dims.z) +
-                                      " samples at a spacing of " + std::to_string(field.grid.spacing));
+                                      " samples at a spacing of " + std::to_string(grid.spacing));
+}
+
+void validateField(const Field& field) {
+  validateGrid(field.grid);
   if (field.distance.size() != field.grid.sampleCount())
     throw Error(ErrorCode::Usage, "the field holds " + std::to_string(field.distance.size()) +
                                       " distances but its grid has " +

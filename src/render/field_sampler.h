@@ -7,6 +7,8 @@
 
 namespace raymap {
 
+/// Throws `Error(Usage)` unless the grid has samples and a positive spacing.
+void validateGrid(const Grid& grid);
 /// Throws `Error(Usage)` unless the field has a distance for each sample of a grid with a positive spacing.
 void validateField(const Field& field);
 

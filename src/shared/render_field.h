@@ -14,7 +14,7 @@ RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kRenderSubPixels
 struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) samples;
   RAYMAP_ADDRESS(RenderScenes) scene;
-  RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue from the lowest byte.
+  RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue, 255 from the lowest byte.
   RenderShape shape;
   uint width, height;
   uint firstRow, rows;

@@ -67,16 +67,17 @@ void take(std::span<const uint32_t> pixels, Picture& picture) {
 void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& picture) {
   const Field& field = scene.shape.field();
   RenderField stage(device);
+  stage.checkScene(scene);
+  Buffers buffers(device, field.distance.size(), picture.rgb.size() / 3);
+  fillSamples(field, buffers.uploadedField.mapped<float>());
   CommandBuffer buffer(device);
   const auto run = [&](const auto& record) {
     Commands commands = buffer.begin();
     record(commands);
     buffer.submitAndWait();
   };
-  run([&](Commands& commands) { stage.recordScene(commands, scene, picture.width, picture.height); });
-  Buffers buffers(device, field.distance.size(), picture.rgb.size() / 3);
-  fillSamples(field, buffers.uploadedField.mapped<float>());
   run([&](Commands& commands) {
+    stage.recordScene(commands, scene, picture.width, picture.height);
     commands.copy(buffers.uploadedField, buffers.field, buffers.field.bytes());
   });
   const RenderField::Samples samples{.address = buffers.field.address()};

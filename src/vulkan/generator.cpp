@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "buffer_range.h"
 #include "check_options.h"
 #include "command_buffer.h"
 #include "devices.h"
@@ -104,15 +105,8 @@ void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid,
   runPipeline(backend, noMesh, grid, options, progress, noField);
 }
 
-/// 0 for no buffer.
 VkDeviceAddress Generator::Impl::addressOf(const BufferRange& range) const {
-  if (!range.buffer) return 0;
-  require(
-      range.offset % sizeof(float) == 0,
-      "a buffer is to be used from byte " + std::to_string(range.offset) + " on, which is no multiple of 4");
-  const VkBufferDeviceAddressInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
-                                       .buffer = range.buffer};
-  return vkGetBufferDeviceAddress(device.handle(), &info) + range.offset;
+  return vulkan::addressOf(device.handle(), range, "a buffer of the mesh or the target");
 }
 
 CellMesh::Source Generator::Impl::sourceOf(const MeshBuffers& mesh) const {

@@ -55,11 +55,12 @@ RenderSceneData describe(const Scene& scene) {
 RenderField::RenderField(Device& device)
     : device_(&device), kernel_(device, shaders::kRenderField, kRenderGroup), scene_(device, "scene") {
   scene_.resize<RenderSceneData>(1);
+  kernel_.handle();  // Now, and not while a frame is recorded.
 }
 
 /// A ray takes up to 40 steps a sample to meet the shape or to miss it, 10 more to the light, both across
 /// the ball around it.
-void RenderField::refuseScene(const Scene& scene) const {
+void RenderField::checkScene(const Scene& scene) const {
   const size_t count = scene.shape.field().grid.sampleCount();
   if (count > size_t{std::numeric_limits<int32_t>::max()})
     throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) +
@@ -75,7 +76,6 @@ void RenderField::refuseScene(const Scene& scene) const {
 }
 
 void RenderField::recordScene(Commands& commands, const Scene& scene, int width, int height) {
-  refuseScene(scene);
   push_ = {.scene = scene_.address(),
            .shape = describe(scene.shape),
            .width = static_cast<uint32_t>(width),

@@ -24,15 +24,15 @@ class RenderField {
 
   explicit RenderField(Device& device);
 
-  /// Takes the scene to where rays find it. Throws `Error(Unsupported)` if a ray would need more steps than
-  /// the device can be trusted with.
+  /// Throws `Error(Unsupported)` if a ray would need more steps than the device can be trusted with.
+  void checkScene(const Scene& scene) const;
+  /// Takes a scene that was checked to where rays find it.
   void recordScene(Commands& commands, const Scene& scene, int width, int height);
-  /// Draws some of its rows, from the top, to `pixels`: 32 bits each, red in the lowest, then green and blue.
+  /// Draws some of its rows, from the top, to `pixels`: 32 bits each, red in the lowest, then green, blue,
+  /// 255.
   void recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels, int first, int count);
 
  private:
-  void refuseScene(const Scene& scene) const;
-
   Device* device_;
   Kernel<RenderFieldPush> kernel_;
   RenderFieldPush push_{};

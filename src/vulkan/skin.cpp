@@ -14,7 +14,9 @@ constexpr uint32_t kGroup = 128;
 
 }  // namespace
 
-Skin::Skin(Device& device) : kernel_(device, shaders::kSkin, kGroup) {}
+Skin::Skin(Device& device) : kernel_(device, shaders::kSkin, kGroup) {
+  kernel_.handle();  // Now, and not while a frame is recorded.
+}
 
 void Skin::record(Commands& commands, const Input& input, VkDeviceAddress vertices) {
   if (input.weights % 16 != 0 || input.matrices % 16 != 0)

@@ -82,7 +82,7 @@ uint encoded(vec3 linear) {
   const vec3 srgb =
       mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
   const uvec3 bytes = uvec3(255 * srgb + 0.5);
-  return bytes.r | bytes.g << 8 | bytes.b << 16;
+  return bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;
 }
 
 void main() {

@@ -1,0 +1,105 @@
+// What a program of its own records into its own command buffer: skins and pictures.
+
+#include <raymap/raymap.h>
+
+#include <functional>
+
+#include "analytic_fields.h"
+#include "pictures.h"
+#include "shapes.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+class VulkanFrames : public VulkanTest {
+ protected:
+  static BufferRange range(const DeviceBuffer& buffer) { return {buffer.handle(), buffer.offset()}; }
+
+  static ErrorCode refusal(const std::function<void(VkCommandBuffer)>& record) {
+    ErrorCode code{};
+    run([&](Commands& commands) {
+      try {
+        record(commands.handle());
+        ADD_FAILURE() << "not refused";
+      } catch (const Error& error) {
+        code = error.code();
+      }
+    });
+    return code;
+  }
+};
+
+TEST_F(VulkanFrames, SkinsMoveAsOnTheCpu) {
+  AnimatedMesh mesh{.rest = shapes::sphere(1.0, 3)};
+  mesh.nodes = {{.translation = {0, 1, 0}}, {.parent = 0, .rotation = {0.8, 0.6, 0, 0}}};
+  mesh.skeleton = {{.node = 0}, {.node = 1}};
+  mesh.joints.assign(mesh.rest.vertices.size(), {1, 0, 0, 0});
+  mesh.weights.assign(mesh.rest.vertices.size(), {0.25, 0.75, 0, 0});
+  const DeviceBuffer rest = upload(mesh.rest.vertices), joints = upload(mesh.joints),
+                     weights = upload(mesh.weights), matrices = upload(jointMatrices(mesh, 0.0));
+  DeviceBuffer moved(device(), "moved");
+  moved.resize<glm::vec3>(mesh.rest.vertices.size());
+  const SkinBuffers skin{.rest = range(rest),
+                         .joints = range(joints),
+                         .weights = range(weights),
+                         .matrices = range(matrices),
+                         .vertexCount = uint32_t(mesh.rest.vertices.size()),
+                         .jointCount = 2};
+  Skinner skinner(device().handles());
+  run([&](Commands& commands) { skinner.record(commands.handle(), skin, range(moved)); });
+  const std::vector<glm::vec3> ours = download<glm::vec3>(moved), theirs = posed(mesh, 0.0).vertices;
+  for (size_t v = 0; v < ours.size(); ++v) EXPECT_LE(glm::distance(ours[v], theirs[v]), 1e-6);
+
+  const auto refused = [&](const auto& change) {
+    SkinBuffers changed = skin;
+    change(changed);
+    return refusal([&](VkCommandBuffer commands) { skinner.record(commands, changed, range(moved)); });
+  };
+  EXPECT_EQ(refused([](SkinBuffers& s) { s.rest = {}; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](SkinBuffers& s) { s.weights = {}; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](SkinBuffers& s) { s.weights.offset += 4; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](SkinBuffers& s) { s.joints.offset += 2; }), ErrorCode::Usage);
+}
+
+TEST_F(VulkanFrames, PicturesLookAsOnTheCpu) {
+  Field field = analytic::sampled(analytic::cube(32, 2.0), [](const glm::dvec3& p) {
+    return std::clamp(analytic::torus(p, 0.6, 0.25), -0.3, 0.3);
+  });
+  field.band = 0.3;
+  const RenderOptions options{
+      .width = 80, .height = 60, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}, .device = "cpu"};
+  const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
+  DeviceBuffer pixels(device(), "pixels");
+  pixels.resize<uint32_t>(80 * 60);
+  const FieldBuffer onDevice{.distance = range(samples), .grid = field.grid, .band = field.band};
+  Renderer renderer(device().handles());
+  run([&](Commands& commands) { renderer.record(commands.handle(), onDevice, options, range(pixels)); });
+  Picture ours{80, 60, {}};
+  for (const uint32_t pixel : download<uint32_t>(pixels)) {
+    EXPECT_EQ(pixel >> 24, 255U);
+    for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
+  }
+  expectClose(ours, renderField(field, options));
+
+  const auto refused = [&](const auto& change) {
+    FieldBuffer changed = onDevice;
+    RenderOptions asked = options;
+    change(changed, asked);
+    return refusal(
+        [&](VkCommandBuffer commands) { renderer.record(commands, changed, asked, range(pixels)); });
+  };
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.distance = {}; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.dims.y = 0; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.spacing = 0; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.frame.reset(); }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.width = 0; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.shell = 0.4; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) {
+              f.grid.dims = {2048, 2048, 2048};
+            }),
+            ErrorCode::Unsupported);
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
