@@ -1,0 +1,228 @@
+// A field of a moving mesh, made anew and drawn in every frame, by one command buffer a frame. Once the mesh
+// is on the GPU nothing of it, of the field or of the picture crosses the bus: 48 bytes a joint go there, and
+// the pictures that somebody asked for come back.
+//
+//   raymap_animated -o out                     a bending tube, 60 frames
+//   raymap_animated man.glb -o out --every 1   a skinned glTF mesh, with a picture of every frame
+//
+// Read `Movie` from top to bottom: that is all there is to it.
+
+#include <raymap/raymap.h>
+#include <raymap/vulkan.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "bending_tube.h"
+#include "framing.h"
+#include "gpu.h"
+
+namespace {
+
+using raymap::AnimatedMesh;
+
+struct Arguments {
+  std::filesystem::path mesh, folder;
+  size_t animation = 0;
+  int frames = 60;
+  int every = 10;
+  int resolution = 64;
+  int width = 640, height = 480;
+  std::optional<uint32_t> device;
+};
+
+/// All that stays on the device, and what is done with it in a frame.
+class Movie {
+ public:
+  Movie(Gpu& gpu, const AnimatedMesh& mesh, const Arguments& arguments)
+      : gpu_(gpu), mesh_(mesh), generator_(gpu.handles()), skinner_(gpu.handles()), renderer_(gpu.handles()) {
+    const raymap::Box box = reach(mesh, arguments.frames);
+    grid_ = gridOver(mesh, box, arguments.resolution);
+    view_ = {.width = arguments.width, .height = arguments.height, .frame = box};
+
+    // Uploaded once.
+    skin_ = {.rest = gpu.upload(mesh.rest.vertices).range(),
+             .joints = gpu.upload(mesh.joints).range(),
+             .weights = gpu.upload(mesh.weights).range(),
+             .vertexCount = uint32_t(mesh.rest.vertices.size()),
+             .jointCount = uint32_t(mesh.skeleton.size())};
+    triangles_ = gpu.upload(mesh.rest.triangles);
+
+    // Written on the device in every frame.
+    matrices_ = gpu.makeBuffer(mesh.skeleton.size() * sizeof(raymap::JointMatrix));
+    vertices_ = gpu.makeBuffer(mesh.rest.vertices.size() * sizeof(glm::vec3));
+    distance_ = gpu.makeBuffer(grid_.sampleCount() * sizeof(float));
+    pixels_ = gpu.makeBuffer(sizeof(uint32_t) * size_t(view_.width) * size_t(view_.height));
+    picture_ = gpu.makeBuffer(pixels_.bytes, true);
+
+    // All memory that the generator will ever want: recording allocates nothing.
+    generator_.reserve({.vertices = skin_.vertexCount,
+                        .triangles = uint32_t(mesh.rest.triangles.size()),
+                        .dims = grid_.dims,
+                        .distance = options_.distance,
+                        .sign = options_.sign});
+  }
+
+  /// Makes and draws the frame; its picture comes back only if it is wanted.
+  void run(double seconds, bool isWanted) {
+    const VkCommandBuffer commands = gpu_.begin();
+    gpu_.stamp();
+    recordMatrices(commands, jointMatrices(mesh_, seconds));
+    skin_.matrices = matrices_.range();
+    skinner_.record(commands, skin_, vertices_.range());
+    gpu_.stamp();
+    // Each of raymap's recordings begins and ends with a barrier: they see each other's results as they are.
+    generator_.record(commands,
+                      {.vertices = vertices_.range(),
+                       .vertexCount = skin_.vertexCount,
+                       .triangles = triangles_.range(),
+                       .triangleCount = uint32_t(mesh_.rest.triangles.size()),
+                       .origin = mesh_.origin},
+                      grid_, options_, {.distance = distance_.range()});
+    gpu_.stamp();
+    renderer_.record(commands, {.distance = distance_.range(), .grid = grid_}, view_, pixels_.range());
+    gpu_.stamp();
+    // With a window, this is where `pixels_` would go to the screen: vkCmdCopyBufferToImage into an image of
+    // VK_FORMAT_R8G8B8A8_UNORM, then vkCmdBlitImage into that of the swapchain.
+    if (isWanted) recordPicture(commands);
+    // One frame at a time, to keep this short. A program that draws ahead has a command buffer, a fence and a
+    // `picture_` for each frame on its way; all else may stay as it is, since work on one queue keeps its
+    // order.
+    gpu_.submitAndWait();
+    // Nothing was checked on the way: the device leaves word of a mesh that it could not use.
+    if (const std::optional<raymap::Error> error = generator_.status().error) throw *error;
+  }
+
+  /// Of the frame that ran last, if it was wanted.
+  raymap::Picture picture() const {
+    raymap::Picture picture{.width = view_.width, .height = view_.height};
+    const auto* pixels = static_cast<const uint32_t*>(picture_.mapped);
+    for (size_t p = 0; p < picture_.bytes / sizeof(uint32_t); ++p)
+      for (const int shift : {0, 8, 16}) picture.rgb.push_back(uint8_t(pixels[p] >> shift));
+    return picture;
+  }
+
+ private:
+  /// The few bytes that the host decides travel in the command buffer itself, 64 KiB at a time: no staging
+  /// memory that a frame still on its way could be reading.
+  void recordMatrices(VkCommandBuffer commands, const std::vector<raymap::JointMatrix>& matrices) const {
+    constexpr VkDeviceSize kMost = 65536;
+    const auto* bytes = reinterpret_cast<const std::byte*>(matrices.data());
+    for (VkDeviceSize at = 0; at < matrices_.bytes; at += kMost)
+      vkCmdUpdateBuffer(commands, matrices_.handle, at, std::min(kMost, matrices_.bytes - at), bytes + at);
+  }
+
+  void recordPicture(VkCommandBuffer commands) const {
+    const VkBufferCopy all{.size = pixels_.bytes};
+    vkCmdCopyBuffer(commands, pixels_.handle, picture_.handle, 1, &all);
+    const VkMemoryBarrier toHost{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+                                 .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                 .dstAccessMask = VK_ACCESS_HOST_READ_BIT};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &toHost,
+                         0, nullptr, 0, nullptr);
+  }
+
+  Gpu& gpu_;
+  const AnimatedMesh& mesh_;
+  raymap::vulkan::Generator generator_;
+  raymap::vulkan::Skinner skinner_;
+  raymap::vulkan::Renderer renderer_;
+  raymap::Grid grid_;
+  raymap::Options options_;
+  raymap::RenderOptions view_;
+  raymap::vulkan::SkinBuffers skin_;
+  Buffer triangles_, matrices_, vertices_, distance_, pixels_, picture_;
+};
+
+constexpr const char* kStages[] = {"skin", "field", "picture"};
+
+void print(const std::string& what, const std::vector<double>& times) {
+  std::printf("%s:", what.c_str());
+  for (size_t i = 0; i < times.size(); ++i) std::printf(" %s %.3f ms", kStages[i], times[i]);
+  std::printf("\n");
+}
+
+/// Of each stage over all frames.
+std::vector<double> medians(std::vector<std::vector<double>>& times) {
+  std::vector<double> result;
+  for (std::vector<double>& stage : times) {
+    const auto middle = stage.begin() + std::ptrdiff_t(stage.size() / 2);
+    std::nth_element(stage.begin(), middle, stage.end());
+    result.push_back(*middle);
+  }
+  return result;
+}
+
+void run(const Arguments& arguments) {
+  const auto warn = [](std::string_view text) {
+    std::fprintf(stderr, "raymap_animated: warning: %.*s\n", int(text.size()), text.data());
+  };
+  const AnimatedMesh mesh = arguments.mesh.empty()
+                                ? bendingTube()
+                                : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, warn);
+  std::filesystem::create_directories(arguments.folder);
+  Gpu gpu(arguments.device);
+  std::printf("%zu triangles, %zu joints, on %s\n", mesh.rest.triangles.size(), mesh.skeleton.size(),
+              gpu.name().c_str());
+  Movie movie(gpu, mesh, arguments);
+  std::vector<std::vector<double>> times;
+  for (int frame = 0; frame < arguments.frames; ++frame) {
+    const bool isWanted = frame % arguments.every == 0;
+    movie.run(secondsOf(frame, arguments.frames, mesh), isWanted);
+    const std::vector<double> took = gpu.times();
+    times.resize(took.size());
+    for (size_t i = 0; i < took.size(); ++i) times[i].push_back(took[i]);
+    if (!isWanted) continue;
+    char name[32];
+    std::snprintf(name, sizeof name, "frame_%05d.png", frame);
+    writePng(arguments.folder / name, movie.picture());
+    print(name, took);
+  }
+  print("median of " + std::to_string(arguments.frames) + " frames", medians(times));
+}
+
+void setSize(const std::string& text, Arguments& arguments) {
+  const auto isSide = [](int pixels) { return pixels >= 1 && pixels <= raymap::kMaxPictureSide; };
+  int end = 0;
+  const int found = std::sscanf(text.c_str(), "%dx%d%n", &arguments.width, &arguments.height, &end);
+  if (found != 2 || text.size() != size_t(end) || !isSide(arguments.width) || !isSide(arguments.height))
+    throw CLI::ValidationError("--size", "'" + text + "' is no size such as 640x480");
+}
+
+void addOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("mesh", arguments.mesh, "A glTF or GLB file (default: a bending tube)");
+  app.add_option("-o,--output", arguments.folder, "Folder for the pictures")->required();
+  app.add_option("--animation", arguments.animation, "Which of the file's animations (default 0)");
+  app.add_option("--frames", arguments.frames, "Frames, once around (default 60)")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--every", arguments.every, "Keep the picture of every so many frames (default 10)")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--resolution", arguments.resolution, "Samples along the grid's longest side (default 64)")
+      ->check(CLI::Range(1, 2048));
+  app.add_option_function<std::string>(
+      "--size", [&](const std::string& text) { setSize(text, arguments); },
+      "Width and height of the pictures (default 640x480)");
+  app.add_option("--device", arguments.device, "Which Vulkan device (default: a GPU if there is one)");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes and draws the signed distance field of a moving mesh in every frame, on the GPU.");
+  Arguments arguments;
+  addOptions(app, arguments);
+  try {
+    app.parse(argc, argv);
+    run(arguments);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : int(raymap::ErrorCode::Usage);
+  } catch (const raymap::Error& error) {
+    std::fprintf(stderr, "raymap_animated: error: %s\n", error.what());
+    return int(error.code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::fprintf(stderr, "raymap_animated: error: %s\n", error.what());
+    return int(raymap::ErrorCode::File);
+  }
+}
