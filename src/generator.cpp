@@ -18,13 +18,6 @@ namespace raymap {
 
 namespace {
 
-void checkMemory(size_t needed, size_t limit) {
-  const auto mebibytes = [](size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; };
-  if (needed > limit)
-    throw Error(ErrorCode::Memory, "the field needs " + mebibytes(needed) + ", but only " + mebibytes(limit) +
-                                       " may be used; use a lower resolution or a higher limit");
-}
-
 size_t fieldBytes(const Field& field) {
   return field.distance.capacityBytes() + field.triangle.capacityBytes() + field.winding.capacityBytes() +
          field.confidence.capacityBytes();
@@ -63,7 +56,7 @@ void Generator::Impl::run(const Mesh& mesh, const Grid& grid, const Options& opt
 void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
   const size_t held = cpu.bytes() + fieldBytes(field);
   const size_t limit = options.memoryLimit ? options.memoryLimit : availableMemory() + held;
-  checkMemory(CpuBackend::bytesNeeded(mesh, grid, options), limit);
+  checkFieldMemory(CpuBackend::bytesNeeded(mesh, grid, options), limit);
   stats = {};
   Progress progress(options, stats);
   withThreads(options.threads, [&] { runPipeline(cpu, mesh, grid, options, progress, field); });

@@ -1,5 +1,7 @@
 #include "memory.h"
 
+#include <raymap/error.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
@@ -30,6 +32,18 @@ size_t systemAvailable() {
 
 size_t availableMemory() {
   return std::min(systemAvailable(), groupLimit());
+}
+
+std::string mebibytes(uint64_t bytes) {
+  constexpr uint64_t kMebibyte = uint64_t{1} << 20;
+  return std::to_string(bytes / kMebibyte + (bytes % kMebibyte > 0 ? 1 : 0)) + " MiB";
+}
+
+void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where) {
+  if (needed > limit)
+    throw Error(ErrorCode::Memory, "the field needs " + mebibytes(needed) + where + ", but only " +
+                                       mebibytes(limit) +
+                                       " may be used; use a lower resolution or a higher limit");
 }
 
 }  // namespace raymap

@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 
+#include "memory.h"
 #include "scratch_memory.h"
 
 namespace raymap::vulkan {
@@ -13,7 +14,6 @@ constexpr VkBufferUsageFlags kUsage =
     VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 [[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, uint64_t limit) {
-  const auto mebibytes = [](uint64_t size) { return std::to_string((size + (1U << 20) - 1) >> 20) + " MiB"; };
   throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + mebibytes(bytes) +
                                      ", but only " + mebibytes(limit) +
                                      " can be had; use a lower resolution or another device");
