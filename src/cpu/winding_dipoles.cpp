@@ -20,19 +20,13 @@
 #include "cpu/parallel.h"
 #include "cpu/surface_shapes-inl.h"
 #include "cpu/winding_dipoles.h"
+#include "shared/winding_dipoles.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap {
 namespace HWY_NAMESPACE {
 
 using Moments = WindingDipoles::Moments;
-
-/// A group is distant from so many times its radius on, at first and when the number turns out so close to
-/// the threshold that the error, 0.002, 0.0002 and 0.00001 in the mean, could matter.
-struct Look {
-  float distant, close;
-};
-constexpr Look kLooks[] = {{2.0f, 0.03f}, {5.0f, 0.004f}, {20.0f, 0.0f}};
 
 /// Half the solid angle of eight triangles, seen from p; zero in their planes.
 HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
@@ -231,7 +225,7 @@ void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::
           float* winding) {
   SolidAngles solidAngles(tree, moments);
   for (size_t p = 0; p < points.size(); ++p)
-    winding[p] = solidAngles.windingNumber(points[p], kLooks[1].distant);
+    winding[p] = solidAngles.windingNumber(points[p], vulkan::kDistant[1]);
 }
 
 void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
@@ -240,9 +234,9 @@ void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& 
   const glm::uvec3 d(dims);
   for (const uint32_t s : samples) {
     const glm::vec3 p(s % d.x, s / d.x % d.y, s / d.x / d.y);
-    for (const Look& look : kLooks) {
-      winding[s] = solidAngles.windingNumber(p, look.distant);
-      if (std::abs(std::abs(winding[s]) - threshold) >= look.close) break;
+    for (size_t look = 0; look < vulkan::kLooks; ++look) {
+      winding[s] = solidAngles.windingNumber(p, vulkan::kDistant[look]);
+      if (std::abs(std::abs(winding[s]) - threshold) >= vulkan::kClose[look]) break;
     }
   }
 }
@@ -260,12 +254,9 @@ HWY_EXPORT(buildMoments);
 HWY_EXPORT(look);
 HWY_EXPORT(replace);
 
-/// The lattice is hardly ever farther from the winding number than this
-/// (docs/decisions/winding_dipoles.md). It knows least at the rims of the surface, at most `distance` cells
-/// away.
 float latticeError(float distance) {
-  constexpr float kMost = 0.15f, kLeast = 0.015f, kMostWithin = 2.0f;
-  return std::max(kMost * std::min(1.0f, kMostWithin / distance), kLeast);
+  using namespace vulkan;
+  return std::max(kMostError * std::min(1.0f, kMostErrorWithin / distance), kLeastError);
 }
 
 /// The samples of each chunk that the lattice may have put on the wrong side of the threshold.

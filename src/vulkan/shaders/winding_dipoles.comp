@@ -4,9 +4,6 @@
 #include "kernel.glsl"
 #include "winding_dipoles.glsl"
 
-// A group of triangles is distant from so many times its radius on, at first and when the number turns out so close to
-// the threshold that the error could matter.
-const vec3 kDistant = vec3(2.0, 5.0, 20.0), kClose = vec3(0.03, 0.004, 0.0);
 const uint kStack = 7 * 11 + 1;  // Children of a node leave seven others behind, on each of at most eleven levels.
 const float kPi = 3.14159265358979;
 
@@ -78,7 +75,7 @@ float windingNumber(vec3 p, float distant, out bool whole) {
 void settle(uint index) {
   const uint row = index / push.gridX;
   const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
-  for (uint look = 0; look < 3; ++look) {
+  for (uint look = 0; look < kLooks; ++look) {
     bool whole;
     const float w = windingNumber(p, kDistant[look], whole);
     if (!whole) return;  // Stays as it was.

@@ -26,10 +26,8 @@ void writeMoments(uint node, Moments m) {
   push.moments.at[node * kMomentVectors + 2] = vec4(m.products, 0);
 }
 
-// The lattice is hardly ever farther from the winding number than this (docs/decisions/winding_dipoles.md).
 float latticeError(float distance) {
-  const float kMost = 0.15, kLeast = 0.015, kMostWithin = 2.0;
-  return max(kMost * min(1.0, kMostWithin / max(distance, 1e-6)), kLeast);
+  return max(kMostError * min(1.0, kMostErrorWithin / max(distance, 1e-6)), kLeastError);
 }
 
 bool isDoubtful(uint index) {
