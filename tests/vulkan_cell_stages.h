@@ -16,10 +16,11 @@ struct UploadedMesh {
   DeviceBuffer vertices;
   DeviceBuffer triangles;
 
-  CellRuns::Triangles addresses() const {
+  DeviceMesh addresses() const {
     return {.vertices = vertices.address(),
             .triangles = triangles.address(),
-            .count = static_cast<uint32_t>(triangles.bytes() / sizeof(glm::uvec3))};
+            .vertexCount = static_cast<uint32_t>(vertices.bytes() / sizeof(glm::vec3)),
+            .triangleCount = static_cast<uint32_t>(triangles.bytes() / sizeof(glm::uvec3))};
   }
 };
 
@@ -41,7 +42,7 @@ class CellStages : public VulkanTest {
     const UploadedMesh uploaded = uploadMesh(mesh);
     VoxelGrid& grid = stages().levels[0].grid;
     const auto reserve = [&](const ListSizes& lists) {
-      grid.reserve(cells, uploaded.addresses().count, lists);
+      grid.reserve(cells, uploaded.addresses().triangleCount, lists);
     };
     runUntilItFits(grid, reserve, [&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
     return toLists(grid);
@@ -51,7 +52,7 @@ class CellStages : public VulkanTest {
     const UploadedMesh uploaded = uploadMesh(mesh);
     Level& level = stages().levels[0];
     const auto reserve = [&](const ListSizes& lists) {
-      level.reserve(cells, uploaded.addresses().count, lists);
+      level.reserve(cells, uploaded.addresses().triangleCount, lists);
     };
     runUntilItFits(level.grid, reserve, [&](Commands& commands) {
       level.grid.record(commands, uploaded.addresses());
@@ -76,7 +77,7 @@ class CellStages : public VulkanTest {
     for (size_t l = 0; l < lattices.size(); ++l) {
       Level& level = stages().levels.at(l);
       const auto reserve = [&](const ListSizes& lists) {
-        level.reserve(lattices[l], triangles.count, lists);
+        level.reserve(lattices[l], triangles.triangleCount, lists);
       };
       runUntilItFits(level.grid, reserve, [&](Commands& commands) {
         level.grid.record(commands, triangles);
@@ -110,7 +111,7 @@ class CellStages : public VulkanTest {
     for (const CellLattice& cells : coverMesh(mesh)) {
       Level& level = stages().levels.at(result.size());
       const auto reserve = [&](const ListSizes& lists) {
-        level.raster.reserve(cells, uploaded.addresses().count, lists);
+        level.raster.reserve(cells, uploaded.addresses().triangleCount, lists);
       };
       runUntilItFits(level.raster, reserve,
                      [&](Commands& commands) { level.raster.record(commands, uploaded.addresses()); });

@@ -98,8 +98,10 @@ class SignStages : public VulkanTest {
         upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles");
     stages().crossings.reserve(mesh.dims, mesh.triangles.size());
     run([&](Commands& commands) {
-      stages().crossings.record(commands, vertices.address(), triangles.address(),
-                                static_cast<uint32_t>(mesh.triangles.size()));
+      stages().crossings.record(commands, {.vertices = vertices.address(),
+                                           .triangles = triangles.address(),
+                                           .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
+                                           .triangleCount = static_cast<uint32_t>(mesh.triangles.size())});
     });
     if (const auto error = failureOf(download<CrossingsStatus>(stages().crossings.status()).at(0)))
       throw *error;

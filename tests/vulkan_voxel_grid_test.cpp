@@ -22,7 +22,7 @@ class VulkanVoxelGrid : public VulkanTest {
     const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
     CellStages::runUntilItFits(
-        grid, [&](const ListSizes& lists) { grid.reserve(cells, uploaded.addresses().count, lists); },
+        grid, [&](const ListSizes& lists) { grid.reserve(cells, uploaded.addresses().triangleCount, lists); },
         record);
     const raymap::VoxelGrid ours = CellStages::toLists(grid);
     EXPECT_TRUE(areSame(ours, onTheCpu(mesh, cells)));

@@ -37,7 +37,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     const Rays rays(map);
     const DeviceBuffer winding = upload(rayAverage(map), "winding");
     const DeviceBuffer count = upload<uint32_t>({doubtful}, "doubtful");
-    const WindingPaths::Fields fields{
+    const WindingFields fields{
         .rays = rays.addresses(), .winding = winding.address(), .doubtful = count.address()};
     run([&](Commands& commands) {
       if (options.sign == SignMode::Paths)

@@ -19,12 +19,12 @@ void CellDistance::reserve(size_t cells) {
   squared_.resize<float>(cells);
 }
 
-void CellDistance::record(Commands& commands, const CellRuns::Triangles& triangles, const VoxelGrid& grid) {
+void CellDistance::record(Commands& commands, const DeviceMesh& mesh, const VoxelGrid& grid) {
   const CellLattice& cells = grid.lattice();
   commands.fill(squared_, std::bit_cast<uint32_t>(emptyCell(cells.dims)));
   grid.dispatch(commands, kernel_,
-                {.vertices = triangles.vertices,
-                 .triangles = triangles.triangles,
+                {.vertices = mesh.vertices,
+                 .triangles = mesh.triangles,
                  .entryCells = grid.cells().address(),
                  .entryTriangles = grid.triangles().address(),
                  .count = grid.entryCount().address,

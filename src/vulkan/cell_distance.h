@@ -14,7 +14,7 @@ class CellDistance {
   /// Makes room for lattices of so many cells. Nothing recorded before may still have to run.
   void reserve(size_t cells);
   /// For a grid of as many cells as were reserved, and the triangles that it was made of.
-  void record(Commands& commands, const CellRuns::Triangles& triangles, const VoxelGrid& grid);
+  void record(Commands& commands, const DeviceMesh& mesh, const VoxelGrid& grid);
 
   const DeviceBuffer& squared() const { return squared_; }
 

@@ -3,6 +3,7 @@
 #include <raymap/grid.h>
 #include <raymap/mesh.h>
 
+#include "device_mesh.h"
 #include "gate.h"
 #include "shared/cell_mesh.h"
 
@@ -34,8 +35,9 @@ class CellMesh {
   /// Of the mesh of the last `record`.
   const DeviceBuffer& vertexBuffer() const { return vertices_; }
   const DeviceBuffer& triangleBuffer() const { return triangles_; }
-  uint32_t vertexCount() const { return vertexCount_; }
-  uint32_t triangleCount() const { return triangleCount_; }
+  DeviceMesh mesh() const {
+    return {vertices_.address(), triangles_.address(), vertexCount_, triangleCount_};
+  }
   /// One `CellMeshStatus`.
   const DeviceBuffer& status() const { return status_; }
 

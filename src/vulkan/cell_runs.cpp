@@ -52,20 +52,20 @@ void CellRuns::reserveRows(uint32_t rows) {
   mostRows_ = rows;
 }
 
-void CellRuns::record(Commands& commands, const Triangles& triangles, const CellLattice& cells) {
-  const CellRunsPush push{.vertices = triangles.vertices,
-                          .triangles = triangles.triangles,
+void CellRuns::record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells) {
+  const CellRunsPush push{.vertices = mesh.vertices,
+                          .triangles = mesh.triangles,
                           .rowStarts = rowStarts_.address(),
                           .runTriangles = runTriangles_.address(),
                           .runCells = runCells_.address(),
                           .runSizes = runStarts_.address(),
                           .totals = totals_.address(),
                           .cells = latticeOf(cells),
-                          .triangleCount = triangles.count,
+                          .triangleCount = mesh.triangleCount,
                           .mostRows = mostRows_};
   commands.fill(totals_, 0);
-  commands.dispatch(countRows_, push, triangles.count);
-  scan_.record(commands, rowStarts_.address(), rowStarts_.address(), {.most = triangles.count});
+  commands.dispatch(countRows_, push, mesh.triangleCount);
+  scan_.record(commands, rowStarts_.address(), rowStarts_.address(), {.most = mesh.triangleCount});
   const Count rows{.most = mostRows_, .address = totals_.address()};
   arguments_.record(commands, 0, {.count = rows, .itemsPerGroup = kRunsGroup, .fewestGroups = 1});
   arguments_.dispatch(commands, findRuns_, push, 0);

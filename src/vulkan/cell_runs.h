@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cell_lattice.h"
+#include "device_mesh.h"
 #include "scan.h"
 #include "shared/cell_runs.h"
 
@@ -19,20 +20,13 @@ inline ListSizes sizesOf(const CellRunsTotals& totals) {
 /// runs are undefined, and `fits` says so. Then reserve for as many, record and run it again.
 class CellRuns {
  public:
-  /// Of a mesh in cell units.
-  struct Triangles {
-    VkDeviceAddress vertices = 0;   ///< Three floats each.
-    VkDeviceAddress triangles = 0;  ///< Three indices each.
-    uint32_t count = 0;
-  };
-
   explicit CellRuns(Device& device);
 
   /// Makes room for so many triangles and for a guess at their rows, or so many if these are more. Nothing
   /// recorded before may still have to run. Throws `Error(Memory)` if there are more than can be numbered.
   void reserve(uint32_t triangles, uint64_t rows = 0);
   /// For no more triangles than were reserved.
-  void record(Commands& commands, const Triangles& triangles, const CellLattice& cells);
+  void record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells);
 
   bool fits(const ListSizes& sizes) const { return sizes.rows <= mostRows_; }
 

@@ -62,13 +62,12 @@ void Crossings::reserve(const glm::ivec3& dims, uint64_t triangleCount) {
   scan_.reserve(static_cast<uint32_t>(triangleCount));
 }
 
-void Crossings::record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles,
-                       uint32_t triangleCount) {
-  CrossingsPush push{.vertices = vertices,
-                     .triangles = triangles,
+void Crossings::record(Commands& commands, const DeviceMesh& mesh) {
+  CrossingsPush push{.vertices = mesh.vertices,
+                     .triangles = mesh.triangles,
                      .runs = runCounts_.address(),
                      .status = status_.address(),
-                     .triangleCount = triangleCount};
+                     .triangleCount = mesh.triangleCount};
   for (int axis = 0; axis < 3; ++axis) {
     push.lines[axis] = line(axis).address();
     push.dims[axis] = static_cast<uint32_t>(dims_[axis]);
@@ -77,9 +76,9 @@ void Crossings::record(Commands& commands, VkDeviceAddress vertices, VkDeviceAdd
     commands.fill(status_, 0);
     for (const DeviceBuffer& axis : lines_) commands.fill(axis, 0);
   });
-  commands.dispatch(reach_, push, triangleCount);
-  commands.dispatch(triangles_, push, triangleCount);
-  scan_.record(commands, push.runs, push.runs, {.most = triangleCount});
+  commands.dispatch(reach_, push, mesh.triangleCount);
+  commands.dispatch(triangles_, push, mesh.triangleCount);
+  scan_.record(commands, push.runs, push.runs, {.most = mesh.triangleCount});
   arguments_.record(commands, 0,
                     {.count = {.most = kMostRuns, .address = push.status + offsetof(CrossingsStatus, runs)},
                      .itemsPerGroup = kCrossingsGroup});

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "device_mesh.h"
 #include "scan.h"
 #include "shared/crossings.h"
 
@@ -29,10 +30,8 @@ class Crossings {
   /// Makes room for grids of these dims and so many triangles. Nothing recorded before may still have to run.
   /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.
   void reserve(const glm::ivec3& dims, uint64_t triangleCount);
-  /// Counts the crossings of up to as many triangles as were reserved: `vertices` are three floats each, in
-  /// cells, `triangles` three indices each.
-  void record(Commands& commands, VkDeviceAddress vertices, VkDeviceAddress triangles,
-              uint32_t triangleCount);
+  /// Counts the crossings of up to as many triangles as were reserved.
+  void record(Commands& commands, const DeviceMesh& mesh);
 
   LatticeLines lines() const;
   const DeviceBuffer& line(int axis) const { return lines_[static_cast<size_t>(axis)]; }

@@ -21,11 +21,11 @@ void RasterDistance::reserve(const CellLattice& cells, uint32_t triangles, const
   squared_.resize<float>(cells.count());
 }
 
-void RasterDistance::record(Commands& commands, const CellRuns::Triangles& triangles) {
-  runs_.record(commands, triangles, cells_);
+void RasterDistance::record(Commands& commands, const DeviceMesh& mesh) {
+  runs_.record(commands, mesh, cells_);
   commands.fill(squared_, std::bit_cast<uint32_t>(emptyCell(cells_.dims)));
-  const RasterDistancePush push{.vertices = triangles.vertices,
-                                .triangles = triangles.triangles,
+  const RasterDistancePush push{.vertices = mesh.vertices,
+                                .triangles = mesh.triangles,
                                 .runTriangles = runs_.triangles(),
                                 .runCells = runs_.firstCells(),
                                 .runStarts = runs_.starts(),

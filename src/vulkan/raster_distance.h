@@ -22,7 +22,7 @@ class RasterDistance {
   /// be numbered or had.
   void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists = {});
   /// For the lattice of the last `reserve`, and no more triangles.
-  void record(Commands& commands, const CellRuns::Triangles& triangles);
+  void record(Commands& commands, const DeviceMesh& mesh);
 
   const DeviceBuffer& totals() const { return runs_.totals(); }
   bool fits(const ListSizes& sizes) const { return runs_.fits(sizes); }

@@ -25,12 +25,11 @@ void Refine::reserve(const glm::ivec3& dims, std::span<const CellLevelData> leve
   crowdedCount_.resize<uint32_t>(1);
 }
 
-void Refine::record(Commands& commands, const CellRuns::Triangles& triangles, const Fields& fields,
-                    int reach) {
+void Refine::record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach) {
   const uint32_t samples = dims_.x * dims_.y * dims_.z;
   const RefinePush push{.levels = levels_.address(),
-                        .vertices = triangles.vertices,
-                        .triangles = triangles.triangles,
+                        .vertices = mesh.vertices,
+                        .triangles = mesh.triangles,
                         .distance = fields.distance,
                         .closest = fields.triangle,
                         .crowded = fields.scratch,

@@ -21,7 +21,7 @@ class Refine {
   /// For grids of these dims, and levels whose stages have made their room. Nothing recorded before may still
   /// have to run.
   void reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels);
-  void record(Commands& commands, const CellRuns::Triangles& triangles, const Fields& fields, int reach);
+  void record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach);
 
  private:
   glm::uvec3 dims_{0};

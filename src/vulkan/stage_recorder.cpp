@@ -69,19 +69,11 @@ void StageRecorder::exactDistance() {
 }
 
 void StageRecorder::recordSurfaceTree() {
-  surfaceTree_.record(*commands_,
-                      {.vertices = mesh_.vertexBuffer().address(),
-                       .triangles = mesh_.triangleBuffer().address(),
-                       .vertexCount = mesh_.vertexCount(),
-                       .triangleCount = mesh_.triangleCount()},
-                      extent_.dims);
+  surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
 }
 
 void StageRecorder::crossings() {
-  stage("crossings", [&] {
-    crossings_.record(*commands_, mesh_.vertexBuffer().address(), mesh_.triangleBuffer().address(),
-                      mesh_.triangleCount());
-  });
+  stage("crossings", [&] { crossings_.record(*commands_, mesh_.mesh()); });
 }
 
 void StageRecorder::rayMap() {
@@ -91,33 +83,22 @@ void StageRecorder::rayMap() {
 void StageRecorder::winding() {
   stage("winding", [&] {
     windingRays_.record(*commands_, crossings_.lines(), results_.winding);
-    if (options_->sign == SignMode::Harmonic)
-      recordHarmonic();
-    else if (options_->sign != SignMode::Rays)
-      recordPaths();
+    const WindingFields fields{.rays = crossings_.lines().axes,
+                               .winding = results_.winding,
+                               .doubtful = windingRays_.doubtful().address()};
+    if (options_->sign == SignMode::Harmonic) recordHarmonic(fields);
+    if (options_->sign == SignMode::Paths) windingPaths_.recordAverage(*commands_, fields, *options_);
+    if (options_->sign == SignMode::Evolution) windingPaths_.recordEvolution(*commands_, fields, *options_);
   });
 }
 
-void StageRecorder::recordPaths() {
-  const WindingPaths::Fields fields{.rays = crossings_.lines().axes,
-                                    .winding = results_.winding,
-                                    .doubtful = windingRays_.doubtful().address()};
-  if (options_->sign == SignMode::Paths)
-    windingPaths_.recordAverage(*commands_, fields, *options_);
-  else
-    windingPaths_.recordEvolution(*commands_, fields, *options_);
-}
-
-void StageRecorder::recordHarmonic() {
-  windingHarmonic_.record(*commands_, {.rays = crossings_.lines().axes,
-                                       .winding = results_.winding,
-                                       .doubtful = windingRays_.doubtful().address()});
+void StageRecorder::recordHarmonic(const WindingFields& fields) {
+  windingHarmonic_.record(*commands_, fields);
   if (!isExact()) recordSurfaceTree();
-  windingDipoles_.record(*commands_, surfaceTree_,
-                         {.distance = results_.distance,
-                          .winding = results_.winding,
-                          .disagreeing = windingRays_.doubtful().address()},
-                         options_->threshold);
+  windingDipoles_.record(
+      *commands_, surfaceTree_,
+      {.distance = results_.distance, .winding = fields.winding, .disagreeing = fields.doubtful},
+      options_->threshold);
 }
 
 /// Before anything has run: stages are only recorded so far, but where somebody watches.

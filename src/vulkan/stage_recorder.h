@@ -121,10 +121,8 @@ class StageRecorder {
   void reserveSign();
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
-  CellRuns::Triangles cellTriangles() const;
   void recordSurfaceTree();
-  void recordPaths();
-  void recordHarmonic();
+  void recordHarmonic(const WindingFields& fields);
   std::optional<Error> errorOf(const Findings& findings) const;
 
   Device* device_;

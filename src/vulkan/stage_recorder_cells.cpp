@@ -4,12 +4,6 @@
 
 namespace raymap::vulkan {
 
-CellRuns::Triangles StageRecorder::cellTriangles() const {
-  return {.vertices = mesh_.vertexBuffer().address(),
-          .triangles = mesh_.triangleBuffer().address(),
-          .count = mesh_.triangleCount()};
-}
-
 void StageRecorder::reserveCells() {
   const std::vector<CellLattice>& lattices = extent_.lattices;
   while (levels_.size() < lattices.size()) levels_.push_back(std::make_unique<Level>(*device_, &scratch_));
@@ -49,21 +43,20 @@ void StageRecorder::grow(const Findings& findings) {
 
 void StageRecorder::voxelGrid() {
   stage("voxel_grid", [&] {
-    for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->grid.record(*commands_, cellTriangles());
+    for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->grid.record(*commands_, mesh_.mesh());
   });
 }
 
 void StageRecorder::cellDistance() {
   stage("cell_distance", [&] {
     for (size_t l = 0; l < extent_.lattices.size(); ++l)
-      levels_[l]->distance.record(*commands_, cellTriangles(), levels_[l]->grid);
+      levels_[l]->distance.record(*commands_, mesh_.mesh(), levels_[l]->grid);
   });
 }
 
 void StageRecorder::rasterDistance() {
   stage("raster_distance", [&] {
-    for (size_t l = 0; l < extent_.lattices.size(); ++l)
-      levels_[l]->raster.record(*commands_, cellTriangles());
+    for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->raster.record(*commands_, mesh_.mesh());
   });
 }
 
@@ -84,7 +77,7 @@ void StageRecorder::refine() {
       return;
     }
     const int reach = options_->distance == DistanceMode::Neighbours ? 1 : 0;
-    refine_.record(*commands_, cellTriangles(),
+    refine_.record(*commands_, mesh_.mesh(),
                    {.distance = results_.distance,
                     .triangle = results_.triangle,
                     .scratch = levels_[0]->transform.scratch()},

@@ -3,18 +3,11 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "device_mesh.h"
 #include "radix_sort.h"
 #include "shared/surface_tree.h"
 
 namespace raymap::vulkan {
-
-/// A mesh in cell units on the device: three floats a vertex, three numbers of vertices a triangle.
-struct DeviceMesh {
-  VkDeviceAddress vertices = 0;
-  VkDeviceAddress triangles = 0;
-  uint32_t vertexCount = 0;
-  uint32_t triangleCount = 0;
-};
 
 /// The CPU's twin: triangles in the order of a space-filling curve, eight to a leaf, and discs around leaves
 /// and around eight nodes each of the level below. Numbered from the root on (shaders/surface_shapes.glsl).

@@ -73,8 +73,8 @@ RadixSort::Pairs VoxelGrid::pairs(size_t place) const {
   return {entryCells_[place].address(), entryTriangles_[place].address()};
 }
 
-void VoxelGrid::record(Commands& commands, const CellRuns::Triangles& triangles) {
-  runs_.record(commands, triangles, cells_);
+void VoxelGrid::record(Commands& commands, const DeviceMesh& mesh) {
+  runs_.record(commands, mesh, cells_);
   // So that the sorted pairs come to lie in the first place.
   const size_t unsorted = (bitsOf(cells_) + kRadixBits - 1) / kRadixBits % 2;
   VoxelGridPush push{.runTriangles = runs_.triangles(),

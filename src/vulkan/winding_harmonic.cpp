@@ -67,7 +67,7 @@ void WindingHarmonic::plan() {
   }
 }
 
-void WindingHarmonic::record(Commands& commands, const Fields& fields) {
+void WindingHarmonic::record(Commands& commands, const WindingFields& fields) {
   gate_.record(commands, fields.doubtful);
   commands.concurrent([&] {
     for (uint32_t l = 1; l < levels_.size(); ++l)
@@ -78,7 +78,7 @@ void WindingHarmonic::record(Commands& commands, const Fields& fields) {
 
 /// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves an
 /// error below that of the lattice itself (docs/signs.md).
-void WindingHarmonic::solve(Commands& commands, const Fields& fields, uint32_t level) {
+void WindingHarmonic::solve(Commands& commands, const WindingFields& fields, uint32_t level) {
   const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
   const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].rightHandSide.address();
   if (level == coarsest()) {
@@ -93,7 +93,7 @@ void WindingHarmonic::solve(Commands& commands, const Fields& fields, uint32_t l
 
 /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it has
 /// no jumps.
-void WindingHarmonic::improve(Commands& commands, const Fields& fields, uint32_t level,
+void WindingHarmonic::improve(Commands& commands, const WindingFields& fields, uint32_t level,
                               VkDeviceAddress values, VkDeviceAddress rightHandSide) {
   const Level& coarse = levels_[level + 1];
   WindingHarmonicPush fine = push(fields, level, values);
@@ -127,7 +127,7 @@ void WindingHarmonic::solveCoarsest(Commands& commands, VkDeviceAddress values,
   dispatch(commands, coarsest_, whole, Extent::OneGroup);
 }
 
-WindingHarmonicPush WindingHarmonic::push(const Fields& fields, uint32_t level,
+WindingHarmonicPush WindingHarmonic::push(const WindingFields& fields, uint32_t level,
                                           VkDeviceAddress values) const {
   return {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
           .values = values,

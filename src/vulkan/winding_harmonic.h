@@ -6,6 +6,7 @@
 #include "gate.h"
 #include "lattice_box.h"
 #include "shared/winding_harmonic.h"
+#include "winding_rays.h"
 
 namespace raymap::vulkan {
 
@@ -13,19 +14,12 @@ namespace raymap::vulkan {
 /// the least-squares sense, and vanishes far away.
 class WindingHarmonic {
  public:
-  /// What a solve reads and writes.
-  struct Fields {
-    std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
-    VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
-    VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
-  };
-
   explicit WindingHarmonic(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims. Nothing recorded before may still have to run.
   void reserve(const glm::ivec3& dims);
   /// For the grid of the last `reserve`.
-  void record(Commands& commands, const Fields& fields);
+  void record(Commands& commands, const WindingFields& fields);
 
  private:
   /// One lattice of the hierarchy. Its values and what its equations ask for: first of the solution and of
@@ -41,12 +35,12 @@ class WindingHarmonic {
   static constexpr uint32_t kGroup = 128;
 
   void plan();
-  void solve(Commands& commands, const Fields& fields, uint32_t level);
-  void improve(Commands& commands, const Fields& fields, uint32_t level, VkDeviceAddress values,
+  void solve(Commands& commands, const WindingFields& fields, uint32_t level);
+  void improve(Commands& commands, const WindingFields& fields, uint32_t level, VkDeviceAddress values,
                VkDeviceAddress rightHandSide);
   void solveCoarsest(Commands& commands, VkDeviceAddress values, VkDeviceAddress rightHandSide);
   void relax(Commands& commands, WindingHarmonicPush push);
-  WindingHarmonicPush push(const Fields& fields, uint32_t level, VkDeviceAddress values) const;
+  WindingHarmonicPush push(const WindingFields& fields, uint32_t level, VkDeviceAddress values) const;
   void dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel, const WindingHarmonicPush& push,
                 Extent extent) const;
   uint32_t coarsest() const { return static_cast<uint32_t>(levels_.size()) - 1; }

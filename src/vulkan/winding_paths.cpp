@@ -26,7 +26,7 @@ void WindingPaths::reserve(const glm::ivec3& dims) {
   dims_ = dims;
 }
 
-void WindingPaths::recordAverage(Commands& commands, const Fields& fields, const Options& options) {
+void WindingPaths::recordAverage(Commands& commands, const WindingFields& fields, const Options& options) {
   gate_.record(commands, fields.doubtful);
   WindingPathsPush some = push(fields);
   some.sumScale = some.pointScale = kRays;
@@ -44,7 +44,7 @@ void WindingPaths::recordAverage(Commands& commands, const Fields& fields, const
   add(commands, some, options, 0, 0);
 }
 
-void WindingPaths::recordEvolution(Commands& commands, const Fields& fields, const Options& options) {
+void WindingPaths::recordEvolution(Commands& commands, const WindingFields& fields, const Options& options) {
   gate_.record(commands, fields.doubtful);
   WindingPathsPush step = push(fields);
   // Eq. 10-11. Paper: counts c and n. Here: w = c / n, as on the CPU.
@@ -69,7 +69,7 @@ void WindingPaths::add(Commands& commands, WindingPathsPush push, const Options&
   gate_.dispatch(commands, kernel_, push, 0);
 }
 
-WindingPathsPush WindingPaths::push(const Fields& fields) const {
+WindingPathsPush WindingPaths::push(const WindingFields& fields) const {
   return {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
           .values = fields.winding,
           .sums = fields.winding,

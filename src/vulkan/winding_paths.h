@@ -6,6 +6,7 @@
 
 #include "gate.h"
 #include "shared/winding_paths.h"
+#include "winding_rays.h"
 
 namespace raymap::vulkan {
 
@@ -13,25 +14,19 @@ namespace raymap::vulkan {
 /// any rays disagree.
 class WindingPaths {
  public:
-  struct Fields {
-    std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
-    VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
-    VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
-  };
-
   explicit WindingPaths(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims. Nothing recorded before may still have to run.
   void reserve(const glm::ivec3& dims);
   /// §3.5, Eq. 9: `options.passes` offset points. For the grid of the last `reserve`.
-  void recordAverage(Commands& commands, const Fields& fields, const Options& options);
+  void recordAverage(Commands& commands, const WindingFields& fields, const Options& options);
   /// §3.5, Eq. 10-11: `options.passes` steps with four offset points each. Likewise.
-  void recordEvolution(Commands& commands, const Fields& fields, const Options& options);
+  void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
 
  private:
   /// Sets the points of passes `first` to `end`, and dispatches.
   void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
-  WindingPathsPush push(const Fields& fields) const;
+  WindingPathsPush push(const WindingFields& fields) const;
 
   glm::ivec3 dims_{0};
   Gate gate_;

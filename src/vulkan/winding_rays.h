@@ -5,6 +5,13 @@
 
 namespace raymap::vulkan {
 
+/// What stages that know better than the six rays read and write.
+struct WindingFields {
+  std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
+  VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
+  VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
+};
+
 /// The average of the six rays of each sample.
 class WindingRays {
  public:
