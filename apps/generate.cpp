@@ -1,5 +1,6 @@
 #include <raymap/raymap.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ostream>
 
@@ -27,7 +28,7 @@ constexpr const char* kFooter = R"(Examples:
       and how sure the sign is, and what was wrong with the mesh)";
 
 struct Arguments : FieldArguments {
-  fs::path mesh, field, triangleIds, winding, confidence, stats;
+  fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
 };
 
 /// One run, as the summary and the statistics tell it.
@@ -45,7 +46,9 @@ std::vector<Output> outputs(const Arguments& arguments) {
           {"--triangle-ids", arguments.triangleIds, fieldExtensions()},
           {"--winding", arguments.winding, fieldExtensions()},
           {"--confidence", arguments.confidence, fieldExtensions()},
-          {"--stats", arguments.stats, {".json"}}};
+          {"--stats", arguments.stats, {".json"}},
+          {"--report", arguments.report, {".json"}},
+          {"--report-picture", arguments.reportPicture, {".png"}}};
 }
 
 double secondsSinceStart() {
@@ -65,8 +68,9 @@ void finishOptions(Arguments& arguments) {
   Options& options = arguments.options;
   options.triangleIds = !arguments.triangleIds.empty();
   options.winding = !arguments.winding.empty();
-  options.confidence = !arguments.confidence.empty();
-  if (options.sign == SignMode::None && (options.winding || options.confidence))
+  const bool isSigned = options.sign != SignMode::None;
+  options.confidence = !arguments.confidence.empty() || (isSigned && !arguments.report.empty());
+  if (!isSigned && (options.winding || options.confidence))
     throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
   if (options.distance == DistanceMode::Raster && options.triangleIds)
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
@@ -113,6 +117,28 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"peak_memory_bytes", peakMemory()}};
 }
 
+/// What was wrong with the mesh, and what had to be guessed.
+Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
+  Json json{{"raymap", RAYMAP_VERSION},
+            {"mesh", arguments.mesh.string()},
+            {"diagnostics", toJson(report.found)},
+            {"self_intersections", toJson(findSelfIntersections(mesh))}};
+  if (arguments.options.sign == SignMode::None) return json;
+  constexpr float kSure = 0.5f;
+  const auto guessed = std::count_if(field.confidence.begin(), field.confidence.end(),
+                                     [](float confidence) { return confidence < kSure; });
+  json["signs"] = {{"doubtful_share", report.stats.doubtfulShare},
+                   {"guessed_share", double(guessed) / double(field.confidence.size())},
+                   {"guessed_below", kSure}};
+  json["patch"] = {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}};
+  return json;
+}
+
+void writeJson(const fs::path& path, const Json& json, Report& report) {
+  writeAtomically(path, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+  report.written.push_back(path);
+}
+
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
@@ -146,10 +172,12 @@ void run(Arguments& arguments) {
   report.grid = fitGrid(mesh, arguments.grid);
   const Field field = makeField(mesh, report.grid, arguments.options, &report.stats);
   report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
-  if (!arguments.stats.empty()) {
-    writeAtomically(arguments.stats,
-                    [&](std::ostream& out) { out << describe(arguments, report).dump(2) << "\n"; });
-    report.written.push_back(arguments.stats);
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report), report);
+  if (!arguments.report.empty())
+    writeJson(arguments.report, describeDefects(arguments, mesh, field, report), report);
+  if (!arguments.reportPicture.empty()) {
+    writePng(arguments.reportPicture, renderDefects(mesh));
+    report.written.push_back(arguments.reportPicture);
   }
   print(arguments, report);
 }
@@ -164,6 +192,8 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
   add("--winding", arguments.winding, "Also write the winding number");
   add("--confidence", arguments.confidence, "Also write how sure the sign is, 0 to 1");
   add("--stats", arguments.stats, "Also write figures of the mesh, the grid and each stage, as .json");
+  add("--report", arguments.report, "Also write what was wrong with the mesh and what was guessed, as .json");
+  add("--report-picture", arguments.reportPicture, "Also draw the mesh with its defects in colour, as .png");
 }
 
 }  // namespace

@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <iostream>
 
+#include "checks.h"
 #include "commands.h"
 #include "report.h"
 #include "terminal.h"
+#include "view_options.h"
 
 namespace raymap {
 
@@ -15,6 +17,7 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   raymap info scan.ply
   raymap info scan.ply --json | jq .watertight
+  raymap info scan.ply --picture scan.png       (where it is broken)
 
 Measured after joining vertices at exactly equal positions. Only a balanced mesh (every edge used equally
 often in both directions) has a certain inside; for any other, 'raymap generate' finds the likeliest one.)";
@@ -55,6 +58,7 @@ void print(const Diagnostics& found, const SelfIntersections& crossings) {
   print(found.holes);
   count("non-manifold edges", found.nonManifoldEdges);
   count("flipped edges", found.flippedEdges);
+  count("flipped faces", found.flippedFaces);
   count("degenerate faces", found.degenerateFaces);
   count("duplicate faces", found.duplicateFaces);
   std::printf("%-24s %s%s, of %s\n", "crossing pairs of faces", crossings.isComplete ? "" : "at least ",
@@ -65,8 +69,9 @@ void print(const Diagnostics& found, const SelfIntersections& crossings) {
 
 void addInfo(CLI::App& app) {
   struct Arguments {
-    std::filesystem::path mesh;
+    std::filesystem::path mesh, picture;
     bool isJson = false;
+    ViewArguments view;
   };
   CLI::App* command = app.add_subcommand("info", "Say what is right and wrong with a mesh");
   const auto arguments = std::make_shared<Arguments>();
@@ -74,11 +79,21 @@ void addInfo(CLI::App& app) {
       ->type_name("MESH")
       ->required();
   command->add_flag("--json", arguments->isJson, "For programs");
+  command
+      ->add_option("--picture", arguments->picture,
+                   "Also draw the mesh, .png: edges with one face red, with more than two violet; faces that "
+                   "cross others orange, flipped ones blue, duplicates yellow")
+      ->type_name("FILE");
+  addViewOptions(*command, arguments->view);
   command->footer(kFooter);
   command->callback([arguments] {
+    checkOutputs({{"--picture", arguments->picture, {".png"}}});
+    RenderOptions view;
+    setView(arguments->view, view);
     const Mesh mesh = readMesh(arguments->mesh, warn);
     const Diagnostics found = diagnose(mesh);
     const SelfIntersections crossings = findSelfIntersections(mesh);
+    if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
     if (!arguments->isJson) return print(found, crossings);
     Json json = toJson(found);
     json["self_intersections"] = toJson(crossings);

@@ -5,6 +5,7 @@
 #include "field_options.h"
 #include "report.h"
 #include "terminal.h"
+#include "view_options.h"
 
 namespace raymap {
 
@@ -24,8 +25,7 @@ struct Arguments {
   std::string slice;
   int index = -1;
   int resolution = 256;
-  std::vector<int> size{1024, 768};
-  std::vector<double> direction, up;
+  ViewArguments view;
   RenderOptions options;
 };
 
@@ -39,7 +39,7 @@ Field loadField(const Arguments& arguments) {
 
 Picture draw(const Field& field, const Arguments& arguments) {
   if (!arguments.slice.empty())
-    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.size[0]);
+    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.view.size[0]);
   ProgressLine line;
   RenderOptions options = arguments.options;
   options.warn = warn;
@@ -47,19 +47,9 @@ Picture draw(const Field& field, const Arguments& arguments) {
   return renderField(field, options);
 }
 
-void setVector(const std::vector<double>& numbers, glm::dvec3& vector) {
-  if (!numbers.empty()) vector = {numbers[0], numbers[1], numbers[2]};
-}
-
 void run(Arguments& arguments) {
   checkOutputs({{"--output", arguments.picture, {".png"}}});
-  RenderOptions& options = arguments.options;
-  options.width = arguments.size[0];
-  options.height = arguments.size[1];
-  setVector(arguments.direction, options.direction);
-  setVector(arguments.up, options.up);
-  if (glm::length(glm::cross(options.direction, options.up)) < 1e-9)
-    throw Error(ErrorCode::Usage, "--direction and --up must be two different directions, not zero");
+  setView(arguments.view, arguments.options);
   writePng(arguments.picture, draw(loadField(arguments), arguments));
   printWritten(arguments.picture);
 }
@@ -73,13 +63,7 @@ void addSliceOptions(CLI::App& command, Arguments& arguments) {
       ->needs(slice);
 }
 
-void addViewOptions(CLI::App& command, Arguments& arguments) {
-  command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
-      ->expected(2)
-      ->check(CLI::Range(1, 16384));
-  command.add_option("--direction", arguments.direction, "Where the camera looks (default -0.6 -0.45 -1)")
-      ->expected(3);
-  command.add_option("--up", arguments.up, "What is up (default 0 1 0)")->expected(3);
+void addShapeOptions(CLI::App& command, Arguments& arguments) {
   command.add_flag("--cut", arguments.options.cut, "Show half");
   command
       .add_option("--shell", arguments.options.shell,
@@ -104,7 +88,8 @@ void addRender(CLI::App& app) {
       "auto (default): a GPU if there is one, else the CPU");
   command->add_option("--threads", arguments->options.threads, "Threads; 0 = all (default)")
       ->check(wholeNumberFrom(0));
-  addViewOptions(*command, *arguments);
+  addViewOptions(*command, arguments->view);
+  addShapeOptions(*command, *arguments);
   addSliceOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -46,6 +46,7 @@ Json toJson(const Diagnostics& found) {
           {"holes", listHoles(found.holes)},
           {"nonmanifold_edges", found.nonManifoldEdges},
           {"flipped_edges", found.flippedEdges},
+          {"flipped_faces", found.flippedFaces},
           {"degenerate_faces", found.degenerateFaces},
           {"duplicate_faces", found.duplicateFaces},
           {"signed_volume", found.signedVolume},

@@ -131,6 +131,26 @@ TEST_F(Cli, WritesTheExampleMesh) {
   EXPECT_GT(Json::parse(succeed("info torn.ply --json").out)["boundary_edges"], 300);
 }
 
+TEST_F(Cli, ReportsDefects) {
+  Mesh mesh = shapes::sphere(1.0, 3);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
+  std::swap(mesh.triangles[9].x, mesh.triangles[9].y);
+  writeMesh(path("torn.ply"), mesh);
+  succeed("generate torn.ply -o torn.nrrd --resolution 24 --report report.json --report-picture report.png");
+  const Json report = json("report.json");
+  EXPECT_EQ(report["diagnostics"]["flipped_faces"], 1);
+  EXPECT_EQ(report["diagnostics"]["hole_count"], 1);
+  EXPECT_EQ(report["self_intersections"]["pairs"], 0);
+  EXPECT_GT(report["signs"]["doubtful_share"], 0.01);
+  EXPECT_GT(report["signs"]["guessed_share"], 0.0);
+  EXPECT_LT(report["signs"]["guessed_share"], 0.9);
+  EXPECT_GT(fs::file_size(path("report.png")), 1000u);
+  succeed("info torn.ply --picture torn.png --size 100 80 --up 0 0 1 --direction 0 1 0");
+  EXPECT_GT(fs::file_size(path("torn.png")), 500u);
+  expectFailure("info torn.ply --picture torn.jpg", ErrorCode::Usage, "torn.jpg");
+  expectFailure("info torn.ply --picture torn.png --direction 0 1 0", ErrorCode::Usage, "two different");
+}
+
 TEST_F(Cli, ClosesHoles) {
   Mesh mesh = shapes::sphere(1.0, 4);
   std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });

@@ -112,6 +112,14 @@ TEST(Diagnostics, CountsComponents) {
   EXPECT_EQ(diagnose(shapes::soup(100, 1)).components, 100u);
 }
 
+TEST(Diagnostics, CountsFlippedFaces) {
+  Mesh mesh = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2, {5, 0, 0}));
+  EXPECT_EQ(diagnose(mesh).flippedFaces, 0u);
+  for (size_t f = 0; f < mesh.triangles.size(); ++f)
+    if (f % 7 == 0) std::swap(mesh.triangles[f].x, mesh.triangles[f].y);
+  EXPECT_EQ(diagnose(mesh).flippedFaces, (mesh.triangles.size() + 6) / 7);
+}
+
 TEST(Diagnostics, TracesHoles) {
   // A grid of squares 10 x 10 without a square of 2 x 3 and one that touches its corner.
   std::vector<glm::dvec3> p;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -16,6 +17,7 @@
 #include "render/field_sampler.h"
 #include "render/shape.h"
 #include "render/sphere_trace.h"
+#include "shapes.h"
 
 namespace raymap {
 namespace {
@@ -45,6 +47,40 @@ ErrorCode refusal(const Field& field, const RenderOptions& options) {
   }
   ADD_FAILURE() << "not refused";
   return ErrorCode::Unsupported;
+}
+
+/// How many pixels are of a colour, give or take some for light and rounding.
+size_t countPixels(const Picture& picture, const std::function<bool(int, int, int)>& isWanted) {
+  size_t count = 0;
+  for (size_t p = 0; p < picture.rgb.size(); p += 3)
+    count += isWanted(picture.rgb[p], picture.rgb[p + 1], picture.rgb[p + 2]) ? 1 : 0;
+  return count;
+}
+
+TEST(RenderDefects, ColoursWhatIsWrong) {
+  const auto isRed = [](int r, int g, int b) { return r > 2 * g && r > 2 * b; };
+  const auto isBlue = [](int r, int, int b) { return b > r + 60; };
+  const auto isOrange = [](int r, int g, int b) { return r > g + 30 && g > b + 30; };
+  const RenderOptions options{.width = 200, .height = 150};
+  const Mesh whole = shapes::sphere(1.0, 3);
+  const Picture plain = renderDefects(whole, options);
+  for (const auto& colour :
+       {std::function<bool(int, int, int)>(isRed), std::function<bool(int, int, int)>(isBlue)})
+    EXPECT_EQ(countPixels(plain, colour), 0u);
+  EXPECT_EQ(countPixels(plain, isOrange), 0u);
+
+  Mesh holed = whole, flipped = whole;
+  std::erase_if(holed.triangles, [&](const glm::uvec3& t) { return whole.vertices[t.x].z > 0.7f; });
+  EXPECT_GT(countPixels(renderDefects(holed, options), isRed), 100u);
+  for (glm::uvec3& t : flipped.triangles)
+    if (whole.vertices[t.x].z > 0.7f) std::swap(t.x, t.y);
+  EXPECT_GT(countPixels(renderDefects(flipped, options), isBlue), 500u);
+  const Mesh crossing = shapes::joined(whole, shapes::box({-0.3, -0.3, 0.5}, {0.3, 0.35, 2.0}));
+  EXPECT_GT(countPixels(renderDefects(crossing, options), isOrange), 50u);
+}
+
+TEST(RenderDefects, RefusesWhatIsNoMesh) {
+  EXPECT_THROW(renderDefects({}), Error);
 }
 
 TEST(FieldSampler, ReproducesALinearFunction) {

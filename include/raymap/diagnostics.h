@@ -24,6 +24,7 @@ struct Diagnostics {
   size_t boundaryEdges = 0;     ///< Edges with one face.
   size_t nonManifoldEdges = 0;  ///< Edges with more than two faces.
   size_t flippedEdges = 0;      ///< Two-face edges used twice in the same direction.
+  size_t flippedFaces = 0;      ///< The fewest to turn so that neighbours agree.
   std::vector<Hole> holes;      ///< The longest first.
   size_t components = 0;        ///< Connected through shared vertices.
   size_t degenerateFaces = 0;   ///< Repeated corner, or height below 1e-6 of the longest edge.

@@ -57,6 +57,11 @@ struct RenderOptions {
 /// Cancelled; of a device Unsupported, Memory, DeviceLost.
 Picture renderField(const Field& field, const RenderOptions& options = {});
 
+/// Draws a mesh's triangles as they are, not its field, what is wrong with them in colour: edges with one
+/// face red, with more than two violet; faces that cross others orange, point against their neighbours blue,
+/// or lie on others yellow. The backs of faces are darker. Of the options only the view counts.
+Picture renderDefects(const Mesh& mesh, const RenderOptions& options = {});
+
 /// A slice through the middle (or at sample `index`) across axis 0, 1 or 2, seen with y right and z up
 /// across x, x right and z up across y, x right and y up across z. Values between samples are bilinear; a
 /// sample fills `width` / samples pixels. Warm outside, cool inside, deeper with distance; thin lines at

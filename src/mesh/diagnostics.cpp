@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cpu/parallel.h"
+#include "defects.h"
 #include "half_edges.h"
 #include "holes.h"
 #include "weld.h"
@@ -125,6 +126,7 @@ Diagnostics diagnose(const Mesh& mesh) {
   const std::vector<glm::uvec3> faces = measureFaces(mesh, welding, found);
   countEdges(mesh, welding, found);
   found.duplicateFaces = countDuplicates(faces);
+  if (!found.consistentlyOriented) found.flippedFaces = findFlippedFaces(mesh).size();
   found.components = countComponents(faces, welding.count);
   return found;
 }

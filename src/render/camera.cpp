@@ -31,7 +31,7 @@ glm::dvec3 unitVector(const glm::dvec3& v, const char* name) {
   return v / length;
 }
 
-Camera::Camera(const RenderOptions& options, const Shape& shape)
+Camera::Camera(const RenderOptions& options, const Reach& reach)
     : forward_(unitVector(options.direction, "view direction")),
       tangent_(std::tan(options.fieldOfView * std::numbers::pi / 360.0)),
       width_(options.width),
@@ -42,13 +42,13 @@ Camera::Camera(const RenderOptions& options, const Shape& shape)
   const glm::dvec3 up = unitVector(options.up, "up vector");
   right_ = glm::normalize(glm::cross(forward_, sideReference(up, forward_)));
   up_ = glm::cross(right_, forward_);
-  frame(shape, up);
+  frame(reach, up);
 }
 
-/// Every side plane of the view, tilted inward a little, touches the shape. With its normal n = c*side -
+/// Every side plane of the view, tilted inward a little, touches what is shown. With its normal n = c*side -
 /// s*forward and the shape's reach r along n, the eye e must have dot(n, e) = r; two opposite sides give both
 /// the eye's place across and how far back it must stand.
-void Camera::frame(const Shape& shape, const glm::dvec3& floorNormal) {
+void Camera::frame(const Reach& reachOf, const glm::dvec3& floorNormal) {
   const double tall = std::atan(kFilled * tangent_);
   const double wide = std::atan(kFilled * tangent_ * width_ / height_);
   const auto plane = [&](const glm::dvec3& side, double angle) {
@@ -56,7 +56,7 @@ void Camera::frame(const Shape& shape, const glm::dvec3& floorNormal) {
   };
   const glm::dvec3 directions[] = {plane(up_, tall), plane(-up_, tall), plane(right_, wide),
                                    plane(-right_, wide), -floorNormal};
-  const std::vector<double> reach = shape.reach(directions);
+  const std::vector<double> reach = reachOf(directions);
   const double back = std::max((reach[0] + reach[1]) / (2.0 * std::sin(tall)),
                                (reach[2] + reach[3]) / (2.0 * std::sin(wide)));
   const double high = (reach[0] - reach[1]) / (2.0 * std::cos(tall));

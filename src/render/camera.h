@@ -2,6 +2,10 @@
 
 #include <raymap/render.h>
 
+#include <functional>
+#include <span>
+#include <vector>
+
 #include "shape.h"
 
 namespace raymap {
@@ -11,11 +15,16 @@ struct Ray {
   glm::dvec3 direction;  // unit
 };
 
-/// A pinhole camera that frames a shape, in sample coordinates.
+/// A pinhole camera that frames what it shows, a shape in sample coordinates or anything else.
 class Camera {
  public:
+  /// How far it reaches along each unit direction.
+  using Reach = std::function<std::vector<double>(std::span<const glm::dvec3> directions)>;
+
   /// Throws `Error(Usage)` if a direction or the angle makes no sense.
-  Camera(const RenderOptions& options, const Shape& shape);
+  Camera(const RenderOptions& options, const Reach& reach);
+  Camera(const RenderOptions& options, const Shape& shape)
+      : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {}
 
   /// The ray through a point of the picture; pixel (0,0) covers 0 to 1, rows from the top.
   Ray ray(double x, double y) const;
@@ -32,7 +41,7 @@ class Camera {
   const glm::dvec3& forward() const { return forward_; }
 
  private:
-  void frame(const Shape& shape, const glm::dvec3& floorNormal);
+  void frame(const Reach& reach, const glm::dvec3& floorNormal);
 
   glm::dvec3 eye_{0.0}, right_, up_, forward_;
   double tangent_;

@@ -1,0 +1,77 @@
+#include "defects.h"
+
+#include <raymap/diagnostics.h>
+
+#include <algorithm>
+#include <array>
+
+#include "cpu/parallel.h"
+#include "half_edges.h"
+#include "patches.h"
+
+namespace raymap {
+
+namespace {
+
+/// Faces on the same three corners as one before them.
+std::vector<uint32_t> findDuplicates(const Mesh& mesh, const Welding& welding) {
+  struct Corners {
+    std::array<uint32_t, 3> ids;
+    uint32_t face;
+    bool operator<(const Corners& other) const {
+      return ids != other.ids ? ids < other.ids : face < other.face;
+    }
+  };
+  std::vector<Corners> corners(mesh.triangles.size());
+  for (uint32_t face = 0; face < corners.size(); ++face) {
+    const glm::uvec3& t = mesh.triangles[face];
+    corners[face] = {{welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]}, face};
+    std::sort(corners[face].ids.begin(), corners[face].ids.end());
+  }
+  tbb::parallel_sort(corners.begin(), corners.end());
+  std::vector<uint32_t> faces;
+  for (size_t c = 1; c < corners.size(); ++c) {
+    const std::array<uint32_t, 3>& ids = corners[c].ids;
+    if (ids == corners[c - 1].ids && ids[0] != ids[1] && ids[1] != ids[2]) faces.push_back(corners[c].face);
+  }
+  return faces;
+}
+
+}  // namespace
+
+std::vector<uint32_t> findFlippedFaces(const Mesh& mesh) {
+  const Patches patches = findPatches(mesh);
+  std::vector<size_t> faces(patches.count), reversed(patches.count);
+  for (size_t f = 0; f < patches.ids.size(); ++f) {
+    ++faces[patches.ids[f]];
+    reversed[patches.ids[f]] += patches.isReversed[f];
+  }
+  std::vector<uint32_t> flipped;
+  for (uint32_t f = 0; f < patches.ids.size(); ++f) {
+    const uint32_t patch = patches.ids[f];
+    const bool isMinority =
+        2 * reversed[patch] > faces[patch] ? !patches.isReversed[f] : patches.isReversed[f];
+    if (isMinority) flipped.push_back(f);
+  }
+  return flipped;
+}
+
+Defects findDefects(const Mesh& mesh) {
+  validate(mesh);
+  const Welding welding = weldVertices(mesh.vertices);
+  std::vector<uint32_t> vertexOf(welding.count);
+  for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
+  Defects defects;
+  const std::vector<HalfEdge> halfEdges = sortHalfEdges(mesh, welding);
+  forEachEdge(halfEdges, [&](std::span<const HalfEdge> edge) {
+    if (edge.size() == 2) return;
+    (edge.size() == 1 ? defects.boundaryEdges : defects.nonManifoldEdges)
+        .push_back({vertexOf[edge[0].low], vertexOf[edge[0].high]});
+  });
+  defects.flippedFaces = findFlippedFaces(mesh);
+  defects.duplicateFaces = findDuplicates(mesh, welding);
+  defects.crossedFaces = findSelfIntersections(mesh).faces;
+  return defects;
+}
+
+}  // namespace raymap
