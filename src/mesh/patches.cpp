@@ -3,27 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <tuple>
-#include <utility>
 
-#include "cpu/parallel.h"
-#include "weld.h"
+#include "half_edges.h"
 
 namespace raymap {
 
 namespace {
-
-/// One face's side of an edge between two welded vertices.
-struct HalfEdge {
-  uint32_t low, high;
-  uint32_t face : 31;
-  uint32_t isForward : 1;  ///< Whether the face walks from the lower vertex to the higher one.
-
-  std::pair<uint32_t, uint32_t> ends() const { return {low, high}; }
-  bool operator<(const HalfEdge& other) const {
-    return std::tuple(low, high, face) < std::tuple(other.low, other.high, other.face);
-  }
-};
 
 /// Disjoint sets of faces, each face with a bit against its set's root (union by index, paths halved).
 class FaceSets {
@@ -60,20 +45,6 @@ class FaceSets {
   std::vector<uint8_t> isReversed_;
 };
 
-/// The half edges of all faces, in order of their edges. Those between equal corners are no edges.
-std::vector<HalfEdge> sortedHalfEdges(const Mesh& mesh, const Welding& welding) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (uint32_t face = 0; face < mesh.triangles.size(); ++face)
-    for (int c = 0; c < 3; ++c) {
-      const uint32_t a = welding.ids[mesh.triangles[face][c]];
-      const uint32_t b = welding.ids[mesh.triangles[face][(c + 1) % 3]];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), face & 0x7fffffffu, a < b ? 1u : 0u});
-    }
-  tbb::parallel_sort(edges.begin(), edges.end());
-  return edges;
-}
-
 /// Whether both faces have the same three corners: layers, not neighbours.
 bool coincide(const Mesh& mesh, const Welding& welding, uint32_t a, uint32_t b) {
   const auto corners = [&](uint32_t face) {
@@ -89,14 +60,11 @@ bool coincide(const Mesh& mesh, const Welding& welding, uint32_t a, uint32_t b) 
 
 Patches findPatches(const Mesh& mesh) {
   const Welding welding = weldVertices(mesh.vertices);
-  const std::vector<HalfEdge> edges = sortedHalfEdges(mesh, welding);
   FaceSets sets(mesh.triangles.size());
-  for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    while (end < edges.size() && edges[end].ends() == edges[begin].ends()) ++end;
-    const HalfEdge &a = edges[begin], &b = edges[end - 1];
-    if (end - begin == 2 && !coincide(mesh, welding, a.face, b.face))
-      sets.link(a.face, b.face, a.isForward == b.isForward);
-  }
+  forEachEdge(sortHalfEdges(mesh, welding), [&](std::span<const HalfEdge> edge) {
+    if (edge.size() == 2 && !coincide(mesh, welding, edge[0].face, edge[1].face))
+      sets.link(edge[0].face, edge[1].face, edge[0].isForward == edge[1].isForward);
+  });
   Patches patches{.ids = std::vector<uint32_t>(mesh.triangles.size()),
                   .isReversed = std::vector<uint8_t>(mesh.triangles.size())};
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
