@@ -24,6 +24,9 @@ const std::map<std::string, SignMode> kSigns{{"harmonic", SignMode::Harmonic},
                                              {"rays", SignMode::Rays},
                                              {"none", SignMode::None}};
 
+const std::map<std::string, Orientation> kOrientations{
+    {"auto", Orientation::Auto}, {"keep", Orientation::Keep}, {"repair", Orientation::Repair}};
+
 template <class Map>
 CLI::IsMember oneOf(const Map& modes) {
   std::vector<std::string> names;
@@ -63,6 +66,10 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
       ->check(oneOf(kDistances));
   add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
+  add("--orientation", arguments.orientation,
+      "Whether faces that point the wrong way are turned: auto (default), where the field then fits clearly "
+      "better; keep, never; repair, always")
+      ->check(oneOf(kOrientations));
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
       ->check(wholeNumberFrom(1));
   add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
@@ -96,6 +103,7 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
 void finishFieldArguments(FieldArguments& arguments) {
   arguments.options.distance = kDistances.at(arguments.distance);
   arguments.options.sign = kSigns.at(arguments.sign);
+  arguments.options.orientation = kOrientations.at(arguments.orientation);
   if (arguments.options.sign == SignMode::None && arguments.options.closeHoles)
     throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none");
   if (const std::vector<double>& b = arguments.bounds; !b.empty()) {

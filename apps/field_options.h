@@ -14,7 +14,7 @@ namespace raymap {
 struct FieldArguments {
   GridOptions grid;
   std::vector<double> bounds;
-  std::string distance = "exact", sign = "harmonic";
+  std::string distance = "exact", sign = "harmonic", orientation = "auto";
   Options options;
 };
 

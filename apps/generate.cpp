@@ -101,6 +101,7 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"options",
            {{"distance", arguments.distance},
             {"sign", arguments.sign},
+            {"orientation", arguments.orientation},
             {"passes", arguments.options.passes},
             {"threshold", arguments.options.threshold},
             {"band", arguments.options.band},
@@ -112,6 +113,9 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"total_ms", report.stats.totalMilliseconds},
           {"write_ms", report.writeMilliseconds},
           {"doubtful_share", report.stats.doubtfulShare},
+          {"turned_faces", report.stats.turnedFaces.size()},
+          {"misfit_given", report.stats.misfitGiven},
+          {"misfit", report.stats.misfit},
           {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
           {"generator_bytes", report.stats.bytes},
           {"peak_memory_bytes", peakMemory()}};
@@ -156,6 +160,9 @@ void print(const Arguments& arguments, const Report& report) {
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
+  if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
+    std::printf("orientation: turned %s, so that the misfit of the crossings fell from %.3g to %.3g\n",
+                counted(turned, "face").c_str(), report.stats.misfitGiven, report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("closed holes: %s, area %.4g\n", counted(report.stats.patchTriangles, "triangle").c_str(),
                 report.stats.patchArea);

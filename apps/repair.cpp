@@ -66,6 +66,7 @@ Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& 
           {"lost_share", report.lostShare},
           {"hollows", report.hollows},
           {"drain_holes", report.holes},
+          {"turned_faces", report.stats.turnedFaces.size()},
           {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
           {"stages", toJson(report.stats)}};
 }
@@ -86,6 +87,8 @@ void print(const Arguments& arguments, const Grid& grid, const RepairReport& rep
               report.after.signedVolume);
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
+  if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
+    std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
   if (report.buriedShare > 0.0)

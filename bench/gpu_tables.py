@@ -152,7 +152,8 @@ def table_of_solves(bench, meshes, resolutions):
             harmonic, rays = (bench.run("vulkan", mesh, n, setting) for setting in SETTINGS)
             if "error" in harmonic or "error" in rays:
                 continue
-            with_solve, without = (answer["stages"]["winding"] for answer in (harmonic, rays))
+            with_solve, without = (sum(ms for stage, ms in answer["stages"].items() if stage.startswith("winding"))
+                                   for answer in (harmonic, rays))
             share, added = harmonic["doubtful_share"], with_solve - without
             rows.append([mesh, n, f"{100 * share:.3f} %", f"{without:.3f}", f"{with_solve:.3f}", f"{added:.3f}",
                          bench.verdict(added, SOLVE_AIM.get(n)) if share else "nothing is solved"])

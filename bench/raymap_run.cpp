@@ -30,6 +30,8 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
     backend.crossings();
     backend.rayMap();
     backend.winding();
+    backend.orientation();
+    backend.windingDipoles();
   });
   values = std::move(field.winding);
 }

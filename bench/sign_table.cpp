@@ -3,10 +3,10 @@
 
 #include <raymap/raymap.h>
 
+#include "broken_meshes.h"
 #include "cpu/parallel.h"
-#include "reference.h"
+#include "exact_numbers.h"
 #include "shapes.h"
-#include "sign_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +20,7 @@
 namespace {
 
 using namespace raymap;
+using namespace raymap::bench;
 
 /// Sampled so that the exact number, which looks at every triangle, stays affordable.
 constexpr double kTriangleTests = 4e8;
@@ -41,31 +42,6 @@ struct Row {
   std::string name;
   Mesh mesh;
 };
-
-Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::uvec3&)>& keep) {
-  Mesh result = mesh;
-  std::erase_if(result.triangles, [&](const glm::uvec3& t) { return !keep(t); });
-  return result;
-}
-
-/// Cuts round holes, of a share of the diagonal, around random vertices.
-Mesh withHoles(const Mesh& mesh, int count, double radius, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<glm::dvec3> centres;
-  for (int h = 0; h < count; ++h) centres.push_back(mesh.position(random() % mesh.vertices.size()));
-  const double reach = radius * glm::length(bounds(mesh).size());
-  return keepTriangles(mesh, [&](const glm::uvec3& t) {
-    const glm::dvec3 middle = (mesh.position(t.x) + mesh.position(t.y) + mesh.position(t.z)) / 3.0;
-    return std::none_of(centres.begin(), centres.end(),
-                        [&](const glm::dvec3& c) { return glm::length(middle - c) < reach; });
-  });
-}
-
-Mesh withMissingFaces(const Mesh& mesh, double share, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  return keepTriangles(mesh, [&](const glm::uvec3&) { return unit(random) >= share; });
-}
 
 /// Moves every corner of every face by itself, by up to a share of the longest side.
 Mesh shaken(const Mesh& mesh, double share, unsigned seed) {
@@ -102,17 +78,6 @@ constexpr Mode kModes[] = {{"6 rays", SignMode::Rays},
                            {"paths, 5 passes", SignMode::Paths},
                            {"evolution, 5 steps", SignMode::Evolution},
                            {"harmonic", SignMode::Harmonic}};
-
-/// The exact number at every `stride`-th sample.
-std::vector<double> exactNumbers(const Mesh& mesh, const Grid& grid, size_t stride) {
-  std::vector<double> exact((grid.sampleCount() + stride - 1) / stride);
-  parallelFor(exact.size(), 64, [&](size_t begin, size_t end) {
-    for (size_t e = begin; e < end; ++e) {
-      exact[e] = reference::windingNumber(mesh, samplePosition(grid, e * stride));
-    }
-  });
-  return exact;
-}
 
 void printCell(const std::vector<double>& exact, size_t stride,
                const std::function<double(size_t)>& winding) {

@@ -65,6 +65,7 @@ void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options
   stats.doubtfulShare = cpu.doubtfulShare();
   stats.patchTriangles = cpu.patch().triangles.size();
   stats.patchArea = cpu.patch().area() * grid.spacing * grid.spacing;
+  cpu.faceSides().report(stats);
 }
 
 #ifdef RAYMAP_VULKAN

@@ -23,6 +23,8 @@ concept Backend = requires(B b, const Mesh& mesh, const Grid& grid, const Option
   b.crossings();
   b.rayMap();
   b.winding();
+  b.orientation();
+  b.windingDipoles();
   b.closeHoles();
   b.sign();
   b.finish();
@@ -55,9 +57,11 @@ void runPipeline(B& backend, const Mesh& mesh, const Grid& grid, const Options& 
 
   // Sign.
   if (options.sign != SignMode::None) {
-    stage("crossings", &B::crossings);  // §3.5: signed crossings of every lattice edge.
-    stage("ray_map", &B::rayMap);       // §3.5, Eq. 3-8: their sums towards infinity.
-    stage("winding", &B::winding);      // §3.5, Eq. 9-11, and the harmonic solve.
+    stage("crossings", &B::crossings);             // §3.5: signed crossings of every lattice edge.
+    stage("ray_map", &B::rayMap);                  // §3.5, Eq. 3-8: their sums towards infinity.
+    stage("winding", &B::winding);                 // §3.5, Eq. 9-11, and the harmonic solve.
+    stage("orientation", &B::orientation);         // Ours: turns the faces along which it rises.
+    stage("winding_dipoles", &B::windingDipoles);  // Barill et al. 2018, near the threshold.
     if (options.closeHoles)
       stage("close_holes", &B::closeHoles);  // §4, end: surface where the sign changes and none is.
     stage("sign", &B::sign);                 // §3.5: threshold, confidence.

@@ -12,7 +12,7 @@ double Progress::now() {
 }
 
 void Progress::report(double done) {
-  done_ = done;
+  done_ = begin_ + length_ * done;
   poll();
 }
 

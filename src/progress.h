@@ -17,6 +17,7 @@ class Progress {
   void stage(const char* name, Work&& work) {
     const double start = now();
     name_ = name;
+    part(0.0, 1.0);
     report(0.0);
     work();
     stats_.stages.push_back({name, now() - start});
@@ -25,6 +26,11 @@ class Progress {
   /// Called by a stage, from any thread, every few milliseconds, with the share that is done. Throws
   /// `Error(Cancelled)`.
   void report(double done);
+  /// From now on a stage reports shares of this part of it.
+  void part(double begin, double end) {
+    begin_ = begin;
+    length_ = end - begin;
+  }
   /// The same where a stage cannot tell how far it is: repeats the last share.
   void poll();
 
@@ -35,6 +41,7 @@ class Progress {
   Stats& stats_;
   const char* name_ = "";
   std::mutex mutex_;
+  double begin_ = 0.0, length_ = 1.0;
   std::atomic<double> done_{0.0};
   std::atomic<bool> cancelled_{false};
 };

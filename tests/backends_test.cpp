@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <random>
 
 #include "devices.h"
 #include "shapes.h"
@@ -72,6 +73,57 @@ TEST_F(Backends, GiveTheSameField) {
       ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 0.06f) << "sample " << s;
       ASSERT_LT(gpu.triangle[s], mesh.triangles.size());
     }
+  }
+}
+
+/// No two faces share a vertex.
+Mesh soupOf(const Mesh& mesh) {
+  Mesh soup{.vertices = {}, .triangles = mesh.triangles, .origin = mesh.origin};
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const float shrink = 1.0f - 1e-4f * float(f % 7);
+    for (int c = 0; c < 3; ++c) soup.vertices.push_back(shrink * mesh.vertices[mesh.triangles[f][c]]);
+    soup.triangles[f] = 3 * f + glm::uvec3(0, 1, 2);
+  }
+  return soup;
+}
+
+Mesh flipped(Mesh mesh, uint32_t every) {
+  std::mt19937 random(every);
+  for (glm::uvec3& t : mesh.triangles)
+    if (random() % every == 0) std::swap(t.y, t.z);
+  return mesh;
+}
+
+TEST_F(Backends, TurnTheSameFaces) {
+  const Mesh pair = shapes::joined(holedSphere(), shapes::sphere(0.8, 3, {0.6, 0.2, 0.0}));
+  const Mesh soup = soupOf(shapes::sphere(1.0, 3));
+  struct Case {
+    Mesh mesh;
+    SignMode sign = SignMode::Harmonic;
+    Orientation orientation = Orientation::Auto;
+  };
+  for (const auto& [mesh, sign, orientation] :
+       std::initializer_list<Case>{{flipped(holedSphere(), 10)},
+                                   {flipped(pair, 3)},
+                                   {flipped(soup, 3)},
+                                   {flipped(soup, 2)},
+                                   {flipped(holedSphere(), 3), SignMode::Paths, Orientation::Repair}}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 32});
+    Options options = everything("cpu");
+    options.sign = sign;
+    options.orientation = orientation;
+    Generator generator;
+    Field cpu, gpu;
+    generator.generate(mesh, grid, options, cpu);
+    const Stats stats = generator.stats();
+    EXPECT_FALSE(stats.turnedFaces.empty());
+    options.device = "vulkan";
+    generator.generate(mesh, grid, options, gpu);
+    EXPECT_EQ(stats.turnedFaces, generator.stats().turnedFaces);
+    EXPECT_EQ(stats.doubtfulShare, generator.stats().doubtfulShare);
+    EXPECT_NEAR(stats.misfitGiven, generator.stats().misfitGiven, 1e-4);
+    EXPECT_NEAR(stats.misfit, generator.stats().misfit, 1e-4);
+    expectSame(cpu, gpu, mesh);
   }
 }
 

@@ -57,6 +57,7 @@ inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, Options optio
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, SignMode mode) {
   Options options;
   options.sign = mode;
+  options.orientation = Orientation::Keep;
   return windingOf(mesh, grid, options);
 }
 

@@ -28,10 +28,18 @@ enum class SignMode {
   None        ///< No sign: an unsigned field.
 };
 
+/// Whether faces may be turned that point the wrong way.
+enum class Orientation {
+  Auto,   ///< Where the rays disagree, and only if they then agree clearly better (with `Harmonic`).
+  Keep,   ///< Never.
+  Repair  ///< Always, if they then agree no worse.
+};
+
 /// One of these per generated field; the defaults suit most meshes.
 struct Options {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
+  Orientation orientation = Orientation::Auto;
   int passes = 5;  ///< Passes P of `Paths` (one offset point each), steps of `Evolution` (four).
   std::vector<glm::ivec3> offsets;  ///< Offset points, in samples, taken in turn; empty = the built-in set.
   double threshold = 0.5;           ///< Inside means |winding number| > threshold.
@@ -64,11 +72,15 @@ struct Stats {
     double milliseconds = 0.0;
   };
   std::vector<Stage> stages;
-  double totalMilliseconds = 0.0;  ///< From triangles in memory to the finished field.
-  size_t bytes = 0;                ///< Held by the generator and the field together at the peak.
-  double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
-  size_t patchTriangles = 0;       ///< Of the surface that closes holes.
-  double patchArea = 0.0;          ///< In the mesh's units.
+  double totalMilliseconds = 0.0;     ///< From triangles in memory to the finished field.
+  size_t bytes = 0;                   ///< Held by the generator and the field together at the peak.
+  double doubtfulShare = 0.0;         ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
+  std::vector<uint32_t> turnedFaces;  ///< Which faces were taken the other way round, ascending.
+  /// How badly the crossings of the mesh agree, as it was given and with these faces turned: from 0, where
+  /// all do, to 1. Both 0 where nothing was to be turned.
+  double misfitGiven = 0.0, misfit = 0.0;
+  size_t patchTriangles = 0;  ///< Of the surface that closes holes.
+  double patchArea = 0.0;     ///< In the mesh's units.
 };
 
 /// Makes fields, keeping its buffers between calls: for meshes that change every frame. Not thread-safe.

@@ -11,6 +11,7 @@
 #include "distance_transform.h"
 #include "exact_distance.h"
 #include "memory.h"
+#include "orientation.h"
 #include "parallel.h"
 #include "raster_distance.h"
 #include "refine.h"
@@ -48,14 +49,19 @@ size_t CpuBackend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options
   if (options.sign == SignMode::Evolution) perSample += sizeof(float);
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
+  // While patches are found: three half edges a face, the patches, the turns; a key and a place a vertex.
+  constexpr size_t kTurningTriangle = 80, kTurningVertex = 20;
+  const bool mayTurn = mayTurnFaces(options, 1.0);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
-                             (options.closeHoles ? kRimBytesPerTriangle : 0);
+                             (options.closeHoles ? kRimBytesPerTriangle : 0) +
+                             (mayTurn ? kTurningTriangle : 0);
   return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
-         mesh.vertices.size() * sizeof(glm::vec3);
+         mesh.vertices.size() * (sizeof(glm::vec3) + (mayTurn ? kTurningVertex : 0));
 }
 
 void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress,
                        Field& field) {
+  inputMesh_ = &mesh;
   options_ = &options;
   progress_ = &progress;
   field_ = &field;
@@ -71,6 +77,8 @@ void CpuBackend::begin(const Mesh& mesh, const Grid& grid, const Options& option
   field.confidence.resize(options.confidence && options.sign != SignMode::None ? count : 0);
   windingSummary_ = {};
   patch_.clear();
+  doubtfulShare_ = 0.0;
+  faceSides_ = {};
 }
 
 const SurfaceTree& CpuBackend::surfaceTree() {
@@ -129,9 +137,26 @@ void CpuBackend::rayMap() {
 }
 
 void CpuBackend::winding() {
-  windingSummary_ = windingSolver_.compute(
-      rayMap_, [this]() -> const SurfaceTree& { return surfaceTree(); }, field_->distance, *options_,
-      *progress_, windingBuffer());
+  windingSummary_ = windingSolver_.compute(rayMap_, *options_, *progress_, windingBuffer());
+}
+
+void CpuBackend::orientation() {
+  const bool isHarmonic = options_->sign == SignMode::Harmonic;
+  doubtfulShare_ = windingSummary_.doubtfulShare;
+  if (!mayTurnFaces(*options_, doubtfulShare_)) return;
+  FaceTurner turner(
+      {mesh_, turnedTriangles_, crossings_, rayMap_, windingSolver_, windingSummary_, windingBuffer()},
+      *options_, *progress_);
+  const double misfit = isHarmonic ? turner.misfit() : turner.solve(Turns(mesh_.triangles.size(), 0));
+  faceSides_ = chooseSides(*inputMesh_, misfit, options_->orientation, turner, *progress_);
+  if (!isHarmonic) winding();
+  if (hasSurfaceTree_) surfaceTree_.turn(faceSides_.turns);
+}
+
+void CpuBackend::windingDipoles() {
+  if (options_->sign != SignMode::Harmonic || windingSummary_.doubtfulShare == 0.0) return;
+  windingDipoles_.settle([this]() -> const SurfaceTree& { return surfaceTree(); }, mesh_.dims,
+                         field_->distance, options_->threshold, *progress_, windingBuffer());
 }
 
 /// How much surface is missing only this stage finds out.
@@ -151,8 +176,8 @@ void CpuBackend::closeHoles() {
   if (edges.empty()) return;
   requirePatch(edges.size());
   const auto windingAt = [this](std::span<const glm::vec3> points) {
-    return windingSolver_.numbersAt([this]() -> const SurfaceTree& { return surfaceTree(); }, points,
-                                    *progress_);
+    return windingDipoles_.numbersAt([this]() -> const SurfaceTree& { return surfaceTree(); }, points,
+                                     *progress_);
   };
   makePatch(mesh_, edges, windingBuffer(), options_->threshold, windingAt, *progress_, patch_);
   patchTree_.build(patch_.mesh);
@@ -178,8 +203,9 @@ void CpuBackend::finish() {
 }
 
 size_t CpuBackend::bytes() const {
-  size_t total = mesh_.vertices.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
-                 winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
+  size_t total = mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + surfaceTree_.bytes() +
+                 windingSolver_.bytes() + windingDipoles_.bytes() + winding_.capacityBytes() +
+                 patch_.bytes() + patchTree_.bytes();
   for (const CellLevel& level : levels_)
     total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
              level.squared.capacityBytes() + level.nearestCell.capacityBytes();

@@ -6,10 +6,12 @@
 #include "cell_mesh.h"
 #include "close_holes.h"
 #include "crossings.h"
+#include "face_sides.h"
 #include "progress.h"
 #include "ray_map.h"
 #include "surface_tree.h"
 #include "winding.h"
+#include "winding_dipoles.h"
 
 namespace raymap {
 
@@ -28,13 +30,17 @@ class CpuBackend {
   void crossings();
   void rayMap();
   void winding();
+  void orientation();
+  void windingDipoles();
   void closeHoles();
   void sign();
   /// Brings the distances into the mesh's units.
   void finish();
 
   /// Share of samples whose six rays disagree.
-  double doubtfulShare() const { return windingSummary_.doubtfulShare; }
+  double doubtfulShare() const { return doubtfulShare_; }
+  /// Which faces were turned, and how well the crossings agree.
+  const FaceSides& faceSides() const { return faceSides_; }
   /// The surface that `closeHoles` added.
   const HolePatch& patch() const { return patch_; }
   /// Bytes held, the field not counted.
@@ -49,19 +55,24 @@ class CpuBackend {
   const SurfaceTree& surfaceTree();
   Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }
 
+  const Mesh* inputMesh_ = nullptr;
   const Options* options_ = nullptr;
   Progress* progress_ = nullptr;
   Field* field_ = nullptr;
   size_t memoryLimit_ = 0;
 
   CellMesh mesh_;
+  Buffer<glm::uvec3> turnedTriangles_;
   std::vector<CellLevel> levels_;  // of the paper's distance stages
   SurfaceTree surfaceTree_;
   bool hasSurfaceTree_ = false;
   Crossings crossings_;
   RayMap rayMap_;
   Winding windingSolver_;
+  WindingDipoles windingDipoles_;
   WindingSummary windingSummary_;
+  double doubtfulShare_ = 0.0;
+  FaceSides faceSides_;
   Buffer<float> winding_;
   HolePatch patch_;
   SurfaceTree patchTree_;

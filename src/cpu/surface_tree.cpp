@@ -149,6 +149,17 @@ void SurfaceTree::placeLevels() {
   discs_.resize(start / kPacket);
 }
 
+void SurfaceTree::turn(std::span<const uint8_t> faces) {
+  if (faces.empty()) return;
+  parallelFor(triangleCount_, size_t{1} << 14, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      if (!faces[triangleId(uint32_t(t))]) continue;
+      TrianglePacket& packet = triangles_[t / kPacket];
+      for (auto* normal : {packet.zx, packet.zy, packet.zz}) normal[t % kPacket] = -normal[t % kPacket];
+    }
+  });
+}
+
 void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
   keys_.resize(size_t{leafCount()} * kPacket);

@@ -41,6 +41,8 @@ class SurfaceTree {
   };
 
   void build(const CellMesh& mesh);
+  /// Turns the normals of some faces of the mesh, those with a 1; none are where it is empty.
+  void turn(std::span<const uint8_t> faces);
 
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }
   const TrianglePacket& triangles(uint32_t packet) const { return triangles_[packet]; }

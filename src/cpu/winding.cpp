@@ -11,23 +11,16 @@ namespace raymap {
 struct Winding::Impl {
   PathScratch paths;
   HarmonicScratch harmonic;
-  WindingDipoles dipoles;
 };
 
 Winding::Winding() : impl_(std::make_unique<Impl>()) {}
 Winding::~Winding() = default;
 
 size_t Winding::bytes() const {
-  return impl_->paths.bytes() + impl_->harmonic.bytes() + impl_->dipoles.bytes();
+  return impl_->paths.bytes() + impl_->harmonic.bytes();
 }
 
-std::vector<float> Winding::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
-                                      Progress& progress) {
-  return impl_->dipoles.numbersAt(surface, points, progress);
-}
-
-WindingSummary Winding::compute(const RayMap& map, const SurfaceSource& surface,
-                                const Buffer<float>& distance, const Options& options, Progress& progress,
+WindingSummary Winding::compute(const RayMap& map, const Options& options, Progress& progress,
                                 Buffer<float>& winding) {
   const RaySweep sweep(map);
   const size_t doubtful = averageRays(sweep, winding);
@@ -37,10 +30,8 @@ WindingSummary Winding::compute(const RayMap& map, const SurfaceSource& surface,
       averagePaths(sweep, options, progress, impl_->paths, winding);
     else if (options.sign == SignMode::Evolution)
       evolvePaths(sweep, options, progress, impl_->paths, winding);
-    else if (options.sign == SignMode::Harmonic) {
+    else if (options.sign == SignMode::Harmonic)
       solveHarmonic(map, progress, impl_->harmonic, winding);
-      impl_->dipoles.settle(surface, map.dims, distance, options.threshold, progress, winding);
-    }
   }
   return {double(doubtful) / double(sweep.sampleCount())};
 }

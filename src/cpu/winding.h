@@ -4,7 +4,6 @@
 
 #include "progress.h"
 #include "ray_map.h"
-#include "winding_dipoles.h"
 
 namespace raymap {
 
@@ -19,13 +18,8 @@ class Winding {
  public:
   Winding();
   ~Winding();
-  /// Where the harmonic mode comes close to the threshold it asks for the surface, and looks at the distance
-  /// to it, in cells.
-  WindingSummary compute(const RayMap& map, const SurfaceSource& surface, const Buffer<float>& distance,
-                         const Options& options, Progress& progress, Buffer<float>& winding);
-  /// The winding numbers of the triangles themselves at some points, whatever the mode.
-  std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
-                               Progress& progress);
+  WindingSummary compute(const RayMap& map, const Options& options, Progress& progress,
+                         Buffer<float>& winding);
   size_t bytes() const;
 
  private:

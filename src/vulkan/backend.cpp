@@ -29,7 +29,8 @@ size_t signBytes(const glm::ivec3& dims, const Options& options) {
   size_t numbers = 3 * samples + n.x * n.y + n.y * n.z + n.z * n.x;  // The ray map.
   if (!options.winding) numbers += samples;
   if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) numbers += samples;
-  for (int level = 1; options.sign == SignMode::Harmonic && level <= coarsestHarmonicLevel(dims); ++level)
+  const bool isSolved = options.sign == SignMode::Harmonic || mayTurnFaces(options, 1.0);
+  for (int level = 1; isSolved && level <= coarsestHarmonicLevel(dims); ++level)
     numbers += 2 * harmonicBox(dims, level).sampleCount();
   return numbers * sizeof(float);
 }
@@ -51,7 +52,8 @@ Backend::Backend(Device& device)
 }
 
 size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
-  constexpr size_t kNumber = sizeof(float), kPerTriangle = 160;
+  constexpr size_t kNumber = sizeof(float);
+  const size_t perTriangle = 160 + (mayTurnFaces(options, 1.0) ? 2 * kNumber : 0);
   const size_t samples = grid.sampleCount();
   const bool isSigned = options.sign != SignMode::None;
   const size_t results = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned && options.winding ? 1 : 0) +
@@ -60,7 +62,7 @@ size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& o
   const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
   const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
   return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) +
-         mesh.triangles.size() * kPerTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
+         mesh.triangles.size() * perTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
 }
 
 void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress,
@@ -69,6 +71,8 @@ void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, 
   progress_ = &progress;
   field_ = &field;
   doubtfulShare_ = 0.0;
+  doubtfulGiven_.reset();
+  faceSides_ = {};
   stages_.clear();
   upload_.fill(mesh);
   reserve(extentOf(mesh, grid, options));
@@ -87,7 +91,8 @@ StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, cons
                 .dims = grid.dims,
                 .distance = options.distance,
                 .sign = options.sign,
-                .hasWinding = options.winding};
+                .hasWinding = options.winding,
+                .turnsFaces = mayTurnFaces(options, 1.0)};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -162,7 +167,7 @@ void Backend::finish() {
 void Backend::takeResults() {
   const Status status = describe(findings_.mapped<Findings>().front());
   if (status.error) throw *status.error;
-  doubtfulShare_ = status.doubtfulShare;
+  doubtfulShare_ = doubtfulGiven_.value_or(status.doubtfulShare);
   readBack(distance_, field_->distance.data(), true);
   readBack(triangle_, field_->triangle.data());
   readBack(winding_, field_->winding.data());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "command_buffer.h"
+#include "face_sides.h"
 #include "progress.h"
 #include "stage_recorder.h"
 
@@ -17,6 +18,7 @@ class Backend : public StageRecorder {
   void begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress, Field& field);
   void voxelGrid();
   void rasterDistance();
+  void orientation();
   /// Brings the distances into the mesh's units, and everything asked for to the host.
   void finish();
 
@@ -26,6 +28,8 @@ class Backend : public StageRecorder {
 
   /// Share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }
+  /// Which faces were turned, and how well the crossings agree.
+  const FaceSides& faceSides() const { return faceSides_; }
   /// What the device took for each stage of the last run.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
   /// What the last run took by the device's clock from the mesh being there to the field being there: waiting
@@ -33,8 +37,17 @@ class Backend : public StageRecorder {
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
+  class FaceTurner;
+
   void afterStage() override;
   void run();
+  /// Runs all that was recorded, and a stage of that name.
+  template <class Work>
+  void run(const char* name, Work&& work) {
+    commands().stage(name, work);
+    run();
+    continueIn(commandBuffer_.begin());
+  }
   bool growIfFull();
   Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults(const Grid& grid, const Options& options);
@@ -47,6 +60,8 @@ class Backend : public StageRecorder {
   Progress* progress_ = nullptr;
   Field* field_ = nullptr;
   double doubtfulShare_ = 0.0;
+  std::optional<double> doubtfulGiven_;  ///< Of the mesh as given, where that was asked for.
+  FaceSides faceSides_;
   std::vector<Stats::Stage> stages_;
   double meshReady_ = 0.0, fieldReady_ = 0.0;
 

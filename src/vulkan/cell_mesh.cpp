@@ -82,4 +82,12 @@ void MeshUpload::fill(const Mesh& mesh) {
              .origin = mesh.origin};
 }
 
+void MeshUpload::turn(const Mesh& mesh, std::span<const uint8_t> turns) {
+  const std::span<glm::uvec3> triangles = triangles_.mapped<glm::uvec3>();
+  for (size_t f = 0; f < turns.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    triangles[f] = turns[f] ? glm::uvec3(t.x, t.z, t.y) : t;
+  }
+}
+
 }  // namespace raymap::vulkan

@@ -56,6 +56,8 @@ class MeshUpload {
 
   /// Nothing recorded before may still have to run.
   void fill(const Mesh& mesh);
+  /// The same mesh, some faces the other way round: those with a 1.
+  void turn(const Mesh& mesh, std::span<const uint8_t> turns);
   const CellMesh::Source& source() const { return source_; }
 
  private:

@@ -24,6 +24,7 @@ void Runner::run(const Mesh& mesh, const Grid& grid, const Options& options, Fie
   stats.stages = backend.stages();
   stats.bytes = impl_->device.heldMemory();
   stats.doubtfulShare = backend.doubtfulShare();
+  backend.faceSides().report(stats);
 }
 
 }  // namespace raymap::vulkan

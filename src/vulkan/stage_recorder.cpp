@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "face_sides.h"
+
 namespace raymap::vulkan {
 
 StageRecorder::StageRecorder(Device& device)
@@ -17,6 +19,7 @@ StageRecorder::StageRecorder(Device& device)
       windingRays_(device),
       windingPaths_(device, &scratch_),
       windingHarmonic_(device, &scratch_),
+      orientation_(device),
       windingDipoles_(device),
       sign_(device),
       winding_(device, "winding number", &scratch_) {}
@@ -42,9 +45,9 @@ void StageRecorder::reserveSign() {
   crossings_.reserve(dims, extent_.triangles);
   winding_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
   if (extent_.sign == SignMode::Paths || extent_.sign == SignMode::Evolution) windingPaths_.reserve(dims);
-  if (extent_.sign != SignMode::Harmonic) return;
-  windingHarmonic_.reserve(dims);
-  windingDipoles_.reserve(extent_.triangles, dims);
+  if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
+  if (extent_.turnsFaces || extent_.sign == SignMode::Harmonic) windingHarmonic_.reserve(dims);
+  if (extent_.sign == SignMode::Harmonic) windingDipoles_.reserve(extent_.triangles, dims);
 }
 
 void StageRecorder::begin(const Commands& commands, const Grid& grid, const Options& options,
@@ -54,6 +57,7 @@ void StageRecorder::begin(const Commands& commands, const Grid& grid, const Opti
   options_ = &options;
   results_ = results;
   if (results.winding == 0) results_.winding = winding_.address();
+  hasTurned_ = false;
 }
 
 void StageRecorder::recordMesh(const CellMesh::Source& source) {
@@ -80,25 +84,61 @@ void StageRecorder::rayMap() {
   stage("ray_map", [&] { rayMap_.record(*commands_, crossings_.lines()); });
 }
 
+WindingFields StageRecorder::windingFields() const {
+  return {.rays = crossings_.lines().axes,
+          .winding = results_.winding,
+          .doubtful = windingRays_.doubtful().address()};
+}
+
 void StageRecorder::winding() {
   stage("winding", [&] {
     windingRays_.record(*commands_, crossings_.lines(), results_.winding);
-    const WindingFields fields{.rays = crossings_.lines().axes,
-                               .winding = results_.winding,
-                               .doubtful = windingRays_.doubtful().address()};
-    if (options_->sign == SignMode::Harmonic) recordHarmonic(fields);
+    const WindingFields fields = windingFields();
+    if (options_->sign == SignMode::Harmonic) windingHarmonic_.record(*commands_, fields);
     if (options_->sign == SignMode::Paths) windingPaths_.recordAverage(*commands_, fields, *options_);
     if (options_->sign == SignMode::Evolution) windingPaths_.recordEvolution(*commands_, fields, *options_);
   });
 }
 
-void StageRecorder::recordHarmonic(const WindingFields& fields) {
-  windingHarmonic_.record(*commands_, fields);
-  if (!isExact()) recordSurfaceTree();
-  windingDipoles_.record(
-      *commands_, surfaceTree_,
-      {.distance = results_.distance, .winding = fields.winding, .disagreeing = fields.doubtful},
-      options_->threshold);
+void StageRecorder::orientation() {
+  if (options_->orientation == Orientation::Repair)
+    throw Error(ErrorCode::Unsupported, "the faces of a mesh that only the device sees cannot be turned");
+}
+
+void StageRecorder::recordSolve() {
+  crossings_.record(*commands_, mesh_.mesh());
+  rayMap_.record(*commands_, crossings_.lines());
+  windingRays_.record(*commands_, crossings_.lines(), results_.winding);
+  windingHarmonic_.record(*commands_, windingFields());
+}
+
+void StageRecorder::recordMisfit() {
+  orientation_.recordMisfit(*commands_, orientationFields());
+}
+
+void StageRecorder::recordRises() {
+  orientation_.recordRises(*commands_, orientationFields(), kFarSides);
+}
+
+void StageRecorder::recordParityRises() {
+  orientation_.recordParity(*commands_, orientationFields());
+  orientation_.recordRises(*commands_, orientationFields(), 0.0f);
+}
+
+OrientationKernels::Fields StageRecorder::orientationFields() const {
+  return {.rays = crossings_.lines(), .field = results_.winding, .mesh = mesh_.mesh()};
+}
+
+void StageRecorder::windingDipoles() {
+  if (options_->sign != SignMode::Harmonic) return;
+  stage("winding_dipoles", [&] {
+    if (!isExact() || hasTurned_) recordSurfaceTree();
+    windingDipoles_.record(*commands_, surfaceTree_,
+                           {.distance = results_.distance,
+                            .winding = results_.winding,
+                            .disagreeing = windingRays_.doubtful().address()},
+                           options_->threshold);
+  });
 }
 
 /// Before anything has run: stages are only recorded so far, but where somebody watches.

@@ -12,6 +12,7 @@
 #include "distance_transform.h"
 #include "exact_distance.h"
 #include "findings.h"
+#include "orientation.h"
 #include "raster_distance.h"
 #include "ray_map.h"
 #include "refine.h"
@@ -42,6 +43,9 @@ class StageRecorder {
   void crossings();
   void rayMap();
   void winding();
+  /// Where the host does not see the mesh, its faces are taken as they point.
+  void orientation();
+  void windingDipoles();
   void closeHoles();
   void sign();
 
@@ -54,6 +58,7 @@ class StageRecorder {
     DistanceMode distance = DistanceMode::Exact;
     SignMode sign = SignMode::Harmonic;
     bool hasWinding = false;  ///< Results always come with a place for the winding number.
+    bool turnsFaces = false;
     /// What the paper's distances search: `coverBounds` of meshes that reach no farther than `outside`.
     std::vector<CellLattice> lattices;
     double outside = 0.0;  ///< In samples, beyond the grid.
@@ -81,6 +86,15 @@ class StageRecorder {
   /// reserved.
   void begin(const Commands& commands, const Grid& grid, const Options& options, const Results& results);
   void recordMesh(const CellMesh::Source& source);
+  // For turning faces: the harmonic field of the mesh that is there, how badly it fits the crossings, and how
+  // much it, or the parity in its place, rises along the faces.
+  void recordSolve();
+  void recordMisfit();
+  void recordRises();
+  void recordParityRises();
+  const OrientationKernels& orientationOf() const { return orientation_; }
+  /// Some faces have been turned since the distances were recorded.
+  void turned() { hasTurned_ = true; }
   /// Distances in the mesh's units.
   void recordFinish();
   void recordFindings(VkBuffer to, VkDeviceSize offset);
@@ -122,7 +136,8 @@ class StageRecorder {
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
   void recordSurfaceTree();
-  void recordHarmonic(const WindingFields& fields);
+  WindingFields windingFields() const;
+  OrientationKernels::Fields orientationFields() const;
   std::optional<Error> errorOf(const Findings& findings) const;
 
   Device* device_;
@@ -132,6 +147,7 @@ class StageRecorder {
   Extent extent_;
   Results results_;
   ScratchMemory scratch_;  // Before what lies there.
+  bool hasTurned_ = false;
   CellMesh mesh_;
   SurfaceTree surfaceTree_;
   ExactDistance exactDistance_;
@@ -143,6 +159,7 @@ class StageRecorder {
   WindingRays windingRays_;
   WindingPaths windingPaths_;
   WindingHarmonic windingHarmonic_;
+  OrientationKernels orientation_;
   WindingDipoles windingDipoles_;
   Sign sign_;
   DeviceBuffer winding_;  // Where nobody else has a place for it.

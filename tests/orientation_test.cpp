@@ -1,0 +1,265 @@
+#include "cpu/orientation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "mesh/patches.h"
+#include "shapes.h"
+#include "sign_scene.h"
+
+namespace raymap {
+namespace {
+
+Mesh flipped(Mesh mesh, double share, unsigned seed = 5) {
+  std::mt19937 random(seed);
+  for (glm::uvec3& t : mesh.triangles)
+    if (double(random() % 1000) < 1000.0 * share) std::swap(t.y, t.z);
+  return mesh;
+}
+
+Mesh insideOut(Mesh mesh) {
+  return flipped(std::move(mesh), 1.0);
+}
+
+Mesh withoutCap(Mesh mesh, double height) {
+  const Mesh whole = mesh;
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).z > height; });
+  return mesh;
+}
+
+Mesh withMissingFaces(Mesh mesh, unsigned seed = 3) {
+  std::mt19937 random(seed);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3&) { return random() % 10 == 0; });
+  return mesh;
+}
+
+/// No two faces share a vertex, or touch.
+Mesh soupOf(const Mesh& mesh) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> shift(-1e-4, 1e-4);
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> t;
+  for (const glm::uvec3& face : mesh.triangles) {
+    const auto first = uint32_t(p.size());
+    for (int c = 0; c < 3; ++c)
+      p.push_back(mesh.position(face[c]) + glm::dvec3(shift(random), shift(random), shift(random)));
+    t.emplace_back(first, first + 1, first + 2);
+  }
+  return makeMesh(p, std::move(t));
+}
+
+struct Outcome {
+  Field field;
+  Stats stats;
+};
+
+Outcome runOf(const Mesh& mesh, const Grid& grid, Orientation orientation,
+              SignMode sign = SignMode::Harmonic) {
+  Options options;
+  options.device = "cpu";
+  options.winding = options.confidence = true;
+  options.orientation = orientation;
+  options.sign = sign;
+  Generator generator;
+  Outcome run;
+  generator.generate(mesh, grid, options, run.field);
+  run.stats = generator.stats();
+  return run;
+}
+
+size_t countUnlike(const Outcome& a, const Outcome& b) {
+  size_t unlike = 0;
+  for (size_t s = 0; s < a.field.distance.size(); ++s)
+    unlike += std::signbit(a.field.distance[s]) != std::signbit(b.field.distance[s]);
+  return unlike;
+}
+
+bool areSame(const Outcome& a, const Outcome& b) {
+  const auto bytes = [](const Outcome& run) { return run.field.winding.size() * sizeof(float); };
+  return bytes(a) == bytes(b) && a.stats.turnedFaces == b.stats.turnedFaces &&
+         std::memcmp(a.field.winding.data(), b.field.winding.data(), bytes(a)) == 0 &&
+         std::memcmp(a.field.distance.data(), b.field.distance.data(), bytes(a)) == 0;
+}
+
+/// Solids of every kind, right as they are, that are not closed.
+std::vector<Mesh> rightMeshes() {
+  const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
+  return {ball,
+          insideOut(ball),
+          withMissingFaces(shapes::torus(1.0, 0.4, 60, 30)),
+          shapes::joined(ball, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0})),  // overlapping
+          shapes::joined(ball, shapes::sphere(0.5, 3)),                   // nested
+          shapes::joined(ball, insideOut(shapes::sphere(0.5, 3))),        // a cavity
+          shapes::joined(ball, insideOut(withoutCap(shapes::sphere(0.5, 3), 0.4))),
+          withoutCap(shapes::sphere(1.0, 4), -0.3),  // a bowl
+          soupOf(shapes::sphere(1.0, 4)),
+          soupOf(shapes::joined(shapes::sphere(1.0, 4), shapes::sphere(0.8, 3, {0.6, 0.2, 0.0})))};
+}
+
+TEST(Orientation, AutoKeepsWhatIsRight) {
+  for (const Mesh& mesh : rightMeshes()) {
+    const Grid grid = fitGrid(mesh, {.resolution = 40});
+    const Outcome kept = runOf(mesh, grid, Orientation::Keep), chosen = runOf(mesh, grid, Orientation::Auto);
+    EXPECT_GT(kept.stats.doubtfulShare, 0.0);
+    EXPECT_TRUE(areSame(kept, chosen))
+        << mesh.triangles.size() << " faces, " << chosen.stats.turnedFaces.size() << " turned";
+    EXPECT_EQ(chosen.stats.misfit, chosen.stats.misfitGiven);
+    EXPECT_EQ(0u, countUnlike(kept, runOf(mesh, grid, Orientation::Repair)));
+  }
+}
+
+TEST(Orientation, TurnsFacesBack) {
+  for (const Mesh& mesh : rightMeshes()) {
+    const Grid grid = fitGrid(mesh, {.resolution = 40});
+    const Outcome right = runOf(mesh, grid, Orientation::Keep);
+    const double most = 0.0005 * double(grid.sampleCount());
+    for (const double share : {0.1, 0.3}) {
+      const Mesh broken = flipped(mesh, share);
+      const Outcome run = runOf(broken, grid, Orientation::Auto);
+      EXPECT_LE(double(countUnlike(right, run)), most) << mesh.triangles.size() << " faces, " << share;
+      EXPECT_LT(run.stats.misfit, 0.5 * run.stats.misfitGiven);
+      EXPECT_GT(double(countUnlike(right, runOf(broken, grid, Orientation::Keep))), most);
+      Mesh turned = broken;
+      for (const uint32_t f : run.stats.turnedFaces) std::swap(turned.triangles[f].y, turned.triangles[f].z);
+      EXPECT_GE(2u, countUnlike(run, runOf(turned, grid, Orientation::Keep)));  // Rounding.
+    }
+  }
+}
+
+TEST(Orientation, NeedsNothingFromTheGivenOne) {
+  const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
+  for (const Mesh& mesh :
+       {ball, soupOf(shapes::sphere(1.0, 4)), shapes::joined(ball, insideOut(shapes::sphere(0.5, 3))),
+        shapes::joined(ball, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0}))}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 40});
+    EXPECT_LE(double(countUnlike(runOf(mesh, grid, Orientation::Keep),
+                                 runOf(flipped(mesh, 0.5), grid, Orientation::Auto))),
+              0.0005 * double(grid.sampleCount()));
+  }
+}
+
+TEST(Orientation, TurnsHalvesThatShareNoVertex) {
+  const auto half = [](const Mesh& mesh, double side) {
+    Mesh part = mesh;
+    std::erase_if(part.triangles, [&](const glm::uvec3& t) {
+      return side * (mesh.position(t.x).z + mesh.position(t.y).z + mesh.position(t.z).z) < 0.0;
+    });
+    for (glm::vec3& v : part.vertices) v.z += float(side) * 1e-5f;
+    return part;
+  };
+  const Mesh ball = shapes::sphere(1.0, 4), top = half(ball, 1.0), bottom = half(ball, -1.0);
+  const Mesh right = shapes::joined(top, bottom), broken = shapes::joined(top, insideOut(bottom));
+  const Grid grid = fitGrid(right, {.resolution = 40});
+  const Outcome run = runOf(right, grid, Orientation::Keep);
+  EXPECT_EQ(0u, countUnlike(run, runOf(broken, grid, Orientation::Auto)));
+  EXPECT_LT(1000u, countUnlike(run, runOf(broken, grid, Orientation::Keep)));
+}
+
+TEST(Orientation, RepairWorksWithEveryMode) {
+  const Mesh mesh = withoutCap(shapes::sphere(1.0, 4), 0.9), broken = flipped(mesh, 0.3);
+  const Grid grid = fitGrid(mesh, {.resolution = 32});
+  for (const SignMode sign : {SignMode::Rays, SignMode::Paths, SignMode::Evolution}) {
+    const Outcome right = runOf(mesh, grid, Orientation::Keep, sign);
+    EXPECT_EQ(0u, countUnlike(right, runOf(broken, grid, Orientation::Repair, sign)));
+    EXPECT_TRUE(
+        areSame(runOf(broken, grid, Orientation::Keep, sign), runOf(broken, grid, Orientation::Auto, sign)));
+  }
+}
+
+TEST(Orientation, ConfidenceSeesTheTurnedFaces) {
+  const Mesh mesh = shapes::sphere(1.0, 4);
+  const Grid grid = fitGrid(mesh, {.resolution = 32});
+  for (const float confidence : runOf(flipped(mesh, 0.3), grid, Orientation::Auto).field.confidence)
+    ASSERT_EQ(confidence, 1.0f);
+}
+
+TEST(Orientation, SameForAnyNumberOfThreads) {
+  const Mesh mesh = flipped(soupOf(withoutCap(shapes::sphere(1.0, 4), 0.7)), 0.4);
+  const Grid grid = fitGrid(mesh, {.resolution = 48});
+  const auto run = [&](int threads) {
+    Options options;
+    options.device = "cpu";
+    options.threads = threads;
+    options.winding = true;
+    Generator generator;
+    Outcome result;
+    generator.generate(mesh, grid, options, result.field);
+    result.stats = generator.stats();
+    return result;
+  };
+  const Outcome first = run(1);
+  EXPECT_FALSE(first.stats.turnedFaces.empty());
+  EXPECT_TRUE(areSame(first, run(2)));
+  EXPECT_TRUE(areSame(first, run(8)));
+}
+
+TEST(Orientation, MayBeCancelled) {
+  const Mesh mesh = flipped(withoutCap(shapes::sphere(1.0, 4), 0.7), 0.3);
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  Options options;
+  options.device = "cpu";
+  double last = 0.0;
+  options.progress = [&](std::string_view stage, double done) {
+    if (stage != "orientation") return true;
+    EXPECT_GE(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    last = done;
+    return done < 0.05;
+  };
+  Field field;
+  EXPECT_THROW(Generator().generate(mesh, grid, options, field), Error);
+  EXPECT_GE(last, 0.05);
+  EXPECT_TRUE(field.distance.empty());
+}
+
+TEST(Orientation, AGeneratorForgetsTheLastMesh) {
+  const Mesh mesh = withoutCap(shapes::sphere(1.0, 4), 0.7), broken = flipped(mesh, 0.3);
+  const Grid grid = fitGrid(mesh, {.resolution = 32});
+  Options options;
+  options.device = "cpu";
+  options.winding = true;
+  Generator generator;
+  Outcome again;
+  generator.generate(broken, grid, options, again.field);
+  EXPECT_FALSE(generator.stats().turnedFaces.empty());
+  generator.generate(mesh, grid, options, again.field);
+  again.stats = generator.stats();
+  EXPECT_TRUE(areSame(again, runOf(mesh, grid, Orientation::Keep)));
+}
+
+TEST(Patches, LinkAcrossManifoldEdges) {
+  const Patches ball = findPatches(flipped(shapes::sphere(1.0, 2), 0.5));
+  EXPECT_EQ(ball.count, 1u);
+  const Mesh mesh = flipped(shapes::sphere(1.0, 2), 0.5);
+  Mesh turned = mesh;
+  for (size_t f = 0; f < turned.triangles.size(); ++f)
+    if (ball.isReversed[f]) std::swap(turned.triangles[f].y, turned.triangles[f].z);
+  const Patches straight = findPatches(turned);
+  EXPECT_EQ(0, std::count(straight.isReversed.begin(), straight.isReversed.end(), 1));
+  EXPECT_EQ(findPatches(soupOf(mesh)).count, mesh.triangles.size());
+  EXPECT_EQ(findPatches(shapes::joined(mesh, mesh)).count, 2 * mesh.triangles.size());  // Four faces an edge.
+}
+
+TEST(Patches, SetDegenerateAndDoubledFacesApart) {
+  const std::vector<glm::dvec3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 2, 1}})).count, 2u);
+  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 1, 2}})).count, 2u);
+  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 0, 1}})).count, 1u + 1u);
+  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}})).count, 3u);
+}
+
+TEST(Misfit, IsNothingWhereAllRaysAgree) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  const Outcome right = runOf(mesh, grid, Orientation::Keep);
+  EXPECT_NEAR(measureMisfit(grid.dims, crossingsOf(mesh, grid), right.field.winding), 0.0, 1e-12);
+  Buffer<float> nothing(grid.sampleCount());
+  std::fill(nothing.begin(), nothing.end(), 0.0f);
+  EXPECT_EQ(measureMisfit(grid.dims, crossingsOf(mesh, grid), nothing), 1.0);
+}
+
+}  // namespace
+}  // namespace raymap
