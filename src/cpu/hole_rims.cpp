@@ -62,7 +62,7 @@ class SegmentCutter {
     stops_.assign({first, last});
     for (int c = 0; c < 3; ++c) {
       const auto [low, high] = std::minmax({start[c] + first * along[c], start[c] + last * along[c]});
-      for (double plane = std::ceil(low); plane <= high; ++plane) {
+      for (int plane = static_cast<int>(std::ceil(low)); plane <= high; ++plane) {
         const double stop = (plane - start[c]) / along[c];
         if (stop > first && stop < last) stops_.push_back(stop);
       }
@@ -79,12 +79,11 @@ class SegmentCutter {
 class CubeSet {
  public:
   CubeSet(std::span<const uint64_t> cubes, const glm::ivec3& dims)
-      : dims_(dims), bits_((cubeIndex(dims, dims) + 64) / 64, 0) {
+      : bits_((cubeIndex(dims, dims) + 64) / 64, 0) {
     for (const uint64_t cube : cubes) {
       bits_[cube / 64] |= uint64_t{1} << cube % 64;
       const glm::uvec3 size(dims + 1);
-      const glm::vec3 high(float(cube % size.x), float(cube / size.x % size.y),
-                           float(cube / size.x / size.y));
+      const glm::vec3 high(glm::u64vec3(cube % size.x, cube / size.x % size.y, cube / size.x / size.y));
       low_ = glm::min(low_, high - 1.0f);
       high_ = glm::max(high_, high);
     }
@@ -98,7 +97,6 @@ class CubeSet {
   }
 
  private:
-  glm::ivec3 dims_;
   std::vector<uint64_t> bits_;
   glm::vec3 low_{INFINITY}, high_{-INFINITY};
 };
