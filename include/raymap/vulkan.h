@@ -132,7 +132,8 @@ class Generator {
   /// all after it, and the host, see the results. So frames on one queue share the generator's memory without
   /// more ado, and nothing else is needed there; from one queue to another it takes a semaphore and, if these
   /// are of different families and the resources not of VK_SHARING_MODE_CONCURRENT, a transfer of ownership.
-  /// Frames of one generator must not run at once on two queues.
+  /// Frames of one generator must not run at once on two queues. The compute pipeline and push constants that
+  /// were bound before are not afterwards.
   ///
   /// Indices out of range and vertices that are not finite do no harm: their triangles are left out, and
   /// `status` says so. Throws `Error(Usage)`, having recorded nothing.
