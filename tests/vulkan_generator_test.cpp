@@ -111,8 +111,9 @@ class VulkanGenerator : public VulkanTest {
   };
 
   /// By the host's way.
-  static Field hostField(const Mesh& mesh, const Grid& grid, const Options& options) {
-    shared();  // Made before it, so destroyed after it.
+  static Field hostField(const Mesh& mesh, const Grid& grid, Options options) {
+    options.orientation = Orientation::Keep;  // As frames do.
+    shared();                                 // Made before it, so destroyed after it.
     static Backend backend(device());
     Field field;
     Stats stats;
@@ -440,6 +441,9 @@ TEST_F(VulkanGenerator, RefusesWhatItHasNoRoomFor) {
   refuses(uploaded.buffers, grid, {.distance = DistanceMode::Cell}, target);
   refuses(uploaded.buffers, grid, {.sign = SignMode::Rays}, target);
   refuses(uploaded.buffers, grid, {}, {});
+  for (const Options& options : {Options{.closeHoles = true}, Options{.orientation = Orientation::Repair}})
+    EXPECT_EQ(codeOf([&] { generator().record(commands, uploaded.buffers, grid, options, target); }),
+              ErrorCode::Unsupported);
   EXPECT_EQ(codeOf([] { Generator none(DeviceHandles{}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([] { Generator none("vulkan:99"); }), ErrorCode::Unsupported);
   EXPECT_EQ(codeOf([] { Generator none("cpu"); }), ErrorCode::Unsupported);

@@ -135,8 +135,11 @@ class Generator {
   /// Frames of one generator must not run at once on two queues. The compute pipeline and push constants that
   /// were bound before are not afterwards.
   ///
+  /// Faces are taken as they point, by `Orientation::Auto` too: turning them takes a host that looks.
+  ///
   /// Indices out of range and vertices that are not finite do no harm: their triangles are left out, and
-  /// `status` says so. Throws `Error(Usage)`, having recorded nothing.
+  /// `status` says so. Throws `Error`: Usage, or Unsupported for `closeHoles` and `Orientation::Repair`,
+  /// having recorded nothing.
   void record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid, const Options& options,
               const Target& target);
 

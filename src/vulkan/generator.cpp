@@ -158,6 +158,8 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
   require(options.distance == room.distance && options.sign == room.sign,
           "the distance or the sign is not the one that room was made for");
   if (options.closeHoles) throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far");
+  if (options.orientation == Orientation::Repair)
+    throw Error(ErrorCode::Unsupported, "the faces of a mesh that only the device sees cannot be turned");
   checkMesh(mesh, room);
   checkTarget(target, room);
   impl_->record({.commands = Commands(commands, impl_->device.pipelineLayout(), nullptr),
