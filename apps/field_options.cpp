@@ -81,6 +81,9 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
                 "Distances also to the surface missing in holes, put where the winding number crosses the "
                 "threshold")
       ->group("Method");
+  add("--thickness", options.thickness,
+      "No sign, but a solid of this thickness around the surface, in the mesh's units: for sheets")
+      ->check(numberFrom(0, true));
   command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
 }
 
@@ -104,8 +107,13 @@ void finishFieldArguments(FieldArguments& arguments) {
   arguments.options.distance = kDistances.at(arguments.distance);
   arguments.options.sign = kSigns.at(arguments.sign);
   arguments.options.orientation = kOrientations.at(arguments.orientation);
+  if (arguments.options.thickness > 0.0) {
+    if (arguments.sign != "harmonic" && arguments.sign != "none")
+      throw Error(ErrorCode::Usage, "--thickness takes the place of --sign; leave one of them out");
+    arguments.options.sign = SignMode::None;
+  }
   if (arguments.options.sign == SignMode::None && arguments.options.closeHoles)
-    throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none");
+    throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none and --thickness");
   if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
     arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
     if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))

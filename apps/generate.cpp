@@ -71,7 +71,8 @@ void finishOptions(Arguments& arguments) {
   const bool isSigned = options.sign != SignMode::None;
   options.confidence = !arguments.confidence.empty() || (isSigned && !arguments.report.empty());
   if (!isSigned && (options.winding || options.confidence))
-    throw Error(ErrorCode::Usage, "--winding and --confidence need a sign; leave out --sign none");
+    throw Error(ErrorCode::Usage,
+                "--winding and --confidence need a sign; leave out --sign none and --thickness");
   if (options.distance == DistanceMode::Raster && options.triangleIds)
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
@@ -107,6 +108,7 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"band", arguments.options.band},
             {"invert", arguments.options.invert},
             {"close_holes", arguments.options.closeHoles},
+            {"thickness", arguments.options.thickness},
             {"threads", arguments.options.threads}}},
           {"device", report.stats.device},
           {"stages", toJson(report.stats)},

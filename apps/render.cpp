@@ -25,6 +25,7 @@ struct Arguments {
   std::string slice;
   int index = -1;
   int resolution = 256;
+  double thickness = 0.0;
   ViewArguments view;
   RenderOptions options;
 };
@@ -34,6 +35,7 @@ Field loadField(const Arguments& arguments) {
   field.grid.resolution = arguments.resolution;
   field.options.threads = arguments.options.threads;
   field.options.device = arguments.options.device;
+  field.options.thickness = arguments.thickness;
   return loadField(arguments.input, field);
 }
 
@@ -82,6 +84,10 @@ void addRender(CLI::App& app) {
       ->required();
   command->add_option("--resolution", arguments->resolution, "Of the field made from a mesh (default 256)")
       ->check(wholeNumberFrom(1));
+  command
+      ->add_option("--thickness", arguments->thickness,
+                   "Of a mesh's sheets: draw a solid of this thickness around its surface, in its units")
+      ->check(numberFrom(0, true));
   command->add_option(
       "--device", arguments->options.device,
       "What draws it, and makes a mesh's field: cpu, vulkan, vulkan:K (see raymap devices), or "

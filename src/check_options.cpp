@@ -18,6 +18,9 @@ void checkOptions(const Grid& grid, const Options& options) {
   require(options.threshold >= 0.0, "the threshold must not be negative");
   require(options.threads >= 0, "the number of threads must not be negative");
   require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
+  require(options.thickness >= 0.0 && std::isfinite(options.thickness), "the thickness must not be negative");
+  require(options.thickness == 0.0 || !(options.winding || options.confidence || options.closeHoles),
+          "a thickness takes the place of the sign: leave out winding, confidence and closing holes");
   require(!options.triangleIds || options.distance != DistanceMode::Raster,
           "the raster distance knows no closest triangles; use another distance");
   require(grid.sampleCount() < kNoTriangle,

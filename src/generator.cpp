@@ -10,6 +10,7 @@
 #include "devices.h"
 #include "memory.h"
 #include "pipeline.h"
+#include "thickness.h"
 #ifdef RAYMAP_VULKAN
 #include "vulkan/runner.h"
 #endif
@@ -90,7 +91,12 @@ void Generator::generate(const Mesh& mesh, const Grid& grid, const Options& opti
   try {
     checkOptions(grid, options);
     validate(mesh);
-    impl_->run(mesh, grid, options, field);
+    if (options.thickness > 0.0) {
+      impl_->run(mesh, grid, withoutThickness(options, grid), field);
+      thicken(options, field);
+    } else {
+      impl_->run(mesh, grid, options, field);
+    }
   } catch (...) {
     field = {};
     throw;

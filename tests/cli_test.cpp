@@ -302,6 +302,23 @@ TEST_F(Cli, MakesAClosedMesh) {
   EXPECT_FALSE(fs::exists(path("b.ply")));
 }
 
+TEST_F(Cli, ThickensSheets) {
+  writeMesh(path("square.ply"), makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}},
+                                         {{0, 1, 2}, {0, 2, 3}}));
+  succeed("mesh square.ply -o plate.stl --thickness 0.4 --voxel-size 0.1");
+  const Diagnostics found = diagnose(readMesh(path("plate.stl")));
+  EXPECT_TRUE(found.watertight);
+  // A plate, half cylinders at its sides, a ball at its corners.
+  EXPECT_NEAR(found.signedVolume, 4.0 * 4.0 * 0.4 + 8.0 * 0.1257 / 2.0 * 2.0 + 0.0335, 0.1);
+  succeed("generate square.ply -o plate.nrrd --thickness 0.4 --voxel-size 0.1 --stats plate.json");
+  EXPECT_EQ(json("plate.json")["options"]["thickness"], 0.4);
+  succeed("render square.ply -o plate.png --thickness 0.4 --resolution 32 --size 64 48");
+  expectFailure("generate square.ply -o f.nrrd --thickness 0.4 --sign rays", ErrorCode::Usage,
+                "place of --sign");
+  expectFailure("generate square.ply -o f.nrrd --thickness 0.4 --close-holes", ErrorCode::Usage,
+                "needs a sign");
+}
+
 TEST_F(Cli, RepairsAMesh) {
   Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
   mesh.triangles.pop_back();

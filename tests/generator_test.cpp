@@ -20,6 +20,31 @@ TEST(Generator, GivesTheSignedDistanceOfASphere) {
   }
 }
 
+/// One triangle of a plane, as a plate with round edges.
+TEST(Generator, MakesSolidsOfSheets) {
+  const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
+  const Grid grid = fitGrid(mesh, {.voxelSize = 0.1, .padding = 0.3});
+  for (const double band : {0.0, 3.0, 1.0})
+    for (const bool invert : {false, true}) {
+      Options options;
+      options.thickness = 0.4;
+      options.band = band;
+      options.invert = invert;
+      const Field field = generate(mesh, grid, options);
+      const double most = band > 0.0 ? band * grid.spacing : INFINITY;
+      EXPECT_DOUBLE_EQ(field.band, band * grid.spacing);
+      for (size_t k = 0; k < field.distance.size(); ++k) {
+        const glm::ivec3 s(k % grid.dims.x, k / grid.dims.x % grid.dims.y, k / grid.dims.x / grid.dims.y);
+        const double exact = std::clamp(reference::distance(mesh, grid.position(s)) - 0.2, -most, most);
+        ASSERT_NEAR(field.distance[k], invert ? -exact : exact, 1e-6) << k;
+      }
+    }
+  Options options;
+  options.thickness = 0.4;
+  options.winding = true;
+  EXPECT_THROW(generate(mesh, grid, options), Error);
+}
+
 TEST(Generator, ReusesItsBuffersAndGivesTheSame) {
   const Mesh mesh = shapes::soup(200, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 32});

@@ -52,6 +52,10 @@ struct Options {
   bool confidence = false;          ///< and how sure the sign is.
   size_t memoryLimit = 0;           ///< Bytes the generator may hold; 0 = what the machine has left.
 
+  /// Above 0: the solid of all within half of this of the surface, in the mesh's units, whatever `sign` says.
+  /// For sheets that bound nothing; `winding`, `confidence` and `closeHoles` need a sign and must be off.
+  double thickness = 0.0;
+
   /// What computes: "cpu"; "vulkan:K", the Kth Vulkan device, or "vulkan", the best of them, be it a driver
   /// in software; "auto": a real GPU if one is usable, else the CPU. The same fields but for rounding.
   std::string device = "auto";

@@ -15,7 +15,8 @@ namespace raymap {
 
 namespace {
 
-constexpr double kOneSided = 0.01;   // What a one-sided difference must gain in the gradient's length.
+constexpr double kSmooth = 0.1;      // Between differences to either side, where the surface has no edge.
+constexpr double kExact = 0.004;     // Error of a gradient's length that curvature makes.
 constexpr double kCrossing = 0.02;   // Weight of what crossings say, where samples say nothing.
 constexpr double kMinLength = 1e-6;  // Of a gradient that points anywhere.
 
@@ -65,19 +66,16 @@ class SamplePlanes {
   }
 
   static glm::dvec3 mostLikely(const glm::dvec3& low, const glm::dvec3& high) {
-    const glm::dvec3 central = 0.5 * (low + high);
-    glm::dvec3 best = central;
-    double least = std::abs(glm::length(central) - 1.0);
-    if (least <= kOneSided) return best / glm::length(best);
-    for (int choice = 1; choice < 27; ++choice) {
-      glm::dvec3 g;
-      int oneSided = 0;
-      for (int a = 0, rest = choice; a < 3; ++a, rest /= 3) {
-        g[a] = rest % 3 == 0 ? central[a] : rest % 3 == 1 ? low[a] : high[a];
-        oneSided += rest % 3 != 0 ? 1 : 0;
-      }
-      const double cost = std::abs(glm::length(g) - 1.0) + kOneSided * oneSided;
-      if (cost < least) least = cost, best = g;
+    glm::dvec3 best = 0.5 * (low + high);
+    double least = std::abs(glm::length(best) - 1.0);
+    // Each axis has two choices, or one where both are much the same.
+    glm::dvec3 first = low, second = high;
+    for (int a = 0; a < 3; ++a)
+      if (std::abs(high[a] - low[a]) <= kSmooth) first[a] = second[a] = best[a];
+    for (int choice = 0; choice < 8 && least > kExact; ++choice) {
+      const glm::dvec3 g = glm::mix(first, second, glm::bvec3(choice & 1, choice & 2, choice & 4));
+      const double error = std::abs(glm::length(g) - 1.0);
+      if (error < least) least = error, best = g;
     }
     const double length = glm::length(best);
     return length > kMinLength ? best / length : glm::dvec3(0.0);

@@ -160,6 +160,9 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
   if (options.closeHoles) throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far");
   if (options.orientation == Orientation::Repair)
     throw Error(ErrorCode::Unsupported, "the faces of a mesh that only the device sees cannot be turned");
+  if (options.thickness > 0.0)
+    throw Error(ErrorCode::Unsupported,
+                "a thickness is for fields on the host only; subtract half of it from an unsigned field");
   checkMesh(mesh, room);
   checkTarget(target, room);
   impl_->record({.commands = Commands(commands, impl_->device.pipelineLayout(), nullptr),
