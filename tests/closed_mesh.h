@@ -35,11 +35,13 @@ inline testing::AssertionResult isClosed(const Mesh& mesh) {
   std::vector<Wedge> wedges;
   for (const glm::uvec3& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) wedges.push_back({t[c], t[(c + 1) % 3], t[(c + 2) % 3]});
-  std::ranges::sort(wedges, {}, [](const Wedge& w) { return std::pair(w.corner, w.next); });
+  const auto isBefore = [](const Wedge& v, const Wedge& w) {
+    return std::pair(v.corner, v.next) < std::pair(w.corner, w.next);
+  };
+  std::sort(wedges.begin(), wedges.end(), isBefore);
   const auto uses = [&](uint32_t a, uint32_t b) {
-    const auto found = std::ranges::equal_range(wedges, std::pair(a, b), {},
-                                                [](const Wedge& w) { return std::pair(w.corner, w.next); });
-    return found.size();
+    const auto [first, last] = std::equal_range(wedges.begin(), wedges.end(), Wedge{a, b, 0}, isBefore);
+    return last - first;
   };
   for (const Wedge& w : wedges)
     if (w.corner == w.next || uses(w.corner, w.next) != 1 || uses(w.next, w.corner) != 1)

@@ -1,0 +1,39 @@
+// Every mesh of a folder becomes a watertight one; skipped without that folder.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include "closed_mesh.h"
+#include "mesh_folder.h"
+
+namespace raymap {
+namespace {
+
+TEST(IsosurfaceWide, IsClosedForEveryMesh) {
+  const std::vector<std::string> names = wellFormedMeshes();
+  if (names.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  Generator generator;
+  Field field;
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = readMesh(meshFolder() / name);
+    const Box box = bounds(mesh);
+    const double longest = std::max({box.size().x, box.size().y, box.size().z});
+    // What is flat or open has no inside: as a sheet it has.
+    for (const double thickness : {0.0, longest / 16.0}) {
+      Options options;
+      options.thickness = thickness;
+      generator.generate(mesh, fitGrid(mesh, {.resolution = 48}), options, field);
+      if (std::ranges::none_of(field.distance, [](float d) { return d < 0.0f; })) continue;
+      const Mesh surface = isosurface(field);
+      EXPECT_TRUE(isClosed(surface));
+      const Diagnostics found = diagnose(surface);
+      EXPECT_TRUE(found.watertight && found.consistentlyOriented);
+      EXPECT_EQ(found.degenerateFaces + found.duplicateFaces, 0u);
+      EXPECT_GT(found.signedVolume, 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raymap
