@@ -45,13 +45,13 @@ def is_sound(stats):
 
 
 def print_far(rows):
-    """Those whose result leaves the mesh by more than a sample somewhere, or loses some of it."""
+    """Those whose result leaves the mesh by more than a sample somewhere, or loses a hundredth of it."""
     print("\n| mesh | wrong with it | result from mesh: largest, samples | mesh from result: largest | inside | outside |")
     print("|---|---|---|---|---|---|")
     for name, stats in rows:
         spacing, before = stats["grid"]["spacing"], stats["before"]
         far, lost = (stats[key]["max"] / spacing for key in ("result_from_mesh", "mesh_from_result"))
-        if max(far, lost) <= 1 and stats["lost_share"] < 1e-3:
+        if far <= 1 and stats["lost_share"] < 0.01:
             continue
         wrong = ", ".join(f"{before[key]} {label}" for key, label in (
             ("boundary_edges", "boundary"), ("nonmanifold_edges", "non-manifold"), ("flipped_edges", "flipped")) if before[key])

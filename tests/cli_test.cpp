@@ -337,6 +337,8 @@ TEST_F(Cli, RepairsAMesh) {
                        solid["after"]["signed_volume"].get<double>();
   EXPECT_NEAR(ratio, 0.85 * 0.85 / 0.49, 0.01);
   EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
+  expectFailure("repair torn.ply -o none.ply --resolution 64 --offset -1", ErrorCode::Input,
+                "bounds nothing");
 }
 
 TEST_F(Cli, HollowsAMeshOut) {

@@ -127,6 +127,11 @@ Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const Re
   RepairReport report;
   report.before = diagnose(mesh);
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
+  if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
+    throw Error(ErrorCode::Input,
+                "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
+                "more samples, or "
+                "for a sheet 'raymap mesh --thickness'");
   std::vector<glm::vec3> points;
   if (wanted) points = visiblePoints(mesh, solid, repair.offset, report);
   const std::vector<DrainHole> holes = hollow(solid, repair, report);
