@@ -136,6 +136,19 @@ TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
   expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh, 0.3);
 }
 
+TEST_F(Backends, CloseHolesOrSayThatTheyCannot) {
+  const Mesh mesh = holedSphere();
+  Options options;
+  options.device = "vulkan";
+  options.closeHoles = true;
+  try {
+    generate(mesh, fitGrid(mesh, {.resolution = 16}), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Unsupported) << error.what();
+  }
+}
+
 TEST_F(Backends, GiveTheSameBand) {
   const Mesh mesh = shapes::sphere(1.0, 4);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
