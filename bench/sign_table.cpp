@@ -5,6 +5,7 @@
 
 #include "broken_meshes.h"
 #include "cpu/parallel.h"
+#include "diagonal_rays.h"
 #include "exact_numbers.h"
 #include "shapes.h"
 
@@ -107,6 +108,9 @@ void printRow(const Row& row, int resolution) {
   for (const Mode& mode : kModes) {
     const Buffer<float> winding = windingOf(row.mesh, grid, mode.sign).winding;
     printCell(exact, stride, [&](size_t s) { return double(winding[s]); });
+    if (mode.sign != SignMode::Rays) continue;
+    const std::vector<double> all = averageAllRays(row.mesh, grid, winding);
+    printCell(exact, stride, [&](size_t s) { return all[s]; });
   }
   std::printf("\n");
 }
@@ -125,8 +129,9 @@ int main(int argc, char** argv) {
       if (std::filesystem::exists(folder / name)) rows.push_back({name, readMesh(folder / name)});
   }
   std::printf("| wrong signs (mean error of w) | 1 ray |");
-  for (const Mode& mode : kModes) std::printf(" %s |", mode.name);
-  std::printf("\n|---|---|---|---|---|---|\n");
+  for (const Mode& mode : kModes)
+    std::printf(" %s |%s", mode.name, mode.sign == SignMode::Rays ? " 26 rays |" : "");
+  std::printf("\n|---|---|---|---|---|---|---|\n");
   for (const Row& row : rows) try {
       printRow(row, resolution);
     } catch (const Error& error) {
