@@ -71,8 +71,7 @@ class Drawing {
         toLight_(glm::normalize(-0.45 * camera_.right() - 0.55 * camera_.forward() + 0.95 * camera_.up())),
         canvas_(options.width, options.height) {
     seen_.reserve(mesh.vertices.size());
-    for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
-      seen_.push_back(project(glm::dvec3(mesh.vertices[v])));
+    for (const glm::vec3& vertex : mesh.vertices) seen_.push_back(project(glm::dvec3(vertex)));
   }
 
   void drawFaces(const Defects& defects) {
