@@ -57,7 +57,10 @@ void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
 std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double step) {
   const CellMesh cells = toSamples(mesh, grid);
   double count = countPoints(cells, step);
-  for (; count > kMostPoints + double(mesh.triangles.size()); count = countPoints(cells, step)) step *= 1.5;
+  while (count > kMostPoints + double(mesh.triangles.size())) {
+    step *= 1.5;
+    count = countPoints(cells, step);
+  }
   std::vector<glm::vec3> points;
   points.reserve(size_t(count) + 3 * mesh.triangles.size());
   std::vector<bool> isTaken(mesh.vertices.size());

@@ -30,8 +30,9 @@ class Flood {
     double depth = -INFINITY;
     samples_.clear();
     push(first);
-    for (size_t next = 0; next < samples_.size(); ++next) {
-      const size_t sample = samples_[next];
+    size_t next = 0;
+    while (next < samples_.size()) {
+      const size_t sample = samples_[next++];
       const glm::ivec3 place = placeOf(solid_.grid, sample);
       const double room = -wall_ - double(solid_.distance[sample]);
       hollow.deepest = std::max(hollow.deepest, room);
