@@ -40,20 +40,26 @@ std::optional<size_t> chooseDevice(const std::string& name);
 /// Whether another device may do what this error stopped: not where the input is at fault, or the user.
 bool isOfTheDevice(const Error& error);
 
-/// `onGpu(index)` or `onCpu()`, as the device's name says. Where `auto` finds a GPU that fails, it says so by
-/// `warn` and takes the CPU.
+/// `onGpu(index)` if there is an index, else `onCpu()`. A GPU that fails is told of by `warn` and the CPU
+/// taken instead, if that is allowed and may help.
 template <class OnGpu, class OnCpu>
-void runOnDevice(const std::string& name, const std::function<void(std::string_view)>& warn, OnGpu&& onGpu,
-                 OnCpu&& onCpu) {
-  const std::optional<size_t> index = chooseDevice(name);
+void runOnChosen(std::optional<size_t> index, bool mayFallBack,
+                 const std::function<void(std::string_view)>& warn, OnGpu&& onGpu, OnCpu&& onCpu) {
   if (!index) return onCpu();
   try {
     return onGpu(*index);
   } catch (const Error& error) {
-    if (name != "auto" || !isOfTheDevice(error)) throw;
+    if (!mayFallBack || !isOfTheDevice(error)) throw;
     if (warn) warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
   }
   onCpu();
+}
+
+/// On what the device's name says; only `auto` falls back.
+template <class OnGpu, class OnCpu>
+void runOnDevice(const std::string& name, const std::function<void(std::string_view)>& warn, OnGpu&& onGpu,
+                 OnCpu&& onCpu) {
+  runOnChosen(chooseDevice(name), name == "auto", warn, onGpu, onCpu);
 }
 
 }  // namespace raymap
