@@ -206,23 +206,34 @@ void addOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--device", arguments.device, "Which Vulkan device (default: a GPU if there is one)");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app("Makes and draws the signed distance field of a moving mesh in every frame, on the GPU.");
   Arguments arguments;
   addOptions(app, arguments);
   try {
     app.parse(argc, argv);
-    run(arguments);
-    return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : int(raymap::ErrorCode::Usage);
+  }
+  run(arguments);
+  return 0;
+}
+
+int fail(int code, const char* why) {
+  std::fprintf(stderr, "raymap_animated: error: %s\n", why);
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return parseAndRun(argc, argv);
   } catch (const raymap::Error& error) {
-    std::fprintf(stderr, "raymap_animated: error: %s\n", error.what());
-    return int(error.code());
+    return fail(int(error.code()), error.what());
   } catch (const std::filesystem::filesystem_error& error) {
-    std::fprintf(stderr, "raymap_animated: error: %s\n", error.what());
-    return int(raymap::ErrorCode::File);
+    return fail(int(raymap::ErrorCode::File), error.what());
+  } catch (const std::exception& error) {
+    return fail(1, error.what());
   }
 }
