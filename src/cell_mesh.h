@@ -19,4 +19,7 @@ struct CellMesh {
   glm::vec3 corner(size_t triangle, int c) const { return vertices[triangles[triangle][c]]; }
 };
 
+/// Refers to the mesh's triangles.
+void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells);
+
 }  // namespace raymap

@@ -64,8 +64,7 @@ void Generator::Impl::runOnCpu(const Mesh& mesh, const Grid& grid, const Options
   stats.device = "cpu";
   stats.bytes = cpu.bytes() + fieldBytes(field);
   stats.doubtfulShare = cpu.doubtfulShare();
-  stats.patchTriangles = cpu.patch().triangles.size();
-  stats.patchArea = cpu.patch().area() * grid.spacing * grid.spacing;
+  cpu.patch().report(grid, stats);
   cpu.faceSides().report(stats);
 }
 
@@ -77,7 +76,7 @@ void Generator::Impl::runOnGpu(size_t index, const Mesh& mesh, const Grid& grid,
   // Taken out while it runs: what failed is not used again.
   std::unique_ptr<vulkan::Runner> runner = std::move(gpu);
   stats = {};
-  runner->run(mesh, grid, options, field, stats);
+  withThreads(options.threads, [&] { runner->run(mesh, grid, options, field, stats); });
   stats.device = "vulkan:" + std::to_string(index);
   gpu = std::move(runner);
 }

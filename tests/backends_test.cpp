@@ -136,16 +136,46 @@ TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
   expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh, 0.3);
 }
 
-TEST_F(Backends, CloseHolesOrSayThatTheyCannot) {
-  const Mesh mesh = holedSphere();
-  Options options;
-  options.device = "vulkan";
-  options.closeHoles = true;
-  try {
-    generate(mesh, fitGrid(mesh, {.resolution = 16}), options);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::Unsupported) << error.what();
+TEST_F(Backends, CloseTheSameHoles) {
+  const Mesh ball = holedSphere();
+  Mesh ring = shapes::torus(1.0, 0.4, 40, 20);
+  ring.triangles.erase(ring.triangles.begin() + 40, ring.triangles.begin() + 160);
+  struct Case {
+    const Mesh& mesh;
+    Options options;
+  };
+  for (auto& [mesh, options] :
+       std::initializer_list<Case>{{ball, {}},
+                                   {ball, {.band = 3.0}},
+                                   {ball, {.threshold = 0.3}},
+                                   {ball, {.distance = DistanceMode::Cell, .sign = SignMode::Paths}},
+                                   {ring, {}},
+                                   {ring, {.distance = DistanceMode::Neighbours}},
+                                   {flipped(ring, 10), {}},
+                                   {shapes::joined(ball, ring), {.sign = SignMode::Rays}}}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 40});
+    Options all = options;
+    all.winding = all.triangleIds = all.closeHoles = true;
+    Generator generator;
+    Field cpu, gpu;
+    all.device = "cpu";
+    generator.generate(mesh, grid, all, cpu);
+    const Stats stats = generator.stats();
+    all.device = "vulkan";
+    generator.generate(mesh, grid, all, gpu);
+    EXPECT_GT(stats.patchTriangles, 0u);
+    EXPECT_EQ(stats.patchTriangles, generator.stats().patchTriangles);
+    EXPECT_NEAR(stats.patchArea, generator.stats().patchArea, 1e-4 * stats.patchArea);
+    size_t otherTriangles = 0;
+    for (size_t i = 0; i < cpu.distance.size(); ++i) {
+      const double difference = std::abs(cpu.distance[i]) - std::abs(gpu.distance[i]);
+      ASSERT_LT(std::abs(difference), 0.01 * grid.spacing) << i;
+      if (std::signbit(cpu.distance[i]) != std::signbit(gpu.distance[i])) {
+        ASSERT_LT(std::abs(std::abs(cpu.winding[i]) - options.threshold), 1e-4) << i;
+      }
+      otherTriangles += (cpu.triangle[i] == kNoTriangle) != (gpu.triangle[i] == kNoTriangle) ? 1 : 0;
+    }
+    EXPECT_LT(otherTriangles, cpu.distance.size() / 1000);
   }
 }
 

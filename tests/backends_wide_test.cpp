@@ -15,11 +15,12 @@ namespace {
 /// A driver in software takes a minute for a million triangles; larger ones are left to real devices.
 constexpr size_t kMostTriangles = 200'000;
 
-Field make(const Mesh& mesh, const char* device) {
+Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {
   Options options;
   options.device = device;
   options.winding = true;
-  return generate(mesh, fitGrid(mesh, {.resolution = 48}), options);
+  options.closeHoles = closesHoles;
+  return generate(mesh, fitGrid(mesh, {.resolution = closesHoles ? 32 : 48}), options);
 }
 
 TEST(Backends, GiveTheSameFieldOfEveryMesh) {
@@ -42,6 +43,20 @@ TEST(Backends, GiveTheSameFieldOfEveryMesh) {
     }
     EXPECT_LE(largest, tolerance);
     EXPECT_EQ(wrong, 0u);
+  }
+}
+
+TEST(Backends, CloseTheSameHolesOfEveryMesh) {
+  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  if (listDevices().devices.size() < 2) GTEST_SKIP() << listDevices().note;
+  for (const MeshRow& row : meshRows()) {
+    if (row.at("kind") == "malformed" || row.at("boundary_edges") == "0") continue;
+    SCOPED_TRACE(row.at("file"));
+    const Mesh mesh = readMesh(meshFolder() / row.at("file"));
+    if (mesh.triangles.size() > 20'000) continue;
+    const Field cpu = make(mesh, "cpu", true), gpu = make(mesh, "vulkan", true);
+    for (size_t i = 0; i < cpu.distance.size(); ++i)
+      ASSERT_NEAR(std::abs(cpu.distance[i]), std::abs(gpu.distance[i]), 0.01 * cpu.grid.spacing) << i;
   }
 }
 

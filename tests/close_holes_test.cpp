@@ -257,8 +257,8 @@ HolePatch patchOf(const Mesh& mesh, const Grid& grid) {
       numbers.push_back(float(reference::windingNumber(mesh, grid.position(glm::dvec3(p)))));
     return numbers;
   };
-  makePatch(cellMesh(mesh, grid), findMissingEdges(map, winding, 0.5, progress), winding, 0.5, windingAt,
-            progress, patch);
+  makePatch(cellMesh(mesh, grid), findMissingEdges(map, winding, 0.5, progress), 0.5, windingAt, progress,
+            patch);
   return patch;
 }
 

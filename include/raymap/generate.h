@@ -45,7 +45,7 @@ struct Options {
   double threshold = 0.5;           ///< Inside means |winding number| > threshold.
   double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
   bool invert = false;              ///< Positive inside instead.
-  bool closeHoles = false;          ///< Take distances to the surface missing in holes too (CPU only so far).
+  bool closeHoles = false;          ///< Take distances to the surface missing in holes too.
   int threads = 0;                  ///< Of the CPU; 0 = all.
   bool triangleIds = false;         ///< Also give the closest triangle of each sample (not with `Raster`),
   bool winding = false;             ///< the winding number,

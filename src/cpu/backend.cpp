@@ -1,10 +1,7 @@
 #include "backend.h"
 
-#include <raymap/error.h>
-
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include "cell_distance.h"
@@ -23,18 +20,6 @@ namespace {
 
 constexpr size_t kGrain = size_t{1} << 16;
 constexpr size_t kTreeBytesPerTriangle = 108;
-
-void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells) {
-  cells.dims = grid.dims;
-  cells.triangles = mesh.triangles;
-  cells.vertices.resize(mesh.vertices.size());
-  const glm::dvec3 shift = mesh.origin - grid.origin;
-  const double scale = 1.0 / grid.spacing;  // not divided by, so that every device gets the same bits
-  parallelFor(mesh.vertices.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v)
-      cells.vertices[v] = glm::vec3((shift + glm::dvec3(mesh.vertices[v])) * scale);
-  });
-}
 
 }  // namespace
 
@@ -159,27 +144,19 @@ void CpuBackend::windingDipoles() {
                          field_->distance, options_->threshold, *progress_, windingBuffer());
 }
 
-/// How much surface is missing only this stage finds out.
-void CpuBackend::requirePatch(size_t missingEdges) const {
-  const size_t needed = bytes() + patchBytes(missingEdges) + 2 * missingEdges * kTreeBytesPerTriangle;
-  if (needed > memoryLimit_ || 2 * missingEdges >= kNoTriangle)
-    throw Error(ErrorCode::Memory, "surface is missing at " + std::to_string(missingEdges) +
-                                       " lattice edges, too many to close in the memory left; use a lower "
-                                       "resolution or a higher limit");
-}
-
 void CpuBackend::closeHoles() {
   // Where the six rays agree, triangles account for every change of the winding number.
   if (windingSummary_.doubtfulShare == 0.0) return;
   const std::vector<MissingEdge> edges =
       findMissingEdges(rayMap_, windingBuffer(), options_->threshold, *progress_);
   if (edges.empty()) return;
-  requirePatch(edges.size());
+  const size_t held = bytes();
+  requirePatch(edges.size(), kTreeBytesPerTriangle, memoryLimit_ > held ? memoryLimit_ - held : 0);
   const auto windingAt = [this](std::span<const glm::vec3> points) {
     return windingDipoles_.numbersAt([this]() -> const SurfaceTree& { return surfaceTree(); }, points,
                                      *progress_);
   };
-  makePatch(mesh_, edges, windingBuffer(), options_->threshold, windingAt, *progress_, patch_);
+  makePatch(mesh_, edges, options_->threshold, windingAt, *progress_, patch_);
   patchTree_.build(patch_.mesh);
   addExactDistance(patchTree_, mesh_.dims, *progress_, field_->distance,
                    options_->triangleIds ? &field_->triangle : nullptr);

@@ -50,7 +50,6 @@ class CpuBackend {
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
  private:
-  void requirePatch(size_t missingEdges) const;
   /// Built when a stage first asks for it.
   const SurfaceTree& surfaceTree();
   Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }

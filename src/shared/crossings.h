@@ -32,9 +32,13 @@ struct CrossingsPush {
   RAYMAP_ADDRESS(Ints) lines[3];  // w_l of every lattice edge along x, y and z; see vulkan/crossings.h.
   RAYMAP_ADDRESS(Uints) runs;     // Of each triangle: how many there are, or how many come before them.
   RAYMAP_ADDRESS(CrossingsStatusAddress) status;
+  RAYMAP_ADDRESS(Uints)
+  crossed;  // Bits of the edges that are crossed (crossed_edges.glsl); 0: not asked for.
   uint dims[3];
   uint triangleCount;
+  uint crossedWords;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(CrossingsPush, 72);
+RAYMAP_CHECK_SIZE(CrossingsPush, 88);
 
 RAYMAP_SHARED_END

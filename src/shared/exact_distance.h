@@ -27,7 +27,10 @@ struct ExactDistancePush {
   uint restLeaf;    // and of that, among leaves, with which a pass over the rest begins.
   float band;       // In cells; 0: none.
   float tolerance;  // In cells: candidates that cannot win by more are dropped.
+  uint
+      isAddition;  // Only samples closer to these triangles than `distance` says are written, as kNoTriangle.
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(ExactDistancePush, 96);
+RAYMAP_CHECK_SIZE(ExactDistancePush, 104);
 
 RAYMAP_SHARED_END

@@ -31,6 +31,7 @@ struct WindingDipolesPush {
   RAYMAP_ADDRESS(Uints)
   doubts;  // Whether there is any sample that the lattice may have put on the wrong side.
   RAYMAP_ADDRESS(Uints) disagreeing;  // How many samples' rays disagree.
+  RAYMAP_ADDRESS(Floats) points;      // Three coordinates each; their numbers then go to `winding`.
   uint gridX, gridY, gridZ;           // Samples of the grid.
   uint triangleCount;
   uint firstLeaf;   // Number of the first leaf among all nodes.
@@ -39,7 +40,9 @@ struct WindingDipolesPush {
   uint isLeafLevel;
   float threshold;
   uint mostTurns;  // Of a loop over nodes of the tree.
+  uint pointCount;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(WindingDipolesPush, 96);
+RAYMAP_CHECK_SIZE(WindingDipolesPush, 112);
 
 RAYMAP_SHARED_END

@@ -61,7 +61,9 @@ size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& o
   // Distances and sign share their memory.
   const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
   const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
-  return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) +
+  // Lists of blocks, and which edges are crossed.
+  const size_t closing = options.closeHoles ? samples * 5 / 2 : 0;
+  return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) + closing +
          mesh.triangles.size() * perTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
 }
 
@@ -73,6 +75,7 @@ void Backend::begin(const Mesh& mesh, const Grid& grid, const Options& options, 
   doubtfulShare_ = 0.0;
   doubtfulGiven_.reset();
   faceSides_ = {};
+  patch_.clear();
   stages_.clear();
   upload_.fill(mesh);
   reserve(extentOf(mesh, grid, options));
@@ -92,7 +95,8 @@ StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, cons
                 .distance = options.distance,
                 .sign = options.sign,
                 .hasWinding = options.winding,
-                .turnsFaces = mayTurnFaces(options, 1.0)};
+                .turnsFaces = mayTurnFaces(options, 1.0),
+                .closesHoles = options.closeHoles};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -135,6 +139,13 @@ void Backend::run() {
     else
       stages_.push_back({time.name, time.milliseconds});
   }
+}
+
+double Backend::readDoubtfulShare(const char* stage) {
+  run(stage, [&] { recordFindings(findings_.handle(), findings_.offset()); });
+  const Findings& findings = findings_.mapped<Findings>().front();
+  if (std::optional<Error> error = failureOf(findings.crossings)) throw *error;
+  return double(findings.doubtful) / double(sampleCount());
 }
 
 bool Backend::growIfFull() {

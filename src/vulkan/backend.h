@@ -19,6 +19,7 @@ class Backend : public StageRecorder {
   void voxelGrid();
   void rasterDistance();
   void orientation();
+  void closeHoles();
   /// Brings the distances into the mesh's units, and everything asked for to the host.
   void finish();
 
@@ -30,6 +31,8 @@ class Backend : public StageRecorder {
   double doubtfulShare() const { return doubtfulShare_; }
   /// Which faces were turned, and how well the crossings agree.
   const FaceSides& faceSides() const { return faceSides_; }
+  /// The surface that `closeHoles` added.
+  const HolePatch& patch() const { return patch_; }
   /// What the device took for each stage of the last run.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
   /// What the last run took by the device's clock from the mesh being there to the field being there: waiting
@@ -48,6 +51,8 @@ class Backend : public StageRecorder {
     run();
     continueIn(commandBuffer_.begin());
   }
+  /// Reads back how many samples' rays disagree; throws what kept the crossings from being counted.
+  double readDoubtfulShare(const char* stage);
   bool growIfFull();
   Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults(const Grid& grid, const Options& options);
@@ -62,6 +67,7 @@ class Backend : public StageRecorder {
   double doubtfulShare_ = 0.0;
   std::optional<double> doubtfulGiven_;  ///< Of the mesh as given, where that was asked for.
   FaceSides faceSides_;
+  HolePatch patch_;
   std::vector<Stats::Stage> stages_;
   double meshReady_ = 0.0, fieldReady_ = 0.0;
 

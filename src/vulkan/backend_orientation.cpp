@@ -52,16 +52,12 @@ class Backend::FaceTurner : public FaceField {
 /// Whether the rays disagree anywhere the host has to know before it goes on.
 void Backend::orientation() {
   if (!mayTurnFaces(options(), 1.0)) return;
-  run("orientation", [&] { recordFindings(findings_.handle(), findings_.offset()); });
-  const Findings& findings = findings_.mapped<Findings>().front();
-  if (std::optional<Error> error = failureOf(findings.crossings)) throw *error;
-  doubtfulGiven_ = double(findings.doubtful) / double(sampleCount());
+  doubtfulGiven_ = readDoubtfulShare("orientation");
   if (!mayTurnFaces(options(), *doubtfulGiven_)) return;
   FaceTurner turner(*this);
   const bool isHarmonic = options().sign == SignMode::Harmonic;
   const double misfit = isHarmonic ? turner.misfit() : turner.solve(Turns(extent().triangles, 0));
   faceSides_ = chooseSides(*inputMesh_, misfit, options().orientation, turner, *progress_);
-  turned();
   if (!isHarmonic) winding();
 }
 

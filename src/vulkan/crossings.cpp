@@ -42,12 +42,13 @@ Crossings::Crossings(Device& device, ScratchMemory* scratch)
       lines_{DeviceBuffer(device, "crossings along x", scratch),
              DeviceBuffer(device, "crossings along y", scratch),
              DeviceBuffer(device, "crossings along z", scratch)},
+      crossed_(device, "crossed edges"),
       runCounts_(device, "crossings runs"),
       status_(device, "crossings status") {
   status_.resize<CrossingsStatus>(1);
 }
 
-void Crossings::reserve(const glm::ivec3& dims, uint64_t triangleCount) {
+void Crossings::reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed) {
   checkSize(3 * triangleCount, "corners of triangles");
   std::array<uint64_t, 3> edges{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -58,6 +59,8 @@ void Crossings::reserve(const glm::ivec3& dims, uint64_t triangleCount) {
   }
   dims_ = dims;
   for (size_t axis = 0; axis < 3; ++axis) lines_[axis].resize<int32_t>(edges[axis]);
+  crossedWords_ = static_cast<uint32_t>(std::ranges::max(edges) / 32 + 1);
+  crossed_.resize<uint32_t>(keepsCrossed ? 3 * uint64_t{crossedWords_} : 0);
   runCounts_.resize<uint32_t>(triangleCount + 1);
   scan_.reserve(static_cast<uint32_t>(triangleCount));
 }
@@ -67,7 +70,9 @@ void Crossings::record(Commands& commands, const DeviceMesh& mesh) {
                      .triangles = mesh.triangles,
                      .runs = runCounts_.address(),
                      .status = status_.address(),
-                     .triangleCount = mesh.triangleCount};
+                     .crossed = crossed_.bytes() > 0 ? crossed_.address() : 0,
+                     .triangleCount = mesh.triangleCount,
+                     .crossedWords = crossedWords_};
   for (int axis = 0; axis < 3; ++axis) {
     push.lines[axis] = line(axis).address();
     push.dims[axis] = static_cast<uint32_t>(dims_[axis]);
@@ -75,6 +80,7 @@ void Crossings::record(Commands& commands, const DeviceMesh& mesh) {
   commands.concurrent([&] {
     commands.fill(status_, 0);
     for (const DeviceBuffer& axis : lines_) commands.fill(axis, 0);
+    if (crossed_.bytes() > 0) commands.fill(crossed_, 0);
   });
   commands.dispatch(reach_, push, mesh.triangleCount);
   commands.dispatch(triangles_, push, mesh.triangleCount);

@@ -21,19 +21,27 @@ struct LatticeLines {
   std::array<VkDeviceAddress, 3> axes{};
 };
 
-/// Signed crossings w_l of every lattice edge, the same as the CPU's: §3.5, see cpu/crossings.h. Unsigned
-/// ones are not kept.
+/// Which of these edges any triangle crosses, whichever way it points: a bit each (crossed_edges.glsl).
+struct CrossedEdges {
+  VkDeviceAddress bits = 0;
+  uint32_t words = 0;  ///< For the edges along each axis.
+};
+
+/// Signed crossings w_l of every lattice edge, the same as the CPU's: §3.5, see cpu/crossings.h. Of unsigned
+/// ones only whether there are any.
 class Crossings {
  public:
   explicit Crossings(Device& device, ScratchMemory* scratch = nullptr);
 
   /// Makes room for grids of these dims and so many triangles. Nothing recorded before may still have to run.
   /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.
-  void reserve(const glm::ivec3& dims, uint64_t triangleCount);
+  void reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed = false);
   /// Counts the crossings of up to as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   LatticeLines lines() const;
+  /// If it was to keep them.
+  CrossedEdges crossed() const { return {crossed_.address(), crossedWords_}; }
   const DeviceBuffer& line(int axis) const { return lines_[static_cast<size_t>(axis)]; }
   /// One `CrossingsStatus`, for `failureOf` when the work has been done.
   const DeviceBuffer& status() const { return status_; }
@@ -46,6 +54,8 @@ class Crossings {
   Scan scan_;
   DispatchArguments arguments_;
   std::array<DeviceBuffer, 3> lines_;
+  DeviceBuffer crossed_;
+  uint32_t crossedWords_ = 0;
   DeviceBuffer runCounts_;
   DeviceBuffer status_;
 };

@@ -52,19 +52,33 @@ uint64_t ExactDistance::blocks(uint32_t level) const {
   return along.x * along.y * along.z;
 }
 
+ExactDistancePush ExactDistance::pushOf(const SurfaceTree& tree, const Fields& fields) const {
+  return {.frames = tree.frames().address(),
+          .discs = tree.discs().address(),
+          .distance = fields.distance,
+          .triangle = fields.triangle,
+          .unfinished = unfinished_.address(),
+          .dimX = static_cast<uint32_t>(dims_.x),
+          .dimY = static_cast<uint32_t>(dims_.y),
+          .dimZ = static_cast<uint32_t>(dims_.z),
+          .firstLeaf = tree.firstLeaf(),
+          .leafCount = tree.leafCount(),
+          .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
+}
+
 void ExactDistance::record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields) {
-  ExactDistancePush push{.frames = tree.frames().address(),
-                         .discs = tree.discs().address(),
-                         .distance = fields.distance,
-                         .triangle = fields.triangle,
-                         .unfinished = unfinished_.address(),
-                         .dimX = static_cast<uint32_t>(dims_.x),
-                         .dimY = static_cast<uint32_t>(dims_.y),
-                         .dimZ = static_cast<uint32_t>(dims_.z),
-                         .firstLeaf = tree.firstLeaf(),
-                         .leafCount = tree.leafCount(),
-                         .band = static_cast<float>(band),
-                         .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
+  ExactDistancePush push = pushOf(tree, fields);
+  push.band = static_cast<float>(band);
+  recordBlocks(commands, push);
+}
+
+void ExactDistance::recordAddition(Commands& commands, const SurfaceTree& tree, const Fields& fields) {
+  ExactDistancePush push = pushOf(tree, fields);
+  push.isAddition = 1;
+  recordBlocks(commands, push);
+}
+
+void ExactDistance::recordBlocks(Commands& commands, ExactDistancePush push) {
   commands.fill(unfinished_, 0);
   for (uint32_t level = 0; level <= kSmallest; ++level) {
     push.side = kSides[level];

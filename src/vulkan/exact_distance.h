@@ -23,6 +23,9 @@ class ExactDistance {
   /// For the grid of the last `reserve` and the mesh last recorded in the tree. With a `band` above zero,
   /// samples farther than that get exactly `band` and `kNoTriangle`.
   void record(Commands& commands, const SurfaceTree& tree, double band, const Fields& fields);
+  /// The same for further triangles: samples that are closer to them than the distance there says get their
+  /// distance, and `kNoTriangle`.
+  void recordAddition(Commands& commands, const SurfaceTree& tree, const Fields& fields);
 
  private:
   /// Blocks from large to small.
@@ -30,6 +33,8 @@ class ExactDistance {
   static constexpr uint32_t kSmallest = std::size(kSides) - 1;
 
   uint64_t blocks(uint32_t level) const;
+  ExactDistancePush pushOf(const SurfaceTree& tree, const Fields& fields) const;
+  void recordBlocks(Commands& commands, ExactDistancePush push);
   void recordRest(Commands& commands, ExactDistancePush push);
 
   bool hasShortLoops_;

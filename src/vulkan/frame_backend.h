@@ -30,6 +30,10 @@ class FrameBackend : public StageRecorder {
 
   /// The mesh and field of the host's are not looked at: the frame has them.
   void begin(const Mesh&, const Grid& grid, const Options& options, Progress&, Field&);
+  /// Frames never come back to the host, which would have to lay the surface.
+  void closeHoles() {
+    throw Error(ErrorCode::Unsupported, "holes of a mesh that only the device sees cannot be closed");
+  }
   void finish();
 
   /// Of the last frame that ran, or that `findings` are of.

@@ -157,7 +157,8 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
   require(grid.dims == room.dims, "the grid's dims are not those that room was made for");
   require(options.distance == room.distance && options.sign == room.sign,
           "the distance or the sign is not the one that room was made for");
-  if (options.closeHoles) throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far");
+  if (options.closeHoles)
+    throw Error(ErrorCode::Unsupported, "holes of a mesh that only the device sees cannot be closed");
   if (options.orientation == Orientation::Repair)
     throw Error(ErrorCode::Unsupported, "the faces of a mesh that only the device sees cannot be turned");
   if (options.thickness > 0.0)

@@ -25,6 +25,7 @@ void Runner::run(const Mesh& mesh, const Grid& grid, const Options& options, Fie
   stats.bytes = impl_->device.heldMemory();
   stats.doubtfulShare = backend.doubtfulShare();
   backend.faceSides().report(stats);
+  backend.patch().report(grid, stats);
 }
 
 }  // namespace raymap::vulkan

@@ -1,6 +1,7 @@
 #include "stage_recorder.h"
 
 #include <cstddef>
+#include <utility>
 
 #include "face_sides.h"
 
@@ -21,6 +22,7 @@ StageRecorder::StageRecorder(Device& device)
       windingHarmonic_(device, &scratch_),
       orientation_(device),
       windingDipoles_(device),
+      closeHoles_(device),
       sign_(device),
       winding_(device, "winding number", &scratch_) {}
 
@@ -28,7 +30,7 @@ void StageRecorder::reserve(const Extent& extent) {
   extent_ = extent;
   const bool isHarmonic = extent.sign == SignMode::Harmonic;
   mesh_.reserve(extent.vertices, extent.triangles);
-  if (isExact() || isHarmonic) surfaceTree_.reserve(extent.triangles);
+  if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
   // The sign needs nothing that the distances leave but themselves.
   scratch_.startPhase();
   if (hasSign()) reserveSign();
@@ -42,12 +44,13 @@ void StageRecorder::reserve(const Extent& extent) {
 
 void StageRecorder::reserveSign() {
   const glm::ivec3& dims = extent_.dims;
-  crossings_.reserve(dims, extent_.triangles);
+  crossings_.reserve(dims, extent_.triangles, extent_.closesHoles);
   winding_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
   if (extent_.sign == SignMode::Paths || extent_.sign == SignMode::Evolution) windingPaths_.reserve(dims);
   if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
   if (extent_.turnsFaces || extent_.sign == SignMode::Harmonic) windingHarmonic_.reserve(dims);
-  if (extent_.sign == SignMode::Harmonic) windingDipoles_.reserve(extent_.triangles, dims);
+  if (extent_.sign == SignMode::Harmonic || extent_.closesHoles)
+    windingDipoles_.reserve(extent_.triangles, dims);
 }
 
 void StageRecorder::begin(const Commands& commands, const Grid& grid, const Options& options,
@@ -57,23 +60,23 @@ void StageRecorder::begin(const Commands& commands, const Grid& grid, const Opti
   options_ = &options;
   results_ = results;
   if (results.winding == 0) results_.winding = winding_.address();
-  hasTurned_ = false;
 }
 
 void StageRecorder::recordMesh(const CellMesh::Source& source) {
   mesh_.record(*commands_, source, *grid_, extent_.outside);
+  hasSurfaceTree_ = false;
 }
 
 void StageRecorder::exactDistance() {
   stage("exact_distance", [&] {
-    recordSurfaceTree();
-    exactDistance_.record(*commands_, surfaceTree_, options_->band,
+    exactDistance_.record(*commands_, surfaceTree(), options_->band,
                           {.distance = results_.distance, .triangle = results_.triangle});
   });
 }
 
-void StageRecorder::recordSurfaceTree() {
-  surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
+const SurfaceTree& StageRecorder::surfaceTree() {
+  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
+  return surfaceTree_;
 }
 
 void StageRecorder::crossings() {
@@ -132,8 +135,7 @@ OrientationKernels::Fields StageRecorder::orientationFields() const {
 void StageRecorder::windingDipoles() {
   if (options_->sign != SignMode::Harmonic) return;
   stage("winding_dipoles", [&] {
-    if (!isExact() || hasTurned_) recordSurfaceTree();
-    windingDipoles_.record(*commands_, surfaceTree_,
+    windingDipoles_.record(*commands_, surfaceTree(),
                            {.distance = results_.distance,
                             .winding = results_.winding,
                             .disagreeing = windingRays_.doubtful().address()},
@@ -141,9 +143,18 @@ void StageRecorder::windingDipoles() {
   });
 }
 
-/// Before anything has run: stages are only recorded so far, but where somebody watches.
-void StageRecorder::closeHoles() {
-  throw Error(ErrorCode::Unsupported, "holes are closed by the CPU only so far; use --device cpu");
+void StageRecorder::recordMissingEdges() {
+  closeHoles_.recordSearch(*commands_, extent_.dims, crossings_.crossed(), results_.winding,
+                           options_->threshold);
+}
+
+void StageRecorder::recordNumbersAt(std::span<const glm::vec3> points) {
+  closeHoles_.recordNumbersAt(*commands_, windingDipoles_, surfaceTree(), points, options_->threshold);
+}
+
+void StageRecorder::recordPatch(const HolePatch& patch) {
+  closeHoles_.recordDistance(*commands_, patch,
+                             {.distance = results_.distance, .triangle = results_.triangle});
 }
 
 void StageRecorder::sign() {

@@ -7,6 +7,7 @@
 #include "cell_distance.h"
 #include "cell_levels.h"
 #include "cell_mesh.h"
+#include "close_holes.h"
 #include "commands.h"
 #include "crossings.h"
 #include "distance_transform.h"
@@ -46,7 +47,6 @@ class StageRecorder {
   /// Where the host does not see the mesh, its faces are taken as they point.
   void orientation();
   void windingDipoles();
-  void closeHoles();
   void sign();
 
  protected:
@@ -59,6 +59,7 @@ class StageRecorder {
     SignMode sign = SignMode::Harmonic;
     bool hasWinding = false;  ///< Results always come with a place for the winding number.
     bool turnsFaces = false;
+    bool closesHoles = false;
     /// What the paper's distances search: `coverBounds` of meshes that reach no farther than `outside`.
     std::vector<CellLattice> lattices;
     double outside = 0.0;  ///< In samples, beyond the grid.
@@ -93,8 +94,12 @@ class StageRecorder {
   void recordRises();
   void recordParityRises();
   const OrientationKernels& orientationOf() const { return orientation_; }
-  /// Some faces have been turned since the distances were recorded.
-  void turned() { hasTurned_ = true; }
+  // For closing holes: where surface is missing, the winding numbers at some points, and distances to a
+  // patch.
+  void recordMissingEdges();
+  void recordNumbersAt(std::span<const glm::vec3> points);
+  void recordPatch(const HolePatch& patch);
+  CloseHoles& closeHolesOf() { return closeHoles_; }
   /// Distances in the mesh's units.
   void recordFinish();
   void recordFindings(VkBuffer to, VkDeviceSize offset);
@@ -135,7 +140,8 @@ class StageRecorder {
   void reserveSign();
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
-  void recordSurfaceTree();
+  /// Of the mesh as it is by now, if it is not there.
+  const SurfaceTree& surfaceTree();
   WindingFields windingFields() const;
   OrientationKernels::Fields orientationFields() const;
   std::optional<Error> errorOf(const Findings& findings) const;
@@ -147,8 +153,8 @@ class StageRecorder {
   Extent extent_;
   Results results_;
   ScratchMemory scratch_;  // Before what lies there.
-  bool hasTurned_ = false;
   CellMesh mesh_;
+  bool hasSurfaceTree_ = false;
   SurfaceTree surfaceTree_;
   ExactDistance exactDistance_;
   std::vector<std::unique_ptr<Level>> levels_;  // At least as many as lattices.
@@ -161,6 +167,7 @@ class StageRecorder {
   WindingHarmonic windingHarmonic_;
   OrientationKernels orientation_;
   WindingDipoles windingDipoles_;
+  CloseHoles closeHoles_;
   Sign sign_;
   DeviceBuffer winding_;  // Where nobody else has a place for it.
 };

@@ -8,16 +8,18 @@
 #include "shaders/winding_dipoles_spv.h"
 #include "shaders/winding_doubts_spv.h"
 #include "shaders/winding_moments_spv.h"
+#include "shaders/winding_points_spv.h"
 
 namespace raymap::vulkan {
 
 namespace {
 
 constexpr uint32_t kMomentsGroup = 64;
-// An invocation looks at two samples, three times each. Mesa's driver in software ends loops silently after
-// 65,535 turns in all.
-constexpr uint32_t kFewTurns = 10000;
-constexpr uint32_t kManyTurns = 10000000;
+constexpr uint32_t kPointsGroup = 64;
+// Of an invocation in all: Mesa's driver in software ends loops silently after 65,535.
+constexpr uint32_t kFewTurns = 60000;
+constexpr uint32_t kManyTurns = 60000000;
+constexpr uint32_t kNumbersSettled = 2 * kLooks;  // By an invocation: two samples, three times each.
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
@@ -34,6 +36,7 @@ WindingDipoles::WindingDipoles(Device& device)
       doubts_(device, shaders::kWindingDoubts, std::max(kDoubtsGroup, device.limits().maxSubgroupSize)),
       momentsOf_(device, shaders::kWindingMoments, kMomentsGroup),
       settle_(device, shaders::kWindingDipoles, kDoubtsGroup),
+      points_(device, shaders::kWindingPoints, kPointsGroup),
       mostTurns_(device.info().type == DeviceType::Software ? kFewTurns : kManyTurns),
       moments_(device, "moments of the surface tree"),
       doubtful_(device, "doubtful samples") {}
@@ -50,33 +53,57 @@ void WindingDipoles::reserve(uint32_t triangleCount, const glm::ivec3& dims) {
   gate_.plan(mostLevels_, ceilDiv(samplesOf(dims), kDoubtsSamples));
 }
 
-void WindingDipoles::record(Commands& commands, const SurfaceTree& tree, const Fields& fields,
-                            double threshold) {
-  WindingDipolesPush push{.frames = tree.frames().address(),
-                          .discs = tree.discs().address(),
-                          .moments = moments_.address(),
-                          .distance = fields.distance,
-                          .winding = fields.winding,
-                          .doubts = doubtful_.address(),
-                          .disagreeing = fields.disagreeing,
-                          .gridX = static_cast<uint32_t>(dims_.x),
-                          .gridY = static_cast<uint32_t>(dims_.y),
-                          .gridZ = static_cast<uint32_t>(dims_.z),
-                          .triangleCount = tree.triangleCount(),
-                          .firstLeaf = tree.firstLeaf(),
-                          .threshold = static_cast<float>(threshold),
-                          .mostTurns = mostTurns_};
-  commands.fill(doubtful_, 0);
-  commands.dispatch(doubts_, push, samplesOf(dims_));
-  gate_.record(commands, doubtful_.address());
+WindingDipolesPush WindingDipoles::pushOf(const SurfaceTree& tree, double threshold) const {
+  return {.frames = tree.frames().address(),
+          .discs = tree.discs().address(),
+          .moments = moments_.address(),
+          .gridX = static_cast<uint32_t>(dims_.x),
+          .gridY = static_cast<uint32_t>(dims_.y),
+          .gridZ = static_cast<uint32_t>(dims_.z),
+          .triangleCount = tree.triangleCount(),
+          .firstLeaf = tree.firstLeaf(),
+          .threshold = static_cast<float>(threshold),
+          .mostTurns = mostTurns_};
+}
+
+template <class Dispatch>
+void WindingDipoles::recordMoments(const SurfaceTree& tree, WindingDipolesPush push, Dispatch&& dispatch) {
   const std::vector<SurfaceTree::Level>& levels = tree.levels();
   for (uint32_t level = 0; level < levels.size(); ++level) {
     push.levelStart = levels[level].start;
     push.levelCount = levels[level].count;
     push.isLeafLevel = level == 0 ? 1 : 0;
-    gate_.dispatch(commands, momentsOf_, push, level);
+    dispatch(push, level);
   }
+}
+
+void WindingDipoles::record(Commands& commands, const SurfaceTree& tree, const Fields& fields,
+                            double threshold) {
+  WindingDipolesPush push = pushOf(tree, threshold);
+  push.distance = fields.distance;
+  push.winding = fields.winding;
+  push.doubts = doubtful_.address();
+  push.disagreeing = fields.disagreeing;
+  push.mostTurns = mostTurns_ / kNumbersSettled;
+  commands.fill(doubtful_, 0);
+  commands.dispatch(doubts_, push, samplesOf(dims_));
+  gate_.record(commands, doubtful_.address());
+  recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
+    gate_.dispatch(commands, momentsOf_, ofLevel, level);
+  });
   gate_.dispatch(commands, settle_, push, mostLevels_);
+}
+
+void WindingDipoles::recordNumbersAt(Commands& commands, const SurfaceTree& tree, VkDeviceAddress points,
+                                     uint32_t count, VkDeviceAddress numbers, double threshold) {
+  WindingDipolesPush push = pushOf(tree, threshold);
+  push.points = points;
+  push.pointCount = count;
+  push.winding = numbers;
+  recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t) {
+    commands.dispatch(momentsOf_, ofLevel, ofLevel.levelCount);
+  });
+  commands.dispatch(points_, push, count);
 }
 
 }  // namespace raymap::vulkan

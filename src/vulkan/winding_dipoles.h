@@ -24,12 +24,21 @@ class WindingDipoles {
   /// still have to run.
   void reserve(uint32_t triangleCount, const glm::ivec3& dims);
   void record(Commands& commands, const SurfaceTree& tree, const Fields& fields, double threshold);
+  /// The winding numbers at so many points, of three coordinates each; the threshold where one takes too
+  /// long.
+  void recordNumbersAt(Commands& commands, const SurfaceTree& tree, VkDeviceAddress points, uint32_t count,
+                       VkDeviceAddress numbers, double threshold);
 
  private:
+  WindingDipolesPush pushOf(const SurfaceTree& tree, double threshold) const;
+  /// Calls `dispatch(push, level)` for each level from the leaves on.
+  template <class Dispatch>
+  void recordMoments(const SurfaceTree& tree, WindingDipolesPush push, Dispatch&& dispatch);
+
   glm::ivec3 dims_{0};
   uint32_t mostLevels_ = 0;
   Gate gate_;
-  Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_;
+  Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_, points_;
   uint32_t mostTurns_;
   DeviceBuffer moments_, doubtful_;
 };

@@ -1,5 +1,6 @@
 // What all kernels of the crossings share: triangles on the lattice of 2^-bits cells, as in cpu/crossings.cpp.
 
+#include "crossed_edges.glsl"
 #include "shared/crossings.h"
 
 layout(push_constant, scalar) uniform Push { CrossingsPush push; };
@@ -72,5 +73,7 @@ uvec2 linesAlong(SnappedTriangle t, uint axis) {
 void addCrossing(uint axis, ivec3 at, int direction) {
   const uvec3 place = uvec3(fromFrame(at, axis));
   const uint nx = push.dims[0] + uint(axis == 0), ny = push.dims[1] + uint(axis == 1);
-  atomicAdd(push.lines[axis].at[(place.z * ny + place.y) * nx + place.x], direction);
+  const uint edge = (place.z * ny + place.y) * nx + place.x;
+  atomicAdd(push.lines[axis].at[edge], direction);
+  if (uint64_t(push.crossed) != 0) markCrossed(push.crossed, push.crossedWords, axis, edge);
 }

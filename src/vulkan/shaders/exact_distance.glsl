@@ -178,10 +178,26 @@ uint listedNode(List list, uint index) {
   return uint64_t(push.parents) == 0 || index >= list.count ? 0 : push.parents.at[list.at + index];
 }
 
+uint gridIndex(uvec3 place) {
+  return (place.z * push.dimY + place.y) * push.dimX + place.x;
+}
+
+// How far off triangles may matter to some sample of the block; 0: at any distance.
+float bandOf(Block block) {
+  if (push.isAddition == 0) return push.band;
+  const uvec3 size = block.high - block.low;
+  const uint count = size.x * size.y * size.z;
+  float farthest = 0;
+  for (uint s = lane(); s < count; s += gl_SubgroupSize)
+    farthest = max(farthest, push.distance.at[gridIndex(block.low + placeOf(s, size))]);
+  work += count / gl_SubgroupSize;
+  return subgroupMax(farthest);
+}
+
 // The triangle closest to the block's centre, unless the band does not reach the block.
 uint findCentre(Block block, List list) {
-  const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre);
-  const float reach = 1.000001 * (push.band + length(block.reach)), limit = push.band > 0 ? reach * reach : kInfinity;
+  const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
+  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kInfinity;
   Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoTriangle);
   uint size = 0;
   for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
@@ -190,7 +206,7 @@ uint findCentre(Block block, List list) {
     pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
   }
   findClosest(block.centre, size, closest);
-  if (closest.triangle == kNoTriangle && (push.band == 0 || isTooMuchWork())) return list.hint;
+  if (closest.triangle == kNoTriangle && (band == 0 || isTooMuchWork())) return list.hint;
   return closest.triangle;
 }
 

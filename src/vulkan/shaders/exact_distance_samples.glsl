@@ -34,15 +34,14 @@ uvec3 samplePlace(Block block, uint s) {
   return block.low + placeOf(s, uvec3(kSide));
 }
 
-uint gridIndex(uvec3 place) {
-  return (place.z * push.dimY + place.y) * push.dimX + place.x;
-}
-
 void writeSample(uvec3 place, Closest closest) {
   const float distance = sqrt(closest.squared);
   const bool isBeyond = closest.triangle == kNoTriangle || push.band > 0 && distance > push.band;
   const uint index = gridIndex(place);
+  const bool isAddition = push.isAddition != 0;
+  if (isAddition && (isBeyond || distance >= push.distance.at[index])) return;
   push.distance.at[index] = isBeyond ? push.band : distance;
   if (uint64_t(push.triangle) != 0)
-    push.triangle.at[index] = isBeyond ? kNoTriangle : readTriangleId(push.frames, closest.triangle);
+    push.triangle.at[index] =
+        isBeyond || isAddition ? kNoTriangle : readTriangleId(push.frames, closest.triangle);
 }

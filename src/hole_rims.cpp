@@ -6,7 +6,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "parallel.h"
+#include "cpu/parallel.h"
 
 namespace raymap {
 
