@@ -1,0 +1,151 @@
+#pragma once
+
+// Frames that raymap::vulkan::Generator records on the device of the tests, and the host's way to the same
+// fields.
+
+#include <raymap/raymap.h>
+
+#include <cstring>
+
+#include "pipeline.h"
+#include "shapes.h"
+#include "vulkan/backend.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+
+inline Mesh holedSphere(int levels = 3) {
+  Mesh mesh = shapes::sphere(1.0, levels);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.6; });
+  return mesh;
+}
+
+inline Room roomFor(const Mesh& mesh, const Grid& grid, const Options& options) {
+  return {.vertices = static_cast<uint32_t>(mesh.vertices.size()),
+          .triangles = static_cast<uint32_t>(mesh.triangles.size()),
+          .dims = grid.dims,
+          .distance = options.distance,
+          .sign = options.sign};
+}
+
+/// On the device of the tests: for the generator that of a caller, whose buffers lie between guards.
+class VulkanGenerator : public VulkanTest {
+ protected:
+  /// A mesh in buffers of the caller's.
+  struct Uploaded {
+    explicit Uploaded(const Mesh& mesh)
+        : vertices(upload(mesh.vertices, "vertices")), triangles(upload(mesh.triangles, "triangles")) {
+      buffers = {.vertices = {vertices.handle(), vertices.offset()},
+                 .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
+                 .triangles = {triangles.handle(), triangles.offset()},
+                 .triangleCount = static_cast<uint32_t>(mesh.triangles.size()),
+                 .origin = mesh.origin};
+    }
+    DeviceBuffer vertices, triangles;
+    MeshBuffers buffers;
+  };
+
+  /// All that a target may hold, in buffers of the caller's.
+  struct Outputs {
+    explicit Outputs(size_t samples) {
+      for (DeviceBuffer* buffer : {&distance, &triangle, &winding, &confidence})
+        buffer->resize<float>(samples);
+      status.resize<uint32_t>(kStatusWords);
+    }
+    static BufferRange range(const DeviceBuffer& buffer) { return {buffer.handle(), buffer.offset()}; }
+    Target target(const Options& options) const {
+      Target target{.distance = range(distance), .status = range(status)};
+      if (options.triangleIds) target.triangle = range(triangle);
+      if (options.winding) target.winding = range(winding);
+      if (options.confidence) target.confidence = range(confidence);
+      return target;
+    }
+    std::array<uint32_t, kStatusWords> words() const {
+      std::array<uint32_t, kStatusWords> words{};
+      std::ranges::copy(download<uint32_t>(status), words.begin());
+      return words;
+    }
+    DeviceBuffer distance{device(), "distance"}, triangle{device(), "triangle"}, winding{device(), "winding"},
+        confidence{device(), "confidence"}, status{device(), "status"};
+  };
+
+  /// By the host's way.
+  static Field hostField(const Mesh& mesh, const Grid& grid, Options options) {
+    options.orientation = Orientation::Keep;  // As frames do.
+    shared();                                 // Made before it, so destroyed after it.
+    static Backend backend(device());
+    Field field;
+    Stats stats;
+    Progress progress(options, stats);
+    runPipeline(backend, mesh, grid, options, progress, field);
+    return field;
+  }
+
+  /// Kept from test to test: making its kernels takes longer than most tests.
+  static Generator& generator() {
+    shared();
+    static Generator generator(device().handles());
+    return generator;
+  }
+
+  static std::vector<float> distances(const Mesh& mesh, const Grid& grid, const Options& options) {
+    const Uploaded uploaded(mesh);
+    const Outputs outputs(grid.sampleCount());
+    run([&](Commands& commands) {
+      generator().record(commands.handle(), uploaded.buffers, grid, options,
+                         {.distance = Outputs::range(outputs.distance)});
+    });
+    return download<float>(outputs.distance);
+  }
+
+  template <class T>
+  static void expectSameBits(const std::vector<T>& ours, const Buffer<T>& theirs, const char* what) {
+    ASSERT_EQ(ours.size(), theirs.size()) << what;
+    EXPECT_EQ(0, std::memcmp(ours.data(), theirs.data(), ours.size() * sizeof(T))) << what;
+  }
+
+  /// All results, twice.
+  static void expectAsOnTheHostsWay(const Mesh& mesh, const Grid& grid, const Options& options,
+                                    double outside = 0.0) {
+    SCOPED_TRACE(::testing::Message()
+                 << "distance " << int(options.distance) << " sign " << int(options.sign));
+    const Field expected = hostField(mesh, grid, options);
+    const Uploaded uploaded(mesh);
+    const Outputs outputs(grid.sampleCount());
+    Room room = roomFor(mesh, grid, options);
+    room.outside = outside;
+    generator().reserve(room);
+    for (int round = 0; round < 2; ++round) {
+      run([&](Commands& commands) {
+        generator().record(commands.handle(), uploaded.buffers, grid, options, outputs.target(options));
+      });
+      const Status status = generator().status(outputs.words());
+      EXPECT_FALSE(status.error) << status.error->what();
+      EXPECT_EQ(generator().status().lists.entries, status.lists.entries);
+      expectSameBits(download<float>(outputs.distance), expected.distance, "distance");
+      if (options.triangleIds)
+        expectSameBits(download<uint32_t>(outputs.triangle), expected.triangle, "triangle");
+      if (options.winding) expectSameBits(download<float>(outputs.winding), expected.winding, "winding");
+      if (options.confidence)
+        expectSameBits(download<float>(outputs.confidence), expected.confidence, "confidence");
+    }
+  }
+
+  static Options everything(DistanceMode distance, SignMode sign) {
+    Options options{.distance = distance, .sign = sign};
+    options.triangleIds = distance != DistanceMode::Raster;
+    options.winding = options.confidence = sign != SignMode::None;
+    return options;
+  }
+
+  static ErrorCode codeOf(const std::function<void()>& work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return {};
+  }
+};
+
+}  // namespace raymap::vulkan
