@@ -3,25 +3,32 @@
 
 Usage: bench/evaluate_repair.py RAYMAP FOLDER [--resolution 256] [--work FOLDER]
 
-The folder has a table MESHES.tsv with the columns file and kind; those called malformed are left out. Results of an
-earlier run in the work folder are taken over."""
+The folder has a table MESHES.tsv with the columns file and kind; those called malformed are left out. The work folder
+gets the statistics of each as .json."""
 import argparse
 import csv
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 
 
 def repair(raymap, mesh, work, resolution):
     """The statistics, or why there are none."""
-    stats = work / (mesh.name + ".json")
-    if not stats.exists():
-        run = subprocess.run([raymap, "repair", mesh, "-o", work / "result.stl", "--resolution", str(resolution),
-                              "--stats", stats], capture_output=True, text=True)
-        if run.returncode != 0:
-            return None, run.stderr.strip().removeprefix("raymap: error: ")
-    return json.loads(stats.read_text()), ""
+    file = work / (mesh.name + ".json")
+    before = cpu_seconds()
+    run = subprocess.run([raymap, "repair", mesh, "-o", work / "result.stl", "--resolution", str(resolution), "--device", "cpu",
+                          "--stats", file], capture_output=True, text=True)
+    if run.returncode != 0:
+        return None, run.stderr.strip().removeprefix("raymap: error: ")
+    return {**json.loads(file.read_text()), "cpu": cpu_seconds() - before}, ""
+
+
+def cpu_seconds():
+    """Of all programs that ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def percentile(values, share):
@@ -64,7 +71,7 @@ def main():
     parser.add_argument("raymap")
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--resolution", type=int, default=256)
-    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/evaluate_repair"))
+    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/evaluation/repair"))
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     with open(arguments.folder / "MESHES.tsv", newline="") as table:
@@ -80,7 +87,9 @@ def main():
         print(f"{len(rows) + len(failures)} of {len(names)}: {name}", file=sys.stderr)
     sound = [name for name, stats in rows if is_sound(stats)]
     print(f"{len(names)} meshes: {len(sound)} results watertight and facing outwards, {len(rows) - len(sound)} not, "
-          f"{len(failures)} without a result.\n")
+          f"{len(failures)} without a result.")
+    seconds = [stats["cpu"] for _, stats in rows]
+    print(f"CPU seconds of the program, files included: median {percentile(seconds, 0.5):.2g}, largest {max(seconds):.2g}.\n")
     for name, stats in rows:
         if not is_sound(stats):
             print(f"- {name}: not watertight")

@@ -17,6 +17,7 @@
 #include "devices.h"
 #include "meshes.h"
 #include "pipeline.h"
+#include "program.h"
 #include "vulkan/backend.h"
 
 namespace raymap::bench {
@@ -183,10 +184,5 @@ int run(int argc, char** argv) {
 }  // namespace raymap::bench
 
 int main(int argc, char** argv) {
-  try {
-    return raymap::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "gpu_bench: %s\n", error.what());
-    return 1;
-  }
+  return raymap::bench::runProgram("gpu_bench", raymap::bench::run, argc, argv);
 }

@@ -11,8 +11,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "exchange.h"
 #include "meshes.h"
 #include "methods.h"
+#include "program.h"
 
 namespace raymap::bench {
 
@@ -54,30 +56,6 @@ struct Usage {
   }
 };
 
-nlohmann::json describe(const Case& input) {
-  const glm::dvec3 origin = input.grid.origin;
-  return {{"dims", {input.grid.dims.x, input.grid.dims.y, input.grid.dims.z}},
-          {"origin", {origin.x, origin.y, origin.z}},
-          {"spacing", input.grid.spacing},
-          {"triangles", input.mesh.triangles.size()}};
-}
-
-template <class T>
-void writeRaw(const std::string& path, const T* data, size_t count) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(data), std::streamsize(count * sizeof(T)));
-  if (!file.flush()) throw Error(ErrorCode::File, path + ": cannot be written");
-}
-
-/// Mesh and description for programs in other languages: NAME.vertices (double x 3), NAME.triangles (uint32 x
-/// 3).
-void exportMesh(const Mesh& mesh, const std::string& name) {
-  std::vector<glm::dvec3> positions;
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));
-  writeRaw(name + ".vertices", positions.data(), positions.size());
-  writeRaw(name + ".triangles", mesh.triangles.data(), mesh.triangles.size());
-}
-
 int run(int argc, char** argv) {
   std::string method, mesh = "bunny", output;
   GridOptions gridOptions;
@@ -98,7 +76,7 @@ int run(int argc, char** argv) {
   }
   input.mesh = benchMesh(mesh);
   input.grid = fitGrid(input.mesh, gridOptions);
-  nlohmann::json report = describe(input);
+  nlohmann::json report = describe(input.mesh, input.grid);
   if (method == "export") {
     exportMesh(input.mesh, output);
   } else {
@@ -120,10 +98,5 @@ int run(int argc, char** argv) {
 }  // namespace raymap::bench
 
 int main(int argc, char** argv) {
-  try {
-    return raymap::bench::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "peers: %s\n", error.what());
-    return 1;
-  }
+  return raymap::bench::runProgram("peers", raymap::bench::run, argc, argv);
 }

@@ -20,6 +20,14 @@ def usage():
     return time.monotonic(), u.ru_utime + u.ru_stime, int(peak[1]) / 1024
 
 
+def read_mesh(name):
+    """What `exportMesh` wrote."""
+    import numpy as np
+
+    vertices = np.fromfile(name + ".vertices", np.float64).reshape(-1, 3)
+    return vertices, np.fromfile(name + ".triangles", np.uint32).reshape(-1, 3).astype(np.int64)
+
+
 def sample_positions(case, dtype):
     """All samples, x fastest; not part of any peer's time."""
     import numpy as np
@@ -99,8 +107,7 @@ def main():
 
     import numpy as np
 
-    vertices = np.fromfile(arguments.mesh + ".vertices", np.float64).reshape(-1, 3)
-    triangles = np.fromfile(arguments.mesh + ".triangles", np.uint32).reshape(-1, 3).astype(np.int64)
+    vertices, triangles = read_mesh(arguments.mesh)
     run = METHODS[arguments.method](vertices, triangles, arguments.case, arguments.threads)
     pathlib.Path("/proc/self/clear_refs").write_text("5")  # The peak starts anew.
     before = usage()

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace raymap::bench {
+namespace raymap {
 
 inline Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::uvec3&)>& keep) {
   Mesh result = mesh;
@@ -45,4 +45,4 @@ inline Mesh withFlippedFaces(Mesh mesh, double share, unsigned seed) {
   return mesh;
 }
 
-}  // namespace raymap::bench
+}  // namespace raymap
