@@ -223,6 +223,20 @@ TEST(CloseHoles, GivesTheSameForAnyThreads) {
   expectSameForAnyThreads(mesh, fitGrid(mesh, {.resolution = 24}), closing(), {2, 4});
 }
 
+TEST(CloseHoles, RefusesPatchesBeyondTheMemory) {
+  EXPECT_NO_THROW(requirePatch(1000, 100, 1'000'000));
+  for (const auto& [edges, left] : std::initializer_list<std::pair<size_t, size_t>>{
+           {1000, 200'000}, {1, 0}, {SIZE_MAX / 2, SIZE_MAX}, {size_t{1} << 31, SIZE_MAX}}) {
+    try {
+      requirePatch(edges, 100, left);
+      ADD_FAILURE() << edges;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Memory);
+      EXPECT_NE(std::string(error.what()).find(std::to_string(edges)), std::string::npos);
+    }
+  }
+}
+
 TEST(CloseHoles, StopsWhenAsked) {
   const Holed holed = openSphere(40.0);
   Options options = closing();

@@ -53,7 +53,7 @@ Backend::Backend(Device& device)
 
 size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
   constexpr size_t kNumber = sizeof(float);
-  const size_t perTriangle = 160 + (mayTurnFaces(options, 1.0) ? 2 * kNumber : 0);
+  const size_t perTriangle = kBytesPerTriangle + (mayTurnFaces(options, 1.0) ? 2 * kNumber : 0);
   const size_t samples = grid.sampleCount();
   const bool isSigned = options.sign != SignMode::None;
   const size_t results = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned && options.winding ? 1 : 0) +

@@ -26,6 +26,8 @@ class Backend : public StageRecorder {
   /// Bytes that a run will hold, from sizes alone; the lists of the voxel grid, whose length only the device
   /// finds out, come on top.
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+  /// Of them those for each triangle.
+  static constexpr size_t kBytesPerTriangle = 160;
 
   /// Share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }

@@ -1,6 +1,8 @@
 // Krayer & Müller 2019, §4, end. The device finds where surface is missing and measures distances to it; the
 // host lays it, as for the CPU, from the short list that it reads back.
 
+#include <algorithm>
+
 #include "backend.h"
 #include "memory.h"
 
@@ -13,7 +15,10 @@ void Backend::closeHoles() {
   while (closeHolesOf().growIfFull());
   const std::vector<MissingEdge> edges = closeHolesOf().edges();
   if (edges.empty()) return;
-  requirePatch(edges.size(), 0, availableMemory());
+  const size_t held = device_->heldMemory();
+  const size_t left = options().memoryLimit ? options().memoryLimit - std::min(options().memoryLimit, held)
+                                            : availableMemory();
+  requirePatch(edges.size(), kBytesPerTriangle, left);
   raymap::CellMesh mesh;
   toCellUnits(*inputMesh_, grid(), mesh);
   const auto windingAt = [this](std::span<const glm::vec3> points) {
