@@ -24,6 +24,9 @@ constexpr double kAligned = 0.97;
 /// What the field or the parity turned has to lower the misfit to this share; where the field contradicts
 /// many faces, that share of the surface, the second one will do, if it falls by so much from what was given.
 constexpr double kByFar = 0.33, kClearly = 0.9, kFall = 0.05, kManyFaces = 0.02;
+/// Where neighbours pointed so little alike that to align them lowers the misfit to this share, nothing
+/// speaks for what was given: whatever then lowers it to the second share will do.
+constexpr double kScattered = 0.4, kLower = 0.99;
 
 /// A state and how badly the crossings agree in it.
 struct State {
@@ -79,7 +82,8 @@ class SideChooser {
   void takeIfBetter(State state, const State& start, State& best) const {
     const bool isClear = risingShare_ > kManyFaces && state.misfit < kClearly * best.misfit &&
                          state.misfit < start.misfit - kFall;
-    if (isClear || state.misfit < kByFar * best.misfit) best = std::move(state);
+    const double enough = start.misfit < kScattered * given_.misfit ? kLower : kByFar;
+    if (isClear || state.misfit < enough * best.misfit) best = std::move(state);
   }
 
   /// All patches as their faces vote, and as the parity says where that is not clear.

@@ -49,11 +49,12 @@ TEST(OrientationWide, TurnsRandomFacesBack) {
   for (const char* name : {"libigl__bunny.off", "common3d__homer.obj", "thingi10k__79741.stl"}) {
     SCOPED_TRACE(name);
     if (!std::filesystem::exists(meshFolder() / name)) continue;
-    const Mesh mesh = withMissingFaces(readMesh(meshFolder() / name), 0.1, 3);
+    // With this draw most of a large patch of the last one happens to be flipped.
+    const Mesh mesh = withMissingFaces(withHoles(readMesh(meshFolder() / name), 5, 0.06, 15), 0.1, 15);
     const Grid grid = fitGrid(mesh, {.resolution = 64});
     const Outcome right = runOf(mesh, grid, Orientation::Keep);
     for (const double share : {0.1, 0.3, 0.5})
-      EXPECT_LE(double(countUnlike(right, runOf(withFlippedFaces(mesh, share, 5), grid, Orientation::Auto))),
+      EXPECT_LE(double(countUnlike(right, runOf(withFlippedFaces(mesh, share, 15), grid, Orientation::Auto))),
                 0.0005 * double(grid.sampleCount()))
           << share;
   }
