@@ -173,6 +173,19 @@ TEST(Diagnostics, CountsCrossingFaces) {
   EXPECT_EQ(crossing.faces, (std::vector<uint32_t>{0, 1}));
 }
 
+TEST(Diagnostics, CountsFacesThatCrossFromEdgeToEdge) {
+  // They have a line in common whose ends lie on edges of both, and no edge passes through a face.
+  Mesh mesh;
+  mesh.vertices = {{-1, 0, 0}, {1, 0, 0}, {0, 2, 0}, {-0.5f, 0, -1}, {0.5f, 0, 1}, {0, 2, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  EXPECT_EQ(findSelfIntersections(mesh).pairs, 1u);
+  // Turned about the same edge, or with a corner on the other's side only, they touch.
+  mesh.vertices[3] = {1, 0, 0};
+  EXPECT_EQ(findSelfIntersections(mesh).pairs, 0u);
+  mesh.vertices[3] = {0, 0, 1};
+  EXPECT_EQ(findSelfIntersections(mesh).pairs, 0u);
+}
+
 bool segmentCrosses(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3 (&t)[3]) {
   const auto side = [](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r, const glm::dvec3& s) {
     return glm::dot(glm::cross(q - p, r - p), s - p) > 0.0;

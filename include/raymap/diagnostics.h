@@ -39,8 +39,8 @@ struct Diagnostics {
 
 Diagnostics diagnose(const Mesh& mesh);
 
-/// Faces that cross others: an edge of one of the two passes through the other. What only touches, overlaps
-/// in one plane or shares an edge does not cross. Exact, on corners snapped to 2^-30 of the longest side.
+/// Faces that cross others: inner points of the two coincide. What only touches, overlaps in one plane or
+/// shares an edge does not cross. Exact, on corners snapped to 2^-30 of the longest side.
 struct SelfIntersections {
   size_t pairs = 0;
   std::vector<uint32_t> faces;  ///< Ascending.

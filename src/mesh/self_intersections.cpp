@@ -64,19 +64,30 @@ int side(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c, const gl
                                                     : determinantSign<Int128>(u, v, w);
 }
 
-/// Whether some edge of `a` passes through `b`.
-bool pierces(const Face& a, const Face& b) {
+using Sides = std::array<int, 3>;
+
+/// On which side of the plane of `b` the corners of `a` lie.
+Sides sidesOf(const Face& a, const Face& b) {
   const auto& [p, q, r] = b.corners;
-  std::array<int, 3> sides;
-  for (size_t c = 0; c < 3; ++c) sides[c] = side(p, q, r, a.corners[c]);
-  for (size_t c = 0; c < 3; ++c) {
-    const size_t next = (c + 1) % 3;
-    if (sides[c] * sides[next] >= 0) continue;
-    const glm::ivec3 &from = a.corners[c], &to = a.corners[next];
-    const int x = side(from, to, p, q), y = side(from, to, q, r), z = side(from, to, r, p);
-    if (x != 0 && x == y && y == z) return true;
-  }
-  return false;
+  return {side(p, q, r, a.corners[0]), side(p, q, r, a.corners[1]), side(p, q, r, a.corners[2])};
+}
+
+bool areOnBoth(const Sides& sides) {
+  const auto [least, most] = std::minmax({sides[0], sides[1], sides[2]});
+  return least < 0 && most > 0;
+}
+
+/// On which side there is one corner alone.
+int aloneOn(const Sides& sides) {
+  return sides[0] + sides[1] + sides[2] > 0 ? -1 : 1;
+}
+
+/// That corner first.
+std::array<glm::ivec3, 3> fromAlone(const Face& face, const Sides& sides) {
+  std::array<glm::ivec3, 3> corners = face.corners;
+  const auto alone = std::find(sides.begin(), sides.end(), aloneOn(sides)) - sides.begin();
+  std::rotate(corners.begin(), corners.begin() + alone, corners.end());
+  return corners;
 }
 
 bool shareAnEdge(const Face& a, const Face& b) {
@@ -86,8 +97,19 @@ bool shareAnEdge(const Face& a, const Face& b) {
   return shared >= 2;
 }
 
+/// Whether inner points of both coincide, other than in one plane: each reaches through the other's plane,
+/// and what the two take of the line that the planes have in common overlaps (Guigue & Devillers 2003).
 bool cross(const Face& a, const Face& b) {
-  return !shareAnEdge(a, b) && (pierces(a, b) || pierces(b, a));
+  if (shareAnEdge(a, b)) return false;
+  const Sides ofA = sidesOf(a, b);
+  if (!areOnBoth(ofA)) return false;
+  const Sides ofB = sidesOf(b, a);
+  if (!areOnBoth(ofB)) return false;
+  auto [p, q, r] = fromAlone(a, ofA);
+  auto [s, t, u] = fromAlone(b, ofB);
+  if (aloneOn(ofA) < 0) std::swap(t, u);
+  if (aloneOn(ofB) < 0) std::swap(q, r);
+  return side(p, q, s, t) < 0 && side(p, r, u, s) < 0;
 }
 
 /// The faces with their corners on a lattice of 2^30 steps along the longest side.
