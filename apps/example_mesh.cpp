@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "dual_contour.h"
+#include "implicit_mesh.h"
 
 namespace raymap {
 
@@ -119,7 +119,7 @@ bool isTorn(const dvec3& p) {
 }  // namespace
 
 Mesh makeExampleMesh(bool holes) {
-  Mesh mesh = dualContour(globe, {{-1.7, -2.3, -1.3}, {1.7, 2.1, 1.3}}, kSpacing);
+  Mesh mesh = meshImplicit(globe, {{-1.7, -2.3, -1.3}, {1.7, 2.1, 1.3}}, kSpacing);
   if (holes)
     std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
       return isTorn((mesh.position(t.x) + mesh.position(t.y) + mesh.position(t.z)) / 3.0);

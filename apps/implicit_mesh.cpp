@@ -1,4 +1,4 @@
-#include "dual_contour.h"
+#include "implicit_mesh.h"
 
 #include <array>
 #include <limits>
@@ -85,9 +85,9 @@ class PlaneFit {
   int count_ = 0;
 };
 
-class Contour {
+class ImplicitMesh {
  public:
-  Contour(const Implicit& implicit, const Box& box, double spacing)
+  ImplicitMesh(const Implicit& implicit, const Box& box, double spacing)
       : implicit_(implicit), origin_(box.min), spacing_(spacing), dims_(glm::ceil(box.size() / spacing)) {
     isInside_.reserve(size_t(dims_.x + 1) * (dims_.y + 1) * (dims_.z + 1));
     for (int k = 0; k <= dims_.z; ++k)
@@ -204,8 +204,8 @@ class Contour {
 
 }  // namespace
 
-Mesh dualContour(const Implicit& implicit, const Box& box, double spacing) {
-  return Contour(implicit, box, spacing).run();
+Mesh meshImplicit(const Implicit& implicit, const Box& box, double spacing) {
+  return ImplicitMesh(implicit, box, spacing).run();
 }
 
 }  // namespace raymap
