@@ -82,7 +82,7 @@ TEST(Orientation, TurnsFacesBack) {
       EXPECT_LT(run.stats.misfit, 0.5 * run.stats.misfitGiven);
       EXPECT_GT(double(countUnlike(right, runOf(broken, grid, Orientation::Keep))), most);
       Mesh turned = broken;
-      for (const uint32_t f : run.stats.turnedFaces) std::swap(turned.triangles[f].y, turned.triangles[f].z);
+      turnFaces(turned, run.stats.turnedFaces);
       EXPECT_GE(2u, countUnlike(run, runOf(turned, grid, Orientation::Keep)));  // Rounding.
     }
   }

@@ -154,13 +154,22 @@ std::vector<double> medians(std::vector<std::vector<double>>& times) {
   return result;
 }
 
+/// A frame takes faces as they point, so those that point the wrong way are turned once, beforehand.
+void turnWrongFaces(raymap::Mesh& mesh) {
+  raymap::Generator generator;
+  raymap::Field field;
+  generator.generate(mesh, fitGrid(mesh, {.resolution = 64}), {}, field);
+  turnFaces(mesh, generator.stats().turnedFaces);
+}
+
 void run(const Arguments& arguments) {
   const auto warn = [](std::string_view text) {
     std::fprintf(stderr, "raymap_animated: warning: %.*s\n", int(text.size()), text.data());
   };
-  const AnimatedMesh mesh = arguments.mesh.empty()
-                                ? bendingTube()
-                                : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, warn);
+  AnimatedMesh mesh = arguments.mesh.empty()
+                          ? bendingTube()
+                          : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, warn);
+  turnWrongFaces(mesh.rest);
   std::filesystem::create_directories(arguments.folder);
   Gpu gpu(arguments.device);
   std::printf("%zu triangles, %zu joints, on %s\n", mesh.rest.triangles.size(), mesh.skeleton.size(),

@@ -34,6 +34,10 @@ struct Mesh {
 /// A mesh from double-precision positions: centred on its bounds, then rounded to single precision.
 Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> triangles);
 
+/// Takes faces the other way round, such as `Stats::turnedFaces`. Throws `Error(Usage)` for one that there is
+/// not.
+void turnFaces(Mesh& mesh, std::span<const uint32_t> faces);
+
 /// The bounds of the vertices that triangles use.
 Box bounds(const Mesh& mesh);
 

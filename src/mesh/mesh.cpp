@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace raymap {
 
@@ -34,6 +35,15 @@ Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> tri
   mesh.vertices.reserve(positions.size());
   for (const glm::dvec3& p : positions) mesh.vertices.emplace_back(p - mesh.origin);
   return mesh;
+}
+
+void turnFaces(Mesh& mesh, std::span<const uint32_t> faces) {
+  for (const uint32_t face : faces) {
+    if (face >= mesh.triangles.size())
+      throw Error(ErrorCode::Usage, "there is no face " + std::to_string(face) + " to turn, only " +
+                                        std::to_string(mesh.triangles.size()));
+    std::swap(mesh.triangles[face].y, mesh.triangles[face].z);
+  }
 }
 
 Box bounds(const Mesh& mesh) {
