@@ -12,6 +12,10 @@ struct IsosurfaceOptions {
   int threads = 0;   ///< 0 = all.
   /// Told if the solid reaches the grid's box.
   std::function<void(std::string_view)> warn;
+
+  /// Called now and then with the share that is done, 0 to 1, by any thread, one at a time; return false to
+  /// cancel (the call then throws `Error(Cancelled)`).
+  std::function<bool(double done)> progress;
 };
 
 /// The surface of the solid where the field is below `iso`, facing out of it. Whatever the samples, every
@@ -20,7 +24,7 @@ struct IsosurfaceOptions {
 /// say where the surface bends: corners and sharp edges are kept (dual contouring). Same field, same mesh,
 /// for any number of threads.
 ///
-/// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory.
+/// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory, Cancelled.
 Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {});
 
 }  // namespace raymap

@@ -1,48 +1,29 @@
-// Dual contouring (Ju et al. 2002) with a vertex for each sheet that passes a cube (Nielson 2004).
+// Dual contouring (Ju et al. 2002) with a vertex for each sheet that passes a cube (Nielson 2004), and
+// without faces that cross (Ju & Udeshi 2006).
 
 #include "dual_contour.h"
 
+#include <raymap/diagnostics.h>
 #include <raymap/error.h>
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 
-#include "cpu/parallel.h"
-#include "cube_cycles.h"
+#include "contour_cubes.h"
 #include "memory.h"
 
 namespace raymap {
 
 namespace {
 
-constexpr size_t kRowsPerTask = 64;
 constexpr size_t kVerticesPerTask = size_t{1} << 14;
-constexpr double kApart = 0.01;  // Least distance of two vertices in a cube.
-constexpr double kFold = 10.0;   // Cost of a triangle turned over,
-constexpr double kShape = 1e-4;  // and of an edge over a triangle's height.
-
-/// A cube that the surface passes. Its lowest corner is sample (x - 1, y - 1, z - 1), where y and z are those
-/// of its row.
-struct Cube {
-  int32_t x;
-  uint8_t corners;    // Bits of those inside.
-  uint8_t ambiguous;  // Bits of faces,
-  uint8_t joined;     // and how each is settled, as `CubeCycles` takes it.
-  CubeCycles cycles;
-  uint32_t firstVertex;
-  uint32_t firstQuad;
-};
-
-glm::ivec3 along(int axis) {
-  glm::ivec3 step(0);
-  step[axis % 3] = 1;
-  return step;
-}
-
-glm::ivec3 cornerOffset(int corner) {
-  return {corner & 1, corner >> 1 & 1, corner >> 2};
-}
+constexpr double kApart = 0.01;       // Least distance of two vertices in a cube.
+constexpr double kFold = 10.0;        // Cost of a triangle turned over,
+constexpr double kShape = 1e-4;       // and of an edge over a triangle's height.
+constexpr int kMostRounds = 16;       // Of looking for faces that cross,
+constexpr size_t kSearchBytes = 128;  // which takes so much for each.
 
 /// The height over the longest edge, as a share of it.
 double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -52,168 +33,62 @@ double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 
 class Contour {
  public:
-  Contour(const Field& field, double iso, const AddPlanes& addPlanes)
-      : field_(field),
-        iso_(iso),
+  Contour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress)
+      : grid_(field.grid),
         addPlanes_(addPlanes),
-        dims_(field.grid.dims + 1),
-        rowBegin_(size_t(dims_.y) * size_t(dims_.z) + 1),
-        middle_(0.5 * glm::dvec3(field.grid.dims - 1)) {}
+        middle_(0.5 * glm::dvec3(field.grid.dims - 1)),
+        progress_(progress),
+        cubes_(field, iso, progress) {}
 
   Mesh run() {
-    findCubes();
-    splitDoubledEdges();
-    numberAll();
+    reserve();
+    progress_.part(0.2, 0.6);
     placeVertices();
+    progress_.part(0.6, 0.8);
     joinVertices();
+    scale();
+    progress_.part(0.8, 1.0);
+    uncross();
     return std::move(mesh_);
   }
 
  private:
   using Quad = std::array<uint32_t, 4>;
 
-  // Cubes.
-
-  double value(const glm::ivec3& sample) const {
-    return double(field_.distance[field_.grid.index(sample)]) - iso_;
-  }
-
-  template <class Work>
-  void forEachRow(Work&& work) const {
-    parallelFor(rowBegin_.size() - 1, kRowsPerTask, [&](size_t begin, size_t end) {
-      for (size_t row = begin; row < end; ++row) work(row, int(row % dims_.y), int(row / dims_.y));
-    });
-  }
-
-  template <class Work>
-  void forEachCube(Work&& work) {
-    forEachRow([&](size_t row, int y, int z) {
-      for (size_t c = rowBegin_[row]; c < rowBegin_[row + 1]; ++c)
-        work(cubes_[c], glm::ivec3(cubes_[c].x, y, z));
-    });
-  }
-
-  /// Calls `visit(x, corners)` for each cube of a row that has corners inside and outside.
-  template <class Visit>
-  void scanRow(int y, int z, Visit&& visit) const {
-    const glm::ivec3 last = field_.grid.dims - 1;
-    std::array<const float*, 4> samples{};
-    for (int r = 0; r < 4; ++r) {
-      const int j = y - 1 + (r & 1), k = z - 1 + (r >> 1);
-      if (j >= 0 && j <= last.y && k >= 0 && k <= last.z)
-        samples[r] = field_.distance.data() + field_.grid.index({0, j, k});
-    }
-    unsigned low = 0;
-    for (int x = 0; x < dims_.x; ++x) {
-      unsigned high = 0;
-      if (x <= last.x)
-        for (int r = 0; r < 4; ++r)
-          if (samples[r] && samples[r][x] < iso_) high |= 1u << 2 * r;
-      const unsigned corners = low | high << 1;
-      if (corners != 0 && corners != 255) visit(x, corners);
-      low = high;
-    }
-  }
-
-  void findCubes() {
-    forEachRow(
-        [&](size_t row, int y, int z) { scanRow(y, z, [&](int, unsigned) { ++rowBegin_[row + 1]; }); });
-    for (size_t row = 1; row < rowBegin_.size(); ++row) rowBegin_[row] += rowBegin_[row - 1];
-    cubes_.resize(rowBegin_.back());
-    forEachRow([&](size_t row, int y, int z) {
-      Cube* cube = cubes_.data() + rowBegin_[row];
-      scanRow(y, z, [&](int x, unsigned corners) { *cube++ = makeCube({x, y, z}, corners); });
-    });
-  }
-
-  Cube makeCube(const glm::ivec3& place, unsigned corners) const {
-    const unsigned ambiguous = ambiguousFaces(corners);
-    unsigned joined = 0;
-    for (int f = 0; ambiguous >> f != 0; ++f)
-      if ((ambiguous >> f & 1) != 0 && isJoined(place, corners, kCubeFaceTable[f])) joined |= 1u << f;
-    return {place.x,
-            static_cast<uint8_t>(corners),
-            static_cast<uint8_t>(ambiguous),
-            static_cast<uint8_t>(joined),
-            CubeCycles(corners, joined),
-            0,
-            0};
-  }
-
-  /// Whether the inside corners of an ambiguous face belong together: as the bilinear value between them has
-  /// it (Nielson & Hamann 1991). Both cubes at the face see the same.
-  bool isJoined(const glm::ivec3& place, unsigned corners, const CubeFace& face) const {
-    const auto at = [&](int i) { return value(place - 1 + cornerOffset(face.corners[i])); };
-    const double even = at(0) * at(2), odd = at(1) * at(3);
-    const bool isEvenInside = (corners >> face.corners[0] & 1) != 0;
-    return isEvenInside ? even > odd : odd > even;
-  }
-
-  Cube& cubeAt(const glm::ivec3& place) {
-    const size_t row = size_t(place.z) * dims_.y + place.y;
-    const auto begin = cubes_.begin() + ptrdiff_t(rowBegin_[row]);
-    const auto end = cubes_.begin() + ptrdiff_t(rowBegin_[row + 1]);
-    return *std::lower_bound(begin, end, place.x, [](const Cube& cube, int x) { return cube.x < x; });
-  }
-
-  /// Where one sheet passes the face between two cubes twice on both sides of it, their two vertices would
-  /// be joined by two edges at the same place. Joining the face's other corners makes it two sheets in either
-  /// cube. Rare, so in order and on one thread.
-  void splitDoubledEdges() {
-    for (size_t row = 0; row + 1 < rowBegin_.size(); ++row)
-      for (size_t c = rowBegin_[row]; c < rowBegin_[row + 1]; ++c)
-        if (cubes_[c].ambiguous != 0)
-          splitDoubledEdges(cubes_[c], {cubes_[c].x, int(row % dims_.y), int(row / dims_.y)});
-  }
-
-  void splitDoubledEdges(Cube& cube, const glm::ivec3& place) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int high = 2 * axis + 1, low = 2 * axis;
-      if ((cube.ambiguous >> high & 1) == 0 || !cube.cycles.passTwice(high)) continue;
-      Cube& next = cubeAt(place + along(axis));
-      if (!next.cycles.passTwice(low)) continue;
-      turn(cube, high);
-      turn(next, low);
-    }
-  }
-
-  static void turn(Cube& cube, int face) {
-    cube.joined = static_cast<uint8_t>(cube.joined ^ 1u << face);
-    cube.cycles = CubeCycles(cube.corners, cube.joined);
-  }
-
-  // Vertices and triangles.
-
-  /// An edge of the lattice belongs to the cube that it leaves at the lowest corner.
-  static bool isCrossed(const Cube& cube, int axis) {
-    return ((cube.corners ^ cube.corners >> (1 << axis)) & 1) != 0;
-  }
-
-  void numberAll() {
-    size_t vertices = 0, quads = 0;
-    for (Cube& cube : cubes_) {
-      cube.firstVertex = static_cast<uint32_t>(vertices);
-      cube.firstQuad = static_cast<uint32_t>(quads);
-      vertices += size_t(cube.cycles.count());
-      for (int axis = 0; axis < 3; ++axis) quads += isCrossed(cube, axis) ? 1 : 0;
-    }
-    const size_t bytes = vertices * (sizeof(glm::vec3) + sizeof(Quadric)) + 2 * quads * sizeof(glm::uvec3);
+  void reserve() {
+    const size_t vertices = cubes_.vertexCount(), quads = cubes_.quadCount();
+    const size_t bytes =
+        vertices * (sizeof(glm::vec3) + sizeof(Quadric)) + 2 * quads * (sizeof(glm::uvec3) + kSearchBytes);
     if (const size_t left = availableMemory(); bytes > left)
       throw Error(ErrorCode::Memory, "the surface needs " + std::to_string((bytes >> 20) + 1) +
                                          " MiB, but only " + std::to_string(left >> 20) +
                                          " MiB are left; use a lower resolution");
-    if (vertices > UINT32_MAX || quads > UINT32_MAX / 2)
+    if (vertices + quads > UINT32_MAX || 4 * quads > UINT32_MAX)
       throw Error(ErrorCode::Unsupported, "the surface has more than 2^32 vertices or triangles");
     mesh_.vertices.resize(vertices);
     quadrics_.resize(vertices);
     mesh_.triangles.resize(2 * quads);
   }
 
+  // Vertices.
+
+  std::vector<PlaneFit> fitSheets(const ContourCube& cube, const glm::ivec3& place) const {
+    std::vector<PlaneFit> sheets(size_t(cube.cycles.count()), PlaneFit(place - 1));
+    for (int edge = 0; edge < kCubeEdges; ++edge)
+      if (isEdgeCrossed(cube.corners, edge)) addEdge(cube, place, edge, sheets[size_t(cube.cycles.of(edge))]);
+    return sheets;
+  }
+
+  void addEdge(const ContourCube& cube, const glm::ivec3& place, int edge, PlaneFit& fit) const {
+    const int from = edgeStart(edge), to = edgeEnd(edge);
+    const bool isIn = isCornerInside(cube.corners, from);
+    const glm::ivec3 start = place - 1 + cornerOffset(from), end = place - 1 + cornerOffset(to);
+    addPlanes_(isIn ? start : end, isIn ? end : start, fit);
+  }
+
   void placeVertices() {
-    forEachCube([&](const Cube& cube, const glm::ivec3& place) {
-      std::vector<PlaneFit> sheets(size_t(cube.cycles.count()), PlaneFit(place - 1));
-      for (int edge = 0; edge < kCubeEdges; ++edge)
-        addEdge(cube, place, edge, sheets[size_t(cube.cycles.of(edge))]);
+    cubes_.forEach([&](const ContourCube& cube, const glm::ivec3& place) {
+      const std::vector<PlaneFit> sheets = fitSheets(cube, place);
       glm::vec3* vertices = mesh_.vertices.data() + cube.firstVertex;
       for (size_t s = 0; s < sheets.size(); ++s) {
         vertices[s] = glm::vec3(sheets[s].solve() - middle_);
@@ -227,45 +102,33 @@ class Contour {
     });
   }
 
-  void addEdge(const Cube& cube, const glm::ivec3& place, int edge, PlaneFit& fit) const {
-    if (!isEdgeCrossed(cube.corners, edge)) return;
-    const int from = edgeStart(edge), to = edgeEnd(edge);
-    const bool isIn = isCornerInside(cube.corners, from);
-    const glm::ivec3 start = place - 1 + cornerOffset(from), end = place - 1 + cornerOffset(to);
-    addPlanes_(isIn ? start : end, isIn ? end : start, fit);
-  }
+  // Triangles.
 
   /// A quad across each lattice edge that the surface crosses joins the vertices of the four cubes around.
   void joinVertices() {
-    forEachCube([&](const Cube& cube, const glm::ivec3& place) {
-      uint32_t triangle = 2 * cube.firstQuad;
+    cubes_.forEach([&](const ContourCube& cube, const glm::ivec3& place) {
+      uint32_t quad = cube.firstQuad;
       for (int axis = 0; axis < 3; ++axis) {
-        if (!isCrossed(cube, axis)) continue;
-        const Quad quad = quadAcross(cube, place, axis);
-        const int first = diagonalCost(quad, 0, axis) <= diagonalCost(quad, 1, axis) ? 0 : 1;
-        const std::array<uint32_t, 4> q{quad[first], quad[first + 1], quad[(first + 2) % 4],
-                                        quad[(first + 3) % 4]};
-        const bool isUp = (cube.corners & 1) != 0;
-        mesh_.triangles[triangle++] = isUp ? glm::uvec3(q[0], q[1], q[2]) : glm::uvec3(q[0], q[2], q[1]);
-        mesh_.triangles[triangle++] = isUp ? glm::uvec3(q[0], q[2], q[3]) : glm::uvec3(q[0], q[3], q[2]);
+        if (!cube.isCrossed(axis)) continue;
+        Quad q = quadAcross(cube, place, axis);
+        if (diagonalCost(q, 1, axis) < diagonalCost(q, 0, axis))
+          std::rotate(q.begin(), q.begin() + 1, q.end());
+        if (!cube.startsInside()) std::swap(q[1], q[3]);
+        mesh_.triangles[2 * quad] = {q[0], q[1], q[2]};
+        mesh_.triangles[2 * quad + 1] = {q[0], q[2], q[3]};
+        ++quad;
       }
     });
-    const double spacing = field_.grid.spacing;
-    parallelFor(mesh_.vertices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
-      for (size_t v = begin; v < end; ++v)
-        mesh_.vertices[v] = glm::vec3(spacing * glm::dvec3(mesh_.vertices[v]));
-    });
-    mesh_.origin = field_.grid.position(middle_);
   }
 
   /// Counter-clockwise seen against the axis.
-  Quad quadAcross(const Cube& cube, const glm::ivec3& place, int axis) {
+  Quad quadAcross(const ContourCube& cube, const glm::ivec3& place, int axis) const {
     const glm::ivec3 u = along(axis + 1), v = along(axis + 2);
-    const auto vertex = [&](const Cube& at, int side) {
+    const auto vertex = [&](const ContourCube& at, int side) {
       return at.firstVertex + at.cycles.of(4 * axis + side);
     };
-    return {vertex(cubeAt(place - u - v), 3), vertex(cubeAt(place - v), 2), vertex(cube, 0),
-            vertex(cubeAt(place - u), 1)};
+    return {vertex(cubes_.at(place - u - v), 3), vertex(cubes_.at(place - v), 2), vertex(cube, 0),
+            vertex(cubes_.at(place - u), 1)};
   }
 
   /// The diagonal from a quad's corner `first` should lie in the surface's planes, above all else turn no
@@ -284,21 +147,96 @@ class Contour {
     return cost;
   }
 
-  const Field& field_;
-  double iso_;
+  void scale() {
+    parallelFor(mesh_.vertices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) mesh_.vertices[v] = scaled(mesh_.vertices[v]);
+    });
+    mesh_.origin = grid_.position(middle_);
+  }
+  glm::vec3 scaled(const glm::vec3& samples) const { return glm::vec3(grid_.spacing * glm::dvec3(samples)); }
+
+  // Faces that cross.
+
+  /// What a fan has inside the cubes around its edge stays there: where each of them has one sheet, fans
+  /// never cross. Halves of quads do where their diagonal cuts through a fifth cube's part, which is rare, so
+  /// quads become fans only where they cross something, and those around them in the next round. What then
+  /// still crosses are two sheets in one cube, which their corners pull into each other.
+  void uncross() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      progress_.report(double(round) / kMostRounds);
+      const std::vector<uint32_t> faces = findSelfIntersections(mesh_).faces;
+      const size_t fans = fans_.size(), levelled = levelled_.size();
+      if (!faces.empty() && round == 0) isFan_.resize(cubes_.quadCount());
+      const std::vector<bool> wasFan = isFan_;
+      for (const uint32_t face : faces) {
+        const uint32_t quad = quadOf(face);
+        if (!isFan_[quad])
+          fan(quad);
+        else if (wasFan[quad])
+          level(face);
+      }
+      if (fans_.size() == fans && levelled_.size() == levelled) return;
+    }
+  }
+
+  uint32_t quadOf(uint32_t face) const {
+    const size_t half = face / 2, quads = cubes_.quadCount();
+    return half < quads ? uint32_t(half) : fans_[half - quads];
+  }
+
+  /// Four triangles around the point where the surface crosses the quad's edge of the lattice.
+  void fan(uint32_t quad) {
+    const auto [cube, place] = cubes_.ofQuad(quad);
+    const auto center = uint32_t(mesh_.vertices.size());
+    mesh_.vertices.push_back(scaled(glm::vec3(crossingOf(cube, place, quad - cube.firstQuad) - middle_)));
+    glm::uvec3 &first = mesh_.triangles[2 * quad], &second = mesh_.triangles[2 * quad + 1];
+    const Quad q{first.x, first.y, first.z, second.z};
+    first = {q[0], q[1], center};
+    second = {q[1], q[2], center};
+    mesh_.triangles.insert(mesh_.triangles.end(), {{q[2], q[3], center}, {q[3], q[0], center}});
+    isFan_[quad] = true;
+    fans_.push_back(quad);
+  }
+
+  /// Not where edges of the lattice meet.
+  glm::dvec3 crossingOf(const ContourCube& cube, const glm::ivec3& place, uint32_t number) const {
+    int axis = 0;
+    for (; !cube.isCrossed(axis) || number > 0; ++axis) number -= cube.isCrossed(axis) ? 1 : 0;
+    PlaneFit crossing(place - 1);
+    addEdge(cube, place, 4 * axis, crossing);
+    glm::dvec3 p = crossing.mean();
+    p[axis] = std::clamp(p[axis], place[axis] - 1 + kCubeMargin, place[axis] - kCubeMargin);
+    return p;
+  }
+
+  /// Puts the sheets of a fan's cubes into the means of their crossings where there are several.
+  void level(uint32_t face) {
+    for (const uint32_t vertex : {mesh_.triangles[face].x, mesh_.triangles[face].y}) {
+      const auto [cube, place] = cubes_.ofVertex(vertex);
+      if (cube.cycles.count() == 1 || !levelled_.insert(cube.firstVertex).second) continue;
+      const std::vector<PlaneFit> sheets = fitSheets(cube, place);
+      for (size_t s = 0; s < sheets.size(); ++s)
+        mesh_.vertices[cube.firstVertex + s] = scaled(glm::vec3(sheets[s].mean() - middle_));
+    }
+  }
+
+  const Grid& grid_;
   const AddPlanes& addPlanes_;
-  glm::ivec3 dims_;  // Of the cubes: one more than the samples.
-  std::vector<size_t> rowBegin_;
-  std::vector<Cube> cubes_;
+  glm::dvec3 middle_;  // Of the grid, in samples: what vertices are counted from.
+  Progress& progress_;
+  ContourCubes cubes_;
   std::vector<Quadric> quadrics_;  // Of each vertex.
-  glm::dvec3 middle_;              // Of the grid, in samples: what vertices are counted from.
-  Mesh mesh_;                      // In samples, until it is done.
+  Mesh mesh_;                      // In samples, until it is scaled.
+  std::vector<bool> isFan_;        // Of each quad, once faces cross.
+  std::vector<uint32_t> fans_;     // The quad of each two triangles beyond those of all quads.
+  std::set<uint32_t> levelled_;    // First vertices of cubes.
 };
 
 }  // namespace
 
-Mesh dualContour(const Field& field, double iso, const AddPlanes& addPlanes) {
-  return Contour(field, iso, addPlanes).run();
+Mesh dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress) {
+  progress.part(0.0, 0.2);
+  return Contour(field, iso, addPlanes, progress).run();
 }
 
 }  // namespace raymap

@@ -9,6 +9,7 @@
 
 #include "cpu/parallel.h"
 #include "dual_contour.h"
+#include "progress.h"
 #include "render/field_sampler.h"
 
 namespace raymap {
@@ -16,7 +17,9 @@ namespace raymap {
 namespace {
 
 constexpr double kSmooth = 0.1;      // Between differences to either side, where the surface has no edge.
-constexpr double kExact = 0.004;     // Error of a gradient's length that curvature makes.
+constexpr double kExact = 0.004;     // Error of a gradient's length that tells nothing,
+constexpr double kCurved = 0.045;    // that curvature makes, of a radius of 3 samples,
+constexpr double kPlanar = 0.05;     // and share of such a one that is left beside an edge between planes.
 constexpr double kCrossing = 0.02;   // Weight of what crossings say, where samples say nothing.
 constexpr double kMinLength = 1e-6;  // Of a gradient that points anywhere.
 
@@ -50,7 +53,8 @@ class SamplePlanes {
   }
 
   /// A distance has a gradient of length 1. Where central differences reach across an edge of the surface
-  /// they come out shorter, and differences to one side are taken that do not.
+  /// they come out shorter, and differences to one side are taken that do not. Curvature makes them a little
+  /// shorter too: then those of one side are worse, or only better by chance.
   glm::dvec3 gradient(const glm::ivec3& s) const {
     glm::dvec3 low(0.0), high(0.0);
     for (int a = 0; a < 3; ++a) {
@@ -67,12 +71,13 @@ class SamplePlanes {
 
   static glm::dvec3 mostLikely(const glm::dvec3& low, const glm::dvec3& high) {
     glm::dvec3 best = 0.5 * (low + high);
-    double least = std::abs(glm::length(best) - 1.0);
+    const double central = std::abs(glm::length(best) - 1.0);
+    double least = central > kCurved ? central : kPlanar * central;
     // Each axis has two choices, or one where both are much the same.
     glm::dvec3 first = low, second = high;
     for (int a = 0; a < 3; ++a)
       if (std::abs(high[a] - low[a]) <= kSmooth) first[a] = second[a] = best[a];
-    for (int choice = 0; choice < 8 && least > kExact; ++choice) {
+    for (int choice = 0; choice < 8 && central > kExact; ++choice) {
       const glm::dvec3 g = glm::mix(first, second, glm::bvec3(choice & 1, choice & 2, choice & 4));
       const double error = std::abs(glm::length(g) - 1.0);
       if (error < least) least = error, best = g;
@@ -145,11 +150,16 @@ void check(const Field& field, double iso) {
 }  // namespace
 
 Mesh isosurface(const Field& field, const IsosurfaceOptions& options) {
+  Options run;
+  if (options.progress) run.progress = [&](std::string_view, double done) { return options.progress(done); };
+  Stats stats;
+  Progress progress(run, stats);
   Mesh mesh;
-  withThreads(options.threads, [&] {
+  const auto contour = [&] {
     check(field, options.iso);
-    mesh = dualContour(field, options.iso, SamplePlanes(field, options.iso));
-  });
+    mesh = dualContour(field, options.iso, SamplePlanes(field, options.iso), progress);
+  };
+  progress.stage("isosurface", [&] { withThreads(options.threads, contour); });
   if (options.warn && reachesBox(field, options.iso))
     options.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
   return mesh;

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <vector>
 
 namespace raymap {
+
+/// Share of a cube that vertices keep to its sides: those of two cubes never coincide.
+inline constexpr double kCubeMargin = 1e-3;
 
 /// A symmetric matrix that tells how far an offset leads from a set of planes.
 struct Quadric {
@@ -29,7 +33,7 @@ class PlaneFit {
   /// The tangent plane at a point of the surface. It counts the less the farther the point lies outside.
   void addPlane(const glm::dvec3& point, const glm::dvec3& normal, double weight = 1.0);
 
-  /// Inside the cube, and never on its sides: vertices of two cubes never coincide.
+  /// Inside the cube, and never on its sides.
   glm::dvec3 solve() const;
   /// Of the crossings.
   glm::dvec3 mean() const { return low_ + sum_ / double(count_); }
@@ -37,9 +41,18 @@ class PlaneFit {
   Quadric quadric() const;
 
  private:
+  struct Plane {
+    glm::dvec3 point, normal;
+    double weight;
+  };
+
+  glm::dvec3 closest() const;
+  glm::dvec3 offset(const glm::dvec3& p) const;
+
   glm::dvec3 low_;
-  glm::dmat3 planes_{0.0};
-  glm::dvec3 offsets_{0.0};
+  std::vector<Plane> planes_;
+  glm::dmat3 matrix_{0.0};
+  glm::dvec3 right_{0.0};
   double weight_ = 0.0;
   glm::dvec3 sum_{0.0};
   int count_ = 0;
