@@ -35,8 +35,6 @@ CLI::IsMember oneOf(const Map& modes) {
   return CLI::IsMember(names);
 }
 
-}  // namespace
-
 void addGridOptions(CLI::App& command, FieldArguments& arguments) {
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 128)");
@@ -66,10 +64,7 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
       ->check(oneOf(kDistances));
   add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
-  add("--orientation", arguments.orientation,
-      "Whether faces that point the wrong way are turned: auto (default), where the field then fits clearly "
-      "better; keep, never; repair, always")
-      ->check(oneOf(kOrientations));
+  addOrientationOption(command, arguments);
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
       ->check(wholeNumberFrom(1));
   add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
@@ -87,6 +82,18 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
 }
 
+}  // namespace
+
+void addOrientationOption(CLI::App& command, FieldArguments& arguments) {
+  command
+      .add_option(
+          "--orientation", arguments.orientation,
+          "Whether faces that point the wrong way are turned: auto (default), where the field then fits "
+          "clearly better; keep, never; repair, always")
+      ->check(oneOf(kOrientations))
+      ->group("Method");
+}
+
 void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
   command
       .add_option("--device", arguments.options.device,
@@ -101,6 +108,12 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
                   "Refuse to need more than this, e.g. 2GB (default: what the machine has left)")
       ->transform(CLI::AsSizeValue(false))
       ->group("Machine");
+}
+
+void addFieldOptions(CLI::App& command, FieldArguments& arguments) {
+  addGridOptions(command, arguments);
+  addMethodOptions(command, arguments);
+  addMachineOptions(command, arguments);
 }
 
 void finishFieldArguments(FieldArguments& arguments) {

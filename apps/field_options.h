@@ -18,9 +18,11 @@ struct FieldArguments {
   Options options;
 };
 
-// Each adds a group of options to a command.
-void addGridOptions(CLI::App& command, FieldArguments& arguments);
-void addMethodOptions(CLI::App& command, FieldArguments& arguments);
+/// Adds all of them, in groups, to a command.
+void addFieldOptions(CLI::App& command, FieldArguments& arguments);
+
+// And some of them.
+void addOrientationOption(CLI::App& command, FieldArguments& arguments);
 void addMachineOptions(CLI::App& command, FieldArguments& arguments);
 
 /// Turns what the options say in words into `grid` and `options`. Throws `Error(Usage)` if they contradict

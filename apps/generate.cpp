@@ -214,9 +214,7 @@ void addGenerate(CLI::App& app) {
       ->type_name("MESH")
       ->required();
   addOutputOptions(*command, *arguments);
-  addGridOptions(*command, *arguments);
-  addMethodOptions(*command, *arguments);
-  addMachineOptions(*command, *arguments);
+  addFieldOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

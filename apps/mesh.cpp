@@ -24,13 +24,19 @@ struct Arguments : FieldArguments {
   IsosurfaceOptions surface;
 };
 
+Mesh makeSurface(const Field& field, const Arguments& arguments) {
+  ProgressLine line;
+  IsosurfaceOptions options = arguments.surface;
+  options.threads = arguments.options.threads;
+  options.warn = warn;
+  options.progress = [&](double done) { return line.report("isosurface", done); };
+  return isosurface(field, options);
+}
+
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
   checkOutputs({{"--output", arguments.mesh, writableMeshExtensions()}});
-  const Field field = loadField(arguments.input, arguments);
-  arguments.surface.threads = arguments.options.threads;
-  arguments.surface.warn = warn;
-  const Mesh mesh = isosurface(field, arguments.surface);
+  const Mesh mesh = makeSurface(loadField(arguments.input, arguments), arguments);
   writeMesh(arguments.mesh, mesh);
   std::printf("%s, %s\n", counted(mesh.triangles.size(), "triangle").c_str(),
               mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str());
@@ -49,9 +55,7 @@ void addMesh(CLI::App& app) {
       ->required();
   command->add_option("--iso", arguments->surface.iso,
                       "Distance at which the surface lies, in the mesh's units (default 0)");
-  addGridOptions(*command, *arguments);
-  addMethodOptions(*command, *arguments);
-  addMachineOptions(*command, *arguments);
+  addFieldOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

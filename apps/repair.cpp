@@ -25,6 +25,10 @@ constexpr const char* kFooter = R"(Examples:
 All lengths are in the mesh's units. How far the result lies from the mesh is measured and printed.)";
 
 struct Arguments : FieldArguments {
+  Arguments() {
+    grid.resolution = 256;
+    options.closeHoles = true;
+  }
   fs::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;
@@ -50,16 +54,24 @@ Json toJson(const Deviation& deviation) {
       {"max", deviation.max}, {"mean", deviation.mean}, {"p99", deviation.p99}, {"points", deviation.points}};
 }
 
+Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
+  Json json = toJson(found);
+  json["self_intersections"] = toJson(crossing);
+  return json;
+}
+
 Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
   return {{"raymap", RAYMAP_VERSION},
           {"mesh", arguments.mesh.string()},
           {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
           {"options",
-           {{"offset", arguments.repair.offset},
+           {{"orientation", arguments.orientation},
+            {"close_holes", arguments.options.closeHoles},
+            {"offset", arguments.repair.offset},
             {"shell", arguments.repair.shell},
             {"drain_hole", arguments.repair.drainHole}}},
-          {"before", toJson(report.before)},
-          {"after", toJson(report.after)},
+          {"before", toJson(report.before, report.crossingBefore)},
+          {"after", toJson(report.after, report.crossingAfter)},
           {"result_from_mesh", toJson(report.ofResult)},
           {"mesh_from_result", toJson(report.ofMesh)},
           {"buried_share", report.buriedShare},
@@ -69,6 +81,10 @@ Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& 
           {"turned_faces", report.stats.turnedFaces.size()},
           {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
           {"stages", toJson(report.stats)}};
+}
+
+std::string pairsText(const SelfIntersections& crossing) {
+  return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
 }
 
 void print(const char* name, const Deviation& deviation, double spacing) {
@@ -85,6 +101,8 @@ void print(const Arguments& arguments, const Grid& grid, const RepairReport& rep
               isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
   std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
               report.after.signedVolume);
+  std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
+              pairsText(report.crossingAfter).c_str());
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
   if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
@@ -103,6 +121,7 @@ void print(const Arguments& arguments, const Grid& grid, const RepairReport& rep
 }
 
 void run(Arguments& arguments) {
+  finishFieldArguments(arguments);
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   checkOutputs(
       {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
@@ -113,7 +132,6 @@ void run(Arguments& arguments) {
   {
     ProgressLine line;
     Options options = arguments.options;
-    options.closeHoles = true;
     options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
     options.warn = warn;
     result = repair(mesh, grid, options, arguments.repair, &report);
@@ -146,7 +164,6 @@ void addShapeOptions(CLI::App& command, Arguments& arguments) {
 }
 
 void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
-  arguments.grid.resolution = 256;
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 256)");
   resolution->check(wholeNumberFrom(1))->group("Grid");
@@ -170,6 +187,11 @@ void addRepair(CLI::App& app) {
       ->required();
   command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
   addRepairGridOptions(*command, *arguments);
+  addOrientationOption(*command, *arguments);
+  command
+      ->add_flag("!--no-close-holes", arguments->options.closeHoles,
+                 "Take no distances to the surface that closes holes: they are still closed, but in steps")
+      ->group("Method");
   addShapeOptions(*command, *arguments);
   addMachineOptions(*command, *arguments);
   command->footer(kFooter);

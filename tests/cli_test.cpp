@@ -332,6 +332,9 @@ TEST_F(Cli, RepairsAMesh) {
   EXPECT_LT(solid["result_from_mesh"]["max"], 0.5 * spacing);
   EXPECT_LT(solid["mesh_from_result"]["max"], 0.5 * spacing);
   EXPECT_GT(solid["result_from_mesh"]["points"], 10000);
+  EXPECT_EQ(solid["after"]["self_intersections"]["pairs"], 0);
+  EXPECT_NE(text.find("0 pairs before, 0 pairs after"), std::string::npos) << text;
+  EXPECT_GT(solid["patch"]["triangles"], 0);
   succeed("repair torn.ply -o grown.ply --resolution 64 --offset 0.15 --stats grown.json");
   const double ratio = json("grown.json")["after"]["signed_volume"].get<double>() /
                        solid["after"]["signed_volume"].get<double>();
@@ -339,6 +342,23 @@ TEST_F(Cli, RepairsAMesh) {
   EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
   expectFailure("repair torn.ply -o none.ply --resolution 64 --offset -1", ErrorCode::Input,
                 "bounds nothing");
+}
+
+TEST_F(Cli, LeavesHolesAndFacesAsTheyAreOnRequest) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
+  for (size_t f = 0; f < mesh.triangles.size(); f += 5) turnFaces(mesh, std::vector<uint32_t>{uint32_t(f)});
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.65; });
+  writeMesh(path("torn.ply"), mesh);
+  succeed("repair torn.ply -o turned.stl --resolution 48 --stats turned.json");
+  const Json turned = json("turned.json");
+  EXPECT_GT(turned["turned_faces"], mesh.triangles.size() / 6);
+  EXPECT_GT(turned["patch"]["triangles"], 0);
+  succeed(
+      "repair torn.ply -o kept.stl --resolution 48 --orientation keep --no-close-holes --stats kept.json");
+  const Json kept = json("kept.json");
+  EXPECT_EQ(kept["turned_faces"], 0);
+  EXPECT_EQ(kept["patch"]["triangles"], 0);
+  EXPECT_TRUE(kept["after"]["watertight"]);
 }
 
 TEST_F(Cli, HollowsAMeshOut) {

@@ -26,9 +26,10 @@ struct Deviation {
 
 /// What a repair did.
 struct RepairReport {
-  Stats stats;         ///< Of making the field.
-  Diagnostics before;  ///< Of the mesh,
-  Diagnostics after;   ///< and of the result.
+  Stats stats;                                      ///< Of making the field.
+  Diagnostics before;                               ///< Of the mesh,
+  Diagnostics after;                                ///< and of the result,
+  SelfIntersections crossingBefore, crossingAfter;  ///< and their faces that cross.
   Deviation ofResult;  ///< Of points of the result from the mesh's surface, moved by the offset.
   Deviation ofMesh;    ///< Of points of the mesh, those below left out, from the result, moved by the offset.
   double buriedShare =

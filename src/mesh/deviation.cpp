@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kMostPoints = 2e7;
 constexpr double kMostPerSide = 4096.0;
+constexpr size_t kPointsPerReport = size_t{1} << 18;
 
 CellMesh toSamples(const Mesh& mesh, const Grid& grid) {
   CellMesh cells;
@@ -75,12 +76,17 @@ std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double 
   return points;
 }
 
-std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points) {
+std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
+                               Progress& progress) {
   const CellMesh cells = toSamples(mesh, grid);
   SurfaceTree tree;
   tree.build(cells);
   std::vector<float> distances(points.size());
-  computePointDistances(tree, points, distances);
+  for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
+    progress.report(double(begin) / double(points.size()));
+    const size_t count = std::min(kPointsPerReport, points.size() - begin);
+    computePointDistances(tree, points.subspan(begin, count), std::span(distances).subspan(begin, count));
+  }
   return distances;
 }
 

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "progress.h"
+
 namespace raymap {
 
 /// Points all over a mesh, in samples of the grid: its vertices, and on its triangles so densely that no
@@ -13,7 +15,8 @@ namespace raymap {
 std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double step);
 
 /// The exact distance of points to a mesh, all in samples of the grid.
-std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points);
+std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
+                               Progress& progress);
 
 /// Of deviations in samples, which it puts into another order.
 Deviation summarize(std::vector<float>& deviations, double spacing);

@@ -9,6 +9,7 @@
 #include "cpu/parallel.h"
 #include "deviation.h"
 #include "hollow.h"
+#include "progress.h"
 #include "render/field_sampler.h"
 
 namespace raymap {
@@ -44,6 +45,17 @@ Field makeSolid(const Mesh& mesh, const Grid& grid, const Options& options, doub
   return field;
 }
 
+Mesh makeSurface(const Field& solid, const Options& options) {
+  IsosurfaceOptions surface{.threads = options.threads, .warn = options.warn};
+  if (options.progress) surface.progress = [&](double done) { return options.progress("isosurface", done); };
+  return isosurface(solid, surface);
+}
+
+void inspect(const Mesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
+  found = diagnose(mesh);
+  crossing = findSelfIntersections(mesh);
+}
+
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, RepairReport& report) {
   if (repair.shell == 0.0) return {};
@@ -69,10 +81,10 @@ void dropDrilled(std::vector<glm::vec3>& points, const Grid& grid, const std::ve
 
 /// From the mesh's surface moved by the offset or of the hollow.
 Deviation measureResult(const Mesh& result, const Mesh& mesh, const Grid& grid, const RepairOptions& repair,
-                        const std::vector<DrainHole>& holes) {
+                        const std::vector<DrainHole>& holes, Progress& progress) {
   std::vector<glm::vec3> points = surfacePoints(result, grid, kStep);
   dropDrilled(points, grid, holes);
-  std::vector<float> distances = distancesTo(mesh, grid, points);
+  std::vector<float> distances = distancesTo(mesh, grid, points, progress);
   const double outer = std::abs(repair.offset) / grid.spacing;
   const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
   for (float& d : distances)
@@ -112,9 +124,9 @@ std::vector<glm::vec3> visiblePoints(const Mesh& mesh, const Field& solid, doubl
 }
 
 Deviation measureMesh(std::vector<glm::vec3> points, const Mesh& result, const Grid& grid,
-                      const RepairOptions& repair, const std::vector<DrainHole>& holes) {
+                      const RepairOptions& repair, const std::vector<DrainHole>& holes, Progress& progress) {
   dropDrilled(points, grid, holes);
-  std::vector<float> distances = distancesTo(result, grid, points);
+  std::vector<float> distances = distancesTo(result, grid, points, progress);
   for (float& d : distances) d = std::abs(d - static_cast<float>(std::abs(repair.offset) / grid.spacing));
   return summarize(distances, grid.spacing);
 }
@@ -125,7 +137,6 @@ Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const Re
             RepairReport* wanted) {
   check(grid, repair);
   RepairReport report;
-  report.before = diagnose(mesh);
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
@@ -135,13 +146,21 @@ Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const Re
   std::vector<glm::vec3> points;
   if (wanted) points = visiblePoints(mesh, solid, repair.offset, report);
   const std::vector<DrainHole> holes = hollow(solid, repair, report);
-  Mesh result = isosurface(solid, {.threads = options.threads, .warn = options.warn});
-  report.after = diagnose(result);
+  Progress progress(options, report.stats);
+  Mesh result;
+  progress.stage("isosurface", [&] { result = makeSurface(solid, options); });
   if (!wanted) return result;
-  withThreads(options.threads, [&] {
-    report.ofMesh = measureMesh(std::move(points), result, grid, repair, holes);
-    report.ofResult = measureResult(result, mesh, grid, repair, holes);
-  });
+  solid = {};
+  const auto measure = [&] {
+    inspect(mesh, report.before, report.crossingBefore);
+    progress.report(0.1);
+    inspect(result, report.after, report.crossingAfter);
+    progress.part(0.2, 0.6);
+    report.ofMesh = measureMesh(std::move(points), result, grid, repair, holes, progress);
+    progress.part(0.6, 1.0);
+    report.ofResult = measureResult(result, mesh, grid, repair, holes, progress);
+  };
+  progress.stage("measure", [&] { withThreads(options.threads, measure); });
   *wanted = std::move(report);
   return result;
 }
