@@ -3,16 +3,15 @@
 
 #include "dual_contour.h"
 
-#include <raymap/diagnostics.h>
 #include <raymap/error.h>
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <string>
 
 #include "contour_cubes.h"
 #include "memory.h"
+#include "uncross.h"
 
 namespace raymap {
 
@@ -22,8 +21,8 @@ constexpr size_t kVerticesPerTask = size_t{1} << 14;
 constexpr double kApart = 0.01;       // Least distance of two vertices in a cube.
 constexpr double kFold = 10.0;        // Cost of a triangle turned over,
 constexpr double kShape = 1e-4;       // and of an edge over a triangle's height.
-constexpr int kMostRounds = 16;       // Of looking for faces that cross,
-constexpr size_t kSearchBytes = 128;  // which takes so much for each.
+constexpr double kLeave = 1e-3;       // Of a diagonal with which triangles may cross others.
+constexpr size_t kSearchBytes = 128;  // That looking for those takes for each triangle.
 
 /// The height over the longest edge, as a share of it.
 double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -35,10 +34,10 @@ class Contour {
  public:
   Contour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress)
       : grid_(field.grid),
-        addPlanes_(addPlanes),
         middle_(0.5 * glm::dvec3(field.grid.dims - 1)),
         progress_(progress),
-        cubes_(field, iso, progress) {}
+        cubes_(field, iso, progress),
+        sheets_(cubes_, addPlanes) {}
 
   Mesh run() {
     reserve();
@@ -48,12 +47,14 @@ class Contour {
     joinVertices();
     scale();
     progress_.part(0.8, 1.0);
-    uncross();
+    uncross(cubes_, sheets_, grid_, std::move(isSuspect_), mesh_, progress_);
     return std::move(mesh_);
   }
 
  private:
   using Quad = std::array<uint32_t, 4>;
+  using CubeRing = std::array<const ContourCube*, 4>;
+  using Corners = std::array<glm::dvec3, 4>;
 
   void reserve() {
     const size_t vertices = cubes_.vertexCount(), quads = cubes_.quadCount();
@@ -68,27 +69,14 @@ class Contour {
     mesh_.vertices.resize(vertices);
     quadrics_.resize(vertices);
     mesh_.triangles.resize(2 * quads);
+    isSuspect_.resize(quads);
   }
 
   // Vertices.
 
-  std::vector<PlaneFit> fitSheets(const ContourCube& cube, const glm::ivec3& place) const {
-    std::vector<PlaneFit> sheets(size_t(cube.cycles.count()), PlaneFit(place - 1));
-    for (int edge = 0; edge < kCubeEdges; ++edge)
-      if (isEdgeCrossed(cube.corners, edge)) addEdge(cube, place, edge, sheets[size_t(cube.cycles.of(edge))]);
-    return sheets;
-  }
-
-  void addEdge(const ContourCube& cube, const glm::ivec3& place, int edge, PlaneFit& fit) const {
-    const int from = edgeStart(edge), to = edgeEnd(edge);
-    const bool isIn = isCornerInside(cube.corners, from);
-    const glm::ivec3 start = place - 1 + cornerOffset(from), end = place - 1 + cornerOffset(to);
-    addPlanes_(isIn ? start : end, isIn ? end : start, fit);
-  }
-
   void placeVertices() {
     cubes_.forEach([&](const ContourCube& cube, const glm::ivec3& place) {
-      const std::vector<PlaneFit> sheets = fitSheets(cube, place);
+      const std::vector<PlaneFit> sheets = sheets_.fit(cube, place);
       glm::vec3* vertices = mesh_.vertices.data() + cube.firstVertex;
       for (size_t s = 0; s < sheets.size(); ++s) {
         vertices[s] = glm::vec3(sheets[s].solve() - middle_);
@@ -110,9 +98,13 @@ class Contour {
       uint32_t quad = cube.firstQuad;
       for (int axis = 0; axis < 3; ++axis) {
         if (!cube.isCrossed(axis)) continue;
-        Quad q = quadAcross(cube, place, axis);
-        if (diagonalCost(q, 1, axis) < diagonalCost(q, 0, axis))
+        const auto around = cubesAround(cube, place, axis);
+        Quad q = quadAcross(around, axis);
+        if (diagonalCost(q, 1, place, axis) < diagonalCost(q, 0, place, axis))
           std::rotate(q.begin(), q.begin() + 1, q.end());
+        const bool isCrowded =
+            std::ranges::any_of(around, [](const ContourCube* c) { return c->cycles.count() > 1; });
+        isSuspect_[quad] = isCrowded || leaves(cornersOf(q, 0), place, axis) ? 1 : 0;
         if (!cube.startsInside()) std::swap(q[1], q[3]);
         mesh_.triangles[2 * quad] = {q[0], q[1], q[2]};
         mesh_.triangles[2 * quad + 1] = {q[0], q[2], q[3]};
@@ -121,22 +113,30 @@ class Contour {
     });
   }
 
-  /// Counter-clockwise seen against the axis.
-  Quad quadAcross(const ContourCube& cube, const glm::ivec3& place, int axis) const {
+  /// Around the edge that a cube owns, counter-clockwise seen against the axis.
+  CubeRing cubesAround(const ContourCube& cube, const glm::ivec3& place, int axis) const {
     const glm::ivec3 u = along(axis + 1), v = along(axis + 2);
-    const auto vertex = [&](const ContourCube& at, int side) {
-      return at.firstVertex + at.cycles.of(4 * axis + side);
+    return {&cubes_.at(place - u - v), &cubes_.at(place - v), &cube, &cubes_.at(place - u)};
+  }
+
+  static Quad quadAcross(const CubeRing& around, int axis) {
+    const auto vertex = [&](int at, int side) {
+      return around[at]->firstVertex + uint32_t(around[at]->cycles.of(4 * axis + side));
     };
-    return {vertex(cubes_.at(place - u - v), 3), vertex(cubes_.at(place - v), 2), vertex(cube, 0),
-            vertex(cubes_.at(place - u), 1)};
+    return {vertex(0, 3), vertex(1, 2), vertex(2, 0), vertex(3, 1)};
+  }
+
+  Corners cornersOf(const Quad& quad, int first) const {
+    Corners corners;
+    for (int i = 0; i < 4; ++i) corners[i] = glm::dvec3(mesh_.vertices[quad[(first + i) % 4]]);
+    return corners;
   }
 
   /// The diagonal from a quad's corner `first` should lie in the surface's planes, above all else turn no
-  /// triangle over, and where the surface is flat make good triangles.
-  double diagonalCost(const Quad& quad, int first, int axis) const {
-    std::array<glm::dvec3, 4> p;
-    for (int i = 0; i < 4; ++i) p[i] = glm::dvec3(mesh_.vertices[quad[(first + i) % 4]]);
-    double cost = 0.0;
+  /// triangle over, and where the surface is flat stay where it crosses nothing and make good triangles.
+  double diagonalCost(const Quad& quad, int first, const glm::ivec3& place, int axis) const {
+    const Corners p = cornersOf(quad, first);
+    double cost = leaves(p, place, axis) ? kLeave : 0.0;
     for (int i = 0; i < 4; ++i)
       cost += quadrics_[quad[(first + i) % 4]](glm::vec3(0.5 * (p[0] + p[2]) - p[i]));
     for (const int i : {0, 2}) {
@@ -147,6 +147,25 @@ class Contour {
     return cost;
   }
 
+  /// Whether the triangles of a quad leave the tetrahedra between its sides and its edge of the lattice.
+  /// Their diagonal passes that edge on the side of another corner: it must do so in the triangle from there
+  /// to the edge.
+  bool leaves(const Corners& p, const glm::ivec3& place, int axis) const {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const glm::dvec3 start = glm::dvec3(place - 1) - middle_, from = p[0] - start, to = p[2] - start;
+    for (const int side : {1, 3}) {
+      const glm::dvec3 corner = p[side] - start;
+      const auto turn = [&](const glm::dvec3& d) { return d[u] * corner[v] - d[v] * corner[u]; };
+      const glm::dvec3 passed = glm::mix(from, to, turn(from) / (turn(from) - turn(to)));
+      const double share =
+          (passed[u] * corner[u] + passed[v] * corner[v]) / (corner[u] * corner[u] + corner[v] * corner[v]);
+      if (share > 0.0)
+        return share > 1.0 || passed[axis] < share * corner[axis] ||
+               1.0 - passed[axis] < share * (1.0 - corner[axis]);
+    }
+    return false;
+  }
+
   void scale() {
     parallelFor(mesh_.vertices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) mesh_.vertices[v] = scaled(mesh_.vertices[v]);
@@ -155,81 +174,14 @@ class Contour {
   }
   glm::vec3 scaled(const glm::vec3& samples) const { return glm::vec3(grid_.spacing * glm::dvec3(samples)); }
 
-  // Faces that cross.
-
-  /// What a fan has inside the cubes around its edge stays there: where each of them has one sheet, fans
-  /// never cross. Halves of quads do where their diagonal cuts through a fifth cube's part, which is rare, so
-  /// quads become fans only where they cross something, and those around them in the next round. What then
-  /// still crosses are two sheets in one cube, which their corners pull into each other.
-  void uncross() {
-    for (int round = 0; round < kMostRounds; ++round) {
-      progress_.report(double(round) / kMostRounds);
-      const std::vector<uint32_t> faces = findSelfIntersections(mesh_).faces;
-      const size_t fans = fans_.size(), levelled = levelled_.size();
-      if (!faces.empty() && round == 0) isFan_.resize(cubes_.quadCount());
-      const std::vector<bool> wasFan = isFan_;
-      for (const uint32_t face : faces) {
-        const uint32_t quad = quadOf(face);
-        if (!isFan_[quad])
-          fan(quad);
-        else if (wasFan[quad])
-          level(face);
-      }
-      if (fans_.size() == fans && levelled_.size() == levelled) return;
-    }
-  }
-
-  uint32_t quadOf(uint32_t face) const {
-    const size_t half = face / 2, quads = cubes_.quadCount();
-    return half < quads ? uint32_t(half) : fans_[half - quads];
-  }
-
-  /// Four triangles around the point where the surface crosses the quad's edge of the lattice.
-  void fan(uint32_t quad) {
-    const auto [cube, place] = cubes_.ofQuad(quad);
-    const auto center = uint32_t(mesh_.vertices.size());
-    mesh_.vertices.push_back(scaled(glm::vec3(crossingOf(cube, place, quad - cube.firstQuad) - middle_)));
-    glm::uvec3 &first = mesh_.triangles[2 * quad], &second = mesh_.triangles[2 * quad + 1];
-    const Quad q{first.x, first.y, first.z, second.z};
-    first = {q[0], q[1], center};
-    second = {q[1], q[2], center};
-    mesh_.triangles.insert(mesh_.triangles.end(), {{q[2], q[3], center}, {q[3], q[0], center}});
-    isFan_[quad] = true;
-    fans_.push_back(quad);
-  }
-
-  /// Not where edges of the lattice meet.
-  glm::dvec3 crossingOf(const ContourCube& cube, const glm::ivec3& place, uint32_t number) const {
-    int axis = 0;
-    for (; !cube.isCrossed(axis) || number > 0; ++axis) number -= cube.isCrossed(axis) ? 1 : 0;
-    PlaneFit crossing(place - 1);
-    addEdge(cube, place, 4 * axis, crossing);
-    glm::dvec3 p = crossing.mean();
-    p[axis] = std::clamp(p[axis], place[axis] - 1 + kCubeMargin, place[axis] - kCubeMargin);
-    return p;
-  }
-
-  /// Puts the sheets of a fan's cubes into the means of their crossings where there are several.
-  void level(uint32_t face) {
-    for (const uint32_t vertex : {mesh_.triangles[face].x, mesh_.triangles[face].y}) {
-      const auto [cube, place] = cubes_.ofVertex(vertex);
-      if (cube.cycles.count() == 1 || !levelled_.insert(cube.firstVertex).second) continue;
-      const std::vector<PlaneFit> sheets = fitSheets(cube, place);
-      for (size_t s = 0; s < sheets.size(); ++s)
-        mesh_.vertices[cube.firstVertex + s] = scaled(glm::vec3(sheets[s].mean() - middle_));
-    }
-  }
-
   const Grid& grid_;
-  const AddPlanes& addPlanes_;
   glm::dvec3 middle_;  // Of the grid, in samples: what vertices are counted from.
   Progress& progress_;
   ContourCubes cubes_;
-  std::vector<Quadric> quadrics_;  // Of each vertex.
-  Mesh mesh_;                      // In samples, until it is scaled.
-  std::vector<bool> isFan_;        // Of each quad, once faces cross.
-  std::vector<uint32_t> fans_;     // The quad of each two triangles beyond those of all quads.
-  std::set<uint32_t> levelled_;    // First vertices of cubes.
+  ContourSheets sheets_;
+  std::vector<Quadric> quadrics_;   // Of each vertex.
+  Mesh mesh_;                       // In samples, until it is scaled.
+  std::vector<uint8_t> isSuspect_;  // Of each quad: whether its triangles may cross others.
 };
 
 }  // namespace

@@ -35,8 +35,8 @@ class PlaneFit {
 
   /// Inside the cube, and never on its sides.
   glm::dvec3 solve() const;
-  /// Of the crossings.
-  glm::dvec3 mean() const { return low_ + sum_ / double(count_); }
+  /// Of the crossings, as far inside.
+  glm::dvec3 mean() const { return low_ + glm::clamp(sum_ / double(count_), kCubeMargin, 1.0 - kCubeMargin); }
   /// Of the planes alone, as their mean.
   Quadric quadric() const;
 
