@@ -307,5 +307,16 @@ TEST(Diagnostics, AgreesWithTheTableOfRealMeshes) {
   EXPECT_LE(closedGaps, 5);
 }
 
+TEST(Diagnostics, CountsCrossingsAsExactArithmeticDoes) {
+  if (meshRows().empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  const std::map<std::string, size_t> pairs{{"vtkdata__greatWhite.stl", 401},
+                                            {"assimp__Wuson.stl", 494},
+                                            {"prusa3__mgs-body.stl", 231},
+                                            {"geogram__sphere_icosa_2.obj", 228},
+                                            {"geogram__three_cubes.obj", 8}};
+  for (const auto& [name, count] : pairs)
+    EXPECT_EQ(findSelfIntersections(readMesh(meshFolder() / name)).pairs, count) << name;
+}
+
 }  // namespace
 }  // namespace raymap

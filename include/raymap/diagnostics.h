@@ -40,7 +40,8 @@ struct Diagnostics {
 Diagnostics diagnose(const Mesh& mesh);
 
 /// Faces that cross others: inner points of the two coincide. What only touches, overlaps in one plane or
-/// shares an edge does not cross. Exact, on corners snapped to 2^-30 of the longest side.
+/// shares an edge does not cross. Exact, on corners snapped to a lattice of 2^29 steps and more along the
+/// longest side.
 struct SelfIntersections {
   size_t pairs = 0;
   std::vector<uint32_t> faces;  ///< Ascending.

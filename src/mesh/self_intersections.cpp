@@ -112,19 +112,22 @@ bool cross(const Face& a, const Face& b) {
   return side(p, q, s, t) < 0 && side(p, r, u, s) < 0;
 }
 
-/// The faces with their corners on a lattice of 2^30 steps along the longest side.
+/// The faces with their corners on a lattice of 2^29 to 2^30 steps along the longest side. Steps are powers
+/// of two, so most numbers of single precision lie on it, and what touches goes on touching.
 std::vector<Face> snapFaces(const Mesh& mesh) {
   const Box box = bounds(mesh);
-  const glm::dvec3 size = box.size(), centre = box.centre() - mesh.origin;
-  const double longest = std::max({size.x, size.y, size.z});
-  const double scale = longest > 0.0 ? std::ldexp(2.0 / longest, kBits) : 1.0;
+  const glm::dvec3 size = box.size();
+  int exponent = 0;
+  std::frexp(0.5 * std::max({size.x, size.y, size.z}), &exponent);
+  const double scale = std::ldexp(1.0, kBits - exponent);
+  const glm::dvec3 centre = glm::round((box.centre() - mesh.origin) * scale);
   std::vector<Face> faces(mesh.triangles.size());
   parallelFor(faces.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) {
       faces[f].id = uint32_t(f);
       for (int c = 0; c < 3; ++c) {
-        const glm::dvec3 p = glm::dvec3(mesh.vertices[mesh.triangles[f][c]]) - centre;
-        faces[f].corners[size_t(c)] = glm::ivec3(glm::round(p * scale));
+        const glm::dvec3 p = scale * glm::dvec3(mesh.vertices[mesh.triangles[f][c]]);
+        faces[f].corners[size_t(c)] = glm::ivec3(glm::round(p) - centre);
       }
     }
   });

@@ -45,10 +45,12 @@ class Uncrosser {
       if (chosen[quad] != 0)
         for (const uint32_t vertex : cornersOf(quad)) {
           const ContourCube& cube = cubes_.ofVertex(vertex).cube;
-          for (int sheet = 0; sheet < cube.cycles.count(); ++sheet) isNear[cube.firstVertex + uint32_t(sheet)] = true;
+          for (int sheet = 0; sheet < cube.cycles.count(); ++sheet)
+            isNear[cube.firstVertex + uint32_t(sheet)] = true;
         }
     for (uint32_t quad = 0; quad < chosen.size(); ++quad)
-      chosen[quad] = std::ranges::any_of(cornersOf(quad), [&](uint32_t vertex) { return isNear[vertex]; }) ? 1 : 0;
+      chosen[quad] =
+          std::ranges::any_of(cornersOf(quad), [&](uint32_t vertex) { return isNear[vertex]; }) ? 1 : 0;
   }
 
   /// Before it became a fan.
