@@ -51,6 +51,12 @@ def is_sound(stats):
     return after["watertight"] and after["consistently_oriented"] and after["signed_volume"] > 0
 
 
+def print_crossing(rows):
+    pairs = {name: stats["after"]["self_intersections"]["pairs"] for name, stats in rows}
+    crossing = [f"{name} ({count})" for name, count in pairs.items() if count]
+    print(f"Results with pairs of faces that cross: {len(crossing)}" + "".join(f"\n- {line}" for line in crossing) + "\n")
+
+
 def print_far(rows):
     """Those whose result leaves the mesh by more than a sample somewhere, or loses a hundredth of it."""
     print("\n| mesh | wrong with it | result from mesh: largest, samples | mesh from result: largest | inside | outside |")
@@ -96,6 +102,7 @@ def main():
     for name, error in failures:
         print(f"- {name}: {error}")
     print()
+    print_crossing(rows)
     print_distribution(rows)
     print_far(rows)
 
