@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds in Release and measures how right signs, turned faces, closed holes and repaired meshes are; prints the tables
-# of docs/evaluation.md, docs/signs.md and docs/distances.md and leaves them, with pictures, in out/evaluation:
+# of docs/evaluation.md, docs/signs.md and closed holes in docs/distances.md and leaves them, with pictures, in out/evaluation:
 #   scripts/evaluate.sh FOLDER [PART...]
-# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about an
+# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about half an
 # hour. Python packages go into build/bench/evaluation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
