@@ -46,4 +46,10 @@ void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where)
                                        " may be used; use a lower resolution or a higher limit");
 }
 
+void checkSurfaceMemory(uint64_t needed) {
+  if (const uint64_t left = availableMemory(); needed > left)
+    throw Error(ErrorCode::Memory, "the surface needs " + mebibytes(needed) + ", but only " +
+                                       mebibytes(left) + " are left; use a lower resolution");
+}
+
 }  // namespace raymap

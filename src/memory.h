@@ -16,4 +16,7 @@ std::string mebibytes(uint64_t bytes);
 /// Throws `Error(Memory)` if a field needs more than the limit; `where` is said after how much it needs.
 void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where = "");
 
+/// Throws `Error(Memory)` if a surface needs more than this process can get.
+void checkSurfaceMemory(uint64_t needed);
+
 }  // namespace raymap

@@ -70,6 +70,16 @@ TEST(Isosurface, ClosesNoise) {
   }
 }
 
+TEST(Isosurface, ClosesNoiseThatIsZeroAtSamples) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    const Field field =
+        analytic::sampled(gridAround(6.0, 12), [&](const dvec3&) { return double(random() % 3) - 1.0; });
+    expectSound(isosurface(field));
+  }
+}
+
 TEST(Isosurface, ClosesCheckerboards) {
   for (const int period : {1, 2, 3}) {
     SCOPED_TRACE(period);

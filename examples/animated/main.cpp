@@ -139,7 +139,8 @@ constexpr const char* kStages[] = {"skin", "field", "picture"};
 
 void print(const std::string& what, const std::vector<double>& times) {
   std::printf("%s:", what.c_str());
-  for (size_t i = 0; i < times.size(); ++i) std::printf(" %s %.3f ms", kStages[i], times[i]);
+  for (size_t i = 0; i < std::min(times.size(), std::size(kStages)); ++i)
+    std::printf(" %s %.3f ms", kStages[i], times[i]);
   std::printf("\n");
 }
 

@@ -18,11 +18,10 @@ namespace raymap {
 namespace {
 
 constexpr size_t kVerticesPerTask = size_t{1} << 14;
-constexpr double kApart = 0.01;       // Least distance of two vertices in a cube.
-constexpr double kFold = 10.0;        // Cost of a triangle turned over,
-constexpr double kShape = 1e-4;       // and of an edge over a triangle's height.
-constexpr double kLeave = 1e-3;       // Of a diagonal with which triangles may cross others.
-constexpr size_t kSearchBytes = 128;  // That looking for those takes for each triangle.
+constexpr double kApart = 0.01;  // Least distance of two vertices in a cube.
+constexpr double kFold = 10.0;   // Cost of a triangle turned over,
+constexpr double kShape = 1e-4;  // and of an edge over a triangle's height.
+constexpr double kLeave = 1e-3;  // Of a diagonal with which triangles may cross others.
 
 /// The height over the longest edge, as a share of it.
 double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -58,12 +57,7 @@ class Contour {
 
   void reserve() {
     const size_t vertices = cubes_.vertexCount(), quads = cubes_.quadCount();
-    const size_t bytes =
-        vertices * (sizeof(glm::vec3) + sizeof(Quadric)) + 2 * quads * (sizeof(glm::uvec3) + kSearchBytes);
-    if (const size_t left = availableMemory(); bytes > left)
-      throw Error(ErrorCode::Memory, "the surface needs " + std::to_string((bytes >> 20) + 1) +
-                                         " MiB, but only " + std::to_string(left >> 20) +
-                                         " MiB are left; use a lower resolution");
+    checkSurfaceMemory(vertices * (sizeof(glm::vec3) + sizeof(Quadric)) + 2 * quads * sizeof(glm::uvec3));
     if (vertices + quads > UINT32_MAX || 4 * quads > UINT32_MAX)
       throw Error(ErrorCode::Unsupported, "the surface has more than 2^32 vertices or triangles");
     mesh_.vertices.resize(vertices);

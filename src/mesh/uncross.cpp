@@ -8,12 +8,15 @@
 #include <array>
 #include <set>
 
+#include "memory.h"
+
 namespace raymap {
 
 namespace {
 
 constexpr int kRings = 3;  // Of quads around suspects: those they may cross, and others if these move.
 constexpr int kMostRounds = 16;
+constexpr size_t kSearchBytes = 128;  // That looking for crossings takes for each face.
 
 class Uncrosser {
  public:
@@ -30,6 +33,7 @@ class Uncrosser {
   }
 
   void run(Progress& progress) {
+    checkSurfaceMemory(kSearchBytes * searched_.size());
     isFan_.resize(cubes_.quadCount());
     for (int round = 0; round < kMostRounds; ++round) {
       progress.report(double(round) / kMostRounds);
