@@ -40,6 +40,10 @@ struct FaceSides {
 /// Whether faces are to be looked at, where the six rays disagree at a share of the samples.
 bool mayTurnFaces(const Options& options, double doubtfulShare);
 
+/// Whether samples are asked first, which costs less than to look at the faces: if no sign contradicts the
+/// parity of all six rays, turning faces could change none.
+bool asksSamplesFirst(const Options& options, size_t faces, size_t samples);
+
 /// Turns the faces whose field says that they point the wrong way, if the crossings then agree as much better
 /// as `orientation` asks. `field` is solved for the mesh as given, whose misfit is told, and ends solved for
 /// the turns chosen.

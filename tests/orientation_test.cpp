@@ -201,6 +201,32 @@ TEST(Patches, SetDegenerateAndDoubledFacesApart) {
   EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}})).count, 3u);
 }
 
+TEST(Orientation, LooksAtManyFacesOnlyIfASignContradictsTheParity) {
+  const Mesh ball = withoutCap(shapes::sphere(1.0, 6), 0.95);
+  const Grid grid = fitGrid(ball, {.resolution = 20});
+  ASSERT_TRUE(asksSamplesFirst({}, ball.triangles.size(), grid.sampleCount()));
+  const Outcome right = runOf(ball, grid, Orientation::Auto);
+  EXPECT_TRUE(right.stats.turnedFaces.empty());
+  EXPECT_GT(right.stats.misfit, 0.0);
+  EXPECT_TRUE(areSame(right, runOf(ball, grid, Orientation::Keep)));
+  for (const double share : {0.3, 0.5}) {
+    const Outcome turned = runOf(flipped(ball, share), grid, Orientation::Auto);
+    EXPECT_FALSE(turned.stats.turnedFaces.empty());
+    EXPECT_EQ(countUnlike(turned, right), 0u);
+  }
+  // A cap that no edge links to the rest.
+  Mesh cap = shapes::sphere(1.0, 6);
+  const Mesh whole = cap;
+  std::erase_if(cap.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x < 0.7; });
+  Mesh rest = ball;
+  std::erase_if(rest.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x >= 0.7; });
+  const Mesh apart = shapes::joined(rest, insideOut(soupOf(cap)));
+  const Outcome turned = runOf(apart, grid, Orientation::Auto);
+  EXPECT_FALSE(turned.stats.turnedFaces.empty());
+  EXPECT_EQ(countUnlike(turned, right), 0u);
+  EXPECT_GT(countUnlike(runOf(apart, grid, Orientation::Keep), right), 20u);
+}
+
 TEST(Misfit, IsNothingWhereAllRaysAgree) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});

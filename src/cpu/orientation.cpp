@@ -3,11 +3,13 @@
 #include "orientation.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
 #include "parallel.h"
 #include "ray_sweep.h"
+#include "shared/orientation.h"
 
 namespace raymap {
 
@@ -88,6 +90,14 @@ float riseOf(const Interpolator& field, float farSides, const glm::vec3& a, cons
   return sum / float(parts * parts);
 }
 
+/// How many of a sample's six rays cross an odd number of faces: a sum of +1 and -1 is as odd as their
+/// number.
+int oddRays(const RayRow& row, size_t i) {
+  const auto odd = [](int32_t ray) { return ray & 1; };
+  return odd(row.x[i]) + odd(row.x[i] - row.totalX) + odd(row.y[i]) + odd(row.y[i] - row.totalY[i]) +
+         odd(row.z[i]) + odd(row.z[i] - row.totalZ[i]);
+}
+
 }  // namespace
 
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding) {
@@ -127,17 +137,27 @@ void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSid
   });
 }
 
+bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold) {
+  const RaySweep sweep(map);
+  const auto limit = static_cast<float>(threshold);
+  std::atomic<bool> does = false;
+  sweep.run([&](const RayRow& row) {
+    if (does) return;
+    bool any = false;
+    for (size_t i = 0; i < sweep.rowLength(); ++i) {
+      const float excess = std::abs(winding[row.first + i]) - limit;
+      any |= std::abs(excess) > vulkan::kSureSign && oddRays(row, i) == (excess > 0.0f ? 0 : 6);
+    }
+    if (any) does = true;
+  });
+  return does;
+}
+
 void averageParity(const RayMap& map, Buffer<float>& parity) {
   const RaySweep sweep(map);
   parity.resize(sweep.sampleCount());
-  // A sum of odd and even numbers of +1 and -1 is as odd as their number.
   sweep.run([&](const RayRow& row) {
-    for (size_t i = 0; i < sweep.rowLength(); ++i) {
-      const auto odd = [](int32_t ray) { return ray & 1; };
-      const int sum = odd(row.x[i]) + odd(row.x[i] - row.totalX) + odd(row.y[i]) +
-                      odd(row.y[i] - row.totalY[i]) + odd(row.z[i]) + odd(row.z[i] - row.totalZ[i]);
-      parity[row.first + i] = float(sum) / 6.0f;
-    }
+    for (size_t i = 0; i < sweep.rowLength(); ++i) parity[row.first + i] = float(oddRays(row, i)) / 6.0f;
   });
 }
 

@@ -10,6 +10,10 @@ namespace raymap {
 /// over all lattice edges, over the sum of |w_l|. 0 where nothing is crossed.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding);
 
+/// Whether any sample's sign contradicts the parity of all six of its rays, where the winding number is
+/// farther from the threshold than the lattice's error.
+bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold);
+
 /// For every face how much a field rises along its normal, from a cell behind it to a cell before it, in the
 /// mean over the face. With `farSides` the steps are as long as so many times the root of twice its area.
 void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSides, Progress& progress,

@@ -1,26 +1,51 @@
 #include "half_edges.h"
 
 #include <algorithm>
-#include <tuple>
 
 #include "cpu/parallel.h"
 
 namespace raymap {
 
-std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding) {
-  std::vector<HalfEdge> halfEdges;
-  halfEdges.reserve(3 * mesh.triangles.size());
+namespace {
+
+constexpr size_t kPositionsPerTask = 4096;
+
+/// Calls `work(halfEdge)` for each, faces ascending.
+template <class Work>
+void forEachHalfEdge(const Mesh& mesh, const Welding& welding, Work&& work) {
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
     const glm::uvec3& t = mesh.triangles[face];
     const uint32_t corners[] = {welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
     for (int c = 0; c < 3; ++c) {
       const uint32_t a = corners[c], b = corners[(c + 1) % 3];
-      halfEdges.push_back({std::min(a, b), std::max(a, b), face, a < b});
+      work(HalfEdge{std::min(a, b), std::max(a, b), face, a < b});
     }
   }
-  tbb::parallel_sort(halfEdges.begin(), halfEdges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tuple(a.low, a.high, a.face) < std::tuple(b.low, b.high, b.face);
+}
+
+/// Keeps faces in order: a position has a few only, as a rule.
+void sortByHigh(std::span<HalfEdge> halfEdges) {
+  constexpr size_t kFew = 32;
+  const auto isLower = [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; };
+  if (halfEdges.size() > kFew) return std::stable_sort(halfEdges.begin(), halfEdges.end(), isLower);
+  for (auto next = halfEdges.begin(); next != halfEdges.end(); ++next)
+    std::rotate(std::upper_bound(halfEdges.begin(), next, *next, isLower), next, next + 1);
+}
+
+}  // namespace
+
+std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding) {
+  std::vector<size_t> ends(welding.count + 1, 0);  // Of the half edges of each position, shifted by one.
+  forEachHalfEdge(mesh, welding, [&](const HalfEdge& edge) { ++ends[edge.low + 1]; });
+  for (size_t p = 1; p < ends.size(); ++p) ends[p] += ends[p - 1];
+  std::vector<HalfEdge> halfEdges(ends.back());
+  forEachHalfEdge(mesh, welding, [&](const HalfEdge& edge) { halfEdges[ends[edge.low]++] = edge; });
+  parallelFor(welding.count, kPositionsPerTask, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const size_t first = p == 0 ? 0 : ends[p - 1];
+      sortByHigh({halfEdges.data() + first, ends[p] - first});
+    }
   });
   return halfEdges;
 }

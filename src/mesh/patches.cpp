@@ -1,7 +1,6 @@
 #include "patches.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "half_edges.h"
@@ -45,15 +44,13 @@ class FaceSets {
   std::vector<uint8_t> isReversed_;
 };
 
-/// Whether both faces have the same three corners: layers, not neighbours.
-bool coincide(const Mesh& mesh, const Welding& welding, uint32_t a, uint32_t b) {
-  const auto corners = [&](uint32_t face) {
+/// Whether two faces at one edge have the third corner in common too: layers, not neighbours.
+bool coincide(const Mesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
+  const auto allCorners = [&](uint32_t face) {
     const glm::uvec3& t = mesh.triangles[face];
-    std::array<uint32_t, 3> ids{welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
-    std::sort(ids.begin(), ids.end());
-    return ids;
+    return welding.ids[t.x] ^ welding.ids[t.y] ^ welding.ids[t.z];
   };
-  return corners(a) == corners(b);
+  return allCorners(a.face) == allCorners(b.face);
 }
 
 }  // namespace
@@ -62,7 +59,7 @@ Patches findPatches(const Mesh& mesh) {
   const Welding welding = weldVertices(mesh.vertices);
   FaceSets sets(mesh.triangles.size());
   forEachEdge(sortHalfEdges(mesh, welding), [&](std::span<const HalfEdge> edge) {
-    if (edge.size() == 2 && !coincide(mesh, welding, edge[0].face, edge[1].face))
+    if (edge.size() == 2 && !coincide(mesh, welding, edge[0], edge[1]))
       sets.link(edge[0].face, edge[1].face, edge[0].isForward == edge[1].isForward);
   });
   Patches patches{.ids = std::vector<uint32_t>(mesh.triangles.size()),

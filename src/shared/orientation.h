@@ -8,6 +8,10 @@ RAYMAP_SHARED_BEGIN
 
 RAYMAP_CONSTANT uint kMisfitGroup = 256;
 RAYMAP_CONSTANT uint kMisfitSamples = 16;  // Of an invocation.
+RAYMAP_CONSTANT uint kMisfitNumbers = 3;   // Of a group: squares, jumps, samples that contradict the parity.
+
+// The lattice's winding number is hardly ever farther off (docs/decisions/winding_dipoles.md).
+RAYMAP_CONSTANT float kSureSign = 0.15f;
 
 // Of every kernel that orientation takes.
 struct OrientationPush {
@@ -16,11 +20,11 @@ struct OrientationPush {
   RAYMAP_ADDRESS(Floats) vertices;  // In cells.
   RAYMAP_ADDRESS(Uints) triangles;
   RAYMAP_ADDRESS(Floats) rises;   // Of every triangle.
-  RAYMAP_ADDRESS(Floats) misfit;  // Two numbers of each group.
+  RAYMAP_ADDRESS(Floats) misfit;  // kMisfitNumbers of each group.
   uint gridX, gridY, gridZ;
   uint triangleCount;
-  float farSides;  // Steps along the normal are at least so many roots of twice the area,
-  uint unused;     // and a cell.
+  float farSides;  // Steps along the normal are at least so many roots of twice the area, and a cell.
+  float threshold;
 };
 RAYMAP_CHECK_SIZE(OrientationPush, 88);
 

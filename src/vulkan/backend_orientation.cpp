@@ -57,6 +57,11 @@ void Backend::orientation() {
   FaceTurner turner(*this);
   const bool isHarmonic = options().sign == SignMode::Harmonic;
   const double misfit = isHarmonic ? turner.misfit() : turner.solve(Turns(extent().triangles, 0));
+  if (asksSamplesFirst(options(), extent().triangles, sampleCount()) &&
+      !orientationOf().contradictsParity()) {
+    faceSides_ = {.turns = {}, .misfitGiven = misfit, .misfit = misfit};
+    return;
+  }
   faceSides_ = chooseSides(*inputMesh_, misfit, options().orientation, turner, *progress_);
   if (!isHarmonic) winding();
 }

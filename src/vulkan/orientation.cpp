@@ -26,7 +26,7 @@ void OrientationKernels::reserve(const glm::ivec3& dims, uint32_t triangleCount)
   samples_ = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   triangleCount_ = triangleCount;
   for (DeviceBuffer* sums : {&sums_, &hostSums_})
-    sums->resize<float>(2 * ((samples_ + kSamplesOfGroup - 1) / kSamplesOfGroup));
+    sums->resize<float>(kMisfitNumbers * ((samples_ + kSamplesOfGroup - 1) / kSamplesOfGroup));
   for (DeviceBuffer* rises : {&rises_, &hostRises_}) rises->resize<float>(triangleCount);
 }
 
@@ -41,11 +41,12 @@ OrientationPush OrientationKernels::push(const Fields& fields, float farSides) c
           .gridY = static_cast<uint32_t>(fields.rays.dims.y),
           .gridZ = static_cast<uint32_t>(fields.rays.dims.z),
           .triangleCount = triangleCount_,
-          .farSides = farSides};
+          .farSides = farSides,
+          .threshold = static_cast<float>(fields.threshold)};
 }
 
 void OrientationKernels::recordMisfit(Commands& commands, const Fields& fields) {
-  commands.dispatch(misfitOf_, push(fields), sums_.bytes() / (2 * sizeof(float)) * kMisfitGroup);
+  commands.dispatch(misfitOf_, push(fields), sums_.bytes() / (kMisfitNumbers * sizeof(float)) * kMisfitGroup);
   commands.copy(sums_, hostSums_, hostSums_.bytes());
 }
 
@@ -61,11 +62,18 @@ void OrientationKernels::recordRises(Commands& commands, const Fields& fields, f
 double OrientationKernels::misfit() const {
   const std::span<const float> sums = hostSums_.mapped<const float>();
   double squares = 0.0, jumps = 0.0;
-  for (size_t group = 0; group < sums.size(); group += 2) {
+  for (size_t group = 0; group < sums.size(); group += kMisfitNumbers) {
     squares += sums[group];
     jumps += sums[group + 1];
   }
   return jumps > 0.0 ? squares / jumps : 0.0;
+}
+
+bool OrientationKernels::contradictsParity() const {
+  const std::span<const float> sums = hostSums_.mapped<const float>();
+  for (size_t group = 0; group < sums.size(); group += kMisfitNumbers)
+    if (sums[group + 2] > 0.0f) return true;
+  return false;
 }
 
 }  // namespace raymap::vulkan

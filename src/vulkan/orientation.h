@@ -13,6 +13,7 @@ class OrientationKernels {
     LatticeLines rays;          ///< The ray map.
     VkDeviceAddress field = 0;  ///< Of every sample.
     DeviceMesh mesh;
+    double threshold = 0.5;
   };
 
   explicit OrientationKernels(Device& device);
@@ -28,6 +29,8 @@ class OrientationKernels {
 
   // When the work has been done:
   double misfit() const;
+  /// Whether any sign contradicted the parity of all six rays when the misfit was measured.
+  bool contradictsParity() const;
   std::span<const float> rises() const { return hostRises_.mapped<const float>(); }
 
  private:

@@ -129,7 +129,10 @@ void StageRecorder::recordParityRises() {
 }
 
 OrientationKernels::Fields StageRecorder::orientationFields() const {
-  return {.rays = crossings_.lines(), .field = results_.winding, .mesh = mesh_.mesh()};
+  return {.rays = crossings_.lines(),
+          .field = results_.winding,
+          .mesh = mesh_.mesh(),
+          .threshold = options_->threshold};
 }
 
 void StageRecorder::windingDipoles() {

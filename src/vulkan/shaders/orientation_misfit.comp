@@ -1,44 +1,54 @@
-// How badly the field fits the crossings (src/cpu/orientation.cpp): each group adds up its samples, always in the same
+// How badly the field fits the crossings, and the signs the parity (src/cpu/orientation.cpp): each group adds up its samples, always in the same
 // order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel.glsl"
 #include "orientation.glsl"
 
-shared float squaresOf[kMisfitGroup];
-shared float jumpsOf[kMisfitGroup];
+shared vec3 sumsOf[kMisfitGroup];
 
-void addEdge(uint index, ivec3 s, uint axis, uint stride, inout float squares, inout float jumps) {
+void addEdge(uint index, ivec3 s, uint axis, uint stride, inout vec3 sums) {
   const ivec3 dims = gridDims();
   if (s[axis] + 1 >= dims[axis]) return;
   ivec3 next = s;
   next[axis] += 1;
   const int jump = rayFrom(push.rays[axis], axis, dims, s) - rayFrom(push.rays[axis], axis, dims, next);
   if (jump == 0) return;
-  squares += float(jump) * (float(jump) - (push.field.at[index] - push.field.at[index + stride]));
-  jumps += abs(float(jump));
+  const float fall = push.field.at[index] - push.field.at[index + stride];
+  sums.xy += vec2(float(jump) * (float(jump) - fall), abs(float(jump)));
+}
+
+// Whether the parity of all six rays says the other side than the winding number does, which is sure of it.
+bool contradictsParity(uint index, ivec3 s) {
+  const ivec3 dims = gridDims();
+  int odd = 0;
+  for (uint axis = 0; axis < 3; ++axis) {
+    ivec3 beforeAll = s;
+    beforeAll[axis] = -1;
+    const int ray = rayFrom(push.rays[axis], axis, dims, s);
+    odd += (ray & 1) + ((ray - rayFrom(push.rays[axis], axis, dims, beforeAll)) & 1);
+  }
+  const float excess = abs(push.field.at[index]) - push.threshold;
+  return abs(excess) > kSureSign && odd == (excess > 0.0 ? 0 : 6);
 }
 
 void main() {
   const uint lane = gl_LocalInvocationIndex;
-  float squares = 0.0, jumps = 0.0;
+  vec3 sums = vec3(0.0);
   for (uint n = 0; n < kMisfitSamples; ++n) {
     const uint index = (groupIndex() * kMisfitSamples + n) * kMisfitGroup + lane;
     if (index >= sampleCount()) break;
     const ivec3 s = sampleAt(index);
-    addEdge(index, s, 0, 1, squares, jumps);
-    addEdge(index, s, 1, push.gridX, squares, jumps);
-    addEdge(index, s, 2, push.gridX * push.gridY, squares, jumps);
+    addEdge(index, s, 0, 1, sums);
+    addEdge(index, s, 1, push.gridX, sums);
+    addEdge(index, s, 2, push.gridX * push.gridY, sums);
+    sums.z += float(contradictsParity(index, s));
   }
-  squaresOf[lane] = squares;
-  jumpsOf[lane] = jumps;
+  sumsOf[lane] = sums;
   for (uint reach = kMisfitGroup / 2; reach > 0; reach /= 2) {
     barrier();
-    if (lane >= reach) continue;
-    squaresOf[lane] += squaresOf[lane + reach];
-    jumpsOf[lane] += jumpsOf[lane + reach];
+    if (lane < reach) sumsOf[lane] += sumsOf[lane + reach];
   }
   if (lane != 0 || uint64_t(groupIndex()) * kMisfitGroup * kMisfitSamples >= sampleCount()) return;
-  push.misfit.at[2 * groupIndex()] = squaresOf[0];
-  push.misfit.at[2 * groupIndex() + 1] = jumpsOf[0];
+  for (uint i = 0; i < kMisfitNumbers; ++i) push.misfit.at[kMisfitNumbers * groupIndex() + i] = sumsOf[0][i];
 }
