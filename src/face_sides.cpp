@@ -174,9 +174,8 @@ bool mayTurnFaces(const Options& options, double doubtfulShare) {
          doubtfulShare > 0.0;
 }
 
-bool asksSamplesFirst(const Options& options, size_t faces, size_t samples) {
-  constexpr size_t kSamplesPerFace = 16;  // About 200 ns a face, 6 ns a sample.
-  return options.orientation == Orientation::Auto && samples < kSamplesPerFace * faces;
+bool shouldLookAtFaces(const Options& options, double misfit, bool contradictsParity) {
+  return options.orientation == Orientation::Repair || contradictsParity || misfit > kFall;
 }
 
 FaceSides chooseSides(const Mesh& mesh, double misfitGiven, Orientation orientation, FaceField& field,

@@ -40,9 +40,9 @@ struct FaceSides {
 /// Whether faces are to be looked at, where the six rays disagree at a share of the samples.
 bool mayTurnFaces(const Options& options, double doubtfulShare);
 
-/// Whether samples are asked first, which costs less than to look at the faces: if no sign contradicts the
-/// parity of all six rays, turning faces could change none.
-bool asksSamplesFirst(const Options& options, size_t faces, size_t samples);
+/// Whether to look at faces, where the field has this misfit. Not if that is small and no sign contradicts
+/// the parity of all six rays: turning faces could then hardly change one.
+bool shouldLookAtFaces(const Options& options, double misfit, bool contradictsParity);
 
 /// Turns the faces whose field says that they point the wrong way, if the crossings then agree as much better
 /// as `orientation` asks. `field` is solved for the mesh as given, whose misfit is told, and ends solved for

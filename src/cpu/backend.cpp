@@ -133,8 +133,8 @@ void CpuBackend::orientation() {
       {mesh_, turnedTriangles_, crossings_, rayMap_, windingSolver_, windingSummary_, windingBuffer()},
       *options_, *progress_);
   const double misfit = isHarmonic ? turner.misfit() : turner.solve(Turns(mesh_.triangles.size(), 0));
-  if (asksSamplesFirst(*options_, mesh_.triangles.size(), windingBuffer().size()) &&
-      !contradictsParity(rayMap_, windingBuffer(), options_->threshold)) {
+  if (!shouldLookAtFaces(*options_, misfit,
+                         contradictsParity(rayMap_, windingBuffer(), options_->threshold))) {
     faceSides_ = {.turns = {}, .misfitGiven = misfit, .misfit = misfit};
     return;
   }

@@ -143,12 +143,17 @@ bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double t
   std::atomic<bool> does = false;
   sweep.run([&](const RayRow& row) {
     if (does) return;
-    bool any = false;
-    for (size_t i = 0; i < sweep.rowLength(); ++i) {
-      const float excess = std::abs(winding[row.first + i]) - limit;
-      any |= std::abs(excess) > vulkan::kSureSign && oddRays(row, i) == (excess > 0.0f ? 0 : 6);
+    const float* const w = winding.data() + row.first;
+    int32_t found = 0;
+    for (size_t i = 0; i < sweep.rowLength(); ++i) {  // No branches: the compiler makes it SIMD.
+      const int32_t a = row.x[i], b = a - row.totalX, c = row.y[i], d = c - row.totalY[i], e = row.z[i],
+                    f = e - row.totalZ[i];
+      const int32_t allOdd = a & b & c & d & e & f & 1, allEven = ~(a | b | c | d | e | f) & 1;
+      const float excess = std::abs(w[i]) - limit;
+      const int32_t isSure = std::abs(excess) > vulkan::kSureSign ? 1 : 0;
+      found |= isSure & (excess > 0.0f ? allEven : allOdd);
     }
-    if (any) does = true;
+    if (found != 0) does = true;
   });
   return does;
 }

@@ -57,8 +57,7 @@ void Backend::orientation() {
   FaceTurner turner(*this);
   const bool isHarmonic = options().sign == SignMode::Harmonic;
   const double misfit = isHarmonic ? turner.misfit() : turner.solve(Turns(extent().triangles, 0));
-  if (asksSamplesFirst(options(), extent().triangles, sampleCount()) &&
-      !orientationOf().contradictsParity()) {
+  if (!shouldLookAtFaces(options(), misfit, orientationOf().contradictsParity())) {
     faceSides_ = {.turns = {}, .misfitGiven = misfit, .misfit = misfit};
     return;
   }
