@@ -1,4 +1,4 @@
-#include "devices.h"
+#include <raymap/devices.h>
 
 #include <cstdio>
 #include <iostream>
@@ -17,15 +17,33 @@ constexpr const char* kFooter = R"(Examples:
 'auto' marks what is taken unless another is named: a GPU if there is one, else the CPU. A driver that
 computes in software counts as a GPU only if it is named.)";
 
+const char* nameOf(DeviceType type) {
+  switch (type) {
+    case DeviceType::Discrete:
+      return "discrete";
+    case DeviceType::Integrated:
+      return "integrated";
+    case DeviceType::Virtual:
+      return "virtual";
+    case DeviceType::Software:
+      return "software";
+    case DeviceType::Cpu:
+      return "cpu";
+    case DeviceType::Other:
+      break;
+  }
+  return "other";
+}
+
 void print(const DeviceList& list) {
   for (size_t i = 0; i < list.devices.size(); ++i) {
-    const ComputeDevice& device = list.devices[i];
+    const DeviceInfo& device = list.devices[i];
     std::printf("%-10s %-5s %s\n", device.id.c_str(), i == list.automatic ? "auto" : "", device.name.c_str());
     if (device.threads > 0)
       std::printf("%16s %u threads, %s of memory left\n", "", device.threads,
                   sizeText(device.memory).c_str());
     else
-      std::printf("%16s %s, %s of memory, %s shared by a work group, driver %s\n", "", device.type.c_str(),
+      std::printf("%16s %s, %s of memory, %s shared by a work group, driver %s\n", "", nameOf(device.type),
                   sizeText(device.memory).c_str(), sizeText(device.sharedMemory).c_str(),
                   device.driver.c_str());
     if (!device.problem.empty()) std::printf("%16s cannot be used: %s\n", "", device.problem.c_str());
@@ -34,10 +52,12 @@ void print(const DeviceList& list) {
 }
 
 Json toJson(const DeviceList& list) {
-  Json devices = Json::array();
-  for (const ComputeDevice& device : list.devices) {
-    Json json{
-        {"id", device.id}, {"name", device.name}, {"type", device.type}, {"memory_bytes", device.memory}};
+  Json all = Json::array();
+  for (const DeviceInfo& device : list.devices) {
+    Json json{{"id", device.id},
+              {"name", device.name},
+              {"type", nameOf(device.type)},
+              {"memory_bytes", device.memory}};
     if (device.threads > 0) {
       json["threads"] = device.threads;
     } else {
@@ -46,9 +66,9 @@ Json toJson(const DeviceList& list) {
     }
     json["usable"] = device.problem.empty();
     if (!device.problem.empty()) json["problem"] = device.problem;
-    devices.push_back(json);
+    all.push_back(json);
   }
-  Json json{{"auto", list.devices[list.automatic].id}, {"devices", devices}};
+  Json json{{"auto", list.devices[list.automatic].id}, {"devices", all}};
   if (!list.note.empty()) json["note"] = list.note;
   return json;
 }
@@ -61,7 +81,7 @@ void addDevices(CLI::App& app) {
   command->add_flag("--json", *isJson, "For programs");
   command->footer(kFooter);
   command->callback([isJson] {
-    const DeviceList list = listDevices();
+    const DeviceList list = devices();
     if (*isJson)
       std::cout << toJson(list).dump(2) << "\n";
     else

@@ -134,22 +134,18 @@ void finishFieldArguments(FieldArguments& arguments) {
   }
 }
 
-Field makeField(const Mesh& mesh, const Grid& grid, Options options, Stats* stats) {
+Generated makeField(const Mesh& mesh, const Grid& grid, Options options) {
   ProgressLine line;
-  options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+  options.progress = line.callback();
   options.warn = warn;
-  Generator generator;
-  Field field;
-  generator.generate(mesh, grid, options, field);
-  if (stats) *stats = generator.stats();
-  return field;
+  return generate(mesh, grid, options);
 }
 
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments) {
   if (hasExtension(path, fieldExtensions())) return readField(path);
   if (hasExtension(path, meshExtensions())) {
     const Mesh mesh = readMesh(path, warn);
-    return makeField(mesh, fitGrid(mesh, arguments.grid), arguments.options);
+    return makeField(mesh, fitGrid(mesh, arguments.grid), arguments.options).field;
   }
   std::string known;
   for (const auto& extensions : {meshExtensions(), fieldExtensions()})

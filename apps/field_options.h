@@ -30,7 +30,7 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments);
 void finishFieldArguments(FieldArguments& arguments);
 
 /// Makes the field with progress and warnings on stderr.
-Field makeField(const Mesh& mesh, const Grid& grid, Options options, Stats* stats = nullptr);
+Generated makeField(const Mesh& mesh, const Grid& grid, Options options);
 
 /// Reads a field, or makes one of a mesh: which of them, the file's ending tells.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments);

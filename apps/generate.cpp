@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <ostream>
 
+#include "base/atomic_file.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
-#include "io/atomic_file.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -179,7 +179,8 @@ void run(Arguments& arguments) {
   report.loadMilliseconds = milliseconds([&] { mesh = readMesh(arguments.mesh, warn); });
   report.found = diagnose(mesh);
   report.grid = fitGrid(mesh, arguments.grid);
-  const Field field = makeField(mesh, report.grid, arguments.options, &report.stats);
+  auto [field, stats] = makeField(mesh, report.grid, arguments.options);
+  report.stats = std::move(stats);
   report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report), report);
   if (!arguments.report.empty())

@@ -29,7 +29,7 @@ Mesh makeSurface(const Field& field, const Arguments& arguments) {
   IsosurfaceOptions options = arguments.surface;
   options.threads = arguments.options.threads;
   options.warn = warn;
-  options.progress = [&](double done) { return line.report("isosurface", done); };
+  options.progress = line.callback();
   return isosurface(field, options);
 }
 

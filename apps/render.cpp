@@ -45,7 +45,7 @@ Picture draw(const Field& field, const Arguments& arguments) {
   ProgressLine line;
   RenderOptions options = arguments.options;
   options.warn = warn;
-  options.progress = [&](double done) { return line.report("render", done); };
+  options.progress = line.callback();
   return renderField(field, options);
 }
 

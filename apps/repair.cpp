@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <ostream>
 
+#include "base/atomic_file.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
-#include "io/atomic_file.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -132,7 +132,7 @@ void run(Arguments& arguments) {
   {
     ProgressLine line;
     Options options = arguments.options;
-    options.progress = [&](std::string_view stage, double done) { return line.report(stage, done); };
+    options.progress = line.callback();
     options.warn = warn;
     result = repair(mesh, grid, options, arguments.repair, &report);
   }

@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 
 namespace raymap {
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/callbacks.h>
+
 #include <chrono>
 #include <string_view>
 
@@ -24,10 +26,14 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// The callback of `Options::progress`: false once a signal was caught.
-  bool report(std::string_view stage, double done);
+  /// Cancels once a signal was caught. Good for as long as the line lives.
+  ProgressCallback callback() {
+    return [this](std::string_view stage, double done) { return report(stage, done); };
+  }
 
  private:
+  bool report(std::string_view stage, double done);
+
   using Clock = std::chrono::steady_clock;
   Clock::time_point next_;
   bool isTerminal_;

@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "methods.h"
 
 namespace raymap::bench {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "reference.h"
 #include "sign_scene.h"
 

@@ -14,11 +14,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "devices.h"
+#include "api/devices.h"
 #include "meshes.h"
-#include "pipeline.h"
+#include "method/pipeline.h"
 #include "program.h"
-#include "vulkan/backend.h"
+#include "vulkan/runtime/host_backend.h"
 
 namespace raymap::bench {
 

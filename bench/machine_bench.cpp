@@ -7,8 +7,8 @@
 #include <cstring>
 #include <vector>
 
-#include "cpu/parallel.h"
-#include "cpu/triangle.h"
+#include "base/parallel.h"
+#include "cpu/cells/triangle.h"
 
 namespace raymap::bench {
 

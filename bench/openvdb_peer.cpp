@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "methods.h"
 
 namespace raymap::bench {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "cpu/backend.h"
-#include "cpu/parallel.h"
 #include "methods.h"
 
 namespace raymap::bench {
@@ -23,7 +23,7 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   Progress progress(options, stats);
   Field field;
   withThreads(input.threads, [&] {
-    CpuBackend backend;
+    cpu::Backend backend;
     backend.begin(input.mesh, input.grid, options, progress, field);
     // Without distances every sample counts as close to the surface, and more are looked at twice.
     std::fill(field.distance.begin(), field.distance.end(), 0.0f);

@@ -3,8 +3,8 @@
 
 #include <raymap/raymap.h>
 
+#include "base/parallel.h"
 #include "broken_meshes.h"
-#include "cpu/parallel.h"
 #include "diagonal_rays.h"
 #include "exact_numbers.h"
 #include "shapes.h"

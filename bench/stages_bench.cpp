@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "base/parallel.h"
 #include "cpu/backend.h"
-#include "cpu/parallel.h"
 #include "meshes.h"
 
 namespace raymap::bench {
 
 namespace {
 
-using Run = void (CpuBackend::*)();
+using Run = void (cpu::Backend::*)();
 
 /// The least bytes that a stage moves, per sample and per triangle; none if it depends on other things.
 struct Traffic {
@@ -37,7 +37,7 @@ constexpr int kFloat = sizeof(float);
 constexpr int kIndex = sizeof(uint32_t);
 
 std::vector<Stage> stages() {
-  using B = CpuBackend;
+  using B = cpu::Backend;
   const auto distance = [](DistanceMode mode) { return Options{.distance = mode, .sign = SignMode::None}; };
   const auto sign = [](SignMode mode) { return Options{.sign = mode}; };
   const std::vector<Run> rays{&B::crossings, &B::rayMap};
@@ -114,7 +114,7 @@ void runStage(benchmark::State& state, const Stage& stage, const std::string& me
   Stats stats;
   Progress progress(stage.options, stats);
   Field field;
-  CpuBackend backend;
+  cpu::Backend backend;
   withThreads(stage.options.threads, [&] {
     backend.begin(mesh, grid, stage.options, progress, field);
     for (const Run before : stage.once) (backend.*before)();

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "vulkan/command_buffer.h"
-#include "vulkan/radix_sort.h"
+#include "vulkan/device/command_buffer.h"
+#include "vulkan/primitives/radix_sort.h"
 
 namespace raymap::vulkan::bench {
 

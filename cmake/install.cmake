@@ -5,9 +5,13 @@ include(CMakePackageConfigHelpers)
 set(RAYMAP_PRIVATE_PACKAGES Threads TBB hwy PNG ZLIB Imath)
 set(RAYMAP_PRIVATE_PKGCONFIG "tbb libhwy-contrib libhwy libpng zlib pugixml minizip Imath")
 
-set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-  DEFINE_SYMBOL "")  # so that the compiler cache serves static and shared builds alike
-install(TARGETS raymap EXPORT raymapTargets)
+get_property(layers GLOBAL PROPERTY RAYMAP_LAYERS)
+list(TRANSFORM layers PREPEND raymap_ OUTPUT_VARIABLE layers)
+if(BUILD_SHARED_LIBS)
+  set(layers "")
+  set_target_properties(raymap PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+endif()
+install(TARGETS raymap ${layers} EXPORT raymapTargets)
 install(DIRECTORY include/raymap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN vulkan.h EXCLUDE)
 if(RAYMAP_VULKAN)
   install(FILES include/raymap/vulkan.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raymap)

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "io/field_formats.h"
+#include "io/field/field_formats.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const int file = memfd_create("field", 0);

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "io/mesh_file.h"
+#include "io/mesh/mesh_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <random>
 
-#include "devices.h"
+#include "api/devices.h"
 #include "shapes.h"
 
 namespace raymap {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "devices.h"
+#include "api/devices.h"
 #include "mesh_folder.h"
 
 namespace raymap {

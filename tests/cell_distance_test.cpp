@@ -1,4 +1,4 @@
-#include "cpu/cell_distance.h"
+#include "cpu/cells/cell_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "cells.h"
-#include "cpu/closest_triangles.h"
-#include "cpu/triangle.h"
+#include "cpu/cells/closest_triangles.h"
+#include "cpu/cells/triangle.h"
 #include "reference.h"
 #include "twins.h"
 #ifdef RAYMAP_TEST_VULKAN
@@ -15,6 +15,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 double referenceSquared(const CellMesh& mesh, uint32_t t, const glm::dvec3& p) {

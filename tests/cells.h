@@ -6,15 +6,17 @@
 
 #include <random>
 
-#include "cell_mesh.h"
-#include "cpu/cell_distance.h"
-#include "cpu/cell_level.h"
-#include "cpu/distance_transform.h"
-#include "cpu/parallel.h"
-#include "progress.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "cpu/cells/cell_distance.h"
+#include "cpu/cells/cell_levels.h"
+#include "cpu/cells/distance_transform.h"
+#include "method/cell_mesh.h"
 #include "shapes.h"
 
 namespace raymap {
+
+using namespace cpu;
 
 /// A mesh in cell units that owns its triangles.
 struct OwnCellMesh : CellMesh {

@@ -1,4 +1,4 @@
-#include "cpu/close_holes.h"
+#include "cpu/sign/close_holes.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,8 @@
 #include "sign_scene.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 /// A mesh with a hole, and the same with a lid on it: the surface where the winding number of the first is

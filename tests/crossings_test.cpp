@@ -1,11 +1,11 @@
-#include "cpu/crossings.h"
+#include "cpu/sign/crossings.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "twins.h"
@@ -14,6 +14,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 class CrossingsTwins : public TwinTest {

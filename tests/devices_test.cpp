@@ -1,6 +1,6 @@
 // What is run where, and what happens when a GPU fails.
 
-#include "devices.h"
+#include "api/devices.h"
 
 #include <gtest/gtest.h>
 

@@ -1,17 +1,19 @@
-#include "cpu/distance_transform.h"
+#include "cpu/cells/distance_transform.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "cells.h"
-#include "cpu/cell_distance.h"
+#include "cpu/cells/cell_distance.h"
 #include "twins.h"
 #ifdef RAYMAP_TEST_VULKAN
 #include "vulkan_cell_stages.h"
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 struct Result {

@@ -1,4 +1,4 @@
-#include "cpu/exact_distance.h"
+#include "cpu/distance/exact_distance.h"
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -6,6 +6,8 @@
 #include "exact_cases.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 TEST(ExactDistance, IsExact) {

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <random>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "mesh_folder.h"
 #include "reference.h"
 

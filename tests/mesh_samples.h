@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "files.h"
-#include "io/mesh_file.h"
+#include "io/mesh/mesh_file.h"
 
 namespace raymap::samples {
 

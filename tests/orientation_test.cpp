@@ -1,4 +1,4 @@
-#include "cpu/orientation.h"
+#include "cpu/sign/orientation.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,8 @@
 #include "sign_scene.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 Mesh flipped(const Mesh& mesh, double share) {

@@ -1,4 +1,4 @@
-#include "cpu/raster_distance.h"
+#include "cpu/cells/raster_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 std::vector<CellLevel> rasterizeOnCpu(const CellMesh& mesh, int threads = 0) {

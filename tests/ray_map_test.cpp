@@ -1,10 +1,10 @@
-#include "cpu/ray_map.h"
+#include "cpu/sign/ray_map.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 
-#include "cpu/ray_sweep.h"
+#include "cpu/sign/ray_sweep.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "twins.h"
@@ -13,6 +13,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 glm::ivec3 unit(int axis) {

@@ -1,4 +1,4 @@
-#include "cpu/refine.h"
+#include "cpu/cells/refine.h"
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>
@@ -14,6 +14,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 constexpr double kRounding = 2e-5;

@@ -13,10 +13,10 @@
 #include <string>
 
 #include "analytic_fields.h"
-#include "render/camera.h"
-#include "render/field_sampler.h"
-#include "render/shape.h"
+#include "field/field_sampler.h"
 #include "render/sphere_trace.h"
+#include "scene/camera.h"
+#include "scene/shape.h"
 #include "shapes.h"
 
 namespace raymap {

@@ -4,8 +4,8 @@
 
 #include <raymap/raymap.h>
 
-#include "cpu/crossings.h"
-#include "cpu/ray_map.h"
+#include "cpu/sign/crossings.h"
+#include "cpu/sign/ray_map.h"
 #include "reference.h"
 
 #include <cstddef>
@@ -13,6 +13,8 @@
 #include <utility>
 
 namespace raymap {
+
+using namespace cpu;
 
 /// The mesh in cell units: sample (i, j, k) at (i, j, k).
 inline CellMesh cellMesh(const Mesh& mesh, const Grid& grid) {

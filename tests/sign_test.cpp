@@ -1,4 +1,4 @@
-#include "cpu/sign.h"
+#include "cpu/sign/sign.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include "sign_scene.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 Buffer<float> bufferOf(std::initializer_list<float> values) {

@@ -1,4 +1,4 @@
-#include "cpu/voxel_grid.h"
+#include "cpu/cells/voxel_grid.h"
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>
@@ -14,6 +14,8 @@
 #endif
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 constexpr size_t kNoLimit = SIZE_MAX;

@@ -1,4 +1,4 @@
-#include "vulkan/cell_mesh.h"
+#include "vulkan/stages/cell_mesh.h"
 
 #include "shapes.h"
 #include "vulkan_device.h"
@@ -8,7 +8,7 @@ namespace {
 
 class VulkanCellMesh : public VulkanTest {
  protected:
-  static void record(CellMesh& cells, const Mesh& mesh, const Grid& grid, double outside = 0.0) {
+  static void record(CellMeshStage& cells, const Mesh& mesh, const Grid& grid, double outside = 0.0) {
     MeshUpload upload(device());
     upload.fill(mesh);
     cells.reserve(upload.source().vertexCount, upload.source().triangleCount);
@@ -16,7 +16,7 @@ class VulkanCellMesh : public VulkanTest {
   }
 
   static std::vector<float> vertices(const Mesh& mesh, const Grid& grid) {
-    CellMesh cells(device());
+    CellMeshStage cells(device());
     record(cells, mesh, grid);
     return download<float>(cells.vertexBuffer());
   }
@@ -38,7 +38,7 @@ TEST_F(VulkanCellMesh, HasTheCpusBits) {
 
 TEST_F(VulkanCellMesh, KeepsTheTriangles) {
   const Mesh mesh = shapes::sphere(1.0, 2);
-  CellMesh cells(device());
+  CellMeshStage cells(device());
   record(cells, mesh, {.dims = {4, 4, 4}, .spacing = 1.0});
   EXPECT_EQ(download<glm::uvec3>(cells.triangleBuffer()), mesh.triangles);
   const auto status = download<CellMeshStatus>(cells.status()).at(0);
@@ -48,7 +48,7 @@ TEST_F(VulkanCellMesh, KeepsTheTriangles) {
 
 TEST_F(VulkanCellMesh, CountsTrianglesOutside) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
-  CellMesh cells(device());
+  CellMeshStage cells(device());
   const auto outside = [&](const Grid& grid, double reach) {
     record(cells, mesh, grid, reach);
     return download<CellMeshStatus>(cells.status()).at(0).outside;
@@ -74,7 +74,7 @@ TEST_F(VulkanCellMesh, MakesBadTrianglesPointsOnGoodOnes) {
   mesh.triangles[8] = {1, 2, vertices + 100};
   mesh.triangles[9] = {1, UINT32_MAX, 2};
   mesh.triangles.back() = {1, add(3e38f), 2};  // Infinite in cells.
-  CellMesh cells(device());
+  CellMeshStage cells(device());
   record(cells, mesh, {.dims = {4, 4, 4}, .spacing = 0.1});
   const auto status = download<CellMeshStatus>(cells.status()).at(0);
   EXPECT_EQ(status.bad, 3u + 5u);
@@ -90,7 +90,7 @@ TEST_F(VulkanCellMesh, MakesBadTrianglesPointsOnGoodOnes) {
 TEST_F(VulkanCellMesh, StandsUpToNoGoodTriangle) {
   Mesh mesh = shapes::sphere(1.0, 1);
   for (glm::uvec3& t : mesh.triangles) t.y = UINT32_MAX;
-  CellMesh cells(device());
+  CellMeshStage cells(device());
   record(cells, mesh, {.dims = {4, 4, 4}, .spacing = 0.1});
   EXPECT_EQ(download<CellMeshStatus>(cells.status()).at(0).badTriangles, mesh.triangles.size());
   for (const glm::uvec3& t : download<glm::uvec3>(cells.triangleBuffer())) ASSERT_EQ(t, glm::uvec3(0));

@@ -5,8 +5,8 @@
 #include <array>
 
 #include "cells.h"
-#include "vulkan/raster_distance.h"
-#include "vulkan/refine.h"
+#include "vulkan/stages/raster_distance.h"
+#include "vulkan/stages/refine.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -40,7 +40,7 @@ class CellStages : public VulkanTest {
  public:
   static raymap::VoxelGrid voxelGrid(const raymap::CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = uploadMesh(mesh);
-    VoxelGrid& grid = stages().levels[0].grid;
+    VoxelGridStage& grid = stages().levels[0].grid;
     const auto reserve = [&](const ListSizes& lists) {
       grid.reserve(cells, uploaded.addresses().triangleCount, lists);
     };
@@ -62,7 +62,7 @@ class CellStages : public VulkanTest {
   }
 
   static TransformResult transform(const glm::ivec3& dims, const Buffer<float>& squared) {
-    DistanceTransform& transform = stages().levels[0].transform;
+    DistanceTransformStage& transform = stages().levels[0].transform;
     const DeviceBuffer values = upload(std::vector<float>(squared.begin(), squared.end()), "squared");
     transform.reserve(dims);
     run([&](Commands& commands) { transform.record(commands, values.address()); });
@@ -163,7 +163,7 @@ class CellStages : public VulkanTest {
     return sizesOf(download<CellRunsTotals>(stage.totals()).at(0));
   }
 
-  static raymap::VoxelGrid toLists(const VoxelGrid& grid) {
+  static raymap::VoxelGrid toLists(const VoxelGridStage& grid) {
     const auto begins = download<uint32_t>(grid.begins());
     const auto cells = download<uint32_t>(grid.cells()), triangles = download<uint32_t>(grid.triangles());
     const uint64_t entries = sizes(grid).entries;
@@ -195,7 +195,7 @@ class CellStages : public VulkanTest {
 
   /// With the values that the formula in vulkan/distance_transform.h gives.
   static TransformResult transformed(const glm::ivec3& dims, const Buffer<float>& squared,
-                                     const DistanceTransform& transform) {
+                                     const DistanceTransformStage& transform) {
     TransformResult result{squared.clone(), downloadBuffer<uint32_t>(transform.nearestCells())};
     const CellLattice cells{dims};
     for (size_t p = 0; p < squared.size(); ++p) {
@@ -208,10 +208,10 @@ class CellStages : public VulkanTest {
   }
 
   struct Level {
-    VoxelGrid grid{device()};
-    CellDistance distance{device()};
-    DistanceTransform transform{device()};
-    RasterDistance raster{device()};
+    VoxelGridStage grid{device()};
+    CellDistanceStage distance{device()};
+    DistanceTransformStage transform{device()};
+    RasterDistanceStage raster{device()};
 
     void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
       grid.reserve(cells, triangles, lists);
@@ -227,8 +227,8 @@ class CellStages : public VulkanTest {
   };
   struct Stages {
     std::array<Level, kMostLevels> levels;
-    Refine refine{device()};
-    RasterSamples samples{device()};
+    RefineStage refine{device()};
+    RasterDistanceSamplesStage samples{device()};
   };
   static Stages& stages() {
     shared();  // Made before them, so destroyed after them.

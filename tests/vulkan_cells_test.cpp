@@ -2,9 +2,9 @@
 
 #include <raymap/raymap.h>
 
-#include "cpu/raster_distance.h"
-#include "cpu/refine.h"
-#include "cpu/triangle.h"
+#include "cpu/cells/raster_distance.h"
+#include "cpu/cells/refine.h"
+#include "cpu/cells/triangle.h"
 #include "mesh_folder.h"
 #include "vulkan_cell_stages.h"
 

@@ -1,9 +1,9 @@
-#include "vulkan/close_holes.h"
+#include "vulkan/stages/close_holes.h"
 
 #include <random>
 
-#include "cpu/close_holes.h"
-#include "cpu/exact_distance.h"
+#include "cpu/distance/exact_distance.h"
+#include "cpu/sign/close_holes.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan_device.h"
@@ -32,9 +32,9 @@ class VulkanCloseHoles : public VulkanTest {
   }
 
   /// Kept from one test to the next.
-  static CloseHoles& stage() {
+  static CloseHolesStage& stage() {
     shared();  // Made before it, so destroyed after it.
-    static CloseHoles stage(device());
+    static CloseHolesStage stage(device());
     return stage;
   }
 
@@ -42,7 +42,7 @@ class VulkanCloseHoles : public VulkanTest {
                                          double threshold) {
     const Uploaded uploaded = uploadMesh(mesh);
     const DeviceBuffer numbers = upload(std::vector<float>(winding.begin(), winding.end()), "winding");
-    static Crossings crossings(device());
+    static CrossingsStage crossings(device());
     crossings.reserve(mesh.dims, mesh.triangles.size(), true);
     do
       run([&](Commands& commands) {
@@ -103,8 +103,8 @@ TEST_F(VulkanCloseHoles, KnowsTheWindingNumberAnywhere) {
     const Uploaded uploaded = uploadMesh(cellMesh(mesh, grid));
     std::vector<glm::vec3> points(150);
     for (glm::vec3& p : points) p = {along(random), along(random), along(random)};
-    SurfaceTree tree(device());
-    WindingDipoles dipoles(device());
+    SurfaceTreeStage tree(device());
+    WindingDipolesStage dipoles(device());
     tree.reserve(uploaded.mesh.triangleCount);
     dipoles.reserve(uploaded.mesh.triangleCount, grid.dims);
     run([&](Commands& commands) {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "vulkan/command_buffer.h"
+#include "vulkan/device/command_buffer.h"
 
 namespace raymap::vulkan {
 

@@ -4,10 +4,10 @@
 
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
-#include "vulkan/dispatch_arguments.h"
-#include "vulkan/features.h"
-#include "vulkan/scratch_memory.h"
-#include "vulkan/spirv.h"
+#include "vulkan/device/features.h"
+#include "vulkan/device/scratch_memory.h"
+#include "vulkan/device/spirv.h"
+#include "vulkan/primitives/dispatch_arguments.h"
 
 namespace raymap::vulkan {
 namespace {

@@ -1,4 +1,4 @@
-#include "vulkan/distance_transform.h"
+#include "vulkan/stages/distance_transform.h"
 
 #include "cells.h"
 #include "vulkan_device.h"
@@ -8,7 +8,7 @@ namespace {
 
 class VulkanDistanceTransform : public VulkanTest {
  protected:
-  static std::vector<uint32_t> nearestCells(DistanceTransform& transform, glm::ivec3 dims,
+  static std::vector<uint32_t> nearestCells(DistanceTransformStage& transform, glm::ivec3 dims,
                                             const std::vector<float>& squared) {
     const DeviceBuffer values = upload(squared, "squared");
     transform.reserve(dims);
@@ -18,7 +18,7 @@ class VulkanDistanceTransform : public VulkanTest {
   }
 
   /// The same cells as the CPU's, and the same values as the formula in distance_transform.h gives.
-  static void expectAsOnTheCpu(DistanceTransform& transform, glm::ivec3 dims, const Buffer<float>& f) {
+  static void expectAsOnTheCpu(DistanceTransformStage& transform, glm::ivec3 dims, const Buffer<float>& f) {
     Silent silent;
     Buffer<float> squared = f.clone();
     Buffer<uint32_t> nearest;
@@ -36,7 +36,7 @@ class VulkanDistanceTransform : public VulkanTest {
 };
 
 TEST_F(VulkanDistanceTransform, FindsTheCellsThatTheCpuFinds) {
-  DistanceTransform transform(device());
+  DistanceTransformStage transform(device());
   unsigned seed = 0;
   for (const glm::ivec3 dims :
        {glm::ivec3(14, 9, 11), glm::ivec3(48, 40, 33), glm::ivec3(1, 33, 20), glm::ivec3(70, 1, 13),
@@ -49,7 +49,7 @@ TEST_F(VulkanDistanceTransform, FindsTheCellsThatTheCpuFinds) {
 }
 
 TEST_F(VulkanDistanceTransform, FindsThemOnLongLines) {
-  DistanceTransform transform(device());
+  DistanceTransformStage transform(device());
   for (const glm::ivec3 dims : {glm::ivec3(2048, 3, 2), glm::ivec3(3, 2048, 2), glm::ivec3(3, 2, 2048)})
     for (const double share : {0.0005, 0.002, 0.5}) {
       SCOPED_TRACE(::testing::Message() << dims.x << " x " << dims.y << " x " << dims.z << ", " << share);
@@ -60,7 +60,7 @@ TEST_F(VulkanDistanceTransform, FindsThemOnLongLines) {
 
 TEST_F(VulkanDistanceTransform, TakesTheLowerOfAlmostEqualValues) {
   // Values so small that adding them to a squared distance leaves nothing of them.
-  DistanceTransform transform(device());
+  DistanceTransformStage transform(device());
   const glm::ivec3 dims(40, 6, 50);
   Buffer<float> f = randomCells(dims, 0.01, 3, true);
   std::mt19937 random(4);
@@ -70,7 +70,7 @@ TEST_F(VulkanDistanceTransform, TakesTheLowerOfAlmostEqualValues) {
 }
 
 TEST_F(VulkanDistanceTransform, RefusesLinesThatDoNotFit) {
-  DistanceTransform transform(device());
+  DistanceTransformStage transform(device());
   EXPECT_THROW(transform.reserve({100000, 1, 1}), Error);
 }
 

@@ -1,4 +1,4 @@
-#include "vulkan/exact_distance.h"
+#include "vulkan/stages/exact_distance.h"
 
 #include <raymap/io.h>
 
@@ -40,8 +40,8 @@ class VulkanExactDistance : public VulkanTest {
     const size_t samples = size_t(dims.x) * dims.y * dims.z;
     distance.resize<float>(samples);
     triangle.resize<uint32_t>(samples);
-    static SurfaceTree tree(device());
-    static ExactDistance exact(device());
+    static SurfaceTreeStage tree(device());
+    static ExactDistanceStage exact(device());
     tree.reserve(mesh.triangleCount);
     exact.reserve(dims);
     Found found[2];

@@ -1,10 +1,10 @@
-#include "vulkan/field_image.h"
+#include "vulkan/stages/field_image.h"
 
 #include <bit>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
-#include "shaders/half_floats_spv.h"
+#include "shaders/field_image_halves_spv.h"
 #include "vulkan_generation.h"
 
 namespace raymap::vulkan {
@@ -89,7 +89,7 @@ TEST_F(VulkanGenerator, FillsImages) {
 }
 
 TEST_F(VulkanGenerator, RoundsHalfFloatsToTheNearest) {
-  Kernel<HalfFloatsPush> kernel(device(), shaders::kHalfFloats, 64);
+  Kernel<HalfFloatsPush> kernel(device(), shaders::kFieldImageHalves, 64);
   std::vector<float> values;
   for (uint32_t bits = 0; bits < 0x7c00; ++bits) {  // Every half, and what lies at and beside the middle.
     const float half = glm::unpackHalf1x16(uint16_t(bits)), next = glm::unpackHalf1x16(uint16_t(bits + 1));

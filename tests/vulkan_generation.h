@@ -7,9 +7,9 @@
 
 #include <cstring>
 
-#include "pipeline.h"
+#include "method/pipeline.h"
 #include "shapes.h"
-#include "vulkan/backend.h"
+#include "vulkan/runtime/host_backend.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {

@@ -1,4 +1,4 @@
-#include "vulkan/radix_sort.h"
+#include "vulkan/primitives/radix_sort.h"
 
 #include <numeric>
 #include <random>

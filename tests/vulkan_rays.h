@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "cpu/ray_map.h"
+#include "cpu/sign/ray_map.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {

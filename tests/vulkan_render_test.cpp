@@ -5,9 +5,9 @@
 #include "analytic_fields.h"
 #include "mesh_folder.h"
 #include "pictures.h"
-#include "render/scene.h"
-#include "vulkan/draw_scene.h"
-#include "vulkan/render_field.h"
+#include "scene/scene.h"
+#include "vulkan/runtime/draw_scene.h"
+#include "vulkan/stages/render_field.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -81,7 +81,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   pixels.resize<uint32_t>(120 * 90);
   const Field elsewhere{.grid = field.grid};
   const Scene scene(elsewhere, options);
-  RenderField stage(device());
+  RenderFieldStage stage(device());
   run([&](Commands& commands) {
     stage.recordScene(commands, scene, 120, 90);
     stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)}, pixels.address(), 0, 90);

@@ -1,4 +1,4 @@
-#include "vulkan/scan.h"
+#include "vulkan/primitives/scan.h"
 
 #include <numeric>
 #include <random>

@@ -2,9 +2,9 @@
 
 // The stages that lead to the sign, run on a device, and their results in the CPU's form and back.
 
-#include "vulkan/crossings.h"
-#include "vulkan/ray_map.h"
-#include "vulkan/winding_rays.h"
+#include "vulkan/stages/crossings.h"
+#include "vulkan/stages/ray_map.h"
+#include "vulkan/stages/winding_rays.h"
 #include "vulkan_rays.h"
 
 namespace raymap::vulkan {
@@ -125,9 +125,9 @@ class SignStages : public VulkanTest {
 
  private:
   struct Stages {
-    Crossings crossings{device()};
-    RayMap rayMap{device()};
-    WindingRays windingRays{device()};
+    CrossingsStage crossings{device()};
+    RayMapStage rayMap{device()};
+    WindingRaysStage windingRays{device()};
   };
   static Stages& stages() {
     shared();  // Made before them, so destroyed after them.
@@ -135,7 +135,7 @@ class SignStages : public VulkanTest {
     return stages;
   }
   static EdgeCounts edges() {
-    const Crossings& crossings = stages().crossings;
+    const CrossingsStage& crossings = stages().crossings;
     return {download<int32_t>(crossings.line(0)), download<int32_t>(crossings.line(1)),
             download<int32_t>(crossings.line(2))};
   }

@@ -1,8 +1,8 @@
-#include "vulkan/sign.h"
+#include "vulkan/stages/sign.h"
 
 #include <cmath>
 
-#include "cpu/sign.h"
+#include "cpu/sign/sign.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan_rays.h"
@@ -14,7 +14,7 @@ constexpr glm::uvec3 kDims(21, 13, 17);
 
 class VulkanSign : public VulkanRaysTest {
  protected:
-  static RayMap map() {
+  static RayMapStage map() {
     return rayMapOf(shapes::soup(60, 3), {.dims = kDims, .origin = glm::dvec3(0.0), .spacing = 0.05});
   }
   /// From -1.3 to 1.3, 0.5 itself among them.
@@ -33,12 +33,12 @@ class VulkanSign : public VulkanRaysTest {
 };
 
 TEST_F(VulkanSign, IsTheCpus) {
-  const RayMap rayMap = map();
+  const RayMapStage rayMap = map();
   const Rays rays(rayMap);
   const std::vector<float> values = windings();
   const std::vector<float> unsignedDistance(values.size(), 2.5f);
   const DeviceBuffer winding = upload(values, "winding");
-  Sign sign(device());
+  SignStage sign(device());
   for (const double threshold : {0.5, 0.3, 1.2})
     for (const bool isInverted : {false, true}) {
       const DeviceBuffer distance = upload(unsignedDistance, "distance"),
@@ -65,7 +65,7 @@ TEST_F(VulkanSign, IsTheCpus) {
 
 TEST_F(VulkanSign, FinishScalesAndClamps) {
   const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
-  Sign sign(device());
+  SignStage sign(device());
   const auto finished = [&](double band) {
     const DeviceBuffer distance = upload(values, "distance");
     run([&](Commands& commands) {

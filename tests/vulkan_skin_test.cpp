@@ -1,4 +1,4 @@
-#include "vulkan/skin.h"
+#include "vulkan/stages/skin.h"
 
 #include <raymap/animation.h>
 
@@ -43,7 +43,7 @@ class VulkanSkin : public VulkanTest {
     const DeviceBuffer joints = upload(mesh.joints, "joints"), weights = upload(mesh.weights, "weights");
     DeviceBuffer moved(device(), "moved");
     moved.resize<glm::vec3>(mesh.rest.vertices.size());
-    Skin skin(device());
+    SkinStage skin(device());
     run([&](Commands& commands) {
       skin.record(commands,
                   {.rest = rest.address(),

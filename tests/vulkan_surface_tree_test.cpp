@@ -1,4 +1,4 @@
-#include "vulkan/surface_tree.h"
+#include "vulkan/stages/surface_tree.h"
 
 #include <cstring>
 
@@ -33,7 +33,7 @@ class VulkanSurfaceTree : public VulkanTest {
   static Tree build(const Mesh& mesh) {
     const DeviceBuffer vertices = upload(mesh.vertices, "vertices"),
                        triangles = upload(mesh.triangles, "triangles");
-    SurfaceTree tree(device());
+    SurfaceTreeStage tree(device());
     tree.reserve(static_cast<uint32_t>(mesh.triangles.size()) + 1000);
     run([&](Commands& commands) {
       tree.record(commands,
@@ -81,7 +81,7 @@ TEST_F(VulkanSurfaceTree, HoldsEveryTriangleOnceInDiscsThatHoldTheirChildren) {
 }
 
 TEST_F(VulkanSurfaceTree, NeedsRoom) {
-  SurfaceTree tree(device());
+  SurfaceTreeStage tree(device());
   tree.reserve(10);
   CommandBuffer own(device());
   Commands commands = own.begin();

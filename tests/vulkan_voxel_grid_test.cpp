@@ -1,4 +1,4 @@
-#include "vulkan/voxel_grid.h"
+#include "vulkan/stages/voxel_grid.h"
 
 #include "vulkan_cell_stages.h"
 
@@ -18,7 +18,7 @@ bool areSame(const raymap::VoxelGrid& a, const raymap::VoxelGrid& b) {
 
 class VulkanVoxelGrid : public VulkanTest {
  protected:
-  static void expectAsOnTheCpu(VoxelGrid& grid, const raymap::CellMesh& mesh, const CellLattice& cells) {
+  static void expectAsOnTheCpu(VoxelGridStage& grid, const raymap::CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
     CellStages::runUntilItFits(
@@ -30,7 +30,7 @@ class VulkanVoxelGrid : public VulkanTest {
     EXPECT_TRUE(areSame(CellStages::toLists(grid), ours)) << "the second time";
   }
 
-  static void expectAsOnTheCpu(VoxelGrid& grid, const raymap::CellMesh& mesh) {
+  static void expectAsOnTheCpu(VoxelGridStage& grid, const raymap::CellMesh& mesh) {
     for (const CellLattice& cells : coverMesh(mesh)) {
       SCOPED_TRACE(::testing::Message() << cells.count() << " cells of size " << cells.size);
       expectAsOnTheCpu(grid, mesh, cells);
@@ -43,7 +43,7 @@ OwnCellMesh onGrid(const Mesh& mesh, const GridOptions& options) {
 }
 
 TEST_F(VulkanVoxelGrid, HasTheListsOfTheCpu) {
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   unsigned seed = 0;
   for (const glm::ivec3 dims : {glm::ivec3(13, 9, 11), glm::ivec3(1, 17, 5), glm::ivec3(20, 1, 1),
                                 glm::ivec3(1, 1, 40), glm::ivec3(1, 1, 1), glm::ivec3(48, 40, 33)})
@@ -55,7 +55,7 @@ TEST_F(VulkanVoxelGrid, HasTheListsOfTheCpu) {
 }
 
 TEST_F(VulkanVoxelGrid, HasThemOfRegularMeshes) {
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 24}));
   expectAsOnTheCpu(grid, onGrid(shapes::sphere(1.0, 4), {.resolution = 40}));
   expectAsOnTheCpu(
@@ -80,14 +80,14 @@ TEST_F(VulkanVoxelGrid, HasThemOfSliversSegmentsAndPoints) {
     if (t % 25 == 0) v[2] = v[2] * 1e30f;
     if (t % 40 == 0) std::copy_n(v, 3, mesh.vertices.data());  // Twice the same.
   }
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0});
 }
 
 TEST_F(VulkanVoxelGrid, HasNoneOfTrianglesFarAway) {
   OwnCellMesh mesh = cellSoup(100, {10, 10, 10}, 8);
   for (glm::vec3& v : mesh.vertices) v += glm::vec3(1e5f, -3.0f, 2e20f);
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0});
   EXPECT_EQ(CellStages::sizes(grid).entries, 0u);
 }
@@ -99,7 +99,7 @@ TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
                                 {6, -900, 0},    {6, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, large.vertices.data());
   const CellLattice cells{large.dims, glm::dvec3(0.0), 1.0};
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   const UploadedMesh few = CellStages::uploadMesh(small), many = CellStages::uploadMesh(large);
   const auto runs = [&](const UploadedMesh& mesh) {
     return CellStages::runUntilItFits(
@@ -120,7 +120,7 @@ TEST_F(VulkanVoxelGrid, RefusesMoreThanCanBeNumbered) {
     glm::vec3* v = mesh.vertices.data() + 3 * t;
     v[0] = {0, -9e3f, -9e3f}, v[1] = {0, 9e3f, -9e3f}, v[2] = {0, 0, 9e3f};
   }
-  VoxelGrid grid(device());
+  VoxelGridStage grid(device());
   const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
   const CellLattice cells{mesh.dims, glm::dvec3(0.0), 1.0};
   grid.reserve(cells, 1000);

@@ -1,8 +1,8 @@
-#include "vulkan/winding_harmonic.h"
+#include "vulkan/stages/winding_harmonic.h"
 
 #include <cmath>
 
-#include "cpu/winding_harmonic.h"
+#include "cpu/sign/winding_harmonic.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan_rays.h"
@@ -12,7 +12,7 @@ namespace {
 
 class VulkanWindingHarmonic : public VulkanRaysTest {
  protected:
-  static std::vector<float> solve(WindingHarmonic& harmonic, const RayMap& map, uint32_t doubtful) {
+  static std::vector<float> solve(WindingHarmonicStage& harmonic, const RayMapStage& map, uint32_t doubtful) {
     harmonic.reserve(map.dims);
     const DeviceBuffer count = upload<uint32_t>({doubtful}, "doubtful");
     const Rays rays(map);
@@ -25,7 +25,7 @@ class VulkanWindingHarmonic : public VulkanRaysTest {
     return download<float>(winding);
   }
 
-  static Buffer<float> solveOnTheCpu(const RayMap& map) {
+  static Buffer<float> solveOnTheCpu(const RayMapStage& map) {
     const Options options;
     Stats stats;
     Progress progress(options, stats);
@@ -43,7 +43,7 @@ Mesh holedSphere() {
 }
 
 TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
-  WindingHarmonic harmonic(device());
+  WindingHarmonicStage harmonic(device());
   for (const Mesh& mesh : {holedSphere(), shapes::soup(300, 4)})
     for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(48, 48, 48), glm::ivec3(1, 9, 30)}) {
       SCOPED_TRACE(::testing::Message() << dims.x << " x " << dims.y << " x " << dims.z);
@@ -51,7 +51,7 @@ TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
       const double spacing = 1.2 * std::max({box.size().x, box.size().y, box.size().z}) / 40.0;
       const Grid grid{
           .dims = dims, .origin = box.centre() - 0.5 * spacing * glm::dvec3(dims), .spacing = spacing};
-      const RayMap map = rayMapOf(mesh, grid);
+      const RayMapStage map = rayMapOf(mesh, grid);
       const std::vector<float> ours = solve(harmonic, map, 1);
       const Buffer<float> theirs = solveOnTheCpu(map);
       for (size_t s = 0; s < ours.size(); ++s) ASSERT_NEAR(ours[s], theirs[s], 2e-5f) << "sample " << s;
@@ -60,7 +60,7 @@ TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
 }
 
 TEST_F(VulkanWindingHarmonic, SolvesNothingWhereAllRaysAgree) {
-  WindingHarmonic harmonic(device());
+  WindingHarmonicStage harmonic(device());
   const Mesh mesh = shapes::sphere(1.0, 2);
   for (const float w : solve(harmonic, rayMapOf(mesh, fitGrid(mesh, {.resolution = 20})), 0))
     ASSERT_EQ(w, 7.0f);

@@ -1,9 +1,9 @@
-#include "vulkan/winding_paths.h"
+#include "vulkan/stages/winding_paths.h"
 
 #include <cmath>
 
-#include "cpu/winding_paths.h"
-#include "cpu/winding_rays.h"
+#include "cpu/sign/winding_paths.h"
+#include "cpu/sign/winding_rays.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan_rays.h"
@@ -13,13 +13,13 @@ namespace {
 
 class VulkanWindingPaths : public VulkanRaysTest {
  protected:
-  static std::vector<float> rayAverage(const RayMap& map) {
+  static std::vector<float> rayAverage(const RayMapStage& map) {
     Buffer<float> winding;
     averageRays(RaySweep(map), winding);
     return {winding.begin(), winding.end()};
   }
 
-  static std::vector<float> computeOnCpu(const RayMap& map, const Options& options) {
+  static std::vector<float> computeOnCpu(const RayMapStage& map, const Options& options) {
     Stats stats;
     Progress progress(options, stats);
     PathScratch scratch;
@@ -31,7 +31,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return {winding.begin(), winding.end()};
   }
 
-  static std::vector<float> compute(WindingPaths& paths, const RayMap& map, const Options& options,
+  static std::vector<float> compute(WindingPathsStage& paths, const RayMapStage& map, const Options& options,
                                     uint32_t doubtful = 1) {
     paths.reserve(map.dims);
     const Rays rays(map);
@@ -48,8 +48,8 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return download<float>(winding);
   }
 
-  static void expectTwins(const RayMap& map, const Options& options) {
-    WindingPaths paths(device());
+  static void expectTwins(const RayMapStage& map, const Options& options) {
+    WindingPathsStage paths(device());
     const std::vector<float> ours = compute(paths, map, options);
     EXPECT_EQ(ours, computeOnCpu(map, options)) << "sign " << int(options.sign) << ", " << options.passes;
     EXPECT_EQ(ours, compute(paths, map, options)) << "the second time";
@@ -58,7 +58,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
 
 TEST_F(VulkanWindingPaths, AreTheCpus) {
   for (const glm::ivec3 dims : {glm::ivec3(21, 13, 17), glm::ivec3(1, 9, 30), glm::ivec3(40, 33, 36)}) {
-    const RayMap map =
+    const RayMapStage map =
         rayMapOf(shapes::soup(200, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = 0.03});
     for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
       for (const int passes : {0, 1, 2, 5, 9}) expectTwins(map, {.sign = sign, .passes = passes});
@@ -66,7 +66,7 @@ TEST_F(VulkanWindingPaths, AreTheCpus) {
 }
 
 TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
-  const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
+  const RayMapStage map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
     expectTwins(map,
                 {.sign = sign,
@@ -75,8 +75,8 @@ TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
 }
 
 TEST_F(VulkanWindingPaths, LeaveWhatAllRaysAgreeOn) {
-  const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
-  WindingPaths paths(device());
+  const RayMapStage map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
+  WindingPathsStage paths(device());
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
     EXPECT_EQ(compute(paths, map, {.sign = sign, .passes = 5}, 0), rayAverage(map));
 }

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "cpu/winding_rays.h"
+#include "cpu/sign/winding_rays.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 #include "sign_scene.h"

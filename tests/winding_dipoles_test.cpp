@@ -1,4 +1,4 @@
-#include "cpu/winding_dipoles.h"
+#include "cpu/sign/winding_dipoles.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,8 @@
 #include "sign_scene.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 struct Settled {

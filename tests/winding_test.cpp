@@ -1,15 +1,17 @@
-#include "cpu/winding.h"
+#include "cpu/sign/winding.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 #include "shapes.h"
 #include "sign_scene.h"
 
 namespace raymap {
+
+using namespace cpu;
 namespace {
 
 constexpr SignMode kModes[] = {SignMode::Rays, SignMode::Paths, SignMode::Evolution, SignMode::Harmonic};

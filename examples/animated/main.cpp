@@ -157,10 +157,7 @@ std::vector<double> medians(std::vector<std::vector<double>>& times) {
 
 /// A frame takes faces as they point, so those that point the wrong way are turned once, beforehand.
 void turnWrongFaces(raymap::Mesh& mesh) {
-  raymap::Generator generator;
-  raymap::Field field;
-  generator.generate(mesh, fitGrid(mesh, {.resolution = 64}), {}, field);
-  turnFaces(mesh, generator.stats().turnedFaces);
+  turnFaces(mesh, generate(mesh, fitGrid(mesh, {.resolution = 64})).stats.turnedFaces);
 }
 
 void run(const Arguments& arguments) {

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <raymap/io.h>
 #include <raymap/mesh.h>
 
 #include <cstdint>
-#include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
@@ -66,10 +64,5 @@ std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds)
 
 /// The mesh at a time, moved by the CPU.
 Mesh posed(const AnimatedMesh& mesh, double seconds);
-
-/// Reads a glTF or GLB file with its skins and one of its animations; without any, the mesh stands still. Of
-/// more than four joints of a vertex the four that count most are kept; morphs stay at rest. Throws as
-/// `readMesh` does.
-AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0, const Warn& warn = {});
 
 }  // namespace raymap

@@ -1,12 +1,11 @@
 #pragma once
 
+#include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
 
-#include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace raymap {
@@ -59,13 +58,8 @@ struct Options {
   /// What computes: "cpu"; "vulkan:K", the Kth Vulkan device, or "vulkan", the best of them, be it a driver
   /// in software; "auto": a real GPU if one is usable, else the CPU. The same fields but for rounding.
   std::string device = "auto";
-  /// Told why `auto` could not use the GPU that it found.
-  std::function<void(std::string_view)> warn;
-
-  /// Called now and then with the stage and the share of it that is done, 0 to 1; return false to cancel
-  /// (the call then throws `Error(Cancelled)` and leaves the field empty). May be called by any thread,
-  /// one at a time.
-  std::function<bool(std::string_view stage, double done)> progress;
+  WarningCallback warn;       ///< Called with the reason when `auto` falls back to the CPU.
+  ProgressCallback progress;  ///< Called every few milliseconds; a cancelled call leaves the field empty.
 };
 
 /// What a run cost.
@@ -97,16 +91,20 @@ class Generator {
 
   /// Fills `field`, reusing its memory. Same input, same output, bit for bit, for any number of threads.
   /// Throws `Error`: Input (see `validate`), Usage, Memory, Cancelled; the field is then empty.
-  void generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
-  /// What the last call cost.
-  const Stats& stats() const;
+  Stats generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
+/// A field and what it cost.
+struct Generated {
+  Field field;
+  Stats stats;
+};
+
 /// One field, with a generator of its own.
-Field generate(const Mesh& mesh, const Grid& grid, const Options& options = {});
+Generated generate(const Mesh& mesh, const Grid& grid, const Options& options = {});
 
 }  // namespace raymap

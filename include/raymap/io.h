@@ -1,23 +1,27 @@
 #pragma once
 
+#include <raymap/animation.h>
+#include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace raymap {
 
-/// Called with each thing that was odd in a file but did not stop it from being read.
-using Warn = std::function<void(std::string_view)>;
-
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE, told apart by extension (content for STL kinds).
 /// Node transforms and instances are applied, polygons cut into triangles, several meshes joined.
 /// Throws `Error(File)` or `Error(Input)` naming the file, the element and the value.
-Mesh readMesh(const std::filesystem::path& path, const Warn& warn = {});
+Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn = {});
+
+/// Reads a glTF or GLB file with its skins and one of its animations; without any, the mesh stands still. Of
+/// more than four joints of a vertex the four that count most are kept; morphs stay at rest. Throws as
+/// `readMesh` does.
+AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
+                              const WarningCallback& warn = {});
 
 /// Writes .ply (binary), .obj, .stl (binary) or .glb by extension, whole or not at all like `writeField`. An
 /// STL has single precision and no shared vertices; the others give back the very mesh.

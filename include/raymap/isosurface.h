@@ -1,21 +1,15 @@
 #pragma once
 
+#include <raymap/callbacks.h>
 #include <raymap/field.h>
-
-#include <functional>
-#include <string_view>
 
 namespace raymap {
 
 struct IsosurfaceOptions {
-  double iso = 0.0;  ///< The distance at which the surface lies, in the mesh's units.
-  int threads = 0;   ///< 0 = all.
-  /// Told if the solid reaches the grid's box.
-  std::function<void(std::string_view)> warn;
-
-  /// Called now and then with the share that is done, 0 to 1, by any thread, one at a time; return false to
-  /// cancel (the call then throws `Error(Cancelled)`).
-  std::function<bool(double done)> progress;
+  double iso = 0.0;      ///< The distance at which the surface lies, in the mesh's units.
+  int threads = 0;       ///< 0 = all.
+  WarningCallback warn;  ///< Called if the solid reaches the grid's box.
+  ProgressCallback progress;
 };
 
 /// The surface of the solid where the field is below `iso`, facing out of it. Whatever the samples, every

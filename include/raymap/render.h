@@ -1,14 +1,13 @@
 #pragma once
 
+#include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace raymap {
@@ -40,12 +39,8 @@ struct RenderOptions {
   /// What draws, as in `Options`. A GPU's picture differs a little from the CPU's: the mean of a colour by
   /// at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8.
   std::string device = "auto";
-  /// Told why `auto` could not use the GPU that it found.
-  std::function<void(std::string_view)> warn;
-
-  /// Called now and then with the share that is done, 0 to 1, by any thread, one at a time; return false to
-  /// cancel (the call then throws `Error(Cancelled)`).
-  std::function<bool(double done)> progress;
+  WarningCallback warn;  ///< Called with the reason when `auto` falls back to the CPU.
+  ProgressCallback progress;
 };
 
 /// Draws the surface at distance zero on a light background; the camera stands so that the shape fills the

@@ -2,25 +2,32 @@
 
 #include <vector>
 
-#include "cell_level.h"
-#include "cell_mesh.h"
-#include "close_holes.h"
-#include "crossings.h"
-#include "face_sides.h"
-#include "progress.h"
-#include "ray_map.h"
-#include "surface_tree.h"
-#include "winding.h"
-#include "winding_dipoles.h"
+#include "base/progress.h"
+#include "cpu/cells/cell_levels.h"
+#include "cpu/distance/surface_tree.h"
+#include "cpu/sign/crossings.h"
+#include "cpu/sign/ray_map.h"
+#include "cpu/sign/winding.h"
+#include "cpu/sign/winding_dipoles.h"
+#include "method/cell_mesh.h"
+#include "method/pipeline.h"
 
-namespace raymap {
+namespace raymap::cpu {
 
-/// The CPU's twin of every stage of pipeline.h. Holds what lies between the mesh and the field, and keeps
-/// that memory between runs.
-class CpuBackend {
+/// The CPU's twin of every stage of method/pipeline.h. Keeps its memory between runs.
+class Backend {
  public:
-  /// Takes the mesh into cell units and sizes the field. The references must live until `finish`.
-  void begin(const Mesh& mesh, const Grid& grid, const Options& options, Progress& progress, Field& field);
+  /// Sets what the next run works on.
+  void take(const Job& job) { job_.emplace(job); }
+
+  const Options& options() const { return job_->options; }
+  template <class Work>
+  void stage(const char* name, Work&& work) {
+    job_->progress.stage(name, work);
+  }
+
+  /// Converts the mesh into cell units and sizes the field.
+  void begin();
   void voxelGrid();
   void cellDistance();
   void distanceTransform();
@@ -29,52 +36,68 @@ class CpuBackend {
   void exactDistance();
   void crossings();
   void rayMap();
-  void winding();
-  void orientation();
+  void winding(SignMode mode);
   void windingDipoles();
-  void closeHoles();
   void sign();
-  /// Brings the distances into the mesh's units.
   void finish();
+  /// True: memory grows as the stages need it.
+  static bool complete() { return true; }
 
+  const Mesh& mesh() const { return job_->mesh; }
+  Progress& progress() { return job_->progress; }
   /// Share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }
-  /// Which faces were turned, and how well the crossings agree.
-  const FaceSides& faceSides() const { return faceSides_; }
-  /// The surface that `closeHoles` added.
-  const HolePatch& patch() const { return patch_; }
-  /// Bytes held, the field not counted.
-  size_t bytes() const;
 
-  /// Bytes that a run will hold at most, the field counted, from sizes alone.
+  FaceSides& faceSides() { return faceSides_; }
+  void turnFaces(const Turns& turns);
+  double misfit() const;
+  bool contradictsParity();
+  std::span<const float> rises();
+  std::span<const float> parityRises();
+
+  HolePatch& patch() { return patch_; }
+  std::vector<MissingEdge> missingEdges();
+  std::vector<float> windingAt(std::span<const glm::vec3> points);
+  const CellMesh& cellMesh() const { return mesh_; }
+  size_t bytesLeft() const;
+  static constexpr size_t kTreeBytesPerTriangle = 108;
+  void addPatch();
+
+  /// Bytes held, without the field.
+  size_t bytes() const;
+  /// Upper bound of the bytes that a run holds, with the field, from sizes alone.
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
  private:
-  /// Built when a stage first asks for it.
+  /// Builds the tree on first use; brings it up to date with reversed faces.
   const SurfaceTree& surfaceTree();
-  Buffer<float>& windingBuffer() { return options_->winding ? field_->winding : winding_; }
+  std::span<const float> measureRises(float farSides);
+  /// The closest triangles, or null if not asked for.
+  Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
+  Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }
+  const Buffer<float>& windingBuffer() const { return options().winding ? job_->field.winding : winding_; }
 
-  const Mesh* inputMesh_ = nullptr;
-  const Options* options_ = nullptr;
-  Progress* progress_ = nullptr;
-  Field* field_ = nullptr;
+  std::optional<Job> job_;
   size_t memoryLimit_ = 0;
 
   CellMesh mesh_;
   Buffer<glm::uvec3> turnedTriangles_;
   std::vector<CellLevel> levels_;  // of the paper's distance stages
   SurfaceTree surfaceTree_;
-  bool hasSurfaceTree_ = false;
+  bool hasSurfaceTree_ = false, isSurfaceTreeStale_ = false;
   Crossings crossings_;
   RayMap rayMap_;
   Winding windingSolver_;
   WindingDipoles windingDipoles_;
-  WindingSummary windingSummary_;
   double doubtfulShare_ = 0.0;
+  Turns turns_;
+  Buffer<float> rises_;
   FaceSides faceSides_;
   Buffer<float> winding_;
   HolePatch patch_;
   SurfaceTree patchTree_;
 };
 
-}  // namespace raymap
+static_assert(HostBackend<Backend>);
+
+}  // namespace raymap::cpu

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <ostream>
 
-#include "atomic_file.h"
-#include "field_formats.h"
+#include "base/atomic_file.h"
+#include "io/field/field_formats.h"
 
 namespace raymap {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "import_mesh.h"
-#include "mesh_file.h"
+#include "io/import/import_mesh.h"
+#include "io/mesh/mesh_file.h"
 
 namespace raymap {
 
@@ -30,7 +30,7 @@ constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, 
 
 }  // namespace
 
-Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
+Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn) {
   const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
   if (format == kFormats.end()) failExtension(path);
   if (!format->read) return importMesh(path, warn);
@@ -38,7 +38,8 @@ Mesh readMesh(const std::filesystem::path& path, const Warn& warn) {
   return format->read({bytes, path, warn});
 }
 
-AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation, const Warn& warn) {
+AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation,
+                              const WarningCallback& warn) {
   if (const std::string extension = lowerExtension(path); extension != ".gltf" && extension != ".glb")
     throw Error(ErrorCode::Unsupported, path.string() + ": animations are read from .gltf and .glb only");
   const Buffer<std::byte> bytes = loadFile(path);

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "atomic_file.h"
-#include "mesh_file.h"
-#include "mesh_formats.h"
+#include "base/atomic_file.h"
+#include "io/mesh/mesh_file.h"
+#include "io/mesh/mesh_formats.h"
 
 namespace raymap {
 

@@ -1,13 +1,13 @@
-#include "defects.h"
+#include "mesh/defects.h"
 
 #include <raymap/diagnostics.h>
 
 #include <algorithm>
 #include <array>
 
-#include "cpu/parallel.h"
-#include "half_edges.h"
-#include "patches.h"
+#include "base/parallel.h"
+#include "mesh/half_edges.h"
+#include "mesh/patches.h"
 
 namespace raymap {
 
@@ -28,7 +28,7 @@ std::vector<uint32_t> findDuplicates(const Mesh& mesh, const Welding& welding) {
     corners[face] = {{welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]}, face};
     std::sort(corners[face].ids.begin(), corners[face].ids.end());
   }
-  tbb::parallel_sort(corners.begin(), corners.end());
+  parallelSort(corners.begin(), corners.end());
   std::vector<uint32_t> faces;
   for (size_t c = 1; c < corners.size(); ++c) {
     const std::array<uint32_t, 3>& ids = corners[c].ids;

@@ -4,11 +4,11 @@
 #include <array>
 #include <numeric>
 
-#include "cpu/parallel.h"
-#include "defects.h"
-#include "half_edges.h"
-#include "holes.h"
-#include "weld.h"
+#include "base/parallel.h"
+#include "mesh/defects.h"
+#include "mesh/half_edges.h"
+#include "mesh/holes.h"
+#include "mesh/weld.h"
 
 namespace raymap {
 
@@ -90,7 +90,7 @@ size_t countDuplicates(const std::vector<glm::uvec3>& faces) {
     corners[f] = {faces[f].x, faces[f].y, faces[f].z};
     std::sort(corners[f].begin(), corners[f].end());
   }
-  tbb::parallel_sort(corners.begin(), corners.end());
+  parallelSort(corners.begin(), corners.end());
   return static_cast<size_t>(corners.end() - std::unique(corners.begin(), corners.end()));
 }
 

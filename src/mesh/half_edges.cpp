@@ -1,8 +1,8 @@
-#include "half_edges.h"
+#include "mesh/half_edges.h"
 
 #include <algorithm>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 
 namespace raymap {
 

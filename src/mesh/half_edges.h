@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "weld.h"
+#include "mesh/weld.h"
 
 namespace raymap {
 

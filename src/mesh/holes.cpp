@@ -1,6 +1,6 @@
 // Boundary edges as loops.
 
-#include "holes.h"
+#include "mesh/holes.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,9 +1,9 @@
-#include "patches.h"
+#include "mesh/patches.h"
 
 #include <algorithm>
 #include <numeric>
 
-#include "half_edges.h"
+#include "mesh/half_edges.h"
 
 namespace raymap {
 

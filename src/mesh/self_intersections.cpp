@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 
 namespace raymap {
 
@@ -154,7 +154,7 @@ void sortFaces(std::vector<Face>& faces) {
       order[f] = {spread(middle.x) | spread(middle.y) << 1 | spread(middle.z) << 2, uint32_t(f)};
     }
   });
-  tbb::parallel_sort(order.begin(), order.end());
+  parallelSort(order.begin(), order.end());
   std::vector<Face> sorted(faces.size());
   for (size_t f = 0; f < faces.size(); ++f) sorted[f] = faces[order[f].second];
   faces.swap(sorted);

@@ -1,9 +1,9 @@
-#include "weld.h"
+#include "mesh/weld.h"
 
 #include <array>
 #include <bit>
 
-#include "cpu/parallel.h"
+#include "base/parallel.h"
 
 namespace raymap {
 
@@ -24,7 +24,7 @@ Welding weldVertices(std::span<const glm::vec3> vertices) {
     const glm::vec3 p = vertices[v] + 0.0f;  // Turns -0 into 0.
     keys[v] = {{std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)}, v};
   }
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallelSort(keys.begin(), keys.end());
   Welding welding{std::vector<uint32_t>(keys.size()), 0};
   for (size_t k = 0; k < keys.size(); ++k) {
     if (k == 0 || keys[k].bits != keys[k - 1].bits) ++welding.count;

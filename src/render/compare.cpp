@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "cpu/parallel.h"
-#include "field_sampler.h"
-#include "slice_view.h"
+#include "base/parallel.h"
+#include "field/field_sampler.h"
+#include "render/slice_view.h"
 
 namespace raymap {
 

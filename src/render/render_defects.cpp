@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "camera.h"
-#include "colour.h"
 #include "mesh/defects.h"
-#include "scene.h"
+#include "scene/camera.h"
+#include "scene/colour.h"
+#include "scene/scene.h"
 
 namespace raymap {
 

@@ -5,14 +5,11 @@
 
 #include <atomic>
 
-#include "cpu/parallel.h"
-#include "devices.h"
-#include "progress.h"
-#include "scene.h"
-#include "shade.h"
-#ifdef RAYMAP_VULKAN
-#include "vulkan/draw_scene.h"
-#endif
+#include "api/devices.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "render/shade.h"
+#include "scene/scene.h"
 
 namespace raymap {
 
@@ -26,27 +23,16 @@ void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
   });
 }
 
-#ifdef RAYMAP_VULKAN
-void drawOnGpu(size_t index, const Scene& scene, Progress& progress, Picture& picture) {
-  vulkan::drawScene(index, scene, progress, picture);
-}
-#else
-void drawOnGpu(size_t, const Scene&, Progress&, Picture&) {}
-#endif
-
 }  // namespace
 
 Picture renderField(const Field& field, const RenderOptions& options) {
   validateField(field);
   Picture picture = makePicture(options.width, options.height);
-  Options run;
-  if (options.progress) run.progress = [&](std::string_view, double done) { return options.progress(done); };
-  Stats stats;
-  Progress progress(run, stats);
+  Progress progress(options.progress);
   const auto draw = [&] {
     const Scene scene(field, options);
-    runOnDevice(
-        options.device, options.warn, [&](size_t index) { drawOnGpu(index, scene, progress, picture); },
+    ChosenDevice().run(
+        options.device, options.warn, [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); },
         [&] { drawOnCpu(scene, progress, picture); });
   };
   progress.stage("render", [&] { withThreads(options.threads, draw); });

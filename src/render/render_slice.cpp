@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "field_sampler.h"
-#include "slice_view.h"
+#include "field/field_sampler.h"
+#include "render/slice_view.h"
 
 namespace raymap {
 

@@ -1,8 +1,8 @@
-#include "shade.h"
+#include "render/shade.h"
 
 #include <algorithm>
 
-#include "sphere_trace.h"
+#include "render/sphere_trace.h"
 
 namespace raymap {
 

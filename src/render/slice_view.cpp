@@ -1,4 +1,4 @@
-#include "slice_view.h"
+#include "render/slice_view.h"
 
 #include <raymap/error.h>
 

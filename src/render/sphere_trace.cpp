@@ -5,7 +5,7 @@
 // smaller than the height, something is near; and the narrowest angle by which a ray to the light passes
 // everything tells how much of a round light is covered.
 
-#include "sphere_trace.h"
+#include "render/sphere_trace.h"
 
 #include <algorithm>
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "camera.h"
-#include "shape.h"
+#include "scene/camera.h"
+#include "scene/shape.h"
 
 namespace raymap {
 

@@ -5,7 +5,7 @@
 #include <ostream>
 #include <string>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 
 namespace raymap {
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernel.glsl"
+#include "vulkan/device/kernel.glsl"
 #include "number_invocations.h"
 
 layout(constant_id = 1) const uint kFirst = 0;

@@ -2,9 +2,9 @@
 #pragma once
 #endif
 
-#include "shared/types.h"
+#include "base/shader_types.h"
 
-RAYMAP_SHARED_BEGIN
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct NumberInvocationsPush {
   RAYMAP_ADDRESS(Uints) groups;  // Of each invocation the number of its group.

@@ -1,7 +1,7 @@
 // An animation: vertices move along x with a wave that runs along z.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "kernel.glsl"
+#include "vulkan/device/kernel.glsl"
 #include "wave_vertices.h"
 
 layout(push_constant, scalar) uniform Push { WaveVerticesPush push; };

@@ -1,0 +1,219 @@
+#include "base/atomic_file.h"
+
+#include <fcntl.h>
+#include <raymap/error.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <ostream>
+#include <streambuf>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace raymap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void throwFileError(const fs::path& path, int error) {
+  std::string message = path.string() + ": cannot write: " + std::generic_category().message(error);
+  if (error == ENOSPC || error == EDQUOT) message += "; free some space or choose another folder";
+  if (error == ENOENT) message += "; create the folder first";
+  throw Error(ErrorCode::File, message);
+}
+
+/// Names of temporaries in use: a fixed table, because a signal handler may neither lock nor allocate.
+std::array<std::atomic<const char*>, 64> temporaries{};
+
+class RegisteredName {
+ public:
+  explicit RegisteredName(std::string name) : name_(std::move(name)) {
+    for (auto& slot : temporaries) {
+      const char* empty = nullptr;
+      if (!slot.compare_exchange_strong(empty, name_.c_str())) continue;
+      slot_ = &slot;
+      return;
+    }
+  }
+  ~RegisteredName() {
+    if (slot_) slot_->store(nullptr);
+  }
+  RegisteredName(const RegisteredName&) = delete;
+  RegisteredName& operator=(const RegisteredName&) = delete;
+  const char* get() const { return name_.c_str(); }
+
+ private:
+  std::string name_;
+  std::atomic<const char*>* slot_ =
+      nullptr;  // Null if the table is full: only the signal handler's help is lost.
+};
+
+/// Writes to a file descriptor and throws the system's reason when that fails.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  DescriptorBuffer(int descriptor, const fs::path& path) : descriptor_(descriptor), path_(path) {
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+  }
+
+  void flush() {
+    const char* begin = pbase();
+    const auto count = static_cast<size_t>(pptr() - pbase());
+    setp(buffer_.data(), buffer_.data() + buffer_.size());
+    writeAll(begin, count);
+  }
+
+ protected:
+  int_type overflow(int_type c) override {
+    flush();
+    if (!traits_type::eq_int_type(c, traits_type::eof())) sputc(traits_type::to_char_type(c));
+    return traits_type::not_eof(c);
+  }
+  std::streamsize xsputn(const char* data, std::streamsize count) override {
+    if (count > epptr() - pptr()) {
+      flush();
+      if (static_cast<size_t>(count) >= buffer_.size()) {
+        writeAll(data, static_cast<size_t>(count));
+        return count;
+      }
+    }
+    std::memcpy(pptr(), data, static_cast<size_t>(count));
+    pbump(static_cast<int>(count));
+    return count;
+  }
+  int sync() override {
+    flush();
+    return 0;
+  }
+  pos_type seekoff(off_type offset, std::ios_base::seekdir direction, std::ios_base::openmode) override {
+    flush();
+    const int whence = direction == std::ios_base::beg   ? SEEK_SET
+                       : direction == std::ios_base::cur ? SEEK_CUR
+                                                         : SEEK_END;
+    return {lseek(descriptor_, offset, whence)};
+  }
+  pos_type seekpos(pos_type position, std::ios_base::openmode mode) override {
+    return seekoff(position, std::ios_base::beg, mode);
+  }
+
+ private:
+  void writeAll(const char* data, size_t count) {
+    while (count > 0) {
+      const ssize_t written = ::write(descriptor_, data, count);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) throwFileError(path_, written < 0 ? errno : ENOSPC);
+      data += written;
+      count -= static_cast<size_t>(written);
+    }
+  }
+
+  int descriptor_;
+  const fs::path& path_;
+  std::vector<char> buffer_ = std::vector<char>(size_t{1} << 16);
+};
+
+class Descriptor {
+ public:
+  Descriptor(const char* name, int flags, const fs::path& path)
+      : value_(open(name, flags | O_CLOEXEC, 0666)) {
+    if (value_ < 0) throwFileError(path, errno);
+  }
+  ~Descriptor() {
+    if (value_ >= 0) close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+  /// Closes it, and reports what the system had left to say (network file systems do).
+  void finish(const fs::path& path) {
+    if (close(std::exchange(value_, -1)) != 0 && errno != EINTR) throwFileError(path, errno);
+  }
+
+ private:
+  int value_;
+};
+
+void writeThrough(int descriptor, const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  DescriptorBuffer buffer(descriptor, path);
+  std::ostream stream(&buffer);
+  stream.exceptions(std::ios_base::badbit);  // Lets the buffer's own exception through.
+  write(stream);
+  buffer.flush();
+}
+
+/// Devices, pipes and what /dev/stdout leads to are somebody else's: never replaced, and never cut.
+void writeInPlace(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  Descriptor file(path.c_str(), O_WRONLY | O_APPEND, path);
+  writeThrough(file.get(), path, write);
+  file.finish(path);
+}
+
+bool isInPlace(const fs::path& path, const fs::file_status& status) {
+  const std::string name = path.string();
+  return (fs::exists(status) && !fs::is_regular_file(status)) || name.starts_with("/dev/") ||
+         name.starts_with("/proc/");
+}
+
+/// The clock keeps apart the temporaries of killed processes, whose numbers come round again.
+std::string temporaryName(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  constexpr size_t kLongest = 180;  // Leaves room for the rest within the usual 255 bytes.
+  const std::string name = target.filename().string().substr(0, kLongest);
+  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter.fetch_add(1)) + "-" +
+                             std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
+  return (target.parent_path() / ("." + name + ".tmp" + unique)).string();
+}
+
+/// The file to replace: where a chain of links ends, whether or not anything is there yet.
+fs::path resolveLinks(fs::path path) {
+  constexpr int kMostLinks = 40;  // The kernel's own limit.
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i)
+    path = path.parent_path() / fs::read_symlink(path, error);
+  return path;
+}
+
+void replace(const fs::path& target, const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  struct stat existing {};
+  const bool replaces = stat(target.c_str(), &existing) == 0;
+  if (replaces && access(target.c_str(), W_OK) != 0) throwFileError(path, errno);
+
+  const RegisteredName temporary(temporaryName(target));
+  Descriptor file(temporary.get(), O_WRONLY | O_CREAT | O_EXCL, path);
+  try {
+    writeThrough(file.get(), path, write);
+    if (replaces && fchmod(file.get(), existing.st_mode & 07777) != 0) throwFileError(path, errno);
+    if (fsync(file.get()) != 0) throwFileError(path, errno);
+    file.finish(path);
+    if (rename(temporary.get(), target.c_str()) != 0) throwFileError(path, errno);
+  } catch (...) {
+    unlink(temporary.get());
+    throw;
+  }
+}
+
+}  // namespace
+
+void writeAtomically(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) throwFileError(path, EISDIR);
+  if (isInPlace(path, status))
+    writeInPlace(path, write);
+  else
+    replace(resolveLinks(path), path, write);
+}
+
+void removeTemporaries() noexcept {
+  for (const auto& slot : temporaries)
+    if (const char* name = slot.load()) unlink(name);
+}
+
+}  // namespace raymap

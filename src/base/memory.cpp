@@ -1,0 +1,55 @@
+#include "base/memory.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace raymap {
+
+namespace {
+
+/// The memory limit of the control group, if there is one.
+size_t groupLimit() {
+  std::ifstream file("/sys/fs/cgroup/memory.max");
+  size_t bytes = 0;
+  return file >> bytes ? bytes : SIZE_MAX;
+}
+
+size_t systemAvailable() {
+  std::ifstream file("/proc/meminfo");
+  for (std::string key; file >> key; file.ignore(std::numeric_limits<std::streamsize>::max(), '\n')) {
+    size_t kibibytes = 0;
+    if (key == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
+  }
+  return SIZE_MAX;
+}
+
+}  // namespace
+
+size_t availableMemory() {
+  return std::min(systemAvailable(), groupLimit());
+}
+
+std::string mebibytes(uint64_t bytes) {
+  constexpr uint64_t kMebibyte = uint64_t{1} << 20;
+  return std::to_string(bytes / kMebibyte + (bytes % kMebibyte > 0 ? 1 : 0)) + " MiB";
+}
+
+void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where) {
+  if (needed > limit)
+    throw Error(ErrorCode::Memory, "the field needs " + mebibytes(needed) + where + ", but only " +
+                                       mebibytes(limit) +
+                                       " may be used; use a lower resolution or a higher limit");
+}
+
+void checkSurfaceMemory(uint64_t needed) {
+  if (const uint64_t left = availableMemory(); needed > left)
+    throw Error(ErrorCode::Memory, "the surface needs " + mebibytes(needed) + ", but only " +
+                                       mebibytes(left) + " are left; use a lower resolution");
+}
+
+}  // namespace raymap

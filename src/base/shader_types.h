@@ -1,0 +1,30 @@
+// What the headers of this folder need to be read as C++ and as GLSL: parameters of kernels, in scalar
+// layout.
+
+#ifdef __cplusplus
+
+#pragma once
+
+#include <cstdint>
+
+#define RAYMAP_SHARED_BEGIN(space) namespace space {
+#define RAYMAP_SHARED_END }
+/// The address of a buffer that GLSL sees as `type`; see shaders/kernel.glsl.
+#define RAYMAP_ADDRESS(type) uint64_t
+#define RAYMAP_CONSTANT inline constexpr
+/// GLSL adds no bytes at a struct's end, so neither may C++.
+#define RAYMAP_CHECK_SIZE(type, bytes) static_assert(sizeof(type) == (bytes))
+
+namespace raymap {
+using uint = uint32_t;
+}
+
+#else
+
+#define RAYMAP_SHARED_BEGIN(space)
+#define RAYMAP_SHARED_END
+#define RAYMAP_ADDRESS(type) type
+#define RAYMAP_CONSTANT const
+#define RAYMAP_CHECK_SIZE(type, bytes)
+
+#endif

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "cpu/cells/voxel_grid.h"
+
+namespace raymap::cpu {
+
+/// What the stages before `refine` leave for one of the lattices of `coverMesh`.
+struct CellLevel {
+  VoxelGrid grid;  ///< For `raster` only its lattice.
+  Buffer<float> squared;
+  Buffer<uint32_t> nearestCell;
+};
+
+/// Where a sample lies in a lattice: in units of its cells, and in which.
+struct CellPoint {
+  glm::vec3 at;
+  glm::ivec3 cell;
+
+  CellPoint(const CellLattice& cells, const glm::ivec3& sample)
+      : at((glm::dvec3(sample) - cells.first) / cells.size), cell(glm::floor(at + 0.5f)) {
+    cell = glm::clamp(cell, glm::ivec3(0), cells.dims - 1);
+  }
+};
+
+}  // namespace raymap::cpu

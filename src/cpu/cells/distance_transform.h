@@ -1,0 +1,21 @@
+#pragma once
+
+#include <raymap/buffer.h>
+
+#include "base/progress.h"
+#include "method/cell_lattice.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+
+namespace raymap::cpu {
+
+/// §3.3, Algorithms 1 and 2 (Felzenszwalb & Huttenlocher 2012): replaces every squared value f(q) by the
+/// minimum over all occupied cells q of |p - q|^2 + f(q), along x, then y, then z, and carries the index of
+/// that q; of several the one with the lowest z, then y, then x. Where all cells are empty (`emptyCell`) they
+/// stay so, with `kNoCell`.
+void transformDistance(glm::ivec3 dims, Progress& progress, Buffer<float>& squared,
+                       Buffer<uint32_t>& nearestCell);
+
+}  // namespace raymap::cpu

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "base/progress.h"
+#include "method/cell_lattice.h"
+
+#include <vector>
+
+namespace raymap::cpu {
+
+/// Which triangles touch which cell (§3.1, Fig. 2): cell c holds `triangles[starts[c] .. starts[c + 1])`, in
+/// ascending order, as count, exclusive prefix sum and fill left them.
+struct VoxelGrid {
+  CellLattice cells;
+  Buffer<uint64_t> starts;
+  Buffer<uint32_t> triangles;
+
+  std::span<const uint32_t> list(size_t cell) const {
+    return {triangles.data() + starts[cell], triangles.data() + starts[cell + 1]};
+  }
+};
+
+/// Lists more than `maxListBytes` long are `Error(Memory)`.
+void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxListBytes, Progress& progress,
+                    VoxelGrid& grid);
+
+}  // namespace raymap::cpu

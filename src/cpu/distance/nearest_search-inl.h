@@ -1,0 +1,265 @@
+// The closest triangle to points in SIMD lanes, by descending the surface tree. Included once per target.
+
+#if defined(RAYMAP_NEAREST_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYMAP_NEAREST_SEARCH_INL_H
+#undef RAYMAP_NEAREST_SEARCH_INL_H
+#else
+#define RAYMAP_NEAREST_SEARCH_INL_H
+#endif
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "cpu/distance/surface_shapes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::cpu {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// The smallest value so far in each lane, and whose it is.
+struct Nearest {
+  using IntTag = hn::Rebind<int32_t, Tag>;
+  Float distance;
+  hn::Vec<IntTag> id;
+  HWY_INLINE Nearest(uint32_t firstId, Float first)
+      : distance(first), id(hn::Set(IntTag(), static_cast<int32_t>(firstId))) {}
+  HWY_INLINE Nearest(size_t i, const Lanes& distances, const uint32_t* ids)
+      : distance(distances.load(i)), id(hn::Load(IntTag(), reinterpret_cast<const int32_t*>(ids) + i)) {}
+  HWY_INLINE void take(uint32_t newId, Float value) {
+    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
+                        hn::Set(IntTag(), static_cast<int32_t>(newId)), id);
+    distance = hn::Min(distance, value);
+  }
+  HWY_INLINE void takeEach(uint32_t firstId, Float value) {
+    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
+                        hn::Iota(IntTag(), static_cast<int32_t>(firstId)), id);
+    distance = hn::Min(distance, value);
+  }
+  HWY_INLINE void store(size_t i, Lanes& distances, uint32_t* ids) const {
+    distances.store(i, distance);
+    hn::Store(id, IntTag(), reinterpret_cast<int32_t*>(ids) + i);
+  }
+};
+
+/// Points in some of the lanes, and what is closest to them so far.
+struct Points {
+  uint32_t lanes;
+  const Lanes &x, &y, &z;
+  Lanes& squared;
+  uint32_t* closest;
+};
+
+/// The closest triangles to eight points in each of eight halves of a block: by half, then by point. Or, for
+/// eight points, in each lane of the packets looked at: by point, then by lane.
+struct NearestOfLanes {
+  Lanes squared[kLanes];
+  alignas(64) uint32_t closest[kLanes][kLanes];
+};
+
+/// Holds scratch memory: each thread has its own.
+class NearestSearch {
+ public:
+  explicit NearestSearch(const SurfaceTree& tree) : tree_(tree) {}
+
+  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first
+  /// in the node that may come closest to each point, which nearly settles its distance, then in all that may
+  /// win.
+  template <class Bound>
+  HWY_INLINE void search(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
+    alignas(64) uint32_t first[kLanes];
+    const uint32_t lanes = points.lanes & boundNodes(nodes.size(), points, bound, first);
+    if (!lanes) return;
+    start(points);
+    searchFirst(nodes, first, lanes, points);
+    settle(lanes, points);
+    for (size_t k = 0; k < nodes.size(); ++k)
+      if (const uint32_t open = lanes & lower(bounds_[k], points.squared)) push(nodes[k], open);
+    if (stack_.empty()) return;
+    searchStack(points);
+    settle(lanes, points);
+  }
+
+  /// The squared distance of one point, or `known` if that is less.
+  float lookAround(const glm::vec3& p, float known) const {
+    Closest closest{known, 0};
+    searchBelow(tree_.root(), p, closest);
+    return closest.squared;
+  }
+
+ private:
+  template <class Packet>
+  static HWY_INLINE void prefetch(const Packet& packet) {
+    for (size_t line = 0; line < sizeof(Packet); line += 64)
+      hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
+  }
+
+  /// The lanes in which a value is lower than another.
+  static HWY_INLINE uint32_t lower(const Lanes& value, const Lanes& than) {
+    uint32_t lanes = 0;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
+      lanes |= bits(hn::Lt(value.load(i), than.load(i))) << i;
+    return lanes;
+  }
+
+  /// Keeps all bounds, and finds the node with the lowest for each point. Returns the points to which some
+  /// node may come closer than what is known.
+  template <class Bound>
+  HWY_INLINE uint32_t boundNodes(size_t count, const Points& points, Bound&& bound, uint32_t* first) {
+    bounds_.resize(count);
+    Lanes least;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
+      Nearest nearest(0, hn::Set(Tag(), INFINITY));
+      for (size_t k = 0; k < count; ++k) {
+        const Float b = bound(k, i);
+        bounds_[k].store(i, b);
+        nearest.take(static_cast<uint32_t>(k), b);
+      }
+      nearest.store(i, least, first);
+    }
+    return lower(least, points.squared);
+  }
+
+  /// The closest triangle so far to a point.
+  struct Closest {
+    float squared;
+    uint32_t triangle;
+  };
+
+  HWY_INLINE void push(uint32_t node, uint32_t lanes) {
+    stack_.emplace_back(node, lanes);
+    if (tree_.isLeaf(node)) prefetch(tree_.triangles(node));
+  }
+
+  HWY_INLINE void start(const Points& points) {
+    for (size_t point = 0; point < kLanes; ++point) {
+      std::fill_n(best_.squared[point].v, kLanes, points.squared.v[point]);
+      std::fill_n(best_.closest[point], kLanes, points.closest[point]);
+    }
+  }
+
+  /// Takes for each point the closest of the triangles in all lanes.
+  HWY_INLINE void settle(uint32_t lanes, const Points& points) const {
+    forEachLane(lanes, [&](size_t point) {
+      const float* squared = best_.squared[point].v;
+      const size_t lane = std::min_element(squared, squared + kLanes) - squared;
+      points.squared.v[point] = squared[lane];
+      points.closest[point] = best_.closest[point][lane];
+    });
+  }
+
+  /// Looks below the first node of each point, once for all points that share it.
+  HWY_INLINE void searchFirst(const std::vector<uint32_t>& nodes, const uint32_t* first, uint32_t lanes,
+                              const Points& points) {
+    while (lanes) {
+      const uint32_t k = first[hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes)];
+      uint32_t sharing = 0;
+      forEachLane(lanes, [&](size_t lane) {
+        if (first[lane] != k) return;
+        sharing |= 1u << lane;
+        bounds_[k].v[lane] = INFINITY;  // not again
+      });
+      lanes &= ~sharing;
+      if (tree_.isLeaf(nodes[k]))
+        measureTriangles(nodes[k], sharing, points);
+      else
+        forEachLane(sharing, [&](size_t lane) {
+          Closest closest{points.squared.v[lane], points.closest[lane]};
+          searchBelow(nodes[k], {points.x.v[lane], points.y.v[lane], points.z.v[lane]}, closest);
+          best_.squared[lane].v[0] = closest.squared;
+          best_.closest[lane][0] = closest.triangle;
+        });
+    }
+  }
+
+  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
+  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
+  /// the end.
+  HWY_NOINLINE void searchStack(const Points& points) {
+    while (!stack_.empty()) {
+      const auto [node, lanes] = stack_.back();
+      stack_.pop_back();
+      if (tree_.isLeaf(node))
+        measureTriangles(node, lanes, points);
+      else
+        openNode(tree_.childPacket(node), lanes, points);
+    }
+  }
+
+  HWY_INLINE void measureTriangles(uint32_t packet, uint32_t lanes, const Points& points) {
+    const Tag tag;
+    forEachLane(lanes, [&](size_t point) {
+      const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                  z = hn::Set(tag, points.z.v[point]);
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+        Nearest nearest(i, best_.squared[point], best_.closest[point]);
+        nearest.takeEach(packet * kPacket + i,
+                         squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
+        nearest.store(i, best_.squared[point], best_.closest[point]);
+      }
+    });
+  }
+
+  HWY_INLINE void openNode(uint32_t packet, uint32_t lanes, const Points& points) {
+    const Tag tag;
+    uint32_t open[kPacket] = {};
+    forEachLane(lanes, [&](size_t point) {
+      const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
+                  z = hn::Set(tag, points.z.v[point]), known = hn::Set(tag, points.squared.v[point]);
+      for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+        const Float bound = squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
+        forEachLane(bits(hn::Lt(bound, known)) << i, [&](size_t child) { open[child] |= 1u << point; });
+      }
+    });
+    for (uint32_t child = 0; child < kPacket; ++child)
+      if (open[child]) push(packet * kPacket + child, open[child]);
+  }
+
+  /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.
+  void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
+    const uint32_t packet = tree_.childPacket(node);
+    const Tag tag;
+    const Float x = hn::Set(tag, p.x), y = hn::Set(tag, p.y), z = hn::Set(tag, p.z);
+    Lanes squared;
+    uint32_t open = 0;
+    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
+      const Float d = tree_.isLeaf(node)
+                          ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
+                          : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
+      squared.store(i, d);
+      open |= bits(hn::Lt(d, hn::Set(tag, closest.squared))) << i;
+    }
+    if (tree_.isLeaf(node)) {
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < closest.squared)
+          closest = {squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+      });
+      return;
+    }
+    while (open) {
+      size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);
+      forEachLane(open, [&](size_t lane) {
+        if (squared.v[lane] < squared.v[next]) next = lane;
+      });
+      if (!(squared.v[next] < closest.squared)) return;
+      open &= ~(1u << next);
+      searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
+    }
+  }
+
+  const SurfaceTree& tree_;
+  NearestOfLanes best_;
+  std::vector<Lanes> bounds_;
+  std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, points
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace raymap::cpu
+HWY_AFTER_NAMESPACE();
+
+#endif

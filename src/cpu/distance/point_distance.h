@@ -1,0 +1,12 @@
+#pragma once
+
+#include "cpu/distance/surface_tree.h"
+
+namespace raymap::cpu {
+
+/// The distance, in cell units, of each point to the closest of the tree's triangles. Fastest where
+/// successive points are close to each other.
+void computePointDistances(const SurfaceTree& tree, std::span<const glm::vec3> points,
+                           std::span<float> distances);
+
+}  // namespace raymap::cpu

@@ -1,0 +1,252 @@
+// Ours (the paper's future work names a hierarchy): the tree behind exact_distance.
+
+#include "cpu/distance/surface_tree.h"
+
+#include <hwy/contrib/sort/vqsort.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "cpu/distance/surface_leaves.h"
+
+namespace raymap::cpu {
+
+/// The lattice on which centroids get their places.
+class PlaceLattice {
+ public:
+  explicit PlaceLattice(const CellMesh& mesh) {
+    glm::vec3 low(INFINITY), high(-INFINITY);
+    for (const glm::vec3& v : mesh.vertices) {
+      low = glm::min(low, v);
+      high = glm::max(high, v);
+    }
+    // What lies far from the grid needs no fine order.
+    const glm::vec3 dims(mesh.dims), nearLow = glm::max(low, -dims), nearHigh = glm::min(high, 2.0f * dims);
+    if (glm::all(glm::lessThan(nearLow, nearHigh))) low = nearLow, high = nearHigh;
+    const glm::vec3 size = high - low;
+    scale_ = kMost / (3.0f * std::max({size.x, size.y, size.z, 1e-20f}));
+    shift_ = -3.0f * low * scale_;
+  }
+
+  Place operator()(const CellMesh& mesh, size_t t) const {
+    const glm::vec3 thrice = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
+    const glm::uvec3 p(glm::clamp(thrice * scale_ + shift_, 0.0f, kMost));
+    return Place{p.x} << 48 | Place{p.y} << 32 | Place{p.z} << 16;
+  }
+
+ private:
+  static constexpr float kMost = 65535.0f;
+  float scale_;
+  glm::vec3 shift_;
+};
+
+namespace {
+
+constexpr size_t kGrain = 2048;
+constexpr size_t kRunLeaves = kRun / kPacket;
+
+/// Position along the Morton curve of a place, 10 bits of each axis.
+uint32_t mortonIndex(Place place) {
+  const auto spread = [place](int shift) {
+    auto v = static_cast<uint32_t>(place >> (shift + 6)) & 0x3ffu;
+    v = (v | (v << 16)) & 0x030000ffu;
+    v = (v | (v << 8)) & 0x0300f00fu;
+    v = (v | (v << 4)) & 0x030c30c3u;
+    return (v | (v << 2)) & 0x09249249u;
+  };
+  return spread(48) << 2 | spread(32) << 1 | spread(16);
+}
+
+struct Disc {
+  glm::vec3 centre, normal;
+  float radius, halfThickness;
+};
+
+void writeDisc(const Disc& disc, DiscPacket& packet, uint32_t lane) {
+  packet.cx[lane] = disc.centre.x, packet.cy[lane] = disc.centre.y, packet.cz[lane] = disc.centre.z;
+  packet.nx[lane] = disc.normal.x, packet.ny[lane] = disc.normal.y, packet.nz[lane] = disc.normal.z;
+  packet.radius[lane] = disc.radius;
+  packet.halfThickness[lane] = disc.halfThickness;
+}
+
+Disc readDisc(const DiscPacket& packet, uint32_t lane) {
+  return {{packet.cx[lane], packet.cy[lane], packet.cz[lane]},
+          {packet.nx[lane], packet.ny[lane], packet.nz[lane]},
+          packet.radius[lane],
+          packet.halfThickness[lane]};
+}
+
+/// No point comes near: fills the lanes of a packet that hold no node.
+const Disc kNowhere{glm::vec3(1e15f), {0, 0, 1}, 0.0f, 0.0f};
+
+/// The corners of a leaf's triangles.
+void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corners) {
+  for (uint32_t lane = 0; lane < kPacket; ++lane) {
+    const glm::uvec3 triangle = mesh.triangles[static_cast<uint32_t>(keys[lane])];
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::vec3 v = mesh.vertices[triangle[corner]];
+      for (int axis = 0; axis < 3; ++axis) corners.v[corner][axis][lane] = v[axis];
+    }
+  }
+}
+
+/// Puts the keys of a run into the order of its leaves.
+void orderRun(const CellMesh& mesh, const PlaceLattice& lattice, uint64_t* keys, size_t count) {
+  Place run[kRun];
+  uint64_t before[kRun];
+  for (size_t t = 0; t < count; ++t) {
+    run[t] = lattice(mesh, static_cast<uint32_t>(keys[t])) | t;
+    before[t] = keys[t];
+  }
+  sortRun(run, count);
+  for (size_t t = 0; t < count; ++t) keys[t] = before[run[t] % kRun];
+}
+
+/// The disc around points, across a direction.
+Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalSum) {
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (size_t p = 0; p < count; ++p) {
+    low = glm::min(low, points[p]);
+    high = glm::max(high, points[p]);
+  }
+  const float length = glm::length(normalSum);
+  const glm::vec3 normal = length > 1e-12f ? normalSum / length : glm::vec3(0, 0, 1);
+  glm::vec3 centre = 0.5f * (low + high);
+  float front = -INFINITY, back = INFINITY, radius2 = 0.0f;
+  for (size_t p = 0; p < count; ++p) {
+    const glm::vec3 q = points[p] - centre;
+    const float height = glm::dot(q, normal);
+    front = std::max(front, height);
+    back = std::min(back, height);
+    radius2 = std::max(radius2, glm::dot(q, q) - height * height);
+  }
+  centre += 0.5f * (front + back) * normal;
+  return {centre, normal, std::sqrt(std::max(radius2, 0.0f)), 0.5f * (front - back)};
+}
+
+}  // namespace
+
+void SurfaceTree::build(const CellMesh& mesh) {
+  triangleCount_ = static_cast<uint32_t>(mesh.triangles.size());
+  placeLevels();
+  const PlaceLattice lattice(mesh);
+  sortTriangles(mesh, lattice);
+  buildLeaves(mesh, lattice);
+  for (uint32_t level = 1; level < levels_.size(); ++level) buildLevel(level);
+}
+
+void SurfaceTree::placeLevels() {
+  const auto packets = [](uint32_t n) { return (n + kPacket - 1) / kPacket; };
+  levels_.clear();
+  uint32_t start = 0;
+  for (uint32_t nodes = packets(triangleCount_);; nodes = packets(nodes)) {
+    levels_.push_back({start, nodes});
+    start += packets(nodes) * kPacket;
+    if (nodes == 1) break;
+  }
+  triangles_.resize(leafCount());
+  discs_.resize(start / kPacket);
+}
+
+void SurfaceTree::turn(std::span<const uint8_t> faces) {
+  if (faces.empty()) return;
+  parallelFor(triangleCount_, size_t{1} << 14, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      if (!faces[triangleId(uint32_t(t))]) continue;
+      TrianglePacket& packet = triangles_[t / kPacket];
+      for (auto* normal : {packet.zx, packet.zy, packet.zz}) normal[t % kPacket] = -normal[t % kPacket];
+    }
+  });
+}
+
+void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
+  const size_t count = mesh.triangles.size();
+  keys_.resize(size_t{leafCount()} * kPacket);
+  parallelFor(count, kGrain, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) keys_[t] = uint64_t(mortonIndex(lattice(mesh, t))) << 32 | t;
+  });
+  hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
+  std::fill(keys_.begin() + count, keys_.end(), keys_[count - 1]);
+}
+
+void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice) {
+  const size_t count = mesh.triangles.size();
+  parallelFor((leafCount() + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
+    for (size_t run = begin; run < end; ++run) {
+      uint64_t* keys = keys_.data() + run * kRun;
+      orderRun(mesh, lattice, keys, std::min(kRun, count - run * kRun));
+      for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
+        DiscPacket& discs = discs_[leaf / kPacket];
+        if (leaf < leafCount()) {
+          CornerPacket corners;
+          readCorners(mesh, keys_.data() + size_t{leaf} * kPacket, corners);
+          writeLeaf(corners, triangles_[leaf], leaf % kPacket, discs);
+        } else if (leaf / kPacket * kPacket < leafCount()) {
+          writeDisc(kNowhere, discs, leaf % kPacket);
+        }
+      }
+    }
+  });
+}
+
+namespace {
+
+/// The disc around the discs of a packet.
+Disc boundDiscs(const DiscPacket& packet, uint32_t count) {
+  glm::vec3 centres[kPacket], normal(0.0f);
+  for (uint32_t lane = 0; lane < count; ++lane) {
+    const Disc disc = readDisc(packet, lane);
+    centres[lane] = disc.centre;
+    normal += disc.normal * (disc.radius * disc.radius);
+  }
+  Disc bound = boundPoints(centres, count, normal);
+  // The discs reach beyond their centres: by this much along the common normal and across it.
+  float front = 0.0f, back = 0.0f, radius = 0.0f;
+  for (uint32_t lane = 0; lane < count; ++lane) {
+    const Disc disc = readDisc(packet, lane);
+    const glm::vec3 q = disc.centre - bound.centre;
+    const float height = glm::dot(q, bound.normal);
+    const float cosine = std::min(1.0f, std::abs(glm::dot(disc.normal, bound.normal)));
+    const float sine = std::sqrt(1.0f - cosine * cosine);
+    const float along = disc.radius * sine + disc.halfThickness * cosine;
+    const float across =
+        std::min(disc.radius + disc.halfThickness * sine, std::hypot(disc.radius, disc.halfThickness));
+    front = std::max(front, height + along);
+    back = std::min(back, height - along);
+    radius = std::max(radius, std::sqrt(std::max(glm::dot(q, q) - height * height, 0.0f)) + across);
+  }
+  return {bound.centre + 0.5f * (front + back) * bound.normal, bound.normal, radius, 0.5f * (front - back)};
+}
+
+}  // namespace
+
+void SurfaceTree::buildLevel(uint32_t level) {
+  const uint32_t count = levels_[level].count, below = levels_[level - 1].count;
+  const uint32_t firstPacket = levels_[level].start / kPacket,
+                 firstChild = levels_[level - 1].start / kPacket;
+  const uint32_t packets = (count + kPacket - 1) / kPacket;
+  parallelFor(packets, 64, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p)
+      for (uint32_t lane = 0; lane < kPacket; ++lane) {
+        const auto node = static_cast<uint32_t>(p * kPacket + lane);
+        const Disc disc =
+            node < count ? boundDiscs(discs_[firstChild + node], std::min(kPacket, below - node * kPacket))
+                         : kNowhere;
+        writeDisc(disc, discs_[firstPacket + p], lane);
+      }
+  });
+}
+
+uint32_t SurfaceTree::childPacket(uint32_t node) const {
+  if (isLeaf(node)) return node;
+  uint32_t level = 1;
+  while (level + 1 < levels_.size() && node >= levels_[level + 1].start) ++level;
+  return levels_[level - 1].start / kPacket + (node - levels_[level].start);
+}
+
+size_t SurfaceTree::bytes() const {
+  return keys_.capacityBytes() + triangles_.capacityBytes() + discs_.capacityBytes();
+}
+
+}  // namespace raymap::cpu

@@ -1,0 +1,242 @@
+// Krayer & Müller 2019, §3.5: the local intersection counts w_l.
+//
+// Paper: each cell intersects the triangles it holds, in eight passes, in floating point. Here: each triangle
+// is scanned over the lattice lines in its projection, in exact integers with simulation of simplicity
+// (Edelsbrunner & Mücke 1990), because then neighbouring triangles never disagree about a line, and the cost
+// is that of the crossings and not of the cells.
+
+#include "cpu/sign/crossings.h"
+
+#include "base/parallel.h"
+#include "cpu/sign/crossings_exact.h"
+#include "cpu/sign/crossings_lines.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace raymap::cpu {
+
+namespace {
+
+constexpr size_t kTrianglesPerChunk = 4096;
+// All chunks together stop for a fold into the lines when they have so many: memory stays bounded by the
+// samples even where millions of triangles cover the whole grid.
+constexpr size_t kRecordsPerRound = size_t{1} << 22;
+constexpr size_t kRecordsPerReport = size_t{1} << 12;
+constexpr int kMaxFractionBits = 20;
+constexpr int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits
+constexpr int64_t kNarrowExtent = int64_t{1} << 30;  // up to here orient2d fits into 64 bits
+
+/// Some of the triangles: those before `next` have been scanned.
+struct Chunk {
+  size_t next, end;
+};
+
+/// The lattice that triangles are scanned over, in units of 2^-fractionBits cells.
+struct Lattice {
+  glm::ivec3 dims;
+  int fractionBits;
+
+  double scale() const { return std::ldexp(1.0, fractionBits); }
+
+  /// The first line at or after the coordinate. Lines are displaced by a positive infinitesimal, so this is
+  /// both the first line that a range reaches and the first that it no longer reaches.
+  int64_t lineFrom(int64_t coordinate) const {
+    return (coordinate + (int64_t{1} << fractionBits) - 1) >> fractionBits;
+  }
+};
+
+size_t chunkCount(const CellMesh& mesh) {
+  return (mesh.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
+}
+
+/// The coordinate farthest from zero.
+float reach(const glm::vec3& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+[[noreturn]] void throwTooFar(const CellMesh& mesh, float limit) {
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const float furthest = reach(mesh.corner(t, c));
+      if (!(furthest < limit))
+        throw Error(ErrorCode::Input, "vertex " + std::to_string(mesh.triangles[t][c]) + " of triangle " +
+                                          std::to_string(t) + " lies " + std::to_string(furthest) +
+                                          " cells from the grid's first sample; the sign needs less than 2^" +
+                                          std::to_string(kCoordinateBits) +
+                                          ": use a coarser grid or remove the vertex");
+    }
+  throw Error(ErrorCode::Input, "a vertex lies too far from the grid");
+}
+
+/// Calls `work(chunk, triangle)` for all triangles, chunks in parallel and each in order.
+template <class Work>
+void forEachTriangle(const CellMesh& mesh, Work&& work) {
+  const size_t count = mesh.triangles.size();
+  parallelFor(chunkCount(mesh), 1, [&](size_t chunk, size_t) {
+    const size_t end = std::min((chunk + 1) * kTrianglesPerChunk, count);
+    for (size_t t = chunk * kTrianglesPerChunk; t < end; ++t) work(chunk, t);
+  });
+}
+
+/// The largest coordinate of all triangles, a part of them at a time.
+float furthestCoordinate(const CellMesh& mesh) {
+  std::vector<float> reaches(chunkCount(mesh), 1.0f);
+  forEachTriangle(mesh, [&](size_t chunk, size_t t) {
+    for (int c = 0; c < 3; ++c) reaches[chunk] = std::max(reaches[chunk], reach(mesh.corner(t, c)));
+  });
+  return reaches.empty() ? 1.0f : *std::max_element(reaches.begin(), reaches.end());
+}
+
+/// As many fraction bits, up to 20, as leave every coordinate below 2^40.
+int chooseFractionBits(const CellMesh& mesh) {
+  const float near = std::ldexp(1.0f, kCoordinateBits - kMaxFractionBits),
+              far = std::ldexp(1.0f, kCoordinateBits);
+  if (std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                  [near](const glm::vec3& v) { return reach(v) < near; }))
+    return kMaxFractionBits;
+  // Vertices of no triangle do not count.
+  const float furthest = furthestCoordinate(mesh);
+  if (!(furthest < far)) throwTooFar(mesh, far);
+  return std::clamp(kCoordinateBits - 1 - std::ilogb(furthest), 0, kMaxFractionBits);
+}
+
+FixedVertex snap(const glm::vec3& p, double scale) {
+  const auto round = [&](float x) {
+    const double scaled = double(x) * scale;
+    return static_cast<int64_t>(scaled + (scaled < 0.0 ? -0.5 : 0.5));
+  };
+  return {round(p.x), round(p.y), round(p.z)};
+}
+
+struct LineRange {
+  int64_t begin, end;
+  bool isEmpty() const { return begin >= end; }
+};
+
+LineRange linesOf(int64_t a, int64_t b, int64_t c, int dim, const Lattice& lattice) {
+  return {std::max<int64_t>(lattice.lineFrom(std::min({a, b, c})), 0),
+          std::min<int64_t>(lattice.lineFrom(std::max({a, b, c})), dim)};
+}
+
+/// Records the crossings of one triangle with the lines along `axis` in the given ranges.
+template <class Wide>
+void scanTriangle(std::array<FixedVertex, 3> p, int axis, LineRange us, LineRange vs, const Lattice& lattice,
+                  std::vector<LineRecord>& records) {
+  const LineAxes axes(axis);
+  const Wide area = Wide(p[1][axes.u] - p[0][axes.u]) * (p[2][axes.v] - p[0][axes.v]) -
+                    Wide(p[1][axes.v] - p[0][axes.v]) * (p[2][axes.u] - p[0][axes.u]);
+  if (area == 0) return;  // Projects to a line: the displaced lattice lines miss it.
+  if (area < 0) std::swap(p[1], p[2]);
+  // (u, v, axis) is a left-handed frame for the y axis.
+  const int32_t sign = (area > 0) == (axis != 1) ? 1 : -1;
+  const int bits = lattice.fractionBits;
+  const std::array<EdgeFunction<Wide>, 3> edges{
+      {{p[0], p[1], axes, bits}, {p[1], p[2], axes, bits}, {p[2], p[0], axes, bits}}};
+  const DepthFunction<Wide> depth(p, axis, axes, bits);
+  constexpr int64_t kLongRow = 8;
+  for (int64_t v = vs.begin; v < vs.end; ++v) {
+    int64_t begin = us.begin, end = us.end;
+    if (end - begin > kLongRow)
+      for (const auto& edge : edges) edge.narrow(v, begin, end);
+    Wide e0 = edges[0].at(begin, v), e1 = edges[1].at(begin, v), e2 = edges[2].at(begin, v);
+    for (int64_t u = begin; u < end; ++u) {
+      if (e0 > 0 && e1 > 0 && e2 > 0) {
+        const int64_t index = std::clamp<int64_t>(depth.lastBelow(u, v), -1, lattice.dims[axis] - 1);
+        records.push_back(
+            {static_cast<uint32_t>(v * lattice.dims[axes.u] + u), static_cast<int32_t>(index), sign});
+      }
+      e0 += edges[0].stepU();
+      e1 += edges[1].stepU();
+      e2 += edges[2].stepU();
+    }
+  }
+}
+
+void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, LineRecords& records) {
+  std::array<LineRange, 3> lines{};
+  int64_t extent = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto [low, high] = std::minmax({p[0][c], p[1][c], p[2][c]});
+    lines[c] = linesOf(p[0][c], p[1][c], p[2][c], lattice.dims[c], lattice);
+    extent = std::max(extent, high - low);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const LineAxes axes(axis);
+    const LineRange us = lines[axes.u], vs = lines[axes.v];
+    if (us.isEmpty() || vs.isEmpty()) continue;
+    if (extent < kNarrowExtent)
+      scanTriangle<int64_t>(p, axis, us, vs, lattice, records[axis]);
+    else
+      scanTriangle<Int128>(p, axis, us, vs, lattice, records[axis]);
+  }
+}
+
+/// Whether a triangle surely crosses no line, before its corners are snapped: most triangles of a mesh finer
+/// than the grid. Lines along an axis need a range across each of the other two.
+class MissTest {
+ public:
+  explicit MissTest(const Lattice& lattice)
+      : limit_(lattice.dims),
+        margin_(static_cast<float>(2.0 / lattice.scale()) + std::ldexp(reach(lattice.dims), -21)) {}
+
+  bool operator()(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
+    const auto cell = [&](const glm::vec3& p) {
+      return glm::ivec3(glm::clamp(p + 1.0f, glm::vec3(0.0f), limit_));
+    };
+    const glm::ivec3 low = cell(glm::min(glm::min(a, b), c) - margin_);
+    const glm::ivec3 high = cell(glm::max(glm::max(a, b), c) + margin_);
+    return (low.x != high.x) + (low.y != high.y) + (low.z != high.z) < 2;
+  }
+
+ private:
+  glm::vec3 limit_;
+  float margin_;  // more than snapping and rounding may move a corner by
+};
+
+/// Scans triangles of the chunk until it is done or all chunks together have found enough.
+void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress, std::atomic<size_t>& found,
+               Chunk& chunk, LineRecords& records) {
+  const auto report = [&] { progress.report(double(chunk.next) / double(mesh.triangles.size())); };
+  report();
+  const double scale = lattice.scale();
+  const MissTest misses(lattice);
+  size_t reported = 0;
+  while (chunk.next < chunk.end && found < kRecordsPerRound) {
+    const size_t t = chunk.next++;
+    const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    if (misses(a, b, c)) continue;
+    scanTriangle({snap(a, scale), snap(b, scale), snap(c, scale)}, lattice, records);
+    const size_t count = records[0].size() + records[1].size() + records[2].size();
+    if (count - reported < kRecordsPerReport) continue;
+    found += count - std::exchange(reported, count);
+    report();
+  }
+}
+
+}  // namespace
+
+void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
+  const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
+  std::vector<Chunk> chunks(chunkCount(mesh));
+  for (size_t c = 0; c < chunks.size(); ++c)
+    chunks[c] = {c * kTrianglesPerChunk, std::min((c + 1) * kTrianglesPerChunk, mesh.triangles.size())};
+  std::vector<LineRecords> records(chunks.size());
+  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(mesh.dims, axis), crossings[axis]);
+  const auto isDone = [](const Chunk& chunk) { return chunk.next == chunk.end; };
+  do {
+    std::atomic<size_t> found{0};
+    parallelFor(chunks.size(), 1, [&](size_t c, size_t) {
+      for (auto& list : records[c]) list.clear();
+      scanChunk(mesh, lattice, progress, found, chunks[c], records[c]);
+    });
+    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, crossings[axis]);
+  } while (!std::all_of(chunks.begin(), chunks.end(), isDone));
+}
+
+}  // namespace raymap::cpu

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "cpu/sign/crossings.h"
+
+#include <vector>
+
+namespace raymap::cpu {
+
+/// One triangle that crosses one lattice line.
+struct LineRecord {
+  uint32_t line;
+  int32_t index;
+  int32_t sign;
+};
+/// One list per axis, in any order.
+using LineRecords = std::array<std::vector<LineRecord>, 3>;
+
+/// The number of lattice lines along an axis.
+size_t lineCount(const glm::ivec3& dims, int axis);
+
+void clearLines(size_t lines, AxisCrossings& axis);
+
+/// Sorts the records of one axis by line and index, and adds them to the crossings that are there.
+void addToLines(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings);
+
+}  // namespace raymap::cpu

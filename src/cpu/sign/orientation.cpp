@@ -1,0 +1,169 @@
+// Ours, after Krayer & Müller 2019, §3.5: the field says which way the faces point.
+
+#include "cpu/sign/orientation.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "base/parallel.h"
+#include "cpu/sign/ray_sweep.h"
+#include "method/orientation_sure.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+constexpr size_t kFacesPerTask = 1024;
+
+struct Misfit {
+  double squares = 0.0, jumps = 0.0;
+};
+
+/// Where the field fits as well as it can, the residual is orthogonal to all differences of fields: its
+/// square is its product with the jumps, so that only crossed edges count.
+void addLine(std::span<const Crossing> line, const float* field, size_t stride, int samples, Misfit& sum) {
+  for (const Crossing& crossing : line) {
+    if (crossing.signedCount == 0 || crossing.index < 0 || crossing.index + 1 >= samples) continue;
+    const float* at = field + size_t(crossing.index) * stride;
+    const double jump = crossing.signedCount;
+    sum.squares += jump * (jump - (double(at[0]) - double(at[stride])));
+    sum.jumps += std::abs(jump);
+  }
+}
+
+/// A field between its samples.
+class Interpolator {
+ public:
+  Interpolator(const glm::ivec3& dims, const Buffer<float>& field) : dims_(dims), field_(field) {}
+
+  bool covers(const glm::vec3& p) const {
+    return glm::all(glm::greaterThanEqual(p, glm::vec3(0.0f))) &&
+           glm::all(glm::lessThanEqual(p, glm::vec3(dims_ - 1)));
+  }
+
+  float operator()(const glm::vec3& p) const {
+    const glm::ivec3 low = glm::min(glm::ivec3(p), glm::max(dims_ - 2, 0));
+    const glm::vec3 t = p - glm::vec3(low);
+    const size_t x = dims_.x > 1 ? 1 : 0, y = dims_.y > 1 ? size_t(dims_.x) : 0,
+                 z = dims_.z > 1 ? size_t(dims_.x) * size_t(dims_.y) : 0;
+    const float* at =
+        field_.data() + (size_t(low.z) * size_t(dims_.y) + size_t(low.y)) * size_t(dims_.x) + size_t(low.x);
+    const auto alongX = [&](const float* row) { return row[0] + t.x * (row[x] - row[0]); };
+    const auto alongY = [&](const float* plane) {
+      const float first = alongX(plane);
+      return first + t.y * (alongX(plane + y) - first);
+    };
+    const float first = alongY(at);
+    return first + t.z * (alongY(at + z) - first);
+  }
+
+ private:
+  glm::ivec3 dims_;
+  const Buffer<float>& field_;
+};
+
+/// The rise along the normal of one face. Large faces are looked at in several places, the
+/// centres of the triangles that they are cut into; places at the grid's rim do not count.
+float riseOf(const Interpolator& field, float farSides, const glm::vec3& a, const glm::vec3& b,
+             const glm::vec3& c) {
+  constexpr float kPartLength = 2.0f;
+  constexpr int kMostParts = 8;
+  const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ab, ac);
+  const float doubleArea = glm::length(across);
+  if (!(doubleArea > 0.0f)) return 0.0f;
+  const glm::vec3 normal = across / doubleArea;
+  const float longest = std::max({glm::length(ab), glm::length(ac), glm::length(c - b)});
+  const int parts = int(std::clamp(std::ceil(longest / kPartLength), 1.0f, float(kMostParts)));
+  float sum = 0.0f;
+  const glm::vec3 step = normal * std::max(1.0f, farSides * std::sqrt(doubleArea));
+  const auto look = [&](float u, float v) {
+    const glm::vec3 p = a + (u / float(parts)) * ab + (v / float(parts)) * ac;
+    if (field.covers(p + step) && field.covers(p - step)) sum += field(p + step) - field(p - step);
+  };
+  for (int i = 0; i < parts; ++i)
+    for (int j = 0; i + j < parts; ++j) {
+      look(float(i) + 1.0f / 3.0f, float(j) + 1.0f / 3.0f);
+      if (i + j + 1 < parts) look(float(i) + 2.0f / 3.0f, float(j) + 2.0f / 3.0f);
+    }
+  return sum / float(parts * parts);
+}
+
+/// How many of a sample's six rays cross an odd number of faces: a sum of +1 and -1 is as odd as their
+/// number.
+int oddRays(const RayRow& row, size_t i) {
+  const auto odd = [](int32_t ray) { return ray & 1; };
+  return odd(row.x[i]) + odd(row.x[i] - row.totalX) + odd(row.y[i]) + odd(row.y[i] - row.totalY[i]) +
+         odd(row.z[i]) + odd(row.z[i] - row.totalZ[i]);
+}
+
+}  // namespace
+
+double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding) {
+  constexpr size_t kLinesPerPart = 1024;
+  const size_t strides[] = {1, size_t(dims.x), size_t(dims.x) * size_t(dims.y)};
+  Misfit sum;
+  for (int axis = 0; axis < 3; ++axis) {
+    const LineAxes across(axis);
+    const AxisCrossings& lines = crossings[size_t(axis)];
+    const size_t count = lines.starts.size() - 1, width = size_t(dims[across.u]);
+    // Each part has a sum of its own, so that the order of all additions is always the same.
+    std::vector<Misfit> parts((count + kLinesPerPart - 1) / kLinesPerPart);
+    parallelFor(parts.size(), 1, [&](size_t part, size_t) {
+      for (size_t line = part * kLinesPerPart; line < std::min((part + 1) * kLinesPerPart, count); ++line) {
+        const uint64_t first = lines.starts[line], end = lines.starts[line + 1];
+        const size_t sample = line % width * strides[across.u] + line / width * strides[across.v];
+        addLine({lines.entries.data() + first, size_t(end - first)}, winding.data() + sample, strides[axis],
+                dims[axis], parts[part]);
+      }
+    });
+    for (const Misfit& part : parts) {
+      sum.squares += part.squares;
+      sum.jumps += part.jumps;
+    }
+  }
+  return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
+}
+
+void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSides, Progress& progress,
+                  Buffer<float>& rises) {
+  rises.resize(mesh.triangles.size());
+  const Interpolator interpolate(mesh.dims, field);
+  parallelFor(rises.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+    progress.poll();
+    for (size_t f = begin; f < end; ++f)
+      rises[f] = riseOf(interpolate, farSides, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+  });
+}
+
+bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold) {
+  const RaySweep sweep(map);
+  const auto limit = static_cast<float>(threshold);
+  std::atomic<bool> does = false;
+  sweep.run([&](const RayRow& row) {
+    if (does) return;
+    const float* const w = winding.data() + row.first;
+    int32_t found = 0;
+    for (size_t i = 0; i < sweep.rowLength(); ++i) {  // No branches: the compiler makes it SIMD.
+      const int32_t a = row.x[i], b = a - row.totalX, c = row.y[i], d = c - row.totalY[i], e = row.z[i],
+                    f = e - row.totalZ[i];
+      const int32_t allOdd = a & b & c & d & e & f & 1, allEven = ~(a | b | c | d | e | f) & 1;
+      const float excess = std::abs(w[i]) - limit;
+      const int32_t isSure = std::abs(excess) > kSureSign ? 1 : 0;
+      found |= isSure & (excess > 0.0f ? allEven : allOdd);
+    }
+    if (found != 0) does = true;
+  });
+  return does;
+}
+
+void averageParity(const RayMap& map, Buffer<float>& parity) {
+  const RaySweep sweep(map);
+  parity.resize(sweep.sampleCount());
+  sweep.run([&](const RayRow& row) {
+    for (size_t i = 0; i < sweep.rowLength(); ++i) parity[row.first + i] = float(oddRays(row, i)) / 6.0f;
+  });
+}
+
+}  // namespace raymap::cpu

@@ -1,0 +1,74 @@
+// Krayer & Müller 2019, §3.5, Eq. 3-8.
+
+#include "cpu/sign/ray_map.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+
+namespace raymap::cpu {
+
+namespace {
+constexpr size_t kLinesPerTask = 4096;
+
+/// Eq. 4-5: r(m) = w_l(m), r(i) = r(i + 1) + w_l(i), stored where w_l is not zero.
+void sumLine(const Crossing* crossings, size_t count, RayStep* steps) {
+  RayStep sum;
+  for (size_t e = count; e-- > 0;) {
+    sum.index = crossings[e].index;
+    sum.signedSum += crossings[e].signedCount;
+    sum.unsignedSum += crossings[e].unsignedCount;
+    steps[e] = sum;
+  }
+}
+}  // namespace
+
+const RayStep* RayMap::find(int axis, const glm::ivec3& sample) const {
+  const LineAxes a(axis);
+  if (sample[a.u] < 0 || sample[a.u] >= dims[a.u] || sample[a.v] < 0 || sample[a.v] >= dims[a.v])
+    return nullptr;  // No line of the lattice: nothing lies there.
+  const int index = std::max(sample[axis], -1);
+  const auto steps = axes[axis].line(size_t(sample[a.v]) * dims[a.u] + sample[a.u]);
+  const auto step =
+      std::partition_point(steps.begin(), steps.end(), [&](const RayStep& s) { return s.index < index; });
+  return step == steps.end() ? nullptr : &*step;
+}
+
+int32_t RayMap::ray(int axis, glm::ivec3 sample) const {
+  const RayStep* step = find(axis, sample);
+  return step ? step->signedSum : 0;
+}
+
+int32_t RayMap::unsignedRay(int axis, glm::ivec3 sample) const {
+  const RayStep* step = find(axis, sample);
+  return step ? step->unsignedSum : 0;
+}
+
+int32_t RayMap::segment(int axis, glm::ivec3 from, int to) const {
+  const int32_t start = ray(axis, from);
+  from[axis] = to;
+  return start - ray(axis, from);
+}
+
+int32_t RayMap::total(int axis, size_t line) const {
+  const auto steps = axes[axis].line(line);
+  return steps.empty() ? 0 : steps.front().signedSum;
+}
+
+void buildRayMap(glm::ivec3 dims, const Crossings& crossings, RayMap& map) {
+  map.dims = dims;
+  for (int axis = 0; axis < 3; ++axis) {
+    const AxisCrossings& from = crossings[axis];
+    RayMap::Axis& to = map.axes[axis];
+    to.starts.resize(from.starts.size());
+    to.steps.resize(from.entries.size());
+    std::copy(from.starts.begin(), from.starts.end(), to.starts.begin());
+    parallelFor(from.starts.size() - 1, kLinesPerTask, [&](size_t begin, size_t end) {
+      for (size_t line = begin; line < end; ++line)
+        sumLine(from.entries.data() + from.starts[line], size_t(from.starts[line + 1] - from.starts[line]),
+                to.steps.data() + from.starts[line]);
+    });
+  }
+}
+
+}  // namespace raymap::cpu

@@ -1,0 +1,313 @@
+// Barill et al. 2018, "Fast winding numbers for soups and clouds", where Krayer & Müller 2019, §3.5, only
+// sample.
+//
+// A distant group of triangles is seen as a dipole with a first correction, a close one triangle by triangle
+// (Van Oosterom & Strackee 1983).
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cpu/sign/winding_dipoles.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h.
+#include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "base/parallel.h"
+#include "cpu/distance/surface_shapes-inl.h"
+#include "cpu/sign/winding_dipoles.h"
+#include "method/winding_dipoles_accuracy.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::cpu {
+namespace HWY_NAMESPACE {
+
+using Moments = WindingDipoles::Moments;
+
+/// Half the solid angle of eight triangles, seen from p; zero in their planes.
+HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
+  const Tag d;
+  const Local q = toLocal(t, hn::Set(d, p.x), hn::Set(d, p.y), hn::Set(d, p.z));
+  const Float bx = t.read(t.p.bx), cx = t.read(t.p.cx), cy = t.read(t.p.cy), zero = hn::Zero(d);
+  const Float au = hn::Neg(q.u), av = hn::Neg(q.v), bu = hn::Sub(bx, q.u), cu = hn::Sub(cx, q.u),
+              cv = hn::Sub(cy, q.v), h2 = hn::Mul(q.w, q.w);
+  const auto dot = [&](Float u, Float v, Float otherU, Float otherV) {
+    return hn::MulAdd(u, otherU, hn::MulAdd(v, otherV, h2));
+  };
+  const Float a = hn::Sqrt(dot(au, av, au, av)), b = hn::Sqrt(dot(bu, av, bu, av)),
+              c = hn::Sqrt(dot(cu, cv, cu, cv));
+  const Float volume = hn::Mul(hn::Neg(q.w), hn::Mul(bx, cy));
+  const Float denominator =
+      hn::MulAdd(hn::Mul(a, b), c,
+                 hn::MulAdd(dot(au, av, bu, av), c,
+                            hn::MulAdd(dot(bu, av, cu, cv), a, hn::Mul(dot(cu, cv, au, av), b))));
+  const Float angle = hn::Atan(d, hn::Div(volume, denominator));
+  const Float turn = hn::CopySign(hn::Set(d, std::numbers::pi_v<float>), volume);
+  const Float full = hn::Add(angle, hn::IfThenElseZero(hn::Lt(denominator, zero), turn));
+  return hn::IfThenElseZero(hn::Ne(volume, zero), full);
+}
+
+/// The lanes from `i` on whose number is below `count`.
+HWY_INLINE Mask below(size_t i, uint32_t count) {
+  const hn::RebindToSigned<Tag> d;
+  return hn::RebindMask(
+      Tag(), hn::Lt(hn::Iota(d, static_cast<int32_t>(i)), hn::Set(d, static_cast<int32_t>(count))));
+}
+
+class DipoleSums {
+ public:
+  explicit DipoleSums(const glm::vec3& centre) : centre_(centre) {}
+
+  void addTriangles(const TrianglePacket& packet, uint32_t count) {
+    const Tag d;
+    const Float third = hn::Set(d, 1.0f / 3.0f);
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+      const Triangle<Each> t{packet, {i}};
+      const Float bx = t.read(packet.bx), cy = t.read(packet.cy);
+      const Float area = hn::IfThenElseZero(below(i, count), hn::Mul(hn::Set(d, 0.5f), hn::Mul(bx, cy)));
+      const Float u = hn::Mul(hn::Add(bx, t.read(packet.cx)), third), v = hn::Mul(cy, third);
+      const auto offset = [&](const float* a, const float* x, const float* y, float centre) {
+        return hn::MulAdd(u, t.read(x), hn::MulAdd(v, t.read(y), hn::Sub(t.read(a), hn::Set(d, centre))));
+      };
+      add(hn::Mul(area, t.read(packet.zx)), hn::Mul(area, t.read(packet.zy)),
+          hn::Mul(area, t.read(packet.zz)), offset(packet.ax, packet.xx, packet.yx, centre_.x),
+          offset(packet.ay, packet.xy, packet.yy, centre_.y),
+          offset(packet.az, packet.xz, packet.yz, centre_.z));
+    }
+  }
+
+  /// Nodes of the level below, in the lanes that hold any.
+  void addNodes(const Moments& moments, const DiscPacket& discs, uint32_t count) {
+    const Tag d;
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+      const Each read{i};
+      const Mask held = below(i, count);
+      const auto part = [&](const float* field) { return hn::IfThenElseZero(held, read(field)); };
+      const auto offset = [&](const float* c, float centre) {
+        return hn::IfThenElseZero(held, hn::Sub(read(c), hn::Set(d, centre)));
+      };
+      add(part(moments.nx), part(moments.ny), part(moments.nz), offset(discs.cx, centre_.x),
+          offset(discs.cy, centre_.y), offset(discs.cz, centre_.z));
+      xx_ = hn::Add(xx_, part(moments.xx)), yy_ = hn::Add(yy_, part(moments.yy)),
+      zz_ = hn::Add(zz_, part(moments.zz)), xy_ = hn::Add(xy_, part(moments.xy)),
+      yz_ = hn::Add(yz_, part(moments.yz)), zx_ = hn::Add(zx_, part(moments.zx));
+    }
+  }
+
+  void write(Moments& to, uint32_t lane) const {
+    const auto sum = [](Float v) { return hn::GetLane(hn::SumOfLanes(Tag(), v)); };
+    to.nx[lane] = sum(nx_), to.ny[lane] = sum(ny_), to.nz[lane] = sum(nz_);
+    to.xx[lane] = sum(xx_), to.yy[lane] = sum(yy_), to.zz[lane] = sum(zz_);
+    to.xy[lane] = sum(xy_), to.yz[lane] = sum(yz_), to.zx[lane] = sum(zx_);
+  }
+
+ private:
+  void add(Float nx, Float ny, Float nz, Float x, Float y, Float z) {
+    nx_ = hn::Add(nx_, nx), ny_ = hn::Add(ny_, ny), nz_ = hn::Add(nz_, nz);
+    const Float half = hn::Set(Tag(), 0.5f);
+    xx_ = hn::MulAdd(nx, x, xx_), yy_ = hn::MulAdd(ny, y, yy_), zz_ = hn::MulAdd(nz, z, zz_);
+    xy_ = hn::MulAdd(half, hn::MulAdd(nx, y, hn::Mul(ny, x)), xy_);
+    yz_ = hn::MulAdd(half, hn::MulAdd(ny, z, hn::Mul(nz, y)), yz_);
+    zx_ = hn::MulAdd(half, hn::MulAdd(nz, x, hn::Mul(nx, z)), zx_);
+  }
+
+  glm::vec3 centre_;
+  Float nx_ = hn::Zero(Tag()), ny_ = nx_, nz_ = nx_;
+  Float xx_ = nx_, yy_ = nx_, zz_ = nx_, xy_ = nx_, yz_ = nx_, zx_ = nx_;
+};
+
+/// Looks at the tree from one point after another; each thread has its own.
+class SolidAngles {
+ public:
+  SolidAngles(const SurfaceTree& tree, const Moments* moments) : tree_(tree), moments_(moments) {}
+
+  /// The winding number of the triangles around p, groups being distant from so many radii on.
+  float windingNumber(const glm::vec3& p, float distant) {
+    distant2_ = distant * distant;
+    sum_ = hn::Zero(Tag());
+    stack_.push_back(tree_.root() / kPacket);
+    while (!stack_.empty()) {
+      const uint32_t packet = stack_.back();
+      stack_.pop_back();
+      forEachLane(addDistant(packet, p), [&](size_t lane) { open(packet * kPacket + uint32_t(lane), p); });
+    }
+    constexpr float kHalfOfAll = 2.0f * std::numbers::pi_v<float>;
+    return hn::GetLane(hn::SumOfLanes(Tag(), sum_)) / kHalfOfAll;
+  }
+
+ private:
+  void addLeaf(uint32_t leaf, const glm::vec3& p) {
+    const uint32_t count = tree_.triangleCount() - leaf * kPacket;
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(Tag())) {
+      const Float angle = halfSolidAngle({tree_.triangles(leaf), {i}}, p);
+      sum_ = hn::Add(sum_, hn::IfThenElseZero(below(i, count), angle));
+    }
+  }
+
+  void open(uint32_t node, const glm::vec3& p) {
+    if (tree_.isLeaf(node))
+      addLeaf(node, p);
+    else
+      stack_.push_back(tree_.childPacket(node));
+  }
+
+  /// Adds the distant nodes of a packet; returns the lanes of the others.
+  uint32_t addDistant(uint32_t packet, const glm::vec3& p) {
+    const Tag d;
+    const DiscPacket& discs = tree_.discs(packet);
+    const Moments& m = moments_[packet];
+    uint32_t close = 0;
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+      const Each read{i};
+      const Float x = hn::Sub(read(discs.cx), hn::Set(d, p.x)), y = hn::Sub(read(discs.cy), hn::Set(d, p.y)),
+                  z = hn::Sub(read(discs.cz), hn::Set(d, p.z));
+      const Float radius = read(discs.radius), thickness = read(discs.halfThickness);
+      const Float reach2 = hn::MulAdd(radius, radius, hn::Mul(thickness, thickness));
+      const Float r2 = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+      const Mask distant = hn::Gt(r2, hn::Mul(hn::Set(d, distant2_), reach2));
+      const Float inverse = hn::Div(hn::Set(d, 1.0f), hn::Sqrt(r2)), inverse2 = hn::Mul(inverse, inverse);
+      const Float flux = hn::MulAdd(x, read(m.nx), hn::MulAdd(y, read(m.ny), hn::Mul(z, read(m.nz))));
+      const Float trace = hn::Add(hn::Add(read(m.xx), read(m.yy)), read(m.zz));
+      const Float squares =
+          hn::MulAdd(hn::Mul(x, x), read(m.xx),
+                     hn::MulAdd(hn::Mul(y, y), read(m.yy), hn::Mul(hn::Mul(z, z), read(m.zz))));
+      const Float products =
+          hn::MulAdd(hn::Mul(x, y), read(m.xy),
+                     hn::MulAdd(hn::Mul(y, z), read(m.yz), hn::Mul(hn::Mul(z, x), read(m.zx))));
+      const Float second = hn::MulAdd(hn::Set(d, 2.0f), products, squares);
+      const Float bracket = hn::NegMulAdd(hn::Mul(hn::Set(d, 3.0f), second), inverse2, hn::Add(flux, trace));
+      const Float half = hn::Mul(hn::Mul(hn::Set(d, 0.5f), bracket), hn::Mul(inverse2, inverse));
+      sum_ = hn::Add(sum_, hn::IfThenElseZero(distant, half));
+      close |= bits(hn::Not(distant)) << i;
+    }
+    return close;
+  }
+
+  const SurfaceTree& tree_;
+  const Moments* moments_;
+  float distant2_ = 0.0f;
+  Float sum_;
+  std::vector<uint32_t> stack_;  // packets of nodes
+};
+
+glm::vec3 discCentre(const DiscPacket& discs, uint32_t lane) {
+  return {discs.cx[lane], discs.cy[lane], discs.cz[lane]};
+}
+
+/// The moments of a level's nodes, from their triangles or from the nodes of the level below.
+void buildMoments(const SurfaceTree& tree, size_t level, Moments* moments) {
+  constexpr size_t kGrain = 64;
+  const SurfaceTree::Level nodes = tree.levels()[level];
+  const uint32_t below = level == 0 ? tree.triangleCount() : tree.levels()[level - 1].count;
+  parallelFor((nodes.count + kPacket - 1) / kPacket, kGrain, [&](size_t begin, size_t end) {
+    for (size_t n = begin * kPacket; n < end * kPacket; ++n) {
+      const auto node = static_cast<uint32_t>(nodes.start + n);
+      const uint32_t packet = node / kPacket, lane = node % kPacket;
+      DipoleSums sums(discCentre(tree.discs(packet), lane));
+      if (n < nodes.count) {
+        const uint32_t children = tree.childPacket(node), count = below - static_cast<uint32_t>(n) * kPacket;
+        if (level == 0)
+          sums.addTriangles(tree.triangles(children), count);
+        else
+          sums.addNodes(moments[children], tree.discs(children), count);
+      }
+      sums.write(moments[packet], lane);
+    }
+  });
+}
+
+/// To 0.00001 in the mean, for both backends to give the same.
+void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
+          float* winding) {
+  SolidAngles solidAngles(tree, moments);
+  for (size_t p = 0; p < points.size(); ++p) winding[p] = solidAngles.windingNumber(points[p], kDistant[2]);
+}
+
+void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
+             std::span<const uint32_t> samples, float* winding) {
+  SolidAngles solidAngles(tree, moments);
+  const glm::uvec3 d(dims);
+  for (const uint32_t s : samples) {
+    const glm::vec3 p(s % d.x, s / d.x % d.y, s / d.x / d.y);
+    for (size_t look = 0; look < kLooks; ++look) {
+      winding[s] = solidAngles.windingNumber(p, kDistant[look]);
+      if (std::abs(std::abs(winding[s]) - threshold) >= kClose[look]) break;
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace raymap::cpu
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raymap::cpu {
+
+namespace {
+
+HWY_EXPORT(buildMoments);
+HWY_EXPORT(look);
+HWY_EXPORT(replace);
+
+float latticeError(float distance) {
+  return std::max(kMostError * std::min(1.0f, kMostErrorWithin / distance), kLeastError);
+}
+
+/// The samples of each chunk that the lattice may have put on the wrong side of the threshold.
+std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer<float>& distance,
+                                                   const Buffer<float>& winding) {
+  constexpr size_t kChunk = 4096;
+  std::vector<std::vector<uint32_t>> chunks((winding.size() + kChunk - 1) / kChunk);
+  parallelFor(chunks.size(), 4, [&](size_t begin, size_t end) {
+    for (size_t s = begin * kChunk; s < std::min(end * kChunk, winding.size()); ++s) {
+      const float gap = std::abs(std::abs(winding[s]) - threshold);
+      if (gap < latticeError(0.0f) && gap < latticeError(distance[s]))
+        chunks[s / kChunk].push_back(static_cast<uint32_t>(s));
+    }
+  });
+  return chunks;
+}
+
+}  // namespace
+
+const SurfaceTree& WindingDipoles::prepare(const SurfaceSource& surface) {
+  const SurfaceTree& tree = surface();
+  moments_.resize(tree.root() / kPacket + 1);
+  for (size_t level = 0; level < tree.levels().size(); ++level)
+    HWY_DYNAMIC_DISPATCH(buildMoments)(tree, level, moments_.data());
+  return tree;
+}
+
+std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
+                                             Progress& progress) {
+  constexpr size_t kGrain = 256;
+  std::vector<float> winding(points.size());
+  const SurfaceTree& tree = prepare(surface);
+  parallelFor(points.size(), kGrain, [&](size_t begin, size_t end) {
+    progress.poll();
+    HWY_DYNAMIC_DISPATCH(look)
+    (tree, moments_.data(), points.subspan(begin, end - begin), winding.data() + begin);
+  });
+  return winding;
+}
+
+void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims,
+                            const Buffer<float>& distance, double threshold, Progress& progress,
+                            Buffer<float>& winding) {
+  const auto limit = static_cast<float>(threshold);
+  const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
+  if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;
+  const SurfaceTree& tree = prepare(surface);
+  parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
+    if (chunks[chunk].empty()) return;
+    progress.poll();
+    HWY_DYNAMIC_DISPATCH(replace)(tree, moments_.data(), dims, limit, chunks[chunk], winding.data());
+  });
+}
+
+}  // namespace raymap::cpu
+#endif

@@ -1,0 +1,90 @@
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
+// the field whose differences along all lattice edges come as close as possible to their crossing counts (Eq.
+// 5).
+
+#include "cpu/sign/winding_harmonic.h"
+
+#include <algorithm>
+
+#include "cpu/sign/winding_harmonic_transfer.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+class Hierarchy {
+ public:
+  Hierarchy(std::vector<HarmonicLevel>& levels, Progress& progress, Buffer<float>& winding)
+      : levels_(levels), progress_(progress), winding_(winding) {}
+
+  /// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves
+  /// an error below that of the lattice itself (docs/signs.md), and costs less than anything that needs more.
+  void solve(size_t l) {
+    HarmonicLevel& level = levels_[l];
+    float* values = l == 0 ? winding_.data() : level.values.data();
+    const RightHandSide jumps{.jumps = &level.jumps};
+    if (isCoarsest(l)) {
+      std::fill_n(values, level.box.sampleCount(), 0.0f);
+      overrelaxField(level.box, jumps, kCoarsestSweeps, values);
+      return;
+    }
+    prolongField(levels_[l + 1].box, levels_[l + 1].values.data(), level.box, level.jumps, values);
+    improve(l, jumps, values);
+  }
+
+ private:
+  bool isCoarsest(size_t l) const { return l + 1 == levels_.size(); }
+
+  /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it
+  /// has no jumps.
+  void improve(size_t l, const RightHandSide& rightHandSide, float* values) {
+    const LatticeBox& box = levels_[l].box;
+    HarmonicLevel& coarse = levels_[l + 1];
+    relaxField(box, rightHandSide, progress_, values);
+    restrictResidual(box, rightHandSide, values, coarse.box, coarse.residual.data());
+    const RightHandSide residual{.values = coarse.residual.data()};
+    float* correction = coarse.correction.data();
+    std::fill_n(correction, coarse.box.sampleCount(), 0.0f);
+    if (isCoarsest(l + 1))
+      overrelaxField(coarse.box, residual, kCoarsestSweeps, correction);
+    else
+      improve(l + 1, residual, correction);
+    addCorrection(coarse.box, correction, box, values);
+    relaxField(box, rightHandSide, progress_, values);
+  }
+
+  std::vector<HarmonicLevel>& levels_;
+  Progress& progress_;
+  Buffer<float>& winding_;
+};
+
+void buildLevel(const RayMap& map, size_t l, HarmonicLevel& level) {
+  level.box = harmonicBox(map.dims, int(l));
+  for (int axis = 0; axis < 3; ++axis) level.jumps[size_t(axis)].collect(map, level.box, axis);
+  if (l == 0) return;
+  for (Buffer<float>* field : {&level.values, &level.correction, &level.residual})
+    field->resize(level.box.sampleCount());
+}
+
+}  // namespace
+
+size_t HarmonicScratch::bytes() const {
+  size_t sum = 0;
+  for (const HarmonicLevel& level : levels) {
+    sum += level.values.capacityBytes() + level.correction.capacityBytes() + level.residual.capacityBytes();
+    for (const JumpRows& jumps : level.jumps) sum += jumps.bytes();
+  }
+  return sum;
+}
+
+void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding) {
+  scratch.levels.resize(size_t(coarsestHarmonicLevel(map.dims)) + 1);
+  Hierarchy hierarchy(scratch.levels, progress, winding);
+  for (size_t l = scratch.levels.size(); l-- > 0;) {
+    buildLevel(map, l, scratch.levels[l]);
+    hierarchy.solve(l);
+    progress.report(1.0 / double(size_t{1} << 3 * l));
+  }
+}
+
+}  // namespace raymap::cpu

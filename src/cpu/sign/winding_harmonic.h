@@ -1,0 +1,28 @@
+#pragma once
+
+#include "base/progress.h"
+#include "cpu/sign/winding_harmonic_jumps.h"
+
+namespace raymap::cpu {
+
+/// One lattice of the hierarchy: the field on it, what its edges ask for, and the correction that it computes
+/// for the next finer one.
+struct HarmonicLevel {
+  LatticeBox box;
+  std::array<JumpRows, 3> jumps;
+  Buffer<float> values;  ///< Empty on the finest level, whose field is the result; so are the next two.
+  Buffer<float> correction;
+  Buffer<float> residual;
+};
+
+struct HarmonicScratch {
+  std::vector<HarmonicLevel> levels;
+
+  size_t bytes() const;
+};
+
+/// Fills `winding` with the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as
+/// possible, in the least-squares sense, and vanishes far away.
+void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding);
+
+}  // namespace raymap::cpu

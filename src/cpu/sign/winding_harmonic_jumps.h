@@ -1,0 +1,38 @@
+#pragma once
+
+#include "cpu/sign/ray_map.h"
+#include "method/winding_harmonic_lattices.h"
+
+#include <vector>
+
+namespace raymap::cpu {
+
+/// The right-hand side of the least-squares fit along one axis, kept where it is not zero and sorted by row:
+/// at each sample, what w is to exceed its two neighbours along the axis by, added up. From Eq. 5, w(i) - w(i
+/// + 1) = w_l(i), that is w_l(i) - w_l(i - 1).
+class JumpRows {
+ public:
+  struct Jump {
+    int32_t x;
+    float height;
+  };
+
+  /// A lattice edge of a coarser level is a chain of finer ones, and its count the sum of theirs: the steps
+  /// of the same lines with their index shifted.
+  void collect(const RayMap& map, const LatticeBox& box, int axis);
+
+  std::span<const Jump> row(size_t row) const {
+    return {jumps_.data() + starts_[row], starts_[row + 1] - starts_[row]};
+  }
+  /// Adds the jumps of a row, times `scale`, to its samples.
+  void addTo(float* samples, size_t id, float scale) const {
+    for (const Jump& jump : row(id)) samples[jump.x] += scale * jump.height;
+  }
+  size_t bytes() const { return starts_.capacity() * sizeof(size_t) + jumps_.capacity() * sizeof(Jump); }
+
+ private:
+  std::vector<size_t> starts_;
+  std::vector<Jump> jumps_;
+};
+
+}  // namespace raymap::cpu

@@ -1,0 +1,184 @@
+// Krayer & Müller 2019, §3.5, Eq. 9-11: curves that go elsewhere first.
+
+#include "cpu/sign/winding_paths.h"
+
+#include <algorithm>
+#include <atomic>
+#include <utility>
+
+#include "method/winding_paths_offsets.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+/// Counts the rows walked, once for each offset point.
+struct Walked {
+  Progress& progress;
+  double total;          ///< How many there will be.
+  size_t rowsPerReport;  ///< About a millisecond of work, however many points each row has.
+  std::atomic<uint64_t> done{0};
+};
+
+/// Walks from the samples of a row to their offset points, along the edges of the box between them.
+class PathRow {
+ public:
+  PathRow(const RayMap& map, const std::array<Buffer<int32_t>, 3>& rays, Walked& walked)
+      : map_(map),
+        rays_(rays),
+        walked_(walked),
+        from_(size_t(map.dims.x)),
+        to_(from_.size()),
+        sum_(from_.size()) {}
+
+  /// The signed crossings of the six paths from each sample of row (j, k) to its offset point, added up.
+  const std::vector<int32_t>& countPaths(int j, int k, const glm::ivec3& offset) {
+    std::fill(sum_.begin(), sum_.end(), 0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int side = 0; side < 4; ++side) {
+        // The edge along `axis` where the axes u and v have, or have not, been walked yet: it belongs to two
+        // of the six paths if it comes first or last, and to one if it comes second.
+        const LineAxes across(axis);
+        glm::ivec3 start(0);
+        start[across.u] = side & 1 ? offset[across.u] : 0;
+        start[across.v] = side & 2 ? offset[across.v] : 0;
+        glm::ivec3 end = start;
+        end[axis] = offset[axis];
+        const int32_t paths = side == 0 || side == 3 ? 2 : 1;
+        fetch(axis, start.x, j + start.y, k + start.z, from_.data());
+        fetch(axis, end.x, j + end.y, k + end.z, to_.data());
+        for (size_t i = 0; i < sum_.size(); ++i) sum_[i] += paths * (from_[i] - to_[i]);  // Eq. 6
+      }
+    if (++unreported_ >= walked_.rowsPerReport) report();
+    return sum_;
+  }
+
+  void report() {
+    walked_.done += std::exchange(unreported_, 0);
+    walked_.progress.report(double(walked_.done) / walked_.total);
+  }
+
+ private:
+  /// Eq. 7: r along `axis` at the samples (i + shift, j, k).
+  void fetch(int axis, int shift, int j, int k, int32_t* row) const {
+    const glm::ivec3 dims = map_.dims;
+    const int begin = std::clamp(-shift, 0, dims.x), end = std::clamp(dims.x - shift, begin, dims.x);
+    int32_t before = 0;  // at samples before the row: only a ray along it sees anything
+    const bool jInside = j >= 0 && j < dims.y, kInside = k >= 0 && k < dims.z;
+    if (jInside && kInside) {
+      const size_t first = (size_t(k) * dims.y + j) * dims.x;
+      if (axis == 0) before = map_.total(0, first / dims.x);
+      const int32_t* rays = rays_[axis].data() + first + shift;
+      for (int i = begin; i < end; ++i) row[i] = rays[i];
+    } else if ((axis == 1 && j < 0 && kInside) || (axis == 2 && k < 0 && jInside)) {
+      const size_t firstLine = size_t(axis == 1 ? k : j) * dims.x;
+      for (int i = begin; i < end; ++i) row[i] = map_.total(axis, firstLine + size_t(i + shift));
+    } else {
+      std::fill(row + begin, row + end, 0);
+    }
+    std::fill(row, row + begin, before);
+    std::fill(row + end, row + dims.x, 0);
+  }
+
+  const RayMap& map_;
+  const std::array<Buffer<int32_t>, 3>& rays_;
+  Walked& walked_;
+  uint64_t unreported_ = 0;
+  std::vector<int32_t> from_, to_, sum_;
+};
+
+/// The values at the offset points of row (j, k). Paper: six rays there too. Here: 0 outside the grid,
+/// because no surface lies there and every ray that misses the grid knows it.
+void fetchValues(const glm::ivec3& dims, const glm::ivec3& offset, int j, int k, const Buffer<float>& values,
+                 std::vector<float>& row) {
+  std::fill(row.begin(), row.end(), 0.0f);
+  j += offset.y;
+  k += offset.z;
+  if (j < 0 || j >= dims.y || k < 0 || k >= dims.z) return;
+  const float* first = values.data() + (size_t(k) * dims.y + j) * dims.x;
+  for (int i = std::max(0, -offset.x); i < std::min(dims.x, dims.x - offset.x); ++i)
+    row[size_t(i)] = first[i + offset.x];
+}
+
+void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
+  for (Buffer<int32_t>& r : rays) r.resize(sweep.sampleCount());
+  sweep.run([&](const RayRow& row) {
+    const size_t count = sweep.rowLength();
+    std::copy_n(row.x, count, rays[0].data() + row.first);
+    std::copy_n(row.y, count, rays[1].data() + row.first);
+    std::copy_n(row.z, count, rays[2].data() + row.first);
+  });
+}
+
+/// Calls `work(paths, j, k, first)` for every row.
+template <class Work>
+void forEachRow(const RayMap& map, const PathScratch& scratch, Walked& walked, Work&& work) {
+  parallelFor(size_t(map.dims.z), 4, [&](size_t begin, size_t end) {
+    PathRow paths(map, scratch.rays, walked);
+    for (int k = int(begin); k < int(end); ++k) {
+      for (int j = 0; j < map.dims.y; ++j) work(paths, j, k, (size_t(k) * map.dims.y + j) * map.dims.x);
+      paths.report();
+    }
+  });
+}
+
+Walked walks(const RayMap& map, Progress& progress, double points) {
+  constexpr size_t kSamplesPerReport = size_t{1} << 15;
+  return {progress, points * map.dims.y * map.dims.z,
+          std::max<size_t>(1, kSamplesPerReport / size_t(map.dims.x))};
+}
+
+}  // namespace
+
+size_t PathScratch::bytes() const {
+  return rays[0].capacityBytes() + rays[1].capacityBytes() + rays[2].capacityBytes() + next.capacityBytes();
+}
+
+void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
+                  Buffer<float>& winding) {
+  const RayMap& map = sweep.map();
+  fillRays(sweep, scratch.rays);
+  scratch.next.resize(winding.size());
+  const float curves = kRays * (1.0f + kPathsPerPoint * float(options.passes));
+  Walked walked = walks(map, progress, options.passes);
+  forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
+    std::vector<float> sum(sweep.rowLength()), there(sweep.rowLength());
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] = kRays * winding[first + i];
+    for (int pass = 0; pass < options.passes; ++pass) {
+      const glm::ivec3 offset = offsetOf(options, pass, map.dims);
+      const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
+      fetchValues(map.dims, offset, j, k, winding, there);
+      for (size_t i = 0; i < sum.size(); ++i)  // Eq. 9, summed over the six paths
+        sum[i] += kRays * (float(counts[i]) + kPathsPerPoint * there[i]);
+    }
+    for (size_t i = 0; i < sum.size(); ++i) scratch.next[first + i] = sum[i] / curves;
+  });
+  winding.swap(scratch.next);
+}
+
+void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
+                 Buffer<float>& winding) {
+  const RayMap& map = sweep.map();
+  fillRays(sweep, scratch.rays);
+  scratch.next.resize(winding.size());
+  Walked walked = walks(map, progress, double(kPointsPerStep) * options.passes);
+  for (int step = 0; step < options.passes; ++step) {
+    forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
+      std::vector<float> sum(winding.data() + first, winding.data() + first + sweep.rowLength());
+      std::vector<float> there(sum.size());
+      for (int point = 0; point < kPointsPerStep; ++point) {
+        const glm::ivec3 offset = offsetOf(options, int64_t{step} * kPointsPerStep + point, map.dims);
+        const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
+        fetchValues(map.dims, offset, j, k, winding, there);
+        for (size_t i = 0; i < sum.size(); ++i) sum[i] += float(counts[i]) + kPathsPerPoint * there[i];
+      }
+      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n is the same at every sample, 6 * 25^t,
+      // so that it cancels and no count grows with the steps.
+      for (size_t i = 0; i < sum.size(); ++i)
+        scratch.next[first + i] = sum[i] / float(1 + kPathsPerPoint * kPointsPerStep);
+    });
+    winding.swap(scratch.next);
+  }
+}
+
+}  // namespace raymap::cpu

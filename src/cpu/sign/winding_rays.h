@@ -1,0 +1,12 @@
+#pragma once
+
+#include "base/progress.h"
+#include "cpu/sign/ray_sweep.h"
+
+namespace raymap::cpu {
+
+/// Fills `winding` with the average of the six rays of each sample; returns how many samples' rays disagree.
+/// Where they agree the value is exactly their whole number.
+size_t averageRays(const RaySweep& sweep, Buffer<float>& winding);
+
+}  // namespace raymap::cpu

@@ -1,0 +1,217 @@
+#include "io/field/field_array.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/memory.h"
+
+namespace raymap {
+
+static_assert(std::endian::native == std::endian::little, "the writers copy memory to little-endian files");
+
+namespace {
+
+template <class T>
+NamedArray named(std::string_view name, ElementType type, const Buffer<T>& values) {
+  return {name, type, std::as_bytes(std::span<const T>(values))};
+}
+
+template <class T>
+void swapBytes(std::span<T> values) {
+  for (T& value : values) {
+    auto* bytes = reinterpret_cast<unsigned char*>(&value);
+    std::reverse(bytes, bytes + sizeof(T));
+  }
+}
+
+template <class T>
+void readRaw(std::span<T> to, bool bigEndian, const ReadBytes& read) {
+  read(to.data(), to.size_bytes());
+  if (bigEndian) swapBytes(to);
+}
+
+/// Reads elements of type `From` piece by piece, so that no second array is needed.
+template <class From, class To>
+void readConverted(std::span<To> to, bool bigEndian, const ReadBytes& read) {
+  constexpr size_t kPiece = size_t{1} << 16;
+  std::vector<From> piece(std::min(kPiece, to.size()));
+  for (size_t begin = 0; begin < to.size(); begin += kPiece) {
+    const std::span<From> part(piece.data(), std::min(kPiece, to.size() - begin));
+    readRaw(part, bigEndian, read);
+    for (size_t i = 0; i < part.size(); ++i) to[begin + i] = static_cast<To>(part[i]);
+  }
+}
+
+template <class T>
+Buffer<T> transposed(const Buffer<T>& zFastest, glm::ivec3 dims) {
+  Buffer<T> result(zFastest.size());
+  const size_t nx = size_t(dims.x), ny = size_t(dims.y), nz = size_t(dims.z);
+  for (size_t k = 0; k < nz; ++k)
+    for (size_t j = 0; j < ny; ++j)
+      for (size_t i = 0; i < nx; ++i) result[(k * ny + j) * nx + i] = zFastest[(i * ny + j) * nz + k];
+  return result;
+}
+
+template <class Wide, class T>
+Buffer<T> readBuffer(const Grid& grid, const ArrayLayout& layout, bool wide, const ReadBytes& read) {
+  Buffer<T> values(grid.sampleCount());
+  if (wide)
+    readConverted<Wide, T>(values, layout.bigEndian, read);
+  else
+    readRaw<T>(values, layout.bigEndian, read);
+  return layout.zFastest ? transposed(values, grid.dims) : std::move(values);
+}
+
+bool isSeparator(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ',' || c == '(' || c == ')';
+}
+
+}  // namespace
+
+size_t elementSize(ElementType type) {
+  return type == ElementType::Float64 ? 8 : 4;
+}
+
+std::vector<NamedArray> arraysOf(const Field& field) {
+  std::vector<NamedArray> arrays{named("distance", ElementType::Float32, field.distance),
+                                 named("winding", ElementType::Float32, field.winding),
+                                 named("confidence", ElementType::Float32, field.confidence),
+                                 named("triangle", ElementType::UInt32, field.triangle)};
+  std::erase_if(arrays, [](const NamedArray& array) { return array.bytes.empty(); });
+  return arrays;
+}
+
+void throwInvalid(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorCode::Input, path.string() + ": " + what);
+}
+
+void throwUnsupported(const std::filesystem::path& path, const std::string& what) {
+  throw Error(ErrorCode::Unsupported, path.string() + ": " + what);
+}
+
+InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status))
+    throw Error(ErrorCode::File, path.string() + ": no such file; check the path");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(ErrorCode::File, path.string() + ": not a regular file; fields cannot be read from it");
+  stream_.open(path, std::ios::binary);
+  remaining_ = std::filesystem::file_size(path, error);
+  if (!stream_ || error)
+    throw Error(ErrorCode::File, path.string() + ": cannot be opened; check its permissions");
+}
+
+void InputFile::read(void* to, size_t count) {
+  if (count > remaining_)
+    throwInvalid(path_, "ends early: " + std::to_string(count - remaining_) + " bytes are missing");
+  if (!stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(count)))
+    throw Error(ErrorCode::File, path_.string() + ": cannot be read to its end");
+  remaining_ -= count;
+}
+
+std::string InputFile::readLine(size_t longest) {
+  std::string line;
+  for (char c = 0; remaining_ > 0;) {
+    read(&c, 1);
+    if (c == '\n') break;
+    if (line.size() == longest) throwInvalid(path_, "a header line is longer than any of this format");
+    line += c;
+  }
+  if (line.ends_with('\r')) line.pop_back();
+  return line;
+}
+
+size_t checkedSampleCount(const std::filesystem::path& path, const std::array<int64_t, 3>& dims,
+                          ElementType type, uint64_t available) {
+  uint64_t room = available / elementSize(type);
+  uint64_t count = 1;
+  for (const int64_t side : dims) {
+    if (side < 1 || side > std::numeric_limits<int>::max())
+      throwInvalid(path, "a grid of " + std::to_string(side) + " samples along one side makes no sense");
+    count *= static_cast<uint64_t>(side);
+    room /= static_cast<uint64_t>(side);
+    if (room == 0)
+      throwInvalid(path, "declares " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " +
+                             std::to_string(dims[2]) + " samples, more than its bytes can hold");
+  }
+  const uint64_t bytes = count * elementSize(type), left = availableMemory();
+  if (bytes > left)
+    throw Error(ErrorCode::Memory, path.string() + ": its samples need " + std::to_string(bytes >> 20) +
+                                       " MiB, and only " + std::to_string(left >> 20) + " MiB are available");
+  return count;
+}
+
+uint64_t inflatedBound(uint64_t bytes) {
+  constexpr uint64_t kMostGrowth = 1032;
+  return bytes > UINT64_MAX / kMostGrowth ? UINT64_MAX : bytes * kMostGrowth;
+}
+
+void setDims(Grid& grid, const std::array<int64_t, 3>& dims) {
+  grid.dims = {static_cast<int>(dims[0]), static_cast<int>(dims[1]), static_cast<int>(dims[2])};
+}
+
+void checkPlacement(const std::filesystem::path& path, const Field& field) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(field.grid.origin[axis])) throwInvalid(path, "the grid's origin is not finite");
+  if (!std::isfinite(field.grid.spacing) || field.grid.spacing <= 0.0)
+    throwInvalid(path, "the grid's spacing is " + toText(field.grid.spacing) + ", not a positive number");
+  if (!std::isfinite(field.band) || field.band < 0.0)
+    throwInvalid(path, "the field's band is " + toText(field.band) + ", not a width");
+}
+
+void readArray(const std::filesystem::path& path, Field& field, std::string_view name,
+               const ArrayLayout& layout, const ReadBytes& read) {
+  const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
+  const bool isOurs = name == "distance" || name == "winding" || name == "confidence" || name == "triangle";
+  if (isOurs && isWhole != (name == "triangle"))
+    throwInvalid(path, "the array '" + std::string(name) + "' has elements of the wrong type");
+  if (isWhole) {
+    field.triangle = readBuffer<uint32_t, uint32_t>(field.grid, layout, false, read);
+    return;
+  }
+  Buffer<float>& values = name == "winding"      ? field.winding
+                          : name == "confidence" ? field.confidence
+                                                 : field.distance;
+  values = readBuffer<double, float>(field.grid, layout, layout.type == ElementType::Float64, read);
+}
+
+std::string toText(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::optional<std::vector<double>> parseNumbers(std::string_view text, size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    while (at != end && isSeparator(*at)) ++at;
+    if (at == end) break;
+    double value = 0.0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || numbers.size() == count) return std::nullopt;
+    numbers.push_back(value);
+    at = next;
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+std::optional<std::array<int64_t, 3>> parseDims(std::string_view text) {
+  const auto numbers = parseNumbers(text, 3);
+  std::array<int64_t, 3> dims{};
+  for (size_t axis = 0; numbers && axis < 3; ++axis) {
+    const double side = (*numbers)[axis];
+    if (!(std::abs(side) <= 0x1p53) || side != std::trunc(side)) return std::nullopt;
+    dims[axis] = static_cast<int64_t>(side);
+  }
+  if (!numbers) return std::nullopt;
+  return dims;
+}
+
+}  // namespace raymap

@@ -1,0 +1,108 @@
+// Writes fields as OpenVDB's level sets; read_vdb.cpp and import_vdb.cpp read them.
+
+#include "io/field/vdb.h"
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Activate.h>
+#include <openvdb/tools/Dense.h>
+#include <openvdb/tools/Prune.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+#include "io/field/field_formats.h"
+
+namespace raymap {
+
+namespace {
+
+/// OpenVDB's own file class neither writes to a stream nor notices a full disk.
+class StreamArchive : public openvdb::io::Archive {
+ public:
+  void writeTo(std::ostream& out, const openvdb::GridBase::Ptr& grid) const {
+    Archive::write(out, openvdb::GridPtrVec{grid}, out.tellp() != std::ostream::pos_type(-1),
+                   openvdb::MetaMap());
+  }
+};
+
+openvdb::CoordBBox boxOf(const Grid& grid) {
+  return {openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1)};
+}
+
+/// A tree that holds every sample's value: background ones, and with `mirrored` those of its negative, are
+/// inactive and cost nothing where they fill a block.
+template <class GridType>
+openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
+                                typename GridType::ValueType background, bool mirrored) {
+  using Value = typename GridType::ValueType;
+  const auto* values = reinterpret_cast<const Value*>(array.bytes.data());
+  const openvdb::tools::Dense<const Value, openvdb::tools::LayoutXYZ> dense(boxOf(field.grid), values);
+  auto grid = GridType::create(background);
+  openvdb::tools::copyFromDense(dense, *grid, Value(0));
+  if (mirrored) {
+    openvdb::tools::deactivate(grid->tree(), Value(-background));
+    openvdb::tools::prune(grid->tree());
+  }
+  return grid;
+}
+
+float largestMagnitude(std::span<const float> values) {
+  float largest = 0.0F;
+  for (const float value : values)
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
+  openvdb::GridBase::Ptr grid;
+  if (array.type == ElementType::UInt32) {
+    grid = makeGrid<openvdb::Int32Grid>(field, array, -1, false);  // kNoTriangle in 32 signed bits.
+  } else if (array.name == "distance") {
+    const float largest = largestMagnitude(field.distance);
+    grid = makeGrid<openvdb::FloatGrid>(field, array, largest > 0.0F ? largest : float(field.grid.spacing),
+                                        true);
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  } else {
+    grid = makeGrid<openvdb::FloatGrid>(field, array, 0.0F, false);
+  }
+  const Grid& g = field.grid;
+  auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
+  transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
+  grid->setTransform(transform);
+  grid->setName(std::string(array.name));
+  grid->setCreator("raymap");
+  grid->insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
+  if (field.band > 0.0) grid->insertMeta(kVdbBandKey, openvdb::DoubleMetadata(field.band));
+  return grid;
+}
+
+/// OpenVDB marks each file with a random number; ours comes from the contents, so that equal fields make
+/// equal files.
+void replaceIdentifier(std::ostream& out, const NamedArray& array) {
+  constexpr std::streamoff kIdentifierOffset = 21;  // After magic, versions and the mark for offsets.
+  const auto end = out.tellp();
+  if (end == std::ostream::pos_type(-1)) return;
+  const auto* bytes = reinterpret_cast<const Bytef*>(array.bytes.data());
+  const auto check = static_cast<unsigned>(crc32_z(0, bytes, array.bytes.size()));
+  std::array<char, 37> text{};
+  std::snprintf(text.data(), text.size(), "%08x-0000-4000-8000-%012zx", check, array.bytes.size());
+  out.seekp(kIdentifierOffset).write(text.data(), 36).seekp(end);
+}
+
+}  // namespace
+
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
+  openvdb::initialize();  // Locks, and does nothing the second time.
+  try {
+    StreamArchive().writeTo(out, gridOf(field, array));
+  } catch (const openvdb::Exception& e) {
+    throw Error(ErrorCode::File, std::string("OpenVDB cannot write the field: ") + e.what());
+  }
+  replaceIdentifier(out, array);
+}
+
+}  // namespace raymap

@@ -1,0 +1,225 @@
+// VTK's ImageData: XML, and the samples after it as they are in memory.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <ostream>
+#include <pugixml.hpp>
+
+#include "io/field/field_formats.h"
+#include "io/field/vti_data.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The file in memory: its XML, and what follows the underscore of its appended data.
+struct VtiFile {
+  fs::path path;
+  Buffer<char> bytes;
+  pugi::xml_document xml;
+  std::string_view appended;
+  bool appendedIsRaw = false;
+  bool bigEndian = false;
+  bool longHeader = false;
+  bool isDeflated = false;
+};
+
+void load(VtiFile& file) {
+  InputFile input(file.path);
+  file.bytes.resize(input.remaining());
+  input.read(file.bytes.data(), file.bytes.size());
+  const std::string_view text(file.bytes.data(), file.bytes.size());
+  const size_t end = std::min(text.find("<AppendedData"), text.size());
+  const auto parsed = file.xml.load_buffer(text.data(), end, pugi::parse_default, pugi::encoding_utf8);
+  const bool isCut = end < text.size();
+  if (!parsed && !(isCut && parsed.status == pugi::status_end_element_mismatch))
+    throwInvalid(file.path, std::string("is no VTK file: ") + parsed.description());
+  if (!isCut) return;
+  const size_t close = text.find('>', end), start = text.find('_', std::min(close, text.size()));
+  if (start == std::string_view::npos) throwInvalid(file.path, "its appended data has no beginning");
+  file.appended = text.substr(start + 1);
+  file.appendedIsRaw = text.substr(end, close - end).find("raw") != std::string_view::npos;
+}
+
+std::vector<double> numbersOf(const VtiFile& file, const pugi::xml_node& node, const char* attribute,
+                              size_t count, const char* otherwise) {
+  const std::string text = node.attribute(attribute).as_string(otherwise);
+  auto numbers = parseNumbers(text, count);
+  if (!numbers) throwInvalid(file.path, std::string(attribute) + "=\"" + text + "\" is not what it must be");
+  return *std::move(numbers);
+}
+
+/// Sets the field's grid; the dimensions, which nothing has checked yet, are returned.
+std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image, Grid& grid) {
+  const auto extent = numbersOf(file, image, "WholeExtent", 6, "");
+  const auto origin = numbersOf(file, image, "Origin", 3, "0 0 0");
+  const auto spacing = numbersOf(file, image, "Spacing", 3, "1 1 1");
+  const auto direction = numbersOf(file, image, "Direction", 9, "1 0 0 0 1 0 0 0 1");
+  constexpr double kTolerance = 1e-5;
+  std::array<int64_t, 3> dims{};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(spacing[axis] - spacing[0]) <= kTolerance * std::abs(spacing[0])))
+      throwUnsupported(file.path, "its cells are no cubes; resample it");
+    const double first = extent[2 * axis], last = extent[2 * axis + 1];
+    if (!(std::abs(first) < 1e9 && std::abs(last) < 1e9) || first != std::trunc(first) ||
+        last != std::trunc(last))
+      throwInvalid(file.path, "its extent is out of range, or not of whole numbers");
+    dims[axis] = static_cast<int64_t>(last) - static_cast<int64_t>(first) + 1;
+    grid.origin[static_cast<int>(axis)] = first == 0.0 ? origin[axis] : origin[axis] + first * spacing[0];
+  }
+  for (size_t i = 0; i < 9; ++i)
+    if (direction[i] != (i % 4 == 0 ? 1.0 : 0.0))
+      throwUnsupported(file.path, "its grid is turned; resample it");
+  grid.spacing = spacing[0];
+  return dims;
+}
+
+pugi::xml_node findArray(const VtiFile& file, const pugi::xml_node& image) {
+  const pugi::xml_node piece = image.child("Piece");
+  if (!piece || piece.next_sibling("Piece"))
+    throwUnsupported(file.path, "it is not of one piece; save it as one");
+  if (std::string_view(piece.attribute("Extent").as_string()) != image.attribute("WholeExtent").as_string())
+    throwUnsupported(file.path, "its piece is not the whole; save it anew");
+  const pugi::xml_node points = piece.child("PointData");
+  const char* name = points.attribute("Scalars").as_string();
+  pugi::xml_node array = points.find_child_by_attribute("DataArray", "Name", name);
+  if (!array) array = points.child("DataArray");
+  if (!array) throwInvalid(file.path, "it has no point data");
+  if (array.attribute("NumberOfComponents").as_int(1) != 1)
+    throwUnsupported(file.path, "its samples are vectors");
+  return array;
+}
+
+ElementType typeOf(const VtiFile& file, const pugi::xml_node& array) {
+  static const std::map<std::string, ElementType, std::less<>> kTypes{{"Float32", ElementType::Float32},
+                                                                      {"Float64", ElementType::Float64},
+                                                                      {"UInt32", ElementType::UInt32},
+                                                                      {"Int32", ElementType::Int32}};
+  const auto found = kTypes.find(array.attribute("type").as_string());
+  if (found == kTypes.end())
+    throwUnsupported(file.path, std::string("samples of type '") + array.attribute("type").as_string() +
+                                    "'; convert them to Float32");
+  return found->second;
+}
+
+ReadBytes memoryReader(const fs::path& path, std::string_view bytes) {
+  return [path, bytes](void* to, size_t count) mutable {
+    if (count > bytes.size()) throwInvalid(path, "its data ends early");
+    std::memcpy(to, bytes.data(), count);
+    bytes.remove_prefix(count);
+  };
+}
+
+uint64_t readCount(const VtiFile& file, const ReadBytes& read) {
+  std::array<unsigned char, 8> bytes{};
+  const size_t size = file.longHeader ? 8 : 4;
+  read(bytes.data(), size);
+  if (file.bigEndian) std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  uint64_t count = 0;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  return count;
+}
+
+/// The samples that `text` encodes, `bytes` of them, after their header.
+ReadBytes binaryReader(const VtiFile& file, std::string_view text, bool isRaw, uint64_t bytes) {
+  ReadBytes read = isRaw ? memoryReader(file.path, text) : base64Decoded(file.path, text);
+  if (file.isDeflated)
+    return blocksInflated(
+        file.path, read, [&] { return readCount(file, read); }, bytes, text.size());
+  const uint64_t declared = readCount(file, read);
+  if (declared != bytes)
+    throwInvalid(file.path, "declares " + std::to_string(declared) +
+                                " bytes of samples where its extent needs " + std::to_string(bytes));
+  return read;
+}
+
+void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::array<int64_t, 3>& dims,
+                 Field& field) {
+  const std::string_view name = array.attribute("Name").as_string();
+  const std::string_view format = array.attribute("format").as_string("ascii");
+  ArrayLayout layout{typeOf(file, array), file.bigEndian};
+  const bool isAppended = format == "appended";
+  if (!isAppended && format != "binary" && format != "ascii")
+    throwInvalid(file.path, "format '" + std::string(format) + "' is unknown");
+  std::string_view text = isAppended ? file.appended : std::string_view(array.text().get());
+  if (isAppended) {
+    const double offset = numbersOf(file, array, "offset", 1, "0")[0];
+    if (!(offset >= 0.0 && offset <= static_cast<double>(text.size())))
+      throwInvalid(file.path, "its samples begin outside of its appended data");
+    text.remove_prefix(static_cast<size_t>(offset));
+  }
+
+  ReadBytes read;
+  if (format == "ascii") {
+    const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
+    layout = {isWhole ? ElementType::UInt32 : ElementType::Float64};
+    checkedSampleCount(file.path, dims, layout.type, (text.size() + 1) / 2 * elementSize(layout.type));
+    read = decimalDecoded(file.path, text, isWhole);
+  } else {
+    const uint64_t room = file.isDeflated ? inflatedBound(text.size()) : text.size();
+    const size_t count = checkedSampleCount(file.path, dims, layout.type, room);
+    read = binaryReader(file, text, isAppended && file.appendedIsRaw, count * elementSize(layout.type));
+  }
+  setDims(field.grid, dims);
+  readArray(file.path, field, name, layout, read);
+}
+
+}  // namespace
+
+Field readVti(const fs::path& path) {
+  VtiFile file;
+  file.path = path;
+  load(file);
+  const pugi::xml_node root = file.xml.child("VTKFile"), image = root.child("ImageData");
+  if (!image || std::string_view(root.attribute("type").as_string()) != "ImageData")
+    throwInvalid(path, "it holds no ImageData");
+  const std::string_view compressor = root.attribute("compressor").as_string();
+  file.isDeflated = compressor == "vtkZLibDataCompressor";
+  if (!compressor.empty() && !file.isDeflated)
+    throwUnsupported(path,
+                     "compressed with " + std::string(compressor) + "; save it with vtkZLibDataCompressor");
+  file.bigEndian = std::string_view(root.attribute("byte_order").as_string()) == "BigEndian";
+  file.longHeader = std::string_view(root.attribute("header_type").as_string()) == "UInt64";
+
+  Field field;
+  const auto dims = readGrid(file, image, field.grid);
+  const pugi::xml_node band = image.child("FieldData").find_child_by_attribute("DataArray", "Name", "band");
+  if (band) {
+    const auto width = parseNumbers(band.text().get(), 1);
+    if (!width) throwInvalid(path, "its band is no number");
+    field.band = (*width)[0];
+  }
+  checkPlacement(path, field);
+  readSamples(file, findArray(file, image), dims, field);
+  return field;
+}
+
+void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
+  const Grid& grid = field.grid;
+  const std::string h = toText(grid.spacing);
+  const std::string extent = "0 " + std::to_string(grid.dims.x - 1) + " 0 " +
+                             std::to_string(grid.dims.y - 1) + " 0 " + std::to_string(grid.dims.z - 1);
+  out << "<?xml version=\"1.0\"?>\n"
+      << "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      << "  <ImageData WholeExtent=\"" << extent << "\" Origin=\"" << toText(grid.origin.x) << ' '
+      << toText(grid.origin.y) << ' ' << toText(grid.origin.z) << "\" Spacing=\"" << h << ' ' << h << ' ' << h
+      << "\">\n";
+  if (field.band > 0.0)
+    out << "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"band\" NumberOfTuples=\"1\" "
+           "format=\"ascii\">"
+        << toText(field.band) << "</DataArray>\n    </FieldData>\n";
+  out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << array.name
+      << "\">\n        <DataArray type=\"" << (array.type == ElementType::UInt32 ? "UInt32" : "Float32")
+      << "\" Name=\"" << array.name << "\" format=\"appended\" offset=\"0\"/>\n      </PointData>\n"
+      << "    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+  const uint64_t count = array.bytes.size();
+  out.write(reinterpret_cast<const char*>(&count), sizeof count);
+  out.write(reinterpret_cast<const char*>(array.bytes.data()), static_cast<std::streamsize>(count));
+  out << "\n  </AppendedData>\n</VTKFile>\n";
+}
+
+}  // namespace raymap

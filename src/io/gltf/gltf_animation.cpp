@@ -1,0 +1,142 @@
+// glTF 2.0, §3.11: animations.
+
+#include "io/gltf/gltf_animation.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace raymap {
+
+namespace {
+
+using Json = GltfDocument::Json;
+using Track = AnimatedMesh::Track;
+
+class TrackReader {
+ public:
+  TrackReader(const MeshFile& file, const GltfScene& scene, uint64_t animation)
+      : file_(file), document_(scene.document()), animation_(document_.element("animations", animation)) {
+    what_ = "animations[" + std::to_string(animation) + "]";
+  }
+
+  std::vector<Track> read(std::span<const int> places) {
+    std::vector<Track> tracks;
+    const Json& channels = list("channels");
+    for (const Json& channel : channels) {
+      const Json& target = object(channel, "target");
+      // A channel without a node, or of a node elsewhere, moves nothing that is seen.
+      if (!target.contains("node")) continue;
+      const uint64_t node = document_.number(target, "node");
+      document_.element("nodes", node);
+      const std::optional<Track::Target> path = targetOf(target);
+      if (path && places[node] >= 0)
+        tracks.push_back(readTrack(document_.number(channel, "sampler"), *path, places[node]));
+    }
+    if (others_ > 0) file_.warnThat(counted(others_, "channel") + " of morphs or extensions ignored");
+    return tracks;
+  }
+
+ private:
+  const Json& list(const char* key) const {
+    const auto found = animation_.find(key);
+    if (found == animation_.end() || !found->is_array()) file_.fail(what_ + " has no list of " + key);
+    return *found;
+  }
+
+  const Json& object(const Json& parent, const char* key) const {
+    if (!parent.is_object() || !parent.contains(key) || !parent[key].is_object())
+      file_.fail(what_ + ": a channel has no " + key);
+    return parent[key];
+  }
+
+  static std::string text(const Json& json, const char* key, const char* missing) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_string() ? found->get<std::string>() : missing;
+  }
+
+  std::optional<Track::Target> targetOf(const Json& target) {
+    const std::string path = text(target, "path", "");
+    if (path == "translation") return Track::Target::Translation;
+    if (path == "rotation") return Track::Target::Rotation;
+    if (path == "scale") return Track::Target::Scale;
+    ++others_;
+    return std::nullopt;
+  }
+
+  Track::Interpolation interpolationOf(const Json& sampler, const std::string& what) const {
+    const std::string name = text(sampler, "interpolation", "LINEAR");
+    if (name == "STEP") return Track::Interpolation::Step;
+    if (name == "LINEAR") return Track::Interpolation::Linear;
+    if (name != "CUBICSPLINE") file_.fail(what + " has unknown interpolation " + name.substr(0, 40));
+    return Track::Interpolation::CubicSpline;
+  }
+
+  Track readTrack(uint64_t sampler, Track::Target target, int place) {
+    const Json& samplers = list("samplers");
+    const std::string what = what_ + ".samplers[" + std::to_string(sampler) + "]";
+    if (sampler >= samplers.size() || !samplers[sampler].is_object()) file_.fail(what + " does not exist");
+    const Json& json = samplers[sampler];
+    Track track{
+        .node = static_cast<uint32_t>(place), .target = target, .interpolation = interpolationOf(json, what)};
+    const uint64_t input = document_.number(json, "input"), output = document_.number(json, "output");
+    // Samplers may share accessors, and so let a small file ask for any amount of memory.
+    bytes_ += document_.accessorCount(input) * sizeof(double) +
+              2 * document_.accessorCount(output) * sizeof(glm::dvec4);
+    checkMemory(file_, bytes_);
+    track.times = document_.reals(input, "SCALAR", 1);
+    readValues(track, output);
+    check(track, what);
+    return track;
+  }
+
+  void readValues(Track& track, uint64_t accessor) const {
+    const uint64_t components = track.target == Track::Target::Rotation ? 4 : 3;
+    const std::vector<double> numbers =
+        document_.reals(accessor, components == 4 ? "VEC4" : "VEC3", components);
+    track.values.resize(numbers.size() / components, glm::dvec4(0.0));
+    for (size_t i = 0; i < numbers.size(); ++i)
+      track.values[i / components][static_cast<int>(i % components)] = numbers[i];
+  }
+
+  void check(const Track& track, const std::string& what) const {
+    const size_t each = track.interpolation == Track::Interpolation::CubicSpline ? 3 : 1;
+    if (track.times.empty()) file_.fail(what + " has no times");
+    if (track.values.size() != each * track.times.size())
+      file_.fail(what + " has " + counted(track.values.size(), "value") + " for " +
+                 counted(track.times.size(), "time"));
+    for (size_t i = 0; i < track.times.size(); ++i)
+      if (!std::isfinite(track.times[i]) || (i > 0 && track.times[i] < track.times[i - 1]))
+        file_.fail(what + ": time " + std::to_string(i) + " is " + std::to_string(track.times[i]) +
+                   "; times must be finite and ascend");
+    for (size_t i = 0; i < track.values.size(); ++i)
+      if (const glm::dvec4& v = track.values[i]; !std::isfinite(v.x + v.y + v.z + v.w))
+        file_.fail(what + ": value " + std::to_string(i) + " is not finite");
+  }
+
+  const MeshFile& file_;
+  const GltfDocument& document_;
+  const Json& animation_;
+  std::string what_;
+  uint64_t others_ = 0;
+  uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+std::vector<Track> readTracks(const MeshFile& file, const GltfScene& scene, uint64_t animation,
+                              std::span<const int> places) {
+  const uint64_t count = scene.document().size("animations");
+  if (count == 0 && animation == 0) {
+    file.warnThat("it has no animation: the mesh stands still");
+    return {};
+  }
+  if (animation >= count)
+    throw Error(ErrorCode::Usage, file.path.string() + ": there is no animation " +
+                                      std::to_string(animation) + ": it has " + counted(count, "animation"));
+  return TrackReader(file, scene, animation).read(places);
+}
+
+}  // namespace raymap

@@ -1,0 +1,256 @@
+// glTF 2.0, §3.7.3: skins. Every node that shows a mesh without a skin is a joint of its own: whatever moves,
+// moves by joints.
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "io/gltf/gltf_animation.h"
+#include "io/gltf/gltf_scene.h"
+
+namespace raymap {
+
+namespace {
+
+using Json = GltfDocument::Json;
+
+/// Some joints of the skeleton, one after the other.
+struct JointRange {
+  uint32_t first = 0;
+  uint32_t count = 0;
+};
+
+class AnimatedReader {
+ public:
+  explicit AnimatedReader(const MeshFile& file) : file_(file), scene_(file), document_(scene_.document()) {
+    places_.assign(document_.size("nodes"), -1);
+    for (size_t n = 0; n < scene_.nodes().size(); ++n) places_[scene_.nodes()[n].index] = static_cast<int>(n);
+  }
+
+  AnimatedMesh read(size_t animation) {
+    // Positions, joints and weights, as read and as kept.
+    scene_.checkSize(4 * sizeof(glm::dvec4));
+    readNodes();
+    mesh_.tracks = readTracks(file_, scene_, animation, places_);
+    for (uint32_t n = 0; n < mesh_.nodes.size(); ++n)
+      for (const Json* surface : scene_.surfaces(*scene_.nodes()[n].json)) readSurface(*surface, n);
+    scene_.warnOfOthers();
+    if (weightless_ > 0)
+      file_.warnThat(counted(weightless_, "vertex") + " without weights: their first joint moves them");
+    if (crowded_ > 0)
+      file_.warnThat(counted(crowded_, "vertex") +
+                     " with more than four joints: the four that count most move them");
+    finish();
+    return std::move(mesh_);
+  }
+
+ private:
+  void readNodes() {
+    for (const GltfScene::Node& node : scene_.nodes()) {
+      AnimatedMesh::Node& place = mesh_.nodes.emplace_back();
+      place.parent = node.parent;
+      if (node.json->contains("matrix")) {
+        place.matrix = scene_.transform(*node.json);
+        continue;
+      }
+      const std::vector<double> t = document_.numbers(*node.json, "translation", 3);
+      const std::vector<double> r = document_.numbers(*node.json, "rotation", 4);
+      const std::vector<double> s = document_.numbers(*node.json, "scale", 3);
+      if (!t.empty()) place.translation = {t[0], t[1], t[2]};
+      if (!r.empty()) place.rotation = {r[3], r[0], r[1], r[2]};
+      if (!s.empty()) place.scale = {s[0], s[1], s[2]};
+    }
+  }
+
+  void readSurface(const Json& surface, uint32_t node) {
+    const std::vector<glm::dvec3> positions = scene_.positions(surface);
+    const auto first = static_cast<uint32_t>(positions_.size());
+    if (positions_.size() + positions.size() >= UINT32_MAX) file_.fail("more than 2^32 vertices");
+    positions_.insert(positions_.end(), positions.begin(), positions.end());
+    const Json& json = *scene_.nodes()[node].json;
+    const bool isSkinned = json.contains("skin") && surface["attributes"].contains("JOINTS_0");
+    const JointRange joints = isSkinned ? skinJoints(document_.number(json, "skin")) : nodeJoint(node);
+    if (isSkinned) {
+      readInfluences(surface["attributes"], positions.size(), joints);
+    } else {
+      mesh_.joints.resize(positions_.size(), glm::u16vec4(static_cast<uint16_t>(joints.first)));
+      mesh_.weights.resize(positions_.size(), glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
+    }
+    surfaces_.push_back({triangles_.size(), joints.first});
+    for (const glm::uvec3& triangle : scene_.triangles(surface, positions.size()))
+      triangles_.push_back(triangle + first);
+  }
+
+  JointRange append(const std::vector<AnimatedMesh::Joint>& joints) {
+    const JointRange range{static_cast<uint32_t>(mesh_.skeleton.size()),
+                           static_cast<uint32_t>(joints.size())};
+    constexpr size_t kMost = 65536;
+    if (mesh_.skeleton.size() + joints.size() > kMost)
+      throw Error(ErrorCode::Unsupported, file_.path.string() + ": more than 65536 joints");
+    mesh_.skeleton.insert(mesh_.skeleton.end(), joints.begin(), joints.end());
+    return range;
+  }
+
+  JointRange nodeJoint(uint32_t node) {
+    const auto [found, isNew] = nodeJoints_.try_emplace(node);
+    if (isNew) found->second = append(std::vector<AnimatedMesh::Joint>{{.node = node}});
+    return found->second;
+  }
+
+  JointRange skinJoints(uint64_t skin) {
+    const auto [found, isNew] = skinJoints_.try_emplace(skin);
+    if (isNew) found->second = append(readSkin(skin));
+    return found->second;
+  }
+
+  std::vector<AnimatedMesh::Joint> readSkin(uint64_t skin) {
+    const std::string what = "skins[" + std::to_string(skin) + "]";
+    const Json& json = document_.element("skins", skin);
+    std::vector<AnimatedMesh::Joint> joints;
+    for (const uint64_t node : document_.indices(json, "joints")) {
+      if (node >= places_.size() || places_[node] < 0)
+        file_.fail(what + ": joint " + std::to_string(joints.size()) + " is node " + std::to_string(node) +
+                   ", which is not in the scene");
+      joints.push_back({.node = static_cast<uint32_t>(places_[node])});
+    }
+    if (joints.empty()) file_.fail(what + " has no joints");
+    if (!json.contains("inverseBindMatrices")) return joints;
+    const uint64_t accessor = document_.number(json, "inverseBindMatrices");
+    countBytes(document_.accessorCount(accessor) * sizeof(glm::dmat4));
+    const std::vector<double> numbers = document_.reals(accessor, "MAT4", 16);
+    if (numbers.size() < 16 * joints.size())
+      file_.fail(what + " has " + counted(joints.size(), "joint") + ", but " +
+                 std::to_string(numbers.size() / 16) + " inverse bind matrices");
+    for (size_t i = 0; i < 16 * joints.size(); ++i) {
+      if (!std::isfinite(numbers[i]))
+        file_.fail(what + ": the inverse bind matrix of joint " + std::to_string(i / 16) + " is not finite");
+      joints[i / 16].inverseBind[static_cast<int>(i % 16 / 4)][static_cast<int>(i % 4)] = numbers[i];
+    }
+    return joints;
+  }
+
+  /// Skins may share accessors, and so let a small file ask for any amount of memory, or of time.
+  void countBytes(uint64_t bytes) {
+    bytes_ += bytes;
+    checkMemory(file_, bytes_);
+  }
+
+  struct Influence {
+    double weight;
+    uint32_t joint;
+  };
+  struct Surface {
+    size_t firstTriangle;
+    uint32_t joint;
+  };
+
+  /// Joints and weights come in sets of four a vertex.
+  void readInfluences(const Json& attributes, size_t vertexCount, JointRange joints) {
+    std::vector<std::vector<double>> numbers, weights;
+    for (int set = 0; attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
+      numbers.push_back(readSet(attributes, "JOINTS_" + std::to_string(set), vertexCount));
+      checkJointType(document_.number(attributes, ("JOINTS_" + std::to_string(set)).c_str()));
+      weights.push_back(readSet(attributes, "WEIGHTS_" + std::to_string(set), vertexCount));
+    }
+    std::vector<Influence> influences;
+    for (size_t v = 0; v < vertexCount; ++v) {
+      influences.clear();
+      for (size_t i = 4 * v; i < 4 * v + 4; ++i)
+        for (size_t set = 0; set < numbers.size(); ++set)
+          influences.push_back(checked({weights[set][i], static_cast<uint32_t>(numbers[set][i])}, joints, v));
+      appendInfluences(influences, joints.first);
+    }
+  }
+
+  std::vector<double> readSet(const Json& attributes, const std::string& name, size_t vertexCount) {
+    const uint64_t accessor = document_.number(attributes, name.c_str());
+    countBytes(document_.accessorCount(accessor) * sizeof(glm::dvec4));
+    std::vector<double> numbers = document_.reals(accessor, "VEC4", 4);
+    if (numbers.size() != 4 * vertexCount)
+      file_.fail("accessors[" + std::to_string(accessor) + "]: " + name + " of " +
+                 counted(numbers.size() / 4, "vertex") + ", POSITION has " + std::to_string(vertexCount));
+    return numbers;
+  }
+
+  void checkJointType(uint64_t accessor) const {
+    constexpr uint64_t kUInt8 = 5121, kUInt16 = 5123;  // By their numbers in the file.
+    const uint64_t type = document_.number(document_.element("accessors", accessor), "componentType");
+    if (type != kUInt8 && type != kUInt16)
+      file_.fail("accessors[" + std::to_string(accessor) + "] holds joints of componentType " +
+                 std::to_string(type));
+  }
+
+  Influence checked(Influence influence, JointRange joints, size_t vertex) const {
+    if (!(influence.weight >= 0.0) || !std::isfinite(influence.weight))
+      file_.fail("vertex " + std::to_string(vertex) + " of a skin has the weight " +
+                 std::to_string(influence.weight));
+    if (influence.weight == 0.0) return {0.0, 0};
+    if (influence.joint >= joints.count)
+      file_.fail("vertex " + std::to_string(vertex) + " of a skin follows joint " +
+                 std::to_string(influence.joint) + " of " + std::to_string(joints.count));
+    return influence;
+  }
+
+  void appendInfluences(std::vector<Influence>& influences, uint32_t firstJoint) {
+    std::stable_sort(influences.begin(), influences.end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (influences.size() > 4 && influences[4].weight > 0.0) ++crowded_;
+    influences.resize(4);
+    double sum = 0.0;
+    for (const Influence& influence : influences) sum += influence.weight;
+    if (sum == 0.0) {
+      ++weightless_;
+      influences[0].weight = sum = 1.0;
+    }
+    mesh_.joints.emplace_back();
+    mesh_.weights.emplace_back();
+    for (int k = 0; k < 4; ++k) {
+      const Influence& influence = influences[static_cast<size_t>(k)];
+      mesh_.joints.back()[k] = static_cast<uint16_t>(firstJoint + influence.joint);
+      mesh_.weights.back()[k] = static_cast<float>(influence.weight / sum);
+    }
+  }
+
+  /// Surfaces that their joints mirror when the animation begins.
+  void turnMirrored() {
+    const std::vector<JointMatrix> matrices = jointMatrices(mesh_, 0.0);
+    for (size_t s = 0; s < surfaces_.size(); ++s) {
+      const size_t first = surfaces_[s].firstTriangle;
+      const size_t end = s + 1 < surfaces_.size() ? surfaces_[s + 1].firstTriangle : triangles_.size();
+      const auto& rows = matrices[surfaces_[s].joint].rows;
+      const glm::mat3 turn{glm::vec3(rows[0]), glm::vec3(rows[1]), glm::vec3(rows[2])};
+      if (glm::determinant(turn) < 0.0F) turnOver(std::span(triangles_).subspan(first, end - first));
+    }
+  }
+
+  void finish() {
+    turnMirrored();
+    mesh_.rest = finishMesh(file_, std::move(positions_), std::move(triangles_));
+    mesh_.origin = bounds(posed(mesh_, 0.0)).centre();
+    const glm::dvec3& at = mesh_.origin;
+    if (!std::isfinite(at.x + at.y + at.z)) file_.fail("its joints move it beyond single precision");
+    validate(mesh_);
+  }
+
+  const MeshFile& file_;
+  GltfScene scene_;
+  const GltfDocument& document_;
+  std::vector<int> places_;
+  AnimatedMesh mesh_;
+  std::vector<glm::dvec3> positions_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<Surface> surfaces_;
+  std::map<uint32_t, JointRange> nodeJoints_;
+  std::map<uint64_t, JointRange> skinJoints_;
+  uint64_t weightless_ = 0, crowded_ = 0, bytes_ = 0;
+};
+
+}  // namespace
+
+AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation) {
+  return AnimatedReader(file).read(animation);
+}
+
+}  // namespace raymap

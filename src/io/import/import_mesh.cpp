@@ -1,0 +1,30 @@
+#include "io/import/import_mesh.h"
+
+#include "io/field/field_array.h"
+#include "io/import/import_stream.h"
+#include "io/import/importer.h"
+#include "io/mesh/mesh_file.h"
+
+namespace raymap {
+
+Mesh importMesh(const std::filesystem::path& path, const WarningCallback& warn) {
+  const MeshFile file{{}, path, warn};
+  Importer importer(path, regularFileSize(path), Importer::Kind::Mesh);
+  if (!importer.warning().empty()) file.warnThat(importer.warning());
+  MeshHeader header;
+  importer.receive(&header, sizeof header);
+  if (header.vertices > UINT32_MAX || header.triangles > UINT32_MAX)
+    throwUnsupported(path, "more than 2^32 triangles or vertices");
+  checkMemory(file, header.vertices * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3));
+  std::vector<glm::dvec3> positions(header.vertices);
+  std::vector<glm::uvec3> triangles(header.triangles);
+  importer.receive(positions.data(), positions.size() * sizeof(glm::dvec3));
+  importer.receive(triangles.data(), triangles.size() * sizeof(glm::uvec3));
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c)
+      if (triangles[t][c] >= positions.size())
+        file.fail("triangle " + std::to_string(t) + ": " + outOfRange(triangles[t][c], positions.size()));
+  return finishMesh(file, std::move(positions), std::move(triangles));
+}
+
+}  // namespace raymap

@@ -1,0 +1,10 @@
+#pragma once
+
+#include <raymap/io.h>
+
+namespace raymap {
+
+/// Reads a mesh with Assimp, in a child process (see Importer).
+Mesh importMesh(const std::filesystem::path& path, const WarningCallback& warn);
+
+}  // namespace raymap

@@ -1,0 +1,100 @@
+// Reads a .vdb with OpenVDB, for `raymap-import`, on this thread alone: threads would want address space for
+// their stacks.
+
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Dense.h>
+#include <raymap/error.h>
+
+#include <algorithm>
+
+#include "io/field/vdb.h"
+#include "io/import/import_stream.h"
+#include "io/import/raymap_import.h"
+
+namespace raymap {
+
+namespace {
+
+/// The first grid of floats, or else of whole numbers.
+openvdb::GridBase::Ptr loadGrid(const char* path) {
+  openvdb::io::File file(path);
+  file.setCopyMaxBytes(0);
+  file.open(false);
+  std::string name;
+  bool isFloat = false;
+  const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+  for (const auto& grid : *grids) {
+    const bool floats = grid->isType<openvdb::FloatGrid>();
+    if ((floats && !isFloat) || (name.empty() && grid->isType<openvdb::Int32Grid>())) name = grid->getName();
+    isFloat = isFloat || floats;
+  }
+  if (name.empty()) throw Error(ErrorCode::Unsupported, "it holds no grid of floats");
+  return file.readGrid(name);
+}
+
+VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
+  const auto& transform = grid.transform();
+  const openvdb::Vec3d size = transform.voxelSize();
+  const openvdb::Vec3d zero = transform.indexToWorld(openvdb::Vec3d(0.0));
+  constexpr double kTolerance = 1e-6;
+  if (!transform.isLinear()) throw Error(ErrorCode::Unsupported, "its grid is not straight; resample it");
+  for (int axis = 0; axis < 3; ++axis) {
+    openvdb::Vec3d step(0.0);
+    step[axis] = 1.0;
+    openvdb::Vec3d world = transform.indexToWorld(step) - zero;
+    world[axis] -= size[0];
+    if (!(world.length() <= kTolerance * size[0] + 1e-12 * zero.length()))
+      throw Error(ErrorCode::Unsupported, "its grid is turned, mirrored or not of cubes; resample it");
+  }
+  VdbHeader header;
+  header.spacing = size[0];
+  if (const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey)) {
+    box = {openvdb::Coord(0), openvdb::Coord(dims->value()) - openvdb::Coord(1)};
+  } else {
+    box = grid.evalActiveVoxelBoundingBox();
+    if (grid.activeVoxelCount() == 0) throw Error(ErrorCode::Input, "its grid has no active voxel");
+  }
+  if (const auto band = grid.getMetadata<openvdb::DoubleMetadata>(kVdbBandKey)) header.band = band->value();
+  const openvdb::Vec3d origin = transform.indexToWorld(box.min());
+  for (int axis = 0; axis < 3; ++axis) {
+    header.dims[axis] = int64_t{box.max()[axis]} - box.min()[axis] + 1;
+    header.origin[axis] = origin[axis];
+  }
+  grid.getName().copy(header.name.data(), header.name.size() - 1);
+  header.isWhole = grid.isType<openvdb::Int32Grid>() ? 1 : 0;
+  return header;
+}
+
+/// A few slices at a time: the whole is never in memory twice.
+template <class GridType>
+void putSamples(const openvdb::GridBase& base, const openvdb::CoordBBox& box) {
+  constexpr int kSlices = 8;  // A leaf's side.
+  const auto& grid = static_cast<const GridType&>(base);
+  for (int z = box.min().z(); z <= box.max().z(); z += kSlices) {
+    openvdb::CoordBBox slab = box;
+    slab.min().z() = z;
+    slab.max().z() = std::min(z + kSlices - 1, box.max().z());
+    openvdb::tools::Dense<typename GridType::ValueType, openvdb::tools::LayoutXYZ> dense(slab);
+    openvdb::tools::copyToDense(grid, dense, /*serial=*/true);
+    put(dense.data(), dense.valueCount() * sizeof(typename GridType::ValueType));
+  }
+}
+
+}  // namespace
+
+void sendVdb(const char* path) {
+  openvdb::initialize();
+  const openvdb::GridBase::Ptr grid = loadGrid(path);
+  openvdb::CoordBBox box;
+  const VdbHeader header = headerOf(*grid, box);
+  // What is left is as long as the samples are many, and those the other side bounds.
+  limitSeconds(RLIM_INFINITY);
+  sendSuccess("");
+  put(&header, sizeof header);
+  if (header.isWhole != 0)
+    putSamples<openvdb::Int32Grid>(*grid, box);
+  else
+    putSamples<openvdb::FloatGrid>(*grid, box);
+}
+
+}  // namespace raymap

@@ -1,0 +1,92 @@
+// raymap-import mesh|vdb FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it as
+// import_stream.h says.
+//
+// A process of its own, because these crash on some damaged files and take any amount of memory on others.
+
+#include "io/import/raymap_import.h"
+
+#include <raymap/error.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <string_view>
+
+#include "io/import/import_stream.h"
+
+namespace raymap {
+
+namespace {
+
+bool hasAnswered = false;
+
+void sendHeader(uint32_t errorCode, const std::string& message) {
+  if (hasAnswered) std::_Exit(EXIT_FAILURE);  // What follows the header will be missed.
+  hasAnswered = true;
+  ImportHeader header;
+  header.errorCode = errorCode;
+  header.messageBytes = message.size();
+  put(&header, sizeof header);
+  put(message.data(), message.size());
+}
+
+void sendFailure(const std::string& message, ErrorCode code = ErrorCode::Input) {
+  sendHeader(static_cast<uint32_t>(code), message);
+}
+
+/// Beside what it holds now: its code and libraries.
+void limitMemory(uint64_t bytes) {
+  uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t most = pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) + bytes;
+  const rlimit both{most, most};
+  setrlimit(RLIMIT_AS, &both);
+}
+
+void limitOutput() {
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_CORE, &none);
+  setrlimit(RLIMIT_FSIZE, &none);
+}
+
+}  // namespace
+
+void limitSeconds(rlim_t seconds) {
+  const rlimit soft{seconds, RLIM_INFINITY};
+  setrlimit(RLIMIT_CPU, &soft);
+}
+
+void sendSuccess(const std::string& warning) {
+  sendHeader(0, warning);
+}
+
+void put(const void* data, size_t bytes) {
+  const char* at = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t written = write(STDOUT_FILENO, at, bytes);
+    if (written <= 0) std::_Exit(EXIT_FAILURE);  // Nobody is left to tell.
+    at += written;
+    bytes -= static_cast<size_t>(written);
+  }
+}
+
+}  // namespace raymap
+
+int main(int argc, char** argv) {
+  using namespace raymap;
+  if (argc != 5) return EXIT_FAILURE;
+  limitMemory(std::strtoull(argv[3], nullptr, 10));
+  limitSeconds(std::strtoull(argv[4], nullptr, 10));
+  limitOutput();
+  try {
+    std::string_view(argv[1]) == "vdb" ? sendVdb(argv[2]) : sendMesh(argv[2]);
+  } catch (const Error& error) {
+    sendFailure(error.what(), error.code());
+  } catch (const std::bad_alloc&) {
+    sendFailure("it needs more memory than a file of its size may take");
+  } catch (const std::exception& error) {
+    sendFailure(std::string("cannot read it: ") + error.what());
+  }
+  std::_Exit(EXIT_SUCCESS);  // Without taking down what a damaged file may have left inconsistent.
+}

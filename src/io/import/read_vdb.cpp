@@ -1,0 +1,39 @@
+// Reads .vdb in a child process (see Importer): OpenVDB trusts its files, so a damaged one may crash it or
+// ask for any memory.
+
+#include "io/field/field_formats.h"
+#include "io/import/import_stream.h"
+#include "io/import/importer.h"
+
+namespace raymap {
+
+Field readVdb(const std::filesystem::path& path) {
+  constexpr std::array<char, 4> kMagic{' ', 'B', 'D', 'V'};
+  InputFile file(path);
+  const uint64_t fileBytes = file.remaining();
+  std::array<char, kMagic.size()> magic{};
+  file.read(magic.data(), magic.size());
+  if (magic != kMagic) throwInvalid(path, "does not begin as a VDB");
+
+  Importer importer(path, fileBytes, Importer::Kind::Vdb);
+  VdbHeader header;
+  importer.receive(&header, sizeof header);
+  constexpr uint64_t kMostGrowth = 2000;  // A thin band in a large box, with room to spare.
+  constexpr uint64_t kAlways = uint64_t{64} << 20;
+  const ElementType type = header.isWhole != 0 ? ElementType::Int32 : ElementType::Float32;
+  checkedSampleCount(path, header.dims, type, kAlways + kMostGrowth * fileBytes);
+  Field field;
+  setDims(field.grid, header.dims);
+  field.grid.origin = {header.origin[0], header.origin[1], header.origin[2]};
+  field.grid.spacing = header.spacing;
+  field.band = header.band;
+  checkPlacement(path, field);
+  header.name.back() = '\0';
+  const std::string name = header.name.data();
+  const bool isOurs = name != "triangle" || type == ElementType::Int32;
+  readArray(path, field, isOurs ? name : "distance", {type},
+            [&](void* to, size_t count) { importer.receive(to, count); });
+  return field;
+}
+
+}  // namespace raymap

@@ -1,0 +1,152 @@
+#include "io/mesh/mesh_file.h"
+
+#include <raymap/error.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cfloat>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+
+namespace raymap {
+
+namespace {
+
+uint64_t memoryLimit() {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+}
+
+[[noreturn]] void failRead(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ErrorCode::File, path.string() + ": cannot read it: " + why);
+}
+
+[[noreturn]] void failTooLarge(const std::filesystem::path& path, uint64_t bytes) {
+  throw Error(ErrorCode::Memory, path.string() + ": reading it needs " + std::to_string(bytes >> 20) +
+                                     " MiB, more than half of this machine's memory (" +
+                                     std::to_string(memoryLimit() >> 20) + " MiB)");
+}
+
+template <class Vec>
+bool isFinite(const Vec& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// The bounds of the vertices in use; they must be finite and fit single precision.
+template <class Vec>
+Box checkedBounds(const MeshFile& file, const std::vector<Vec>& positions,
+                  const std::vector<glm::uvec3>& triangles) {
+  if (triangles.empty()) file.fail("the file has no triangles");
+  if (triangles.size() >= UINT32_MAX || positions.size() >= UINT32_MAX)
+    throw Error(ErrorCode::Unsupported, file.path.string() + ": more than 2^32 triangles or vertices");
+  Vec low(INFINITY), high(-INFINITY);
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const Vec& p = positions[triangles[t][c]];
+      if (!isFinite(p))
+        file.fail("vertex " + std::to_string(triangles[t][c]) + " (used by triangle " + std::to_string(t) +
+                  ") is not finite: (" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " +
+                  std::to_string(p.z) + ")");
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  const Box box{glm::dvec3(low), glm::dvec3(high)};
+  const glm::dvec3 size = box.size();
+  if (!(std::max({size.x, size.y, size.z}) < FLT_MAX))
+    file.fail("its vertices lie too far apart for single precision");
+  return box;
+}
+
+}  // namespace
+
+void MeshFile::fail(const std::string& what) const {
+  throw Error(ErrorCode::Input, path.string() + ": " + what);
+}
+
+void MeshFile::warnThat(const std::string& what) const {
+  if (warn) warn(path.string() + ": " + what);
+}
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+uint64_t regularFileSize(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (error) failRead(path, error.message());
+  if (std::filesystem::is_directory(status)) failRead(path, "it is a folder");
+  if (!std::filesystem::is_regular_file(status)) failRead(path, "it is not a regular file");
+  const uint64_t size = std::filesystem::file_size(path, error);
+  if (error) failRead(path, error.message());
+  if (size > memoryLimit()) failTooLarge(path, size);
+  return size;
+}
+
+Buffer<std::byte> loadFile(const std::filesystem::path& path) {
+  const uint64_t size = regularFileSize(path);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) failRead(path, std::generic_category().message(errno));
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+  Buffer<std::byte> bytes(size);
+  errno = 0;
+  if (std::fread(bytes.data(), 1, size, file.get()) != size)
+    failRead(path, errno != 0 ? std::generic_category().message(errno) : "it shrank while being read");
+  return bytes;
+}
+
+void checkMemory(const MeshFile& file, uint64_t bytes) {
+  if (bytes > memoryLimit()) failTooLarge(file.path, bytes);
+}
+
+void appendFan(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles) {
+  for (size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+}
+
+void appendStrip(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles) {
+  for (size_t i = 2; i < corners.size(); ++i) {
+    const uint32_t a = corners[i - 2], b = corners[i - 1], c = corners[i];
+    if (a == b || b == c || c == a) continue;
+    if (i % 2 == 0)
+      triangles.emplace_back(a, b, c);
+    else
+      triangles.emplace_back(b, a, c);
+  }
+}
+
+std::string counted(uint64_t count, std::string_view noun) {
+  std::string text = std::to_string(count) + " ";
+  text += noun;
+  if (count == 1) return text;
+  if (noun == "vertex") return std::to_string(count) + " vertices";
+  return text + "s";
+}
+
+std::string outOfRange(int64_t vertex, uint64_t vertexCount) {
+  return "vertex index " + std::to_string(vertex) + " is out of range (the file has " +
+         counted(vertexCount, "vertex") + ")";
+}
+
+void warnDropped(const MeshFile& file, uint64_t polygons) {
+  if (polygons > 0) file.warnThat(counted(polygons, "face") + " with fewer than three corners dropped");
+}
+
+Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
+  Mesh mesh;
+  mesh.origin = checkedBounds(file, positions, triangles).centre();
+  for (glm::vec3& p : positions) p = glm::vec3(glm::dvec3(p) - mesh.origin);
+  mesh.vertices = std::move(positions);
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles) {
+  checkedBounds(file, positions, triangles);
+  return makeMesh(positions, std::move(triangles));
+}
+
+}  // namespace raymap

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/mesh/mesh_file.h"
+
+namespace raymap {
+
+enum class PlyFormat { Text, LittleEndian, BigEndian };
+enum class PlyType { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
+
+size_t plyTypeBytes(PlyType type);
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::Float;
+  bool isList = false;
+  PlyType countType = PlyType::UInt8;
+};
+
+struct PlyElement {
+  std::string name;
+  uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  /// The place of a property, or -1.
+  int find(std::string_view property) const;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::Text;
+  std::vector<PlyElement> elements;
+  size_t bytes = 0;  ///< Where the data begins.
+
+  /// Null if there is none.
+  const PlyElement* find(std::string_view element) const;
+};
+
+/// Every element's count is checked against what the file has room for.
+PlyHeader readPlyHeader(const MeshFile& file);
+
+}  // namespace raymap

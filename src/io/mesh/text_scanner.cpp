@@ -1,0 +1,131 @@
+#include "io/mesh/text_scanner.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace raymap {
+
+namespace {
+
+bool isNewline(char c) {
+  return c == '\n' || c == '\r';
+}
+bool isBlank(char c) {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+}
+bool isSpace(char c) {
+  return isBlank(c) || isNewline(c);
+}
+
+/// What a number beyond the range of double rounds to.
+double outOfRangeValue(std::string_view word) {
+  const size_t e = word.find_first_of("eE");
+  const bool small = e != word.npos ? word.substr(e + 1).starts_with('-') : word.find('.') <= 2;
+  return small ? 0.0 : word.starts_with('-') ? -INFINITY : INFINITY;
+}
+
+/// A word for a message: short and printable.
+std::string shown(std::string_view word) {
+  constexpr size_t kLongest = 40;
+  std::string text(word.substr(0, kLongest));
+  for (char& c : text)
+    if (c < ' ' || c > '~') c = '?';
+  return "'" + text + (word.size() > kLongest ? "...'" : "'");
+}
+
+}  // namespace
+
+TextScanner::TextScanner(const MeshFile& file, size_t start)
+    : file_(file), begin_(file.text().data()), at_(begin_ + start), end_(begin_ + file.text().size()) {}
+
+bool TextScanner::moreOnLine() {
+  for (;; ++at_) {
+    while (at_ != end_ && isBlank(*at_)) ++at_;
+    if (at_ == end_ || isNewline(*at_) || *at_ == '#') return false;
+    if (*at_ != '\\' || at_ + 1 == end_ || !isNewline(at_[1])) return true;
+    ++at_;  // To the line end, which the loop steps over.
+    if (*at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n') ++at_;
+  }
+}
+
+bool TextScanner::more() {
+  while (!moreOnLine()) {
+    if (at_ == end_) return false;
+    nextLine();
+  }
+  return true;
+}
+
+void TextScanner::nextLine() {
+  restOfLine();
+  if (at_ == end_) return;
+  const bool carriageReturn = *at_++ == '\r';
+  if (carriageReturn && at_ != end_ && *at_ == '\n') ++at_;
+}
+
+std::string_view TextScanner::restOfLine() {
+  const char* start = at_;
+  while (at_ != end_ && !isNewline(*at_)) ++at_;
+  return {start, static_cast<size_t>(at_ - start)};
+}
+
+const char* TextScanner::wordEnd(const char* start) const {
+  return std::find_if(start, end_, isSpace);
+}
+
+std::string_view TextScanner::word() {
+  if (!more()) return {};
+  const char* start = at_;
+  at_ = wordEnd(start);
+  return {start, static_cast<size_t>(at_ - start)};
+}
+
+double TextScanner::real() {
+  if (!more()) fail("the file ends where a number should be");
+  const char* start = at_ + (*at_ == '+' ? 1 : 0);
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(start, end_, value);
+  if (error == std::errc::invalid_argument || (stop != end_ && !isSpace(*stop))) failWord(at_, "a number");
+  if (error == std::errc::result_out_of_range)
+    value = outOfRangeValue({at_, static_cast<size_t>(stop - at_)});
+  at_ = stop;
+  return value;
+}
+
+int64_t TextScanner::integerPrefix() {
+  const char* start = at_ + (at_ != end_ && *at_ == '+' ? 1 : 0);
+  int64_t value = 0;
+  const auto [stop, error] = std::from_chars(start, end_, value);
+  if (error != std::errc{}) failWord(at_, "a whole number");
+  at_ = stop;
+  return value;
+}
+
+int64_t TextScanner::integer() {
+  if (!more()) fail("the file ends where a whole number should be");
+  const char* start = at_;
+  const int64_t value = integerPrefix();
+  if (at_ != end_ && !isSpace(*at_)) failWord(start, "a whole number");
+  return value;
+}
+
+void TextScanner::failWord(const char* start, const char* expected) const {
+  const std::string_view word(start, static_cast<size_t>(wordEnd(start) - start));
+  failAt(static_cast<size_t>(start - begin_), std::string("expected ") + expected + ", found " + shown(word));
+}
+
+void TextScanner::fail(const std::string& what) const {
+  failAt(position(), what);
+}
+
+void TextScanner::failAt(size_t position, const std::string& what) const {
+  // Lines are counted only now, so that reading does not pay for it.
+  const std::string_view before(begin_, position);
+  size_t line = 1;
+  for (size_t i = 0; i < before.size(); ++i)
+    if (before[i] == '\n' || (before[i] == '\r' && (i + 1 == before.size() || before[i + 1] != '\n'))) ++line;
+  file_.fail("line " + std::to_string(line) + ": " + what);
+}
+
+}  // namespace raymap

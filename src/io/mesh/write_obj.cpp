@@ -1,0 +1,32 @@
+#include <charconv>
+#include <ostream>
+
+#include "io/mesh/mesh_formats.h"
+
+namespace raymap {
+
+namespace {
+
+/// A keyword and three numbers, each with as few digits as give it back exactly.
+template <class T>
+void writeLine(std::ostream& out, char keyword, const glm::vec<3, T>& numbers) {
+  constexpr size_t kLongest = 32;  // Of any number.
+  char line[2 + 3 * kLongest];
+  char* at = line;
+  *at++ = keyword;
+  for (int c = 0; c < 3; ++c) {
+    *at++ = ' ';
+    at = std::to_chars(at, line + sizeof(line), numbers[c]).ptr;
+  }
+  *at++ = '\n';
+  out.write(line, at - line);
+}
+
+}  // namespace
+
+void writeObj(std::ostream& out, const Mesh& mesh) {
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) writeLine(out, 'v', mesh.position(v));
+  for (const glm::uvec3& face : mesh.triangles) writeLine(out, 'f', glm::u64vec3(face) + glm::uint64_t{1});
+}
+
+}  // namespace raymap

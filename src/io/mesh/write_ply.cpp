@@ -1,0 +1,24 @@
+#include <ostream>
+
+#include "io/mesh/mesh_formats.h"
+
+namespace raymap {
+
+void writePly(std::ostream& out, const Mesh& mesh) {
+  // Double precision: a vertex is a float about a double-precision origin.
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
+      << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << mesh.triangles.size()
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    char bytes[sizeof(glm::dvec3)];
+    append(bytes, mesh.position(v));
+    out.write(bytes, sizeof(bytes));
+  }
+  for (const glm::uvec3& face : mesh.triangles) {
+    char bytes[1 + sizeof(glm::uvec3)];
+    append(append(bytes, uint8_t{3}), face);
+    out.write(bytes, sizeof(bytes));
+  }
+}
+
+}  // namespace raymap

@@ -1,0 +1,76 @@
+#pragma once
+
+// What the pipeline asks of a backend.
+
+#include <raymap/generate.h>
+
+#include <concepts>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/progress.h"
+#include "method/cell_mesh.h"
+#include "method/close_holes_edges.h"
+
+namespace raymap {
+
+/// What to make a field of, where to put it and how to report progress. Refers to all of it.
+struct Job {
+  const Mesh& mesh;
+  const Grid& grid;
+  const Options& options;
+  Progress& progress;
+  Field& field;
+};
+
+/// One function per stage. A backend holds the mesh, the grid, the options and every intermediate result.
+template <class B>
+concept Backend = requires(B b, const char* name, void (*work)()) {
+  { b.options() } -> std::same_as<const Options&>;
+  b.stage(name, work);  // Runs the work, timed and reported under the name.
+  b.begin();
+  b.voxelGrid();
+  b.cellDistance();
+  b.distanceTransform();
+  b.refine();
+  b.rasterDistance();
+  b.exactDistance();
+  b.crossings();
+  b.rayMap();
+  b.winding(SignMode::Harmonic);
+  b.windingDipoles();
+  b.sign();
+  b.finish();
+  { b.complete() } -> std::same_as<bool>;  // False: lists outgrew their memory, which has grown; run again.
+};
+
+/// Which faces are reversed: 1 for those whose winding order is opposite to the given one.
+using Turns = std::vector<uint8_t>;
+
+/// A backend whose intermediate results the host can read between the stages.
+template <class B>
+concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<const glm::vec3> points) {
+  { b.mesh() } -> std::same_as<const Mesh&>;
+  { b.progress() } -> std::same_as<Progress&>;
+  { b.doubtfulShare() } -> std::same_as<double>;  // Share of samples whose six rays disagree.
+
+  // For the stage `orientation`, which leaves its result in `faceSides`.
+  b.faceSides();
+  b.turnFaces(turns);
+  { b.misfit() } -> std::same_as<double>;
+  { b.contradictsParity() } -> std::same_as<bool>;  // Valid after `misfit`.
+  { b.rises() } -> std::same_as<std::span<const float>>;
+  { b.parityRises() } -> std::same_as<std::span<const float>>;
+
+  // For the stage `close_holes`, which leaves its result in `patch`.
+  b.patch();
+  { b.missingEdges() } -> std::same_as<std::vector<MissingEdge>>;
+  { b.windingAt(points) } -> std::same_as<std::vector<float>>;
+  { b.cellMesh() } -> std::same_as<const CellMesh&>;
+  { b.bytesLeft() } -> std::same_as<size_t>;
+  { B::kTreeBytesPerTriangle } -> std::convertible_to<size_t>;
+  b.addPatch();
+};
+
+}  // namespace raymap

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "method/cell_mesh.h"
+
+namespace raymap {
+
+/// A lattice of cubic cells in sample units: cell c is the cube of side `size` centred at first + size * c.
+/// By default one cell around every sample; x is fastest, as in `Grid`.
+struct CellLattice {
+  glm::ivec3 dims{0};
+  glm::dvec3 first{0.0};
+  double size = 1.0;  ///< A power of two, so that scaling by it is exact.
+
+  size_t count() const { return size_t(dims.x) * size_t(dims.y) * size_t(dims.z); }
+  glm::dvec3 centre(const glm::ivec3& c) const { return first + size * glm::dvec3(c); }
+  size_t index(const glm::ivec3& c) const { return (size_t(c.z) * dims.y + c.y) * dims.x + c.x; }
+  glm::ivec3 cell(size_t index) const {
+    const size_t row = index / dims.x;
+    return {int(index % dims.x), int(row % dims.y), int(row / dims.y)};
+  }
+};
+
+/// The lattices whose occupied cells together hold every triangle: the samples' own cells and, where the mesh
+/// reaches beyond them, a coarser one of at most about as many cells that covers both
+/// (docs/decisions/mesh_outside_the_box.md).
+std::vector<CellLattice> coverMesh(const CellMesh& mesh);
+/// The same for a mesh with these bounds, in cell units.
+std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
+                                     const glm::ivec3& dims);
+
+/// The value of an empty cell: larger than any squared distance in the grid, yet no infinity (§3.3).
+inline float emptyCell(glm::ivec3 dims) {
+  const glm::vec3 d(dims);
+  return glm::dot(d, d) + 1.0f;
+}
+
+/// Stands for the index of a cell where there is none.
+inline constexpr uint32_t kNoCell = 0xffffffffu;
+
+}  // namespace raymap

@@ -1,0 +1,31 @@
+#include "method/check_options.h"
+
+#include <raymap/error.h>
+
+#include <cmath>
+#include <string>
+
+namespace raymap {
+
+void checkOptions(const Grid& grid, const Options& options) {
+  const auto require = [](bool holds, const std::string& what) {
+    if (!holds) throw Error(ErrorCode::Usage, what);
+  };
+  require(grid.dims.x > 0 && grid.dims.y > 0 && grid.dims.z > 0, "the grid has no samples");
+  require(grid.spacing > 0.0 && std::isfinite(grid.spacing), "the grid's spacing must be positive");
+  require(options.band >= 0.0, "the band must not be negative");
+  require(options.passes >= 0, "the number of passes must not be negative");
+  require(options.threshold >= 0.0, "the threshold must not be negative");
+  require(options.threads >= 0, "the number of threads must not be negative");
+  require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
+  require(options.thickness >= 0.0 && std::isfinite(options.thickness), "the thickness must not be negative");
+  require(options.thickness == 0.0 || !(options.winding || options.confidence || options.closeHoles),
+          "a thickness takes the place of the sign: leave out winding, confidence and closing holes");
+  require(!options.triangleIds || options.distance != DistanceMode::Raster,
+          "the raster distance knows no closest triangles; use another distance");
+  require(grid.sampleCount() < kNoTriangle,
+          "the grid has " + std::to_string(grid.sampleCount()) +
+              " samples; at most 4294967294 can be numbered, use a lower resolution");
+}
+
+}  // namespace raymap

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+namespace raymap {
+
+/// A value of `Options::device`: "auto", "cpu", "vulkan" or "vulkan:K".
+struct DeviceName {
+  enum class Kind { Auto, Cpu, Vulkan };
+  Kind kind = Kind::Auto;
+  std::optional<size_t> index;  ///< K.
+};
+
+/// Returns none for any other text.
+std::optional<DeviceName> parseDeviceName(std::string_view text);
+
+}  // namespace raymap

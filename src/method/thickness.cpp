@@ -1,0 +1,34 @@
+#include "method/thickness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace raymap {
+
+Options withoutThickness(const Options& options, const Grid& grid) {
+  Options plain = options;
+  plain.sign = SignMode::None;
+  plain.thickness = 0.0;
+  plain.invert = false;
+  if (plain.band > 0.0) plain.band += 0.5 * options.thickness / grid.spacing;
+  return plain;
+}
+
+void thicken(const Options& options, Field& field) {
+  constexpr size_t kSamplesPerTask = size_t{1} << 16;
+  field.band = options.band * field.grid.spacing;
+  const double band = field.band > 0.0 ? field.band : INFINITY;
+  const double half = 0.5 * options.thickness;
+  withThreads(options.threads, [&] {
+    parallelFor(field.distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const double d = std::clamp(double(field.distance[i]) - half, -band, band);
+        field.distance[i] = static_cast<float>(options.invert ? -d : d);
+      }
+    });
+  });
+}
+
+}  // namespace raymap

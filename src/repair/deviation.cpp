@@ -1,0 +1,107 @@
+#include "repair/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cpu/distance/point_distance.h"
+#include "method/cell_mesh.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kMostPoints = 2e7;
+constexpr double kMostPerSide = 4096.0;
+constexpr size_t kPointsPerReport = size_t{1} << 18;
+
+CellMesh toSamples(const Mesh& mesh, const Grid& grid) {
+  CellMesh cells;
+  cells.dims = grid.dims;
+  cells.triangles = mesh.triangles;
+  cells.vertices.resize(mesh.vertices.size());
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
+  return cells;
+}
+
+/// Into how many parts a triangle's sides are cut.
+int partsOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
+  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  return static_cast<int>(std::clamp(std::ceil(longest / step), 1.0, kMostPerSide));
+}
+
+double countPoints(const CellMesh& mesh, double step) {
+  double count = 0.0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double parts = partsOf(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), step);
+    count += parts * parts;
+  }
+  return count;
+}
+
+/// The middles of the parts of a triangle that is cut evenly.
+template <class Visit>
+void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
+  const glm::vec3 a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
+  const int parts = partsOf(a, a + u, a + v, step);
+  const auto at = [&](float i, float j) { visit(a + (i * u + j * v) / static_cast<float>(parts)); };
+  for (int j = 0; j < parts; ++j)
+    for (int i = 0; i + j < parts; ++i) {
+      at(float(i) + 1.0f / 3, float(j) + 1.0f / 3);
+      if (i + j + 1 < parts) at(float(i) + 2.0f / 3, float(j) + 2.0f / 3);
+    }
+}
+
+}  // namespace
+
+std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double step) {
+  const CellMesh cells = toSamples(mesh, grid);
+  double count = countPoints(cells, step);
+  while (count > kMostPoints + double(mesh.triangles.size())) {
+    step *= 1.5;
+    count = countPoints(cells, step);
+  }
+  std::vector<glm::vec3> points;
+  points.reserve(size_t(count) + 3 * mesh.triangles.size());
+  std::vector<bool> isTaken(mesh.vertices.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int c = 0; c < 3; ++c)
+      if (const uint32_t v = mesh.triangles[t][c]; !isTaken[v]) {
+        isTaken[v] = true;
+        points.push_back(cells.vertices[v]);
+      }
+    forEachPart(cells, t, step, [&](const glm::vec3& p) { points.push_back(p); });
+  }
+  return points;
+}
+
+std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
+                               Progress& progress) {
+  const CellMesh cells = toSamples(mesh, grid);
+  cpu::SurfaceTree tree;
+  tree.build(cells);
+  std::vector<float> distances(points.size());
+  for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
+    progress.report(double(begin) / double(points.size()));
+    const size_t count = std::min(kPointsPerReport, points.size() - begin);
+    cpu::computePointDistances(tree, points.subspan(begin, count),
+                               std::span(distances).subspan(begin, count));
+  }
+  return distances;
+}
+
+Deviation summarize(std::vector<float>& deviations, double spacing) {
+  Deviation result;
+  result.points = deviations.size();
+  if (deviations.empty()) return result;
+  const auto percentile = deviations.begin() + ptrdiff_t(double(deviations.size() - 1) * 0.99);
+  std::ranges::nth_element(deviations, percentile);
+  result.p99 = spacing * double(*percentile);
+  result.max = spacing * double(*std::max_element(percentile, deviations.end()));
+  result.mean =
+      spacing * std::accumulate(deviations.begin(), deviations.end(), 0.0) / double(deviations.size());
+  return result;
+}
+
+}  // namespace raymap

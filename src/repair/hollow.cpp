@@ -1,0 +1,138 @@
+#include "repair/hollow.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "field/field_sampler.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kSamplesPerTask = size_t{1} << 16;
+
+glm::ivec3 placeOf(const Grid& grid, size_t sample) {
+  const size_t x = size_t(grid.dims.x), y = size_t(grid.dims.y);
+  return {sample % x, sample / x % y, sample / (x * y)};
+}
+
+/// Follows one hollow from sample to sample.
+class Flood {
+ public:
+  Flood(const Field& solid, double wall, const glm::dvec3& down)
+      : solid_(solid), wall_(wall), down_(glm::normalize(down)), isSeen_(solid.distance.size()) {}
+
+  bool isNew(size_t sample) const { return !isSeen_[sample] && solid_.distance[sample] < -wall_; }
+
+  Hollow follow(size_t first) {
+    Hollow hollow{glm::dvec3(0.0), 0.0};
+    double depth = -INFINITY;
+    samples_.clear();
+    push(first);
+    size_t next = 0;
+    while (next < samples_.size()) {
+      const size_t sample = samples_[next++];
+      const glm::ivec3 place = placeOf(solid_.grid, sample);
+      const double room = -wall_ - double(solid_.distance[sample]);
+      hollow.deepest = std::max(hollow.deepest, room);
+      // A ball around the sample is free.
+      const glm::dvec3 lowest = glm::dvec3(place) + room / solid_.grid.spacing * down_;
+      if (const double d = glm::dot(lowest, down_); d > depth) depth = d, hollow.lowest = lowest;
+      visitNeighbours(place);
+    }
+    return hollow;
+  }
+
+  /// Makes the last hollow part of the wall.
+  void fill(Field& solid) const {
+    for (const uint32_t sample : samples_) solid.distance[sample] = static_cast<float>(-0.5 * wall_);
+  }
+
+ private:
+  void push(size_t sample) {
+    isSeen_[sample] = true;
+    samples_.push_back(static_cast<uint32_t>(sample));
+  }
+
+  void visitNeighbours(const glm::ivec3& place) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1}) {
+        glm::ivec3 next = place;
+        next[axis] += step;
+        if (next[axis] < 0 || next[axis] >= solid_.grid.dims[axis]) continue;
+        if (const size_t sample = solid_.grid.index(next); isNew(sample)) push(sample);
+      }
+  }
+
+  const Field& solid_;
+  double wall_;
+  glm::dvec3 down_;
+  std::vector<bool> isSeen_;
+  std::vector<uint32_t> samples_;  // Of the last hollow, in the order in which they were reached.
+};
+
+}  // namespace
+
+double DrainHole::distance(const glm::dvec3& p) const {
+  const double length = glm::distance(start, end);
+  const glm::dvec3 axis = (end - start) / length;
+  const double along = glm::dot(p - start, axis);
+  return std::max({glm::length(p - start - along * axis) - radius, -along, along - length});
+}
+
+std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down) {
+  std::vector<Hollow> hollows;
+  Flood flood(solid, wall, down);
+  for (size_t sample = 0; sample < solid.distance.size(); ++sample) {
+    if (!flood.isNew(sample)) continue;
+    const Hollow hollow = flood.follow(sample);
+    if (hollow.deepest < least)
+      flood.fill(solid);
+    else
+      hollows.push_back(hollow);
+  }
+  return hollows;
+}
+
+void hollowOut(Field& solid, double wall) {
+  parallelFor(solid.distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      float& d = solid.distance[i];
+      d = std::max(d, static_cast<float>(-(double(d) + wall)));
+    }
+  });
+}
+
+DrainHole placeHole(const Field& solid, const Hollow& hollow, double radius, const glm::dvec3& down) {
+  const Grid& grid = solid.grid;
+  const FieldSampler sampler(solid);
+  const double reach = radius / grid.spacing;
+  const glm::dvec3 direction = glm::normalize(down), &lowest = hollow.lowest;
+  // Wide enough outside that the whole of its end is free; at most as long as the grid.
+  glm::dvec3 end = lowest;
+  for (const double last = glm::length(sampler.last()); glm::distance(end, lowest) <= last;) {
+    end += 0.5 * direction;
+    if (sampler.value(end) > reach) break;
+  }
+  return {grid.position(lowest - reach * direction), grid.position(end), radius};
+}
+
+void drill(Field& solid, const DrainHole& hole) {
+  constexpr double kMargin = 3.0;  // Samples around it that the surface may look at.
+  const Grid& grid = solid.grid;
+  const auto place = [&](const glm::dvec3& p) { return (p - grid.origin) / grid.spacing; };
+  const glm::dvec3 reach(hole.radius / grid.spacing + kMargin);
+  const glm::ivec3 low =
+      glm::max(glm::ivec3(glm::floor(glm::min(place(hole.start), place(hole.end)) - reach)), 0);
+  const glm::ivec3 high =
+      glm::min(glm::ivec3(glm::ceil(glm::max(place(hole.start), place(hole.end)) + reach)), grid.dims - 1);
+  for (int k = low.z; k <= high.z; ++k)
+    for (int j = low.y; j <= high.y; ++j)
+      for (int i = low.x; i <= high.x; ++i) {
+        float& d = solid.distance[grid.index({i, j, k})];
+        d = std::max(d, static_cast<float>(-hole.distance(grid.position({i, j, k}))));
+      }
+}
+
+}  // namespace raymap

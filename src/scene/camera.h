@@ -1,0 +1,55 @@
+#pragma once
+
+#include <raymap/render.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "scene/shape.h"
+
+namespace raymap {
+
+struct Ray {
+  glm::dvec3 origin;
+  glm::dvec3 direction;  // unit
+};
+
+/// A pinhole camera that frames what it shows, a shape in sample coordinates or anything else.
+class Camera {
+ public:
+  /// How far it reaches along each unit direction.
+  using Reach = std::function<std::vector<double>(std::span<const glm::dvec3> directions)>;
+
+  /// Throws `Error(Usage)` if a direction or the angle makes no sense.
+  Camera(const RenderOptions& options, const Reach& reach);
+  Camera(const RenderOptions& options, const Shape& shape)
+      : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {}
+
+  /// The ray through a point of the picture; pixel (0,0) covers 0 to 1, rows from the top.
+  Ray ray(double x, double y) const;
+  /// Where the floor under the shape lies: its height along `RenderOptions::up`.
+  double floor() const { return floor_; }
+  /// Of the picture, in pixels.
+  double height() const { return height_; }
+  /// Width of a pixel at distance 1.
+  double pixelAngle() const { return 2.0 * tangent_ / height_; }
+
+  const glm::dvec3& eye() const { return eye_; }
+  const glm::dvec3& right() const { return right_; }
+  const glm::dvec3& up() const { return up_; }
+  const glm::dvec3& forward() const { return forward_; }
+
+ private:
+  void frame(const Reach& reach, const glm::dvec3& floorNormal);
+
+  glm::dvec3 eye_{0.0}, right_, up_, forward_;
+  double tangent_;
+  double floor_ = 0.0;
+  double width_, height_;
+};
+
+/// `v` at length 1; throws `Error(Usage)` that calls it `name` if it has none.
+glm::dvec3 unitVector(const glm::dvec3& v, const char* name);
+
+}  // namespace raymap

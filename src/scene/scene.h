@@ -1,0 +1,34 @@
+#pragma once
+
+#include "scene/camera.h"
+#include "scene/colour.h"
+#include "scene/shape.h"
+
+namespace raymap {
+
+inline const Colour kSun = 3.0 * srgb(255, 244, 228);
+inline const Colour kSky = 0.85 * srgb(214, 230, 255);
+inline const Colour kBounce = 0.42 * srgb(255, 226, 198);
+inline const Colour kClay = srgb(226, 158, 104);
+inline const Colour kBackgroundTop = srgb(250, 251, 252);
+inline const Colour kBackgroundBottom = srgb(222, 226, 231);
+
+/// What a picture shows, ready to be drawn by whatever device: one round light and a sky, on a bright floor
+/// that shows nothing but the shadow.
+struct Scene {
+  /// Refers to the field. Throws as `renderField` does.
+  Scene(const Field& field, const RenderOptions& options)
+      : up(unitVector(options.up, "up vector")),
+        shape(field, options),
+        camera(options, shape),
+        toLight(glm::normalize(-0.45 * camera.right() - 0.55 * camera.forward() + 0.95 * up)),
+        lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {}
+
+  glm::dvec3 up;
+  Shape shape;
+  Camera camera;
+  glm::dvec3 toLight;
+  double lineStep;  ///< Between the lines on the cut face, in samples.
+};
+
+}  // namespace raymap

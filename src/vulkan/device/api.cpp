@@ -1,0 +1,40 @@
+#include "vulkan/device/api.h"
+
+#include <raymap/error.h>
+
+#include <mutex>
+#include <string>
+
+namespace raymap::vulkan {
+
+void openLoader() {
+  static const VkResult result = volkInitialize();
+  if (result != VK_SUCCESS)
+    throw Error(ErrorCode::Unsupported, "there is no Vulkan loader (libvulkan.so.1); install libvulkan1");
+}
+
+void loadFunctions(VkInstance instance) {
+  static std::once_flag isLoaded;
+  std::call_once(isLoaded, [instance] { volkLoadInstance(instance); });
+}
+
+void check(VkResult result, std::string_view what) {
+  if (result == VK_SUCCESS) return;
+  const std::string failed(what);
+  switch (result) {
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      throw Error(ErrorCode::Memory, failed + ": the driver found no memory; use a lower resolution");
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      throw Error(ErrorCode::Memory, failed + ": the device has no memory left; use a lower resolution");
+    case VK_ERROR_DEVICE_LOST:
+      throw Error(ErrorCode::DeviceLost,
+                  failed +
+                      ": the device stopped answering; it was reset, taken away, or the work took longer "
+                      "than the system allows. Start anew, with a lower resolution or on the CPU");
+    default:
+      throw Error(ErrorCode::Unsupported, failed + ": the driver answers with VkResult " +
+                                              std::to_string(result) + "; update it or use another device");
+  }
+}
+
+}  // namespace raymap::vulkan

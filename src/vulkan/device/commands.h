@@ -1,0 +1,82 @@
+#pragma once
+
+#include "vulkan/device/buffer.h"
+#include "vulkan/device/kernel.h"
+#include "vulkan/device/stage_timer.h"
+
+namespace raymap::vulkan {
+
+/// Lets what is recorded afterwards see the results of all commands before it, also of others on the queue.
+void waitForAll(VkCommandBuffer buffer);
+/// Lets all later commands, and the host once the work is done, see the results of what was recorded before.
+void showAll(VkCommandBuffer buffer);
+
+/// Records into a command buffer, ours or the caller's: each command sees the results of all before it,
+/// because every one has a full barrier before it (docs/decisions/vulkan_memory.md). Records no allocation.
+class Commands {
+ public:
+  /// `timer` may be null: stages are then not timed.
+  Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
+
+  VkCommandBuffer handle() const { return buffer_; }
+
+  /// Runs at least `invocations` invocations, in groups of the kernel's size: shaders check bounds.
+  template <class Push>
+  void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
+    dispatchBytes(kernel, &push, sizeof push, invocations);
+  }
+  /// As many groups as the `VkDispatchIndirectCommand` at `offset` of `arguments` says.
+  template <class Push>
+  void dispatchIndirect(Kernel<Push>& kernel, const Push& push, const DeviceBuffer& arguments,
+                        VkDeviceSize offset) {
+    dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
+  }
+  void fill(const DeviceBuffer& buffer, uint32_t value);
+  /// Writes numbers that the host knows while it records: at most 65,536 bytes, a multiple of 4.
+  template <class T>
+  void update(const DeviceBuffer& buffer, const T& value) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536 && sizeof(T) % 4 == 0);
+    updateBytes(buffer, &value, sizeof value);
+  }
+  void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes) {
+    copy(from, to.handle(), to.offset(), bytes);
+  }
+  void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes);
+  /// From a byte of `from` on to the beginning of `to`.
+  void copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize bytes);
+  /// Into an image of one layer and level in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
+  void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
+
+  /// Commands recorded by `work` have one barrier before all of them and may run at once: none may write
+  /// what another one of them touches.
+  template <class Work>
+  void concurrent(Work&& work) {
+    barrier();
+    isConcurrent_ = true;
+    work();
+    isConcurrent_ = false;
+  }
+
+  /// Times what is recorded until `stopStage`. Stages do not nest.
+  void startStage(const char* name) {
+    if (timer_) timer_->start(buffer_, name);
+  }
+  void stopStage() {
+    if (timer_) timer_->stop(buffer_);
+  }
+
+ private:
+  void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations);
+  void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
+                             const DeviceBuffer& arguments, VkDeviceSize offset);
+  void updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size);
+  void bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes);
+  void barrier();
+
+  VkCommandBuffer buffer_;
+  VkPipelineLayout layout_;
+  StageTimer* timer_;
+  bool isConcurrent_ = false;
+};
+
+}  // namespace raymap::vulkan

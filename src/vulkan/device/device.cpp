@@ -1,0 +1,178 @@
+#include "vulkan/device/device.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "base/memory.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+size_t choose(const std::vector<DeviceInfo>& devices, std::optional<size_t> index) {
+  const std::optional<size_t> chosen = index ? index : bestDevice(devices);
+  if (!chosen) throw Error(ErrorCode::Unsupported, "no Vulkan device is usable; see raymap devices");
+  const std::string name = "vulkan:" + std::to_string(*chosen);
+  if (*chosen >= devices.size())
+    throw Error(ErrorCode::Unsupported, "there is no device " + name + "; see raymap devices");
+  if (!devices[*chosen].problem.empty())
+    throw Error(ErrorCode::Unsupported,
+                name + " (" + devices[*chosen].name + ") cannot be used: " + devices[*chosen].problem);
+  return *chosen;
+}
+
+bool hasExtension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing extensions");
+  std::vector<VkExtensionProperties> found(count);
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, found.data()), "listing extensions");
+  return std::any_of(found.begin(), found.end(), [name](const VkExtensionProperties& extension) {
+    return std::strcmp(extension.extensionName, name) == 0;
+  });
+}
+
+bool hasInt64Atomics(VkPhysicalDevice device) {
+  Features features;
+  vkGetPhysicalDeviceFeatures2(device, &features.v10);
+  return features.v12.shaderBufferInt64Atomics == VK_TRUE;
+}
+
+}  // namespace
+
+Device::Device(const DeviceOptions& options) {
+  if (options.validation != Validation::Off)
+    ownInstance_ = std::make_unique<Instance>(options.validation, options.message);
+  handles_.instance = (ownInstance_ ? *ownInstance_ : sharedInstance()).handle();
+  const std::vector<VkPhysicalDevice> found = physicalDevices(handles_.instance);
+  std::vector<DeviceInfo> infos;
+  for (const VkPhysicalDevice device : found) infos.push_back(describe(device));
+  const size_t chosen = choose(infos, options.index);
+  handles_.physical = found[chosen];
+  info_ = infos[chosen];
+  if (options.guards) guards_ = std::make_unique<Guards>();
+  if (options.validation != Validation::Off)
+    setName_ = extensionFunction<PFN_vkSetDebugUtilsObjectNameEXT>(handles_.instance,
+                                                                   "vkSetDebugUtilsObjectNameEXT");
+  makeDevice();
+  readLimits();
+  makeShared();
+}
+
+Device::Device(const DeviceHandles& borrowed)
+    : handles_(borrowed), device_(borrowed.device, Destroy{false}), isBorrowed_(true) {
+  openLoader();
+  loadFunctions(borrowed.instance);
+  info_ = describe(handles_.physical);
+  if (!info_.problem.empty())
+    throw Error(ErrorCode::Unsupported, info_.name + " cannot be used: " + info_.problem);
+  readLimits();
+  makeShared();
+}
+
+Device::~Device() = default;
+
+void Device::makeDevice() {
+  handles_.queueFamily = computeFamily(handles_.physical).value();
+  const float priority = 1.0F;
+  const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                      .queueFamilyIndex = queueFamily(),
+                                      .queueCount = 1,
+                                      .pQueuePriorities = &priority};
+  Features features;
+  setRequired(features);
+  features.v12.shaderBufferInt64Atomics = hasInt64Atomics(handles_.physical) ? VK_TRUE : VK_FALSE;
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = &features.v10,
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queue};
+  check(vkCreateDevice(handles_.physical, &info, nullptr, &handles_.device), "starting " + info_.name);
+  device_.reset(handles_.device);
+  vkGetDeviceQueue(handles_.device, queueFamily(), 0, &handles_.queue);
+}
+
+void Device::readLimits() {
+  VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v13};
+  vkGetPhysicalDeviceProperties2(handles_.physical, &properties);
+  const VkPhysicalDeviceLimits& basic = properties.properties.limits;
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
+  limits_ = {
+      .sharedMemory = basic.maxComputeSharedMemorySize,
+      .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
+      .minSubgroupSize = v13.minSubgroupSize,
+      .maxSubgroupSize = v13.maxSubgroupSize,
+      .bufferSize = v13.maxBufferSize,
+      .timestampPeriod = families.at(queueFamily()).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
+      // Whether a caller switched them on for a device of theirs cannot be asked.
+      .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),
+      .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
+  vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
+}
+
+void Device::makeShared() {
+  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = kPushBytes};
+  const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                          .pushConstantRangeCount = 1,
+                                          .pPushConstantRanges = &range};
+  create(pipelineLayout_, handle(), vkCreatePipelineLayout, layout, "making the layout of all kernels");
+  const VkPipelineCacheCreateInfo cache{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  create(pipelineCache_, handle(), vkCreatePipelineCache, cache, "making a pipeline cache");
+}
+
+uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {
+  constexpr VkMemoryPropertyFlags kOwn = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+  constexpr VkMemoryPropertyFlags kMapped =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  VkMemoryPropertyFlags wishes[] = {kMapped, kMapped};  // Best first.
+  if (use == MemoryUse::ReadBack) wishes[0] |= kCached;
+  if (use == MemoryUse::Device) wishes[0] = wishes[1] = kOwn;
+  if (use == MemoryUse::Device && guards_) {  // The host looks at the guards.
+    wishes[0] = kOwn | kMapped;
+    wishes[1] = kMapped;
+  }
+  for (const VkMemoryPropertyFlags wish : wishes)
+    for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+      if ((allowed >> i & 1U) != 0 && (memory_.memoryTypes[i].propertyFlags & wish) == wish) return i;
+  throw Error(ErrorCode::Unsupported, info_.name + " has no memory that suits; use another device");
+}
+
+bool Device::isShared(uint32_t memoryType) const {
+  constexpr VkMemoryPropertyFlags kShared =
+      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+      VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+  return (memory_.memoryTypes[memoryType].propertyFlags & kShared) == kShared;
+}
+
+uint64_t Device::availableMemory(uint32_t memoryType) const {
+  const uint32_t heap = memory_.memoryTypes[memoryType].heapIndex;
+  uint64_t available = memory_.memoryHeaps[heap].size;
+  if (limits_.hasMemoryBudget) {
+    VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+    VkPhysicalDeviceMemoryProperties2 memory{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2, &budget};
+    vkGetPhysicalDeviceMemoryProperties2(handles_.physical, &memory);
+    available = budget.heapBudget[heap] - std::min(budget.heapBudget[heap], budget.heapUsage[heap]);
+  } else {
+    available -= std::min(available, heldMemory_);
+  }
+  const bool isHosts = info_.type == DeviceType::Software || info_.type == DeviceType::Integrated;
+  return isHosts ? std::min<uint64_t>(available, raymap::availableMemory()) : available;
+}
+
+void Device::setName(VkObjectType type, uint64_t handle, const std::string& name) const {
+  if (!setName_) return;
+  const VkDebugUtilsObjectNameInfoEXT info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                           .objectType = type,
+                                           .objectHandle = handle,
+                                           .pObjectName = name.c_str()};
+  setName_(this->handle(), &info);
+}
+
+}  // namespace raymap::vulkan

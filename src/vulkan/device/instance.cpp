@@ -1,0 +1,107 @@
+#include "vulkan/device/instance.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr const char* kLayer = "VK_LAYER_KHRONOS_validation";
+
+void requireLayer() {
+  uint32_t count = 0;
+  check(vkEnumerateInstanceLayerProperties(&count, nullptr), "listing Vulkan's layers");
+  std::vector<VkLayerProperties> layers(count);
+  check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "listing Vulkan's layers");
+  if (std::none_of(layers.begin(), layers.end(),
+                   [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, kLayer) == 0; }))
+    throw Error(ErrorCode::Unsupported,
+                "validation was asked for, but its layer is not there; install vulkan-validationlayers");
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL passMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                           VkDebugUtilsMessageTypeFlagsEXT,
+                                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* callback) {
+  const auto& message = *static_cast<const MessageCallback*>(callback);
+  if (message) message(std::string(data->pMessageIdName ? data->pMessageIdName : "") + ": " + data->pMessage);
+  return VK_FALSE;
+}
+
+VkResult createInstance(Validation validation, VkInstance* instance) {
+  const VkApplicationInfo application{
+      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pEngineName = "raymap", .apiVersion = VK_API_VERSION_1_3};
+  const VkValidationFeatureEnableEXT extra =
+      validation == Validation::Gpu ? VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT
+                                    : VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  const VkValidationFeaturesEXT features{
+      .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+      .enabledValidationFeatureCount = validation == Validation::On ? 0U : 1U,
+      .pEnabledValidationFeatures = &extra};
+  const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                    VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                            .pApplicationInfo = &application};
+  if (validation != Validation::Off) {
+    info.pNext = &features;
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &kLayer;
+    info.enabledExtensionCount = 2;
+    info.ppEnabledExtensionNames = extensions;
+  }
+  return vkCreateInstance(&info, nullptr, instance);
+}
+
+}  // namespace
+
+Validation validationFromEnvironment() {
+  const char* value = std::getenv("RAYMAP_VULKAN_VALIDATION");
+  const std::string_view asked = value ? value : "";
+  if (asked == "sync") return Validation::Sync;
+  if (asked == "gpu") return Validation::Gpu;
+  return asked == "1" ? Validation::On : Validation::Off;
+}
+
+const Instance& sharedInstance() {
+  static const auto* const instance = new Instance();
+  return *instance;
+}
+
+Instance::Instance(Validation validation, MessageCallback message) : message_(std::move(message)) {
+  openLoader();
+  if (validation != Validation::Off) requireLayer();
+  const VkResult result = createInstance(validation, &instance_);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw Error(ErrorCode::Unsupported,
+                "there is no Vulkan driver; install the GPU's, or mesa-vulkan-drivers for one in software");
+  check(result, "starting Vulkan");
+  loadFunctions(instance_);
+  if (validation != Validation::Off) listen();
+}
+
+void Instance::listen() {
+  const VkDebugUtilsMessengerCreateInfoEXT info{
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+      .pfnUserCallback = passMessage,
+      .pUserData = &message_};
+  const auto create =
+      extensionFunction<PFN_vkCreateDebugUtilsMessengerEXT>(instance_, "vkCreateDebugUtilsMessengerEXT");
+  check(create(instance_, &info, nullptr, &messenger_), "listening to the validation layer");
+}
+
+Instance::~Instance() {
+  if (messenger_)
+    extensionFunction<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
+        instance_, messenger_, nullptr);
+  vkDestroyInstance(instance_, nullptr);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,27 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+#include "vulkan/device/dispatch_limits.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+// VkDispatchIndirectCommand and, after it, the number of groups times a factor.
+struct DispatchArgumentsEntry {
+  uint x, y, z;
+  uint scaledGroups;
+};
+RAYMAP_CHECK_SIZE(DispatchArgumentsEntry, 16);
+
+struct DispatchArgumentsPush {
+  RAYMAP_ADDRESS(Uints) count;
+  RAYMAP_ADDRESS(Uints) entry;  // A DispatchArgumentsEntry.
+  uint most;                    // The count is at most this.
+  uint itemsPerGroup;
+  uint fewestGroups;
+  uint scale;
+};
+RAYMAP_CHECK_SIZE(DispatchArgumentsPush, 32);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,12 @@
+// Dispatches behind a shut gate get no groups.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/primitives/gate_push.h"
+
+layout(push_constant, scalar) uniform Push { GatePush push; };
+
+void main() {
+  const uint i = invocationIndex();
+  if (i < push.count) push.actual.at[i] = push.word.at[0] == 0 ? 0 : push.planned.at[i];
+}

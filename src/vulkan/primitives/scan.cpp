@@ -1,0 +1,80 @@
+// Reduce, then scan: each element is read twice and written once. Decoupled look-back would read it once, but
+// needs work groups to make progress while others wait for them, which Vulkan does not promise.
+
+#include "vulkan/primitives/scan.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "shaders/scan_blocks_spv.h"
+#include "shaders/scan_reduce_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kLargest = uint32_t{1} << 31;
+
+/// How many elements level `level` has for `count` of the first one.
+uint32_t sizeOf(uint32_t count, uint32_t level) {
+  return static_cast<uint32_t>((uint64_t{count} + (uint64_t{1} << (kScanBlockLog2 * level)) - 1) >>
+                               (kScanBlockLog2 * level));
+}
+
+uint32_t levelsOf(uint32_t count) {
+  if (count <= kScanBlock) return 1;
+  return count <= kScanBlock * kScanBlock ? 2 : 3;
+}
+
+}  // namespace
+
+Scan::Scan(Device& device)
+    : reduce_(device, shaders::kScanReduce, kScanGroup),
+      blocks_(device, shaders::kScanBlocks, kScanGroup),
+      arguments_(device, "scan arguments", kMaxLevels - 1),
+      blockSums_{DeviceBuffer(device, "scan block sums"), DeviceBuffer(device, "scan upper block sums")} {}
+
+void Scan::reserve(uint32_t most) {
+  if (most > kLargest) throw std::logic_error("a prefix sum over more than 2^31 elements");
+  for (uint32_t level = 0; level + 1 < levelsOf(most); ++level)
+    blockSums_[level].resize<uint32_t>(sizeOf(most, level + 1) + 1);
+  reserved_ = most;
+}
+
+void Scan::record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, Count count) {
+  if (count.most > reserved_) throw std::logic_error("a prefix sum over more elements than reserved");
+  if (values % 16 != 0 || sums % 16 != 0) throw std::logic_error("a prefix sum at no multiple of 16 bytes");
+  const uint32_t levels = levelsOf(count.most);
+  if (count.address != 0)
+    commands.concurrent([&] {
+      for (uint32_t level = 0; level + 1 < levels; ++level)
+        arguments_.record(
+            commands, level,
+            {.count = count, .itemsPerGroup = 1U << (kScanBlockLog2 * (level + 1)), .fewestGroups = 1});
+    });
+  for (uint32_t level = 0; level + 1 < levels; ++level)
+    dispatch(commands, reduce_, push(level, levels, values, sums, count), level);
+  for (uint32_t level = levels; level-- > 0;)
+    dispatch(commands, blocks_, push(level, levels, values, sums, count), level);
+}
+
+ScanPush Scan::push(uint32_t level, uint32_t levels, VkDeviceAddress values, VkDeviceAddress sums,
+                    Count count) const {
+  return {.values = level == 0 ? values : blockSums_[level - 1].address(),
+          .sums = level == 0 ? sums : blockSums_[level - 1].address(),
+          .blockSums = level + 1 < levels ? blockSums_[level].address() : 0,
+          .count = count.address,
+          .most = count.most,
+          .levelLog2 = kScanBlockLog2 * level};
+}
+
+void Scan::dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push, uint32_t level) {
+  if (push.count != 0 && push.blockSums != 0) {
+    arguments_.dispatch(commands, kernel, push, level);
+    return;
+  }
+  const uint64_t blocks = std::max(sizeOf(push.most, level + 1), 1U);
+  commands.dispatch(kernel, push, blocks * kScanGroup);
+}
+
+}  // namespace raymap::vulkan

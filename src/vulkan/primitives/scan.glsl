@@ -1,0 +1,25 @@
+// What both kernels of the prefix sum share.
+
+#include "vulkan/primitives/scan_push.h"
+
+layout(push_constant, scalar) uniform Push { ScanPush push; };
+
+// Of the subgroups in each row; no device has subgroups of fewer than four.
+shared uint partials[kScanRows * kScanGroup / 4];
+
+uint levelCount() {
+  const uint most = (1u << push.levelLog2) - 1;
+  return (readCount(push.count, push.most) + most) >> push.levelLog2;
+}
+
+// The first of the four elements that an invocation has in a row of its group's block.
+uint elementIndex(uint group, uint row) {
+  return group * kScanBlock + (row * kScanGroup + laneIndex()) * 4;
+}
+
+uvec4 load(uint index, uint count) {
+  if (index + 4 <= count) return Uvec4s(push.values).at[index / 4];
+  uvec4 values = uvec4(0);
+  for (uint i = 0; i < 4 && index + i < count; ++i) values[i] = push.values.at[index + i];
+  return values;
+}

@@ -1,0 +1,268 @@
+#include "vulkan/runtime/backend.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/memory.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+// What crosses the bus.
+constexpr const char* kMeshStage = "begin";
+constexpr const char* kReadBackStage = "read_back";
+
+/// What of a field crosses at once: a quarter, but neither so little that waiting for it takes longer than
+/// copying, nor so much that it does not stay in the host's caches.
+uint64_t pieceBytes(uint64_t fieldBytes) {
+  constexpr uint64_t kLeast = uint64_t{1} << 20, kMost = uint64_t{1} << 24;
+  return std::min(fieldBytes, std::clamp(fieldBytes / 4, kLeast, kMost));
+}
+
+/// While the sign is found, beside the results.
+size_t signBytes(const glm::ivec3& dims, const Options& options) {
+  const glm::u64vec3 n(dims);
+  const size_t samples = n.x * n.y * n.z;
+  size_t numbers = 3 * samples + n.x * n.y + n.y * n.z + n.z * n.x;  // The ray map.
+  if (!options.winding) numbers += samples;
+  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) numbers += samples;
+  const bool isSolved = options.sign == SignMode::Harmonic || mayTurnFaces(options);
+  for (int level = 1; isSolved && level <= coarsestHarmonicLevel(dims); ++level)
+    numbers += 2 * harmonicBox(dims, level).sampleCount();
+  return numbers * sizeof(float);
+}
+
+}  // namespace
+
+Backend::Backend(Device& device)
+    : StageRecorder(device),
+      device_(&device),
+      commandBuffer_(device),
+      upload_(device),
+      distance_(device, "distance"),
+      triangle_(device, "closest triangle"),
+      winding_(device, "winding number"),
+      confidence_(device, "confidence"),
+      findings_(device, "findings for the host", MemoryUse::ReadBack),
+      piece_(device, "piece of a field for the host", MemoryUse::ReadBack) {
+  findings_.resize<Findings>(1);
+}
+
+size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
+  constexpr size_t kNumber = sizeof(float);
+  const size_t perTriangle = kTreeBytesPerTriangle + (mayTurnFaces(options) ? 2 * kNumber : 0);
+  const size_t samples = grid.sampleCount();
+  const bool isSigned = options.sign != SignMode::None;
+  const size_t results = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned && options.winding ? 1 : 0) +
+                         (isSigned && options.confidence ? 1 : 0);
+  // Distances and sign share their memory.
+  const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
+  const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
+  // Lists of blocks, and which edges are crossed.
+  const size_t closing = options.closeHoles ? samples * 5 / 2 : 0;
+  return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) + closing +
+         mesh.triangles.size() * perTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
+}
+
+void Backend::take(const Job& job) {
+  job_.emplace(job);
+  stages_.clear();
+  openStage_ = nullptr;
+  start(commandBuffer_.begin(), job.grid, job.options);
+}
+
+void Backend::begin() {
+  const auto& [mesh, grid, options, progress, field] = *job_;
+  doubtfulShare_.reset();
+  faceSides_ = {};
+  patch_.clear();
+  upload_.fill(mesh);
+  reserve(extentOf(mesh, grid, options));
+  reserveResults();
+  setResults({.distance = distance_.address(),
+              .triangle = options.triangleIds ? triangle_.address() : 0,
+              .winding = options.winding ? winding_.address() : 0,
+              .confidence = options.confidence ? confidence_.address() : 0});
+  recordMesh(upload_.source());
+}
+
+StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const {
+  Extent extent{.vertices = static_cast<uint32_t>(mesh.vertices.size()),
+                .triangles = static_cast<uint32_t>(mesh.triangles.size()),
+                .dims = grid.dims,
+                .distance = options.distance,
+                .sign = options.sign,
+                .hasWinding = options.winding,
+                .turnsFaces = mayTurnFaces(options),
+                .closesHoles = options.closeHoles};
+  if (options.distance == DistanceMode::Exact) return extent;
+  const Box box = bounds(mesh);
+  const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
+  extent.lattices = coverBounds(inCells(box.min), inCells(box.max), grid.dims);
+  extent.outside = HUGE_VAL;  // They cover all of it.
+  return extent;
+}
+
+void Backend::reserveResults() {
+  const auto& [mesh, grid, options, progress, field] = *job_;
+  const auto reserve = [&, samples = grid.sampleCount()](DeviceBuffer& result, auto& values,
+                                                         bool isAskedFor) {
+    const size_t count = isAskedFor ? samples : 0;
+    result.resize<float>(count);
+    values.resize(count);
+  };
+  field.grid = grid;
+  field.band = options.band * grid.spacing;
+  reserve(distance_, field.distance, true);
+  reserve(triangle_, field.triangle, options.triangleIds);
+  reserve(winding_, field.winding, options.winding && hasSign());
+  reserve(confidence_, field.confidence, options.confidence && hasSign());
+  piece_.resize<std::byte>(pieceBytes(distance_.bytes()));
+}
+
+void Backend::startStage(const char* name) {
+  openStage_ = name;
+  commands().startStage(name);
+}
+
+void Backend::stopStage() {
+  commands().stopStage();
+  openStage_ = nullptr;
+}
+
+void Backend::run() {
+  const char* const stage = openStage_;
+  if (stage) stopStage();
+  commandBuffer_.submitAndWait();
+  for (const StageTime& time : commandBuffer_.times()) {
+    const double end = time.start + time.milliseconds;
+    if (time.name == std::string_view(kMeshStage)) meshReady_ = end;
+    if (time.name != std::string_view(kReadBackStage)) fieldReady_ = end;
+    if (!stages_.empty() && stages_.back().name == time.name)
+      stages_.back().milliseconds += time.milliseconds;
+    else
+      stages_.push_back({time.name, time.milliseconds});
+  }
+  continueIn(commandBuffer_.begin());
+  if (stage) startStage(stage);
+}
+
+double Backend::doubtfulShare() {
+  if (doubtfulShare_) return *doubtfulShare_;
+  recordFindings(findings_.handle(), findings_.offset());
+  run();
+  const Findings& findings = findings_.mapped<Findings>().front();
+  if (std::optional<Error> error = failureOf(findings.crossings)) throw *error;
+  doubtfulShare_ = double(findings.doubtful) / double(sampleCount());
+  return *doubtfulShare_;
+}
+
+void Backend::turnFaces(const Turns& turns) {
+  turns_ = turns;
+  doubtfulShare_.reset();
+  upload_.turn(mesh(), turns);
+  recordMesh(upload_.source());
+}
+
+double Backend::misfit() {
+  recordMisfit();
+  run();
+  return orientationStage().misfit();
+}
+
+std::span<const float> Backend::rises() {
+  recordRises();
+  return risesOfGivenFaces();
+}
+
+std::span<const float> Backend::parityRises() {
+  recordParityRises();
+  return risesOfGivenFaces();
+}
+
+/// The device has the faces reversed.
+std::span<const float> Backend::risesOfGivenFaces() {
+  run();
+  const std::span<const float> rises = orientationStage().rises();
+  rises_.assign(rises.begin(), rises.end());
+  for (size_t f = 0; f < turns_.size(); ++f)
+    if (turns_[f]) rises_[f] = -rises_[f];
+  return rises_;
+}
+
+std::vector<MissingEdge> Backend::missingEdges() {
+  do {
+    recordMissingEdges();
+    run();
+  } while (closeHolesStage().growIfFull());
+  return closeHolesStage().edges();
+}
+
+std::vector<float> Backend::windingAt(std::span<const glm::vec3> points) {
+  recordWindingAt(points);
+  run();
+  return closeHolesStage().numbers();
+}
+
+const CellMesh& Backend::cellMesh() {
+  toCellUnits(mesh(), grid(), cellMesh_);
+  return cellMesh_;
+}
+
+size_t Backend::bytesLeft() const {
+  if (options().memoryLimit == 0) return availableMemory();
+  return options().memoryLimit - std::min<size_t>(options().memoryLimit, device_->heldMemory());
+}
+
+void Backend::addPatch() {
+  recordPatch(patch_);
+  cellMesh_.vertices.release();
+}
+
+void Backend::finish() {
+  recordFinish();
+}
+
+bool Backend::complete() {
+  recordFindings(findings_.handle(), findings_.offset());
+  recordPiece(distance_, 0);
+  run();
+  const Findings& findings = findings_.mapped<Findings>().front();
+  if (fits(findings)) return true;
+  grow(findings);
+  return false;
+}
+
+void Backend::readResults() {
+  const Status status = describe(findings_.mapped<Findings>().front());
+  if (status.error) throw *status.error;
+  doubtfulShare_ = status.doubtfulShare;
+  Field& field = job_->field;
+  readBack(distance_, field.distance.data(), true);
+  readBack(triangle_, field.triangle.data());
+  readBack(winding_, field.winding.data());
+  readBack(confidence_, field.confidence.data());
+}
+
+void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
+  startStage(kReadBackStage);
+  commands().copyPart(result, first, piece_, std::min(piece_.bytes(), result.bytes() - first));
+  stopStage();
+}
+
+/// Piece by piece: memory for the host to see all of it at once would be a sixth of what a run holds.
+void Backend::readBack(const DeviceBuffer& result, void* to, bool isFirstThere) {
+  for (uint64_t done = 0; done < result.bytes(); done += piece_.bytes()) {
+    if (done > 0 || !isFirstThere) {
+      recordPiece(result, done);
+      run();
+    }
+    std::memcpy(static_cast<std::byte*>(to) + done, piece_.mapped<std::byte>().data(),
+                std::min(piece_.bytes(), result.bytes() - done));
+  }
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,95 @@
+#pragma once
+
+#include "method/pipeline.h"
+#include "vulkan/device/command_buffer.h"
+#include "vulkan/runtime/stage_recorder.h"
+
+namespace raymap::vulkan {
+
+/// The pipeline from the host's mesh to the host's field. The device runs what was recorded when the field is
+/// complete or the host reads something, or stage by stage where a callback follows the progress. Keeps its
+/// memory between runs: a run like the one before allocates nothing.
+class Backend : public StageRecorder {
+ public:
+  explicit Backend(Device& device);
+
+  /// Sets what the next run works on.
+  void take(const Job& job);
+
+  /// Runs a stage, timed by both clocks.
+  template <class Work>
+  void stage(const char* name, Work&& work) {
+    progress().stage(name, [&] {
+      startStage(name);
+      work();
+      stopStage();
+      if (options().progress) run();
+    });
+  }
+  /// Uploads the mesh and sizes the field.
+  void begin();
+  void finish();
+  bool complete();
+  /// Copies the results into the field. Throws what kept the device from making it.
+  void readResults();
+
+  const Mesh& mesh() const { return job_->mesh; }
+  Progress& progress() { return job_->progress; }
+  double doubtfulShare();
+
+  FaceSides& faceSides() { return faceSides_; }
+  void turnFaces(const Turns& turns);
+  double misfit();
+  bool contradictsParity() const { return orientationStage().contradictsParity(); }
+  std::span<const float> rises();
+  std::span<const float> parityRises();
+
+  HolePatch& patch() { return patch_; }
+  std::vector<MissingEdge> missingEdges();
+  std::vector<float> windingAt(std::span<const glm::vec3> points);
+  const CellMesh& cellMesh();
+  size_t bytesLeft() const;
+  static constexpr size_t kTreeBytesPerTriangle = 160;
+  void addPatch();
+
+  /// Bytes that a run will hold, from sizes alone, without the lists of the voxel grid: only the device finds
+  /// out how long they are.
+  static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+  /// Times of the last run's stages by the device's clock.
+  const std::vector<Stats::Stage>& stages() const { return stages_; }
+  /// Milliseconds by the device's clock from the mesh being uploaded to the field being complete, with the
+  /// host's work in between, without the transfers. 0 if the device has no timestamps.
+  double milliseconds() const { return fieldReady_ - meshReady_; }
+
+ private:
+  void startStage(const char* name);
+  void stopStage();
+  /// Runs all that was recorded.
+  void run();
+  Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
+  void reserveResults();
+  std::span<const float> risesOfGivenFaces();
+  void recordPiece(const DeviceBuffer& result, uint64_t first);
+  void readBack(const DeviceBuffer& result, void* to, bool isFirstThere = false);
+
+  Device* device_;
+  std::optional<Job> job_;
+  const char* openStage_ = nullptr;
+  std::optional<double> doubtfulShare_;  ///< Once read.
+  Turns turns_;
+  std::vector<float> rises_;
+  FaceSides faceSides_;
+  CellMesh cellMesh_;
+  HolePatch patch_;
+  std::vector<Stats::Stage> stages_;
+  double meshReady_ = 0.0, fieldReady_ = 0.0;
+
+  CommandBuffer commandBuffer_;
+  MeshUpload upload_;
+  DeviceBuffer distance_, triangle_, winding_, confidence_;
+  DeviceBuffer findings_, piece_;  // For the host.
+};
+
+static_assert(HostBackend<Backend>);
+
+}  // namespace raymap::vulkan

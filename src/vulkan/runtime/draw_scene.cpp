@@ -1,0 +1,98 @@
+#include "vulkan/runtime/draw_scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <span>
+
+#include "base/parallel.h"
+#include "scene/scene.h"
+#include "vulkan/device/command_buffer.h"
+#include "vulkan/stages/render_field.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+/// Rows to draw at once: so few that somebody who cancels does not wait, nor the system for the device; so
+/// many that it has work.
+class Bands {
+ public:
+  int rows() const { return rows_; }
+  /// Calls `draw` and learns from the time it takes.
+  template <class Draw>
+  void time(Draw&& draw) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    draw();
+    const auto took = Clock::now() - start;
+    if (took < std::chrono::milliseconds(50)) rows_ *= 2;
+    if (took > std::chrono::milliseconds(200)) rows_ = std::max(rows_ / 2, kLeast);
+  }
+
+ private:
+  static constexpr int kLeast = kRenderTile;
+  int rows_ = 8 * kLeast;
+};
+
+/// In samples, as the CPU has them when it draws.
+void fillSamples(const Field& field, std::span<float> samples) {
+  const double scale = 1.0 / field.grid.spacing;
+  parallelFor(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+    for (size_t s = begin; s < end; ++s)
+      samples[s] = static_cast<float>(std::clamp(field.distance[s] * scale, -kFarthest, kFarthest));
+  });
+}
+
+/// A field on its way to the device, and a picture on its way back.
+struct Buffers {
+  Buffers(Device& device, size_t samples, size_t pixelCount)
+      : uploadedField(device, "field upload", MemoryUse::Upload),
+        field(device, "field to draw"),
+        pixels(device, "pixels"),
+        picture(device, "picture for the host", MemoryUse::ReadBack) {
+    for (DeviceBuffer* buffer : {&uploadedField, &field}) buffer->resize<float>(samples);
+    for (DeviceBuffer* buffer : {&pixels, &picture}) buffer->resize<uint32_t>(pixelCount);
+  }
+  DeviceBuffer uploadedField, field, pixels, picture;
+};
+
+void take(std::span<const uint32_t> pixels, Picture& picture) {
+  uint8_t* rgb = picture.rgb.data();
+  for (const uint32_t pixel : pixels)
+    for (const int shift : {0, 8, 16}) *rgb++ = static_cast<uint8_t>(pixel >> shift);
+}
+
+}  // namespace
+
+void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& picture) {
+  const Field& field = scene.shape.field();
+  RenderFieldStage stage(device);
+  stage.checkScene(scene);
+  Buffers buffers(device, field.distance.size(), picture.rgb.size() / 3);
+  fillSamples(field, buffers.uploadedField.mapped<float>());
+  CommandBuffer buffer(device);
+  const auto run = [&](const auto& record) {
+    Commands commands = buffer.begin();
+    record(commands);
+    buffer.submitAndWait();
+  };
+  run([&](Commands& commands) {
+    stage.recordScene(commands, scene, picture.width, picture.height);
+    commands.copy(buffers.uploadedField, buffers.field, buffers.field.bytes());
+  });
+  const RenderFieldStage::Samples samples{.address = buffers.field.address()};
+  Bands bands;
+  for (int first = 0; first < picture.height;) {
+    const int rows = std::min(bands.rows(), picture.height - first);
+    const auto draw = [&](Commands& commands) {
+      stage.recordRows(commands, samples, buffers.pixels.address(), first, rows);
+    };
+    bands.time([&] { run(draw); });
+    first += rows;
+    progress.report(double(first) / picture.height);
+  }
+  run([&](Commands& commands) { commands.copy(buffers.pixels, buffers.picture, buffers.picture.bytes()); });
+  take(buffers.picture.mapped<uint32_t>(), picture);
+}
+
+}  // namespace raymap::vulkan

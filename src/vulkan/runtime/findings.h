@@ -1,0 +1,20 @@
+#pragma once
+
+#include "vulkan/device/features.h"
+#include "vulkan/stages/cell_levels_push.h"
+#include "vulkan/stages/cell_mesh_push.h"
+#include "vulkan/stages/cell_runs_push.h"
+#include "vulkan/stages/crossings_push.h"
+
+namespace raymap::vulkan {
+
+/// What stages find out while they run, for the host. Those that did not run leave their part as it was.
+struct Findings {
+  CellMeshStatus mesh;
+  CrossingsStatus crossings;
+  CellRunsTotals lists[kMostLevels];
+  uint32_t doubtful;  ///< Samples whose rays disagree.
+};
+static_assert(sizeof(Findings) == kStatusWords * sizeof(uint32_t));
+
+}  // namespace raymap::vulkan

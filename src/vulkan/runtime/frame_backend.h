@@ -1,0 +1,50 @@
+#pragma once
+
+#include "method/backend.h"
+#include "vulkan/runtime/stage_recorder.h"
+#include "vulkan/stages/field_image.h"
+
+namespace raymap::vulkan {
+
+/// The pipeline from a mesh on the device to its field there, recorded into anybody's command buffer.
+class FrameBackend : public StageRecorder {
+ public:
+  struct Frame {
+    Commands commands;
+    CellMeshStage::Source mesh;
+    Results results;  ///< Without a distance, an image's.
+    VkImage image = VK_NULL_HANDLE;
+    VkImageLayout imageLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    BufferRange status;
+  };
+
+  explicit FrameBackend(Device& device);
+
+  /// All previously recorded work must have completed.
+  void reserve(const Room& room);
+  /// Sets what the next run of the pipeline records; grid and options must live until then.
+  void take(const Frame& frame, const Grid& grid, const Options& options);
+
+  template <class Work>
+  void stage(const char*, Work&& work) {
+    work();
+  }
+  void begin();
+  void finish();
+  /// True: `status` says whether the capacities sufficed.
+  static bool complete() { return true; }
+
+  /// Returns the status of the last frame that ran.
+  Status status() const { return describe(findings_.mapped<Findings>().front()); }
+  /// Returns the status of the frame with these findings.
+  Status status(const Findings& findings) const { return describe(findings); }
+
+ private:
+  std::optional<Frame> frame_;
+  FieldImageStage image_;
+  DeviceBuffer findings_;
+};
+
+static_assert(raymap::Backend<FrameBackend> && !HostBackend<FrameBackend>);
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,190 @@
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "method/check_options.h"
+#include "method/device_name.h"
+#include "method/pipeline.h"
+#include "vulkan/device/buffer_range.h"
+#include "vulkan/device/command_buffer.h"
+#include "vulkan/runtime/frame_backend.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+void require(bool holds, const std::string& what) {
+  if (!holds) throw Error(ErrorCode::Usage, what);
+}
+
+void checkRoom(const Room& room) {
+  constexpr uint32_t kMostVertices = uint32_t{1} << 29, kMostTriangles = uint32_t{1} << 29;
+  const auto outOf = [](uint32_t count, uint32_t most) { return count == 0 || count > most; };
+  require(!outOf(room.vertices, kMostVertices) && !outOf(room.triangles, kMostTriangles),
+          "room for " + std::to_string(room.vertices) + " vertices and " + std::to_string(room.triangles) +
+              " triangles was asked for; there must be some, and at most 2^29 of each");
+  const glm::dvec3 dims(room.dims);
+  require(room.dims.x > 0 && room.dims.y > 0 && room.dims.z > 0, "the grid has no samples");
+  require(dims.x * dims.y * dims.z < double(kNoTriangle),
+          "the grid has more than 4294967294 samples; use a lower resolution");
+  require(room.outside >= 0.0 && room.outside <= 1e9,
+          "triangles may reach 0 to 1e9 samples beyond the grid, not " + std::to_string(room.outside));
+}
+
+void checkMesh(const MeshBuffers& mesh, const Room& room) {
+  require(mesh.vertices.buffer && mesh.triangles.buffer, "the mesh has no buffer of vertices or triangles");
+  require(mesh.vertexCount > 0 && mesh.triangleCount > 0, "the mesh has no vertices or triangles");
+  require(mesh.vertexCount <= room.vertices && mesh.triangleCount <= room.triangles,
+          "the mesh has " + std::to_string(mesh.vertexCount) + " vertices and " +
+              std::to_string(mesh.triangleCount) + " triangles, there is room for " +
+              std::to_string(room.vertices) + " and " + std::to_string(room.triangles) + "; reserve more");
+  require(mesh.vertexStride >= sizeof(glm::vec3) && mesh.vertexStride % sizeof(float) == 0,
+          "vertices are " + std::to_string(mesh.vertexStride) +
+              " bytes apart; it must be 12 or more, and a multiple of 4");
+  require(uint64_t{mesh.vertexStride} * mesh.vertexCount <= uint64_t{1} << 33,
+          "the vertices spread over more than 8 GiB; pack them more tightly");
+}
+
+void checkTarget(const Target& target, const Room& room) {
+  const bool hasImage = room.image != VK_FORMAT_UNDEFINED;
+  require(
+      (target.image != VK_NULL_HANDLE) == hasImage && (target.distance.buffer != VK_NULL_HANDLE) != hasImage,
+      hasImage ? "room was made for images, so the target must be one, and no buffer of distances"
+               : "room was made for buffers of distances, so the target must be one, and no image");
+  require(!target.triangle.buffer || room.distance != DistanceMode::Raster,
+          "the raster distance knows no closest triangles; use another distance");
+  require(room.sign != SignMode::None || (!target.winding.buffer && !target.confidence.buffer),
+          "without a sign there are no winding numbers and confidences");
+  require(target.status.offset % sizeof(uint32_t) == 0, "the status must lie at a multiple of 4 bytes");
+}
+
+}  // namespace
+
+struct Generator::Impl {
+  template <class... Args>
+  explicit Impl(Args&&... args) : device(std::forward<Args>(args)...), backend(device), trial(device) {}
+
+  void reserve(const Room& wanted);
+  void record(const FrameBackend::Frame& frame, const Grid& grid, const Options& options);
+  void makeKernels();
+  VkDeviceAddress addressOf(const BufferRange& range) const;
+  CellMeshStage::Source sourceOf(const MeshBuffers& mesh) const;
+
+  Device device;
+  FrameBackend backend;
+  CommandBuffer trial;
+  std::optional<Room> room;
+};
+
+void Generator::Impl::reserve(const Room& wanted) {
+  checkRoom(wanted);
+  room.reset();
+  backend.reserve(wanted);
+  room = wanted;
+  makeKernels();
+}
+
+/// By recording a frame that never runs, as kernels are made when they are first recorded.
+void Generator::Impl::makeKernels() {
+  const Grid grid{.dims = room->dims, .spacing = 1.0};
+  const Options options{.distance = room->distance, .sign = room->sign};
+  record(
+      {.commands = trial.begin(), .mesh = {.vertexCount = room->vertices, .triangleCount = room->triangles}},
+      grid, options);
+}
+
+void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid, const Options& options) {
+  backend.take(frame, grid, options);
+  runPipeline(backend);
+}
+
+VkDeviceAddress Generator::Impl::addressOf(const BufferRange& range) const {
+  return vulkan::addressOf(device.handle(), range, "a buffer of the mesh or the target");
+}
+
+CellMeshStage::Source Generator::Impl::sourceOf(const MeshBuffers& mesh) const {
+  return {.positions = addressOf(mesh.vertices),
+          .stride = static_cast<uint32_t>(mesh.vertexStride / sizeof(float)),
+          .triangles = addressOf(mesh.triangles),
+          .vertexCount = mesh.vertexCount,
+          .triangleCount = mesh.triangleCount,
+          .origin = mesh.origin};
+}
+
+namespace {
+
+DeviceOptions named(std::string_view name) {
+  const std::optional<DeviceName> device = parseDeviceName(name);
+  if (!device || device->kind != DeviceName::Kind::Vulkan)
+    throw Error(ErrorCode::Usage,
+                "there is no Vulkan device '" + std::string(name) + "'; use vulkan or vulkan:K");
+  return {.index = device->index};
+}
+
+const DeviceHandles& checked(const DeviceHandles& device) {
+  require(device.instance && device.physical && device.device,
+          "the generator needs the instance, the physical device and the device, but one of them is null");
+  return device;
+}
+
+}  // namespace
+
+Generator::Generator(std::string_view device) : impl_(std::make_unique<Impl>(named(device))) {}
+Generator::Generator(const DeviceHandles& device) : impl_(std::make_unique<Impl>(checked(device))) {}
+Generator::~Generator() = default;
+Generator::Generator(Generator&&) noexcept = default;
+Generator& Generator::operator=(Generator&&) noexcept = default;
+
+const DeviceHandles& Generator::device() const {
+  return impl_->device.handles();
+}
+
+void Generator::reserve(const Room& room) {
+  impl_->reserve(room);
+}
+
+void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid,
+                       const Options& options, const Target& target) {
+  require(impl_->room.has_value(), "there is no room yet; call reserve first");
+  const Room& room = *impl_->room;
+  checkOptions(grid, options);
+  require(grid.dims == room.dims, "the grid's dims are not those that room was made for");
+  require(options.distance == room.distance && options.sign == room.sign,
+          "the distance or the sign is not the one that room was made for");
+  if (options.closeHoles)
+    throw Error(ErrorCode::Unsupported, "holes of a mesh that only the device sees cannot be closed");
+  if (options.orientation == Orientation::Repair)
+    throw Error(ErrorCode::Unsupported, "the faces of a mesh that only the device sees cannot be turned");
+  if (options.thickness > 0.0)
+    throw Error(ErrorCode::Unsupported,
+                "a thickness is for fields on the host only; subtract half of it from an unsigned field");
+  checkMesh(mesh, room);
+  checkTarget(target, room);
+  impl_->record({.commands = Commands(commands, impl_->device.pipelineLayout(), nullptr),
+                 .mesh = impl_->sourceOf(mesh),
+                 .results = {.distance = impl_->addressOf(target.distance),
+                             .triangle = impl_->addressOf(target.triangle),
+                             .winding = impl_->addressOf(target.winding),
+                             .confidence = impl_->addressOf(target.confidence)},
+                 .image = target.image,
+                 .imageLayout = target.imageLayout,
+                 .status = target.status},
+                grid, options);
+}
+
+Status Generator::status() const {
+  return impl_->room ? impl_->backend.status() : Status{};
+}
+
+Status Generator::status(std::span<const uint32_t, kStatusWords> words) const {
+  require(impl_->room.has_value(), "there is no room yet, so no frame either");
+  Findings findings;
+  std::memcpy(&findings, words.data(), sizeof findings);
+  return impl_->backend.status(findings);
+}
+
+uint64_t Generator::bytes() const {
+  return impl_->device.heldMemory();
+}
+
+}  // namespace raymap::vulkan

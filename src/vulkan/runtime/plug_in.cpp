@@ -1,0 +1,50 @@
+// Joins the core where raymap::vulkan is linked.
+
+#include "base/memory.h"
+#include "method/gpu_plug_in.h"
+#include "vulkan/runtime/backend.h"
+#include "vulkan/runtime/draw_scene.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+class OpenDevice final : public GpuDevice {
+ public:
+  explicit OpenDevice(size_t index) : device_({.index = index}) {}
+
+  void generate(const Job& job, Stats& stats) override {
+    if (job.options.memoryLimit != 0)
+      checkFieldMemory(Backend::bytesNeeded(job.mesh, job.grid, job.options), job.options.memoryLimit,
+                       " on the device");
+    if (!backend_) backend_.emplace(device_);
+    backend_->take(job);
+    runPipeline(*backend_);
+    backend_->readResults();
+    stats.stages = backend_->stages();
+    stats.bytes = device_.heldMemory();
+    describeMesh(*backend_, job.grid, stats);
+  }
+
+  void draw(const Scene& scene, Progress& progress, Picture& picture) override {
+    drawScene(device_, scene, progress, picture);
+  }
+
+ private:
+  Device device_;
+  std::optional<Backend> backend_;
+};
+
+}  // namespace
+
+}  // namespace raymap::vulkan
+
+/// The linker is told that this is needed (src/vulkan/CMakeLists.txt), so that a static library hands it
+/// over.
+extern "C" const bool raymapVulkanIsPluggedIn = [] {
+  using namespace raymap;
+  plugIn({.list = vulkan::listDevices, .open = [](size_t index) -> std::unique_ptr<GpuDevice> {
+            return std::make_unique<vulkan::OpenDevice>(index);
+          }});
+  return true;
+}();

@@ -1,0 +1,199 @@
+#include "vulkan/runtime/stage_recorder.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "method/orientation_sides.h"
+
+namespace raymap::vulkan {
+
+StageRecorder::StageRecorder(Device& device)
+    : device_(&device),
+      scratch_(device),
+      mesh_(device),
+      surfaceTree_(device),
+      exactDistance_(device, &scratch_),
+      refine_(device),
+      rasterSamples_(device),
+      crossings_(device, &scratch_),
+      rayMap_(device),
+      winding_(device, &scratch_),
+      orientation_(device),
+      windingDipoles_(device),
+      closeHoles_(device),
+      sign_(device),
+      finish_(device),
+      windingNumber_(device, "winding number", &scratch_) {}
+
+void StageRecorder::reserve(const Extent& extent) {
+  extent_ = extent;
+  const bool isHarmonic = extent.sign == SignMode::Harmonic;
+  mesh_.reserve(extent.vertices, extent.triangles);
+  if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
+  // The sign needs nothing that the distances leave but themselves.
+  scratch_.startPhase();
+  if (hasSign()) reserveSign();
+  // Last, for the levels of cells keep addresses.
+  scratch_.startPhase();
+  if (isExact())
+    exactDistance_.reserve(extent.dims);
+  else
+    reserveCells();
+}
+
+void StageRecorder::reserveSign() {
+  const glm::ivec3& dims = extent_.dims;
+  crossings_.reserve(dims, extent_.triangles, extent_.closesHoles);
+  windingNumber_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
+  winding_.reserve(dims, extent_.sign, extent_.turnsFaces);
+  if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
+  if (extent_.sign == SignMode::Harmonic || extent_.closesHoles)
+    windingDipoles_.reserve(extent_.triangles, dims);
+}
+
+void StageRecorder::start(const Commands& commands, const Grid& grid, const Options& options) {
+  commands_ = commands;
+  grid_ = &grid;
+  options_ = &options;
+}
+
+void StageRecorder::setResults(const Results& results) {
+  results_ = results;
+  if (results.winding == 0) results_.winding = windingNumber_.address();
+}
+
+void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
+  mesh_.record(*commands_, source, *grid_, extent_.outside);
+  hasSurfaceTree_ = false;
+}
+
+void StageRecorder::exactDistance() {
+  exactDistance_.record(*commands_, surfaceTree(), options_->band,
+                        {.distance = results_.distance, .triangle = results_.triangle});
+}
+
+const SurfaceTreeStage& StageRecorder::surfaceTree() {
+  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
+  return surfaceTree_;
+}
+
+void StageRecorder::crossings() {
+  crossings_.record(*commands_, mesh_.mesh());
+}
+
+void StageRecorder::rayMap() {
+  rayMap_.record(*commands_, crossings_.lines());
+}
+
+void StageRecorder::winding(SignMode mode) {
+  winding_.record(*commands_, crossings_.lines(), mode, *options_, results_.winding);
+}
+
+void StageRecorder::recordMisfit() {
+  orientation_.recordMisfit(*commands_, orientationFields());
+}
+
+void StageRecorder::recordRises() {
+  orientation_.recordRises(*commands_, orientationFields(), kFarSides);
+}
+
+void StageRecorder::recordParityRises() {
+  orientation_.recordParity(*commands_, orientationFields());
+  orientation_.recordRises(*commands_, orientationFields(), 0.0f);
+}
+
+OrientationStage::Fields StageRecorder::orientationFields() const {
+  return {.rays = crossings_.lines(),
+          .field = results_.winding,
+          .mesh = mesh_.mesh(),
+          .threshold = options_->threshold};
+}
+
+void StageRecorder::windingDipoles() {
+  windingDipoles_.record(*commands_, surfaceTree(),
+                         {.distance = results_.distance,
+                          .winding = results_.winding,
+                          .disagreeing = winding_.doubtful().address()},
+                         options_->threshold);
+}
+
+void StageRecorder::recordMissingEdges() {
+  closeHoles_.recordSearch(*commands_, extent_.dims, crossings_.crossed(), results_.winding,
+                           options_->threshold);
+}
+
+void StageRecorder::recordWindingAt(std::span<const glm::vec3> points) {
+  closeHoles_.recordNumbersAt(*commands_, windingDipoles_, surfaceTree(), points, options_->threshold);
+}
+
+void StageRecorder::recordPatch(const HolePatch& patch) {
+  closeHoles_.recordDistance(*commands_, patch,
+                             {.distance = results_.distance, .triangle = results_.triangle});
+}
+
+void StageRecorder::sign() {
+  sign_.record(*commands_,
+               {.rays = crossings_.lines().axes,
+                .winding = results_.winding,
+                .distance = results_.distance,
+                .confidence = results_.confidence},
+               glm::uvec3(extent_.dims), options_->threshold, options_->invert);
+}
+
+void StageRecorder::recordFinish() {
+  finish_.record(*commands_, results_.distance, static_cast<uint32_t>(sampleCount()), options_->band,
+                 grid_->spacing);
+}
+
+void StageRecorder::recordFindings(VkBuffer to, VkDeviceSize offset) {
+  const auto copy = [&](const DeviceBuffer& from, size_t part) {
+    commands_->copy(from, to, offset + part, from.bytes());
+  };
+  commands_->concurrent([&] {
+    copy(mesh_.status(), offsetof(Findings, mesh));
+    if (hasSign()) {
+      copy(crossings_.status(), offsetof(Findings, crossings));
+      copy(winding_.doubtful(), offsetof(Findings, doubtful));
+    }
+    if (isExact()) return;
+    for (size_t l = 0; l < extent_.lattices.size(); ++l)
+      copy(isRaster() ? levels_[l]->raster.totals() : levels_[l]->grid.totals(),
+           offsetof(Findings, lists) + l * sizeof(CellRunsTotals));
+  });
+}
+
+Status StageRecorder::describe(const Findings& findings) const {
+  Status status{.error = errorOf(findings),
+                .triangles = findings.mesh.badTriangles,
+                .outside = isExact() ? 0 : findings.mesh.outside};
+  if (hasSign()) status.doubtfulShare = double(findings.doubtful) / double(sampleCount());
+  if (isExact()) return status;
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
+    const ListSizes sizes = sizesOf(findings.lists[l]);
+    status.lists.rows = std::max(status.lists.rows, sizes.rows);
+    status.lists.entries = std::max(status.lists.entries, sizes.entries);
+  }
+  return status;
+}
+
+std::optional<Error> StageRecorder::errorOf(const Findings& findings) const {
+  const CellMeshStatus& mesh = findings.mesh;
+  if (!fits(findings))
+    return Error(ErrorCode::Memory,
+                 "the lists of the cells' triangles outgrew their room; reserve as much as the status says");
+  if (hasSign())
+    if (std::optional<Error> error = failureOf(findings.crossings)) return error;
+  if (mesh.badTriangles > 0)
+    return Error(ErrorCode::Input,
+                 std::to_string(mesh.badTriangles) + " triangles were left out, the first is number " +
+                     std::to_string(~mesh.firstBad) +
+                     ": a vertex index is out of range, or a vertex not finite or too far away");
+  if (!isExact() && mesh.outside > 0)
+    return Error(ErrorCode::Input,
+                 std::to_string(mesh.outside) + " triangles reach more than " +
+                     std::to_string(extent_.outside) +
+                     " samples beyond the grid, where they were not looked for; reserve for more outside");
+  return std::nullopt;
+}
+
+}  // namespace raymap::vulkan

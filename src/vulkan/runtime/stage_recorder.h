@@ -1,0 +1,159 @@
+#pragma once
+
+#include <raymap/generate.h>
+
+#include <array>
+
+#include "vulkan/device/commands.h"
+#include "vulkan/device/scratch_memory.h"
+#include "vulkan/runtime/findings.h"
+#include "vulkan/stages/cell_distance.h"
+#include "vulkan/stages/cell_levels.h"
+#include "vulkan/stages/cell_mesh.h"
+#include "vulkan/stages/close_holes.h"
+#include "vulkan/stages/crossings.h"
+#include "vulkan/stages/distance_transform.h"
+#include "vulkan/stages/exact_distance.h"
+#include "vulkan/stages/finish.h"
+#include "vulkan/stages/orientation.h"
+#include "vulkan/stages/raster_distance.h"
+#include "vulkan/stages/ray_map.h"
+#include "vulkan/stages/refine.h"
+#include "vulkan/stages/sign.h"
+#include "vulkan/stages/surface_tree.h"
+#include "vulkan/stages/voxel_grid.h"
+#include "vulkan/stages/winding.h"
+#include "vulkan/stages/winding_dipoles.h"
+
+namespace raymap::vulkan {
+
+/// Records the device's twin of every stage of method/pipeline.h, from a mesh on the device to its field
+/// there. `Backend` brings both from and to the host, `FrameBackend` leaves both on the device.
+class StageRecorder {
+ public:
+  const Options& options() const { return *options_; }
+
+  void voxelGrid();
+  void cellDistance();
+  void distanceTransform();
+  void refine();
+  void rasterDistance();
+  void exactDistance();
+  void crossings();
+  void rayMap();
+  void winding(SignMode mode);
+  void windingDipoles();
+  void sign();
+
+ protected:
+  /// Capacities to reserve.
+  struct Extent {
+    uint32_t vertices = 0;
+    uint32_t triangles = 0;
+    glm::ivec3 dims{0};
+    DistanceMode distance = DistanceMode::Exact;
+    SignMode sign = SignMode::Harmonic;
+    bool hasWinding = false;  ///< Whether results always come with a buffer for the winding number.
+    bool turnsFaces = false;
+    bool closesHoles = false;
+    /// Cells that the paper's distances search: `coverBounds` of meshes that reach no farther than `outside`.
+    std::vector<CellLattice> lattices;
+    double outside = 0.0;  ///< In samples, beyond the grid.
+    std::array<ListSizes, kMostLevels> lists{};
+  };
+  /// Addresses of the results, one value per sample.
+  struct Results {
+    VkDeviceAddress distance = 0;
+    VkDeviceAddress triangle = 0;    ///< 0: not asked for.
+    VkDeviceAddress winding = 0;     ///< Likewise.
+    VkDeviceAddress confidence = 0;  ///< Likewise.
+  };
+
+  explicit StageRecorder(Device& device);
+
+  /// All previously recorded work must have completed.
+  void reserve(const Extent& extent);
+  const Extent& extent() const { return extent_; }
+  /// Returns whether the lists had enough capacity.
+  bool fits(const Findings& findings) const;
+  /// Reserves what the lists need. All previously recorded work must have completed.
+  void grow(const Findings& findings);
+
+  /// Sets what the stages work on from now on; grid and options must live as long. The options must be
+  /// covered by what was reserved.
+  void start(const Commands& commands, const Grid& grid, const Options& options);
+  /// Sets where the results go, after `reserve`.
+  void setResults(const Results& results);
+  void recordMesh(const CellMeshStage::Source& source);
+  // For the stage `orientation`.
+  void recordMisfit();
+  void recordRises();
+  void recordParityRises();
+  const OrientationStage& orientationStage() const { return orientation_; }
+  // For the stage `close_holes`.
+  void recordMissingEdges();
+  void recordWindingAt(std::span<const glm::vec3> points);
+  void recordPatch(const HolePatch& patch);
+  CloseHolesStage& closeHolesStage() { return closeHoles_; }
+  void recordFinish();
+  void recordFindings(VkBuffer to, VkDeviceSize offset);
+  /// Returns what findings mean, for a run over the extent.
+  Status describe(const Findings& findings) const;
+
+  bool hasSign() const { return extent_.sign != SignMode::None; }
+  bool isExact() const { return extent_.distance == DistanceMode::Exact; }
+  size_t sampleCount() const { return CellLattice{extent_.dims}.count(); }
+
+  Commands& commands() { return *commands_; }
+  /// Records into another command buffer from now on.
+  void continueIn(const Commands& commands) { commands_ = commands; }
+  const Grid& grid() const { return *grid_; }
+
+ private:
+  /// What the paper's distances need of one lattice.
+  struct Level {
+    Level(Device& device, ScratchMemory* scratch)
+        : grid(device, scratch),
+          distance(device, scratch),
+          raster(device, scratch),
+          transform(device, scratch) {}
+    VoxelGridStage grid;
+    CellDistanceStage distance;
+    RasterDistanceStage raster;
+    DistanceTransformStage transform;
+  };
+
+  void reserveSign();
+  void reserveCells();
+  bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
+  /// Of the mesh as it is by now, if it is not there.
+  const SurfaceTreeStage& surfaceTree();
+  OrientationStage::Fields orientationFields() const;
+  std::optional<Error> errorOf(const Findings& findings) const;
+
+  Device* device_;
+  std::optional<Commands> commands_;
+  const Grid* grid_ = nullptr;
+  const Options* options_ = nullptr;
+  Extent extent_;
+  Results results_;
+  ScratchMemory scratch_;  // Before what lies there.
+  CellMeshStage mesh_;
+  bool hasSurfaceTree_ = false;
+  SurfaceTreeStage surfaceTree_;
+  ExactDistanceStage exactDistance_;
+  std::vector<std::unique_ptr<Level>> levels_;  // At least as many as lattices.
+  RefineStage refine_;
+  RasterDistanceSamplesStage rasterSamples_;
+  CrossingsStage crossings_;
+  RayMapStage rayMap_;
+  WindingStage winding_;
+  OrientationStage orientation_;
+  WindingDipolesStage windingDipoles_;
+  CloseHolesStage closeHoles_;
+  SignStage sign_;
+  FinishStage finish_;
+  DeviceBuffer windingNumber_;  // Where the results have no place for it.
+};
+
+}  // namespace raymap::vulkan

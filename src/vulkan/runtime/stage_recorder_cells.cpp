@@ -1,0 +1,78 @@
+// The paper's distances (§3.1, §3.3), over the lattices that cover the mesh.
+
+#include "vulkan/runtime/stage_recorder.h"
+
+namespace raymap::vulkan {
+
+void StageRecorder::reserveCells() {
+  const std::vector<CellLattice>& lattices = extent_.lattices;
+  while (levels_.size() < lattices.size()) levels_.push_back(std::make_unique<Level>(*device_, &scratch_));
+  std::vector<CellLevelData> data;
+  for (size_t l = 0; l < lattices.size(); ++l) {
+    Level& level = *levels_[l];
+    level.transform.reserve(lattices[l].dims);
+    if (isRaster()) {
+      level.raster.reserve(lattices[l], extent_.triangles, extent_.lists[l]);
+      data.push_back(level.raster.level(level.transform));
+      continue;
+    }
+    level.grid.reserve(lattices[l], extent_.triangles, extent_.lists[l]);
+    level.distance.reserve(lattices[l].count());
+    data.push_back(levelOf(level.grid, level.distance, level.transform));
+  }
+  if (isRaster())
+    rasterSamples_.reserve(extent_.dims, data);
+  else
+    refine_.reserve(extent_.dims, data);
+}
+
+bool StageRecorder::fits(const Findings& findings) const {
+  if (isExact()) return true;
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
+    const ListSizes sizes = sizesOf(findings.lists[l]);
+    if (isRaster() ? !levels_[l]->raster.fits(sizes) : !levels_[l]->grid.fits(sizes)) return false;
+  }
+  return true;
+}
+
+void StageRecorder::grow(const Findings& findings) {
+  Extent larger = extent_;
+  for (size_t l = 0; l < larger.lattices.size(); ++l) larger.lists[l] = sizesOf(findings.lists[l]);
+  reserve(larger);
+}
+
+void StageRecorder::voxelGrid() {
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->grid.record(*commands_, mesh_.mesh());
+}
+
+void StageRecorder::cellDistance() {
+  for (size_t l = 0; l < extent_.lattices.size(); ++l)
+    levels_[l]->distance.record(*commands_, mesh_.mesh(), levels_[l]->grid);
+}
+
+void StageRecorder::rasterDistance() {
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->raster.record(*commands_, mesh_.mesh());
+}
+
+void StageRecorder::distanceTransform() {
+  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
+    Level& level = *levels_[l];
+    const DeviceBuffer& squared = isRaster() ? level.raster.squared() : level.distance.squared();
+    level.transform.record(*commands_, squared.address());
+  }
+}
+
+void StageRecorder::refine() {
+  if (isRaster()) {
+    rasterSamples_.record(*commands_, results_.distance);
+    return;
+  }
+  const int reach = options_->distance == DistanceMode::Neighbours ? 1 : 0;
+  refine_.record(*commands_, mesh_.mesh(),
+                 {.distance = results_.distance,
+                  .triangle = results_.triangle,
+                  .scratch = levels_[0]->transform.scratch()},
+                 reach);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,30 @@
+// Krayer & Müller 2019, §3.3: one entry of the voxel grid.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/cell_lattice.glsl"
+#include "vulkan/stages/mesh.glsl"
+#include "vulkan/stages/triangle.glsl"
+#include "vulkan/stages/cell_distance_push.h"
+
+layout(push_constant, scalar) uniform Push { CellDistancePush push; };
+
+vec3 corner(uint triangle, uint c) {
+  return readCorner(push.vertices, push.triangles, triangle, c);
+}
+
+void main() {
+  const uint entry = invocationIndex();
+  if (entry >= push.count.at[0]) return;
+  const uint cell = push.entryCells.at[entry], t = push.entryTriangles.at[entry];
+  const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
+  const float squared = push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2));
+  // The entries of a crowded cell lie together: their subgroups meet there only once each.
+  if (subgroupMin(cell) == subgroupMax(cell)) {
+    const float least = subgroupMin(squared);
+    if (subgroupElect()) atomicMin(push.squared.at[cell], floatBitsToUint(least));
+  } else {
+    atomicMin(push.squared.at[cell], floatBitsToUint(squared));
+  }
+}

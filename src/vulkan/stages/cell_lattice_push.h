@@ -1,0 +1,18 @@
+#ifndef RAYMAP_SHARED_CELL_LATTICE_H  // No pragma: GLSL, too, includes this more than once.
+#define RAYMAP_SHARED_CELL_LATTICE_H
+
+#include "base/shader_types.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+// cpu/voxel_grid.h says what a CellLattice is.
+struct Lattice {
+  double firstX, firstY, firstZ, size;
+  uint nx, ny, nz;
+  uint unused;
+};
+RAYMAP_CHECK_SIZE(Lattice, 48);
+
+RAYMAP_SHARED_END
+
+#endif

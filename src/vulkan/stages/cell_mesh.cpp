@@ -1,0 +1,93 @@
+// Krayer & Müller 2019, §3: all data stay on the device once the mesh is there.
+
+#include "vulkan/stages/cell_mesh.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "shaders/cell_mesh_mend_spv.h"
+#include "shaders/cell_mesh_spv.h"
+#include "shaders/cell_mesh_triangles_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kGroup = 128;
+
+template <class T>
+VkDeviceAddress fillWith(DeviceBuffer& buffer, const std::vector<T>& values) {
+  buffer.resize<T>(values.size());
+  std::memcpy(buffer.mapped<std::byte>().data(), values.data(), values.size() * sizeof(T));
+  return buffer.address();
+}
+
+}  // namespace
+
+CellMeshStage::CellMeshStage(Device& device)
+    : toCells_(device, shaders::kCellMesh, kGroup),
+      check_(device, shaders::kCellMeshTriangles, std::max(kGroup, device.limits().maxSubgroupSize)),
+      mend_(device, shaders::kCellMeshMend, kGroup),
+      gate_(device, "mending of the mesh"),
+      vertices_(device, "mesh vertices"),
+      triangles_(device, "mesh triangles"),
+      status_(device, "mesh status") {
+  status_.resize<CellMeshStatus>(1);
+  gate_.reserve(1);
+}
+
+void CellMeshStage::reserve(uint32_t vertices, uint32_t triangles) {
+  vertices_.resize<glm::vec3>(vertices);
+  triangles_.resize<glm::uvec3>(triangles);
+  gate_.plan(0, (uint64_t{std::max(vertices, triangles)} + kGroup - 1) / kGroup);
+}
+
+void CellMeshStage::record(Commands& commands, const Source& source, const Grid& grid, double outside) {
+  const glm::dvec3 shift = source.origin - grid.origin;
+  const glm::dvec3 high = glm::dvec3(grid.dims) - 0.5 + outside;
+  const CellMeshPush push{.positions = source.positions,
+                          .corners = source.triangles,
+                          .vertices = vertices_.address(),
+                          .triangles = triangles_.address(),
+                          .status = status_.address(),
+                          .shiftX = shift.x,
+                          .shiftY = shift.y,
+                          .shiftZ = shift.z,
+                          .scale = 1.0 / grid.spacing,
+                          .stride = source.stride,
+                          .vertexCount = source.vertexCount,
+                          .triangleCount = source.triangleCount,
+                          .low = static_cast<float>(-0.5 - outside),
+                          .highX = static_cast<float>(high.x),
+                          .highY = static_cast<float>(high.y),
+                          .highZ = static_cast<float>(high.z)};
+  vertexCount_ = source.vertexCount;
+  triangleCount_ = source.triangleCount;
+  commands.fill(status_, 0);
+  commands.dispatch(toCells_, push, vertexCount_);
+  commands.dispatch(check_, push, triangleCount_);
+  gate_.record(commands, status_.address());  // Its first word.
+  gate_.dispatch(commands, mend_, push, 0);
+}
+
+MeshUpload::MeshUpload(Device& device)
+    : positions_(device, "mesh positions", MemoryUse::Upload),
+      triangles_(device, "mesh triangles upload", MemoryUse::Upload) {}
+
+void MeshUpload::fill(const Mesh& mesh) {
+  source_ = {.positions = fillWith(positions_, mesh.vertices),
+             .triangles = fillWith(triangles_, mesh.triangles),
+             .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
+             .triangleCount = static_cast<uint32_t>(mesh.triangles.size()),
+             .origin = mesh.origin};
+}
+
+void MeshUpload::turn(const Mesh& mesh, std::span<const uint8_t> turns) {
+  const std::span<glm::uvec3> triangles = triangles_.mapped<glm::uvec3>();
+  for (size_t f = 0; f < turns.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    triangles[f] = turns[f] ? glm::uvec3(t.x, t.z, t.y) : t;
+  }
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,41 @@
+// Finds the triangles that no stage may see: with indices out of range or vertices that are not finite.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/cell_mesh.glsl"
+
+bool isGood(uvec3 corners) {
+  if (any(greaterThanEqual(corners, uvec3(push.vertexCount)))) return false;
+  return isFinite(vertexAt(corners.x)) && isFinite(vertexAt(corners.y)) && isFinite(vertexAt(corners.z));
+}
+
+bool isOutside(uvec3 corners) {
+  const vec3 a = vertexAt(corners.x), b = vertexAt(corners.y), c = vertexAt(corners.z);
+  return any(lessThan(min(min(a, b), c), vec3(push.low))) ||
+         any(greaterThan(max(max(a, b), c), vec3(push.highX, push.highY, push.highZ)));
+}
+
+// One invocation of a subgroup speaks for all of it, and only where there is something new.
+void note(uint good, uint outside) {
+  const uint first = subgroupMax(good);
+  const uint outsideOfAll = subgroupAdd(outside);
+  if (!subgroupElect()) return;
+  if (first > push.status.now.firstGood) atomicMax(push.status.now.firstGood, first);
+  if (outsideOfAll > 0) atomicAdd(push.status.now.outside, outsideOfAll);
+}
+
+void main() {
+  const uint t = invocationIndex();
+  if (t >= push.triangleCount) return;
+  uvec3 corners = uvec3(push.corners.at[3 * t], push.corners.at[3 * t + 1], push.corners.at[3 * t + 2]);
+  const bool isUsed = isGood(corners);
+  if (!isUsed) {
+    corners = uvec3(kBad);
+    atomicAdd(push.status.now.bad, 1);
+    atomicAdd(push.status.now.badTriangles, 1);
+    atomicMax(push.status.now.firstBad, ~t);
+  }
+  for (uint c = 0; c < 3; ++c) push.triangles.at[3 * t + c] = corners[c];
+  note(isUsed ? ~t : 0, uint(isUsed && isOutside(corners)));
+}

@@ -1,0 +1,75 @@
+// Krayer & Müller 2019, §3.1.
+//
+// Paper: the rasterizer spreads the work. Here: a prefix sum over how many rows of cells each triangle's
+// bounds touch numbers all rows; every invocation finds its row's triangle in it.
+
+#include "vulkan/stages/cell_runs.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <string>
+
+#include "shaders/cell_runs_rows_spv.h"
+#include "shaders/cell_runs_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+constexpr uint32_t kMostRows = uint32_t{1} << 30;
+}
+
+CellRunsStage::CellRunsStage(Device& device)
+    : countRows_(device, shaders::kCellRunsRows, kRunsGroup),
+      findRuns_(device, shaders::kCellRuns, kRunsGroup),
+      scan_(device),
+      arguments_(device, "cell runs arguments", 1),
+      rowStarts_(device, "cell rows"),
+      runTriangles_(device, "cell runs' triangles"),
+      runCells_(device, "cell runs' cells"),
+      runStarts_(device, "cell runs' starts"),
+      totals_(device, "cell runs' totals") {}
+
+void CellRunsStage::reserve(uint32_t triangles, uint64_t rows) {
+  // In fine meshes a triangle touches about two rows; few are no work in any case.
+  constexpr uint64_t kRowsPerTriangle = 3, kFewRows = uint64_t{1} << 16;
+  if (rows > kMostRows)
+    throw Error(ErrorCode::Memory, "the triangles touch " + std::to_string(rows) +
+                                       " rows of cells, the device can number " + std::to_string(kMostRows) +
+                                       "; use a lower resolution, exact distance or the CPU");
+  const uint64_t wanted = std::max(rows + rows / 8, kRowsPerTriangle * triangles + kFewRows);
+  mostTriangles_ = triangles;
+  rowStarts_.resize<uint32_t>(uint64_t{triangles} + 1);
+  totals_.resize<CellRunsTotals>(1);
+  reserveRows(std::max(mostRows_, static_cast<uint32_t>(std::min<uint64_t>(kMostRows, wanted))));
+}
+
+void CellRunsStage::reserveRows(uint32_t rows) {
+  scan_.reserve(std::max(mostTriangles_, rows));
+  runTriangles_.resize<uint32_t>(rows);
+  runCells_.resize<uint32_t>(rows);
+  runStarts_.resize<uint32_t>(uint64_t{rows} + 1);
+  mostRows_ = rows;
+}
+
+void CellRunsStage::record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells) {
+  const CellRunsPush push{.vertices = mesh.vertices,
+                          .triangles = mesh.triangles,
+                          .rowStarts = rowStarts_.address(),
+                          .runTriangles = runTriangles_.address(),
+                          .runCells = runCells_.address(),
+                          .runSizes = runStarts_.address(),
+                          .totals = totals_.address(),
+                          .cells = latticeOf(cells),
+                          .triangleCount = mesh.triangleCount,
+                          .mostRows = mostRows_};
+  commands.fill(totals_, 0);
+  commands.dispatch(countRows_, push, mesh.triangleCount);
+  scan_.record(commands, rowStarts_.address(), rowStarts_.address(), {.most = mesh.triangleCount});
+  const Count rows{.most = mostRows_, .address = totals_.address()};
+  arguments_.record(commands, 0, {.count = rows, .itemsPerGroup = kRunsGroup, .fewestGroups = 1});
+  arguments_.dispatch(commands, findRuns_, push, 0);
+  scan_.record(commands, runStarts_.address(), runStarts_.address(), rows);
+}
+
+}  // namespace raymap::vulkan

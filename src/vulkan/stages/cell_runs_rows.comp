@@ -1,0 +1,14 @@
+// How many rows of cells each triangle's bounds touch.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/cell_runs.glsl"
+
+void main() {
+  const uint triangle = invocationIndex();
+  if (triangle >= push.triangleCount) return;
+  const uint rows = rowCount(readLocalTriangle(triangle));
+  push.rowStarts.at[triangle] = rows;
+  addToTotal(0, rows);
+}

@@ -1,0 +1,101 @@
+// Krayer & Müller 2019, §4, end: surface where the sign changes and no triangle is.
+
+#include "vulkan/stages/close_holes.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "shaders/close_holes_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+constexpr uint32_t kGroup = 128;
+}  // namespace
+
+CloseHolesStage::CloseHolesStage(Device& device)
+    : search_(device, shaders::kCloseHoles, kGroup),
+      count_(device, "number of missing edges"),
+      hostCount_(device, "number of missing edges for the host", MemoryUse::ReadBack),
+      edges_(device, "missing edges"),
+      hostEdges_(device, "missing edges for the host", MemoryUse::ReadBack),
+      points_(device, "points on missing edges", MemoryUse::Upload),
+      numbers_(device, "winding numbers on missing edges"),
+      hostNumbers_(device, "winding numbers on missing edges for the host", MemoryUse::ReadBack),
+      patchVertices_(device, "vertices of the patch", MemoryUse::Upload),
+      patchTriangles_(device, "triangles of the patch", MemoryUse::Upload),
+      patchTree_(device),
+      patchDistance_(device) {
+  count_.resize<uint32_t>(1);
+  hostCount_.resize<uint32_t>(1);
+}
+
+void CloseHolesStage::recordSearch(Commands& commands, const glm::ivec3& dims, const CrossedEdges& crossed,
+                                   VkDeviceAddress winding, double threshold) {
+  const CloseHolesPush push{.crossed = crossed.bits,
+                            .winding = winding,
+                            .count = count_.address(),
+                            .edges = edges_.address(),
+                            .room = room_,
+                            .crossedWords = crossed.words,
+                            .gridX = static_cast<uint32_t>(dims.x),
+                            .gridY = static_cast<uint32_t>(dims.y),
+                            .gridZ = static_cast<uint32_t>(dims.z),
+                            .threshold = static_cast<float>(threshold)};
+  commands.fill(count_, 0);
+  commands.dispatch(search_, push, uint64_t{push.gridX} * push.gridY * push.gridZ);
+  commands.copy(count_, hostCount_, count_.bytes());
+  if (room_ > 0) commands.copy(edges_, hostEdges_, edges_.bytes());
+}
+
+bool CloseHolesStage::growIfFull() {
+  const uint32_t count = hostCount_.mapped<uint32_t>().front();
+  if (count <= room_) return false;
+  room_ = count;
+  edges_.resize<MissingEdge>(room_);
+  hostEdges_.resize<MissingEdge>(room_);
+  return true;
+}
+
+std::vector<MissingEdge> CloseHolesStage::edges() const {
+  const std::span<const MissingEdge> found = hostEdges_.mapped<const MissingEdge>();
+  std::vector<MissingEdge> edges(found.begin(), found.begin() + hostCount_.mapped<uint32_t>().front());
+  std::ranges::sort(edges, {}, [](const MissingEdge& edge) { return std::tuple(edge.first, edge.axis); });
+  return edges;
+}
+
+void CloseHolesStage::recordNumbersAt(Commands& commands, WindingDipolesStage& dipoles,
+                                      const SurfaceTreeStage& tree, std::span<const glm::vec3> points,
+                                      double threshold) {
+  points_.resize<glm::vec3>(points.size());
+  std::ranges::copy(points, points_.mapped<glm::vec3>().begin());
+  numbers_.resize<float>(points.size());
+  hostNumbers_.resize<float>(points.size());
+  dipoles.recordNumbersAt(commands, tree, points_.address(), static_cast<uint32_t>(points.size()),
+                          numbers_.address(), threshold);
+  commands.copy(numbers_, hostNumbers_, numbers_.bytes());
+}
+
+std::vector<float> CloseHolesStage::numbers() const {
+  const std::span<const float> numbers = hostNumbers_.mapped<const float>();
+  return {numbers.begin(), numbers.end()};
+}
+
+void CloseHolesStage::recordDistance(Commands& commands, const HolePatch& patch,
+                                     const ExactDistanceStage::Fields& fields) {
+  const auto& mesh = patch.mesh;
+  patchVertices_.resize<glm::vec3>(mesh.vertices.size());
+  std::ranges::copy(mesh.vertices, patchVertices_.mapped<glm::vec3>().begin());
+  patchTriangles_.resize<glm::uvec3>(patch.triangles.size());
+  std::ranges::copy(patch.triangles, patchTriangles_.mapped<glm::uvec3>().begin());
+  const DeviceMesh onDevice{.vertices = patchVertices_.address(),
+                            .triangles = patchTriangles_.address(),
+                            .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
+                            .triangleCount = static_cast<uint32_t>(patch.triangles.size())};
+  patchTree_.reserve(onDevice.triangleCount);
+  patchTree_.record(commands, onDevice, mesh.dims);
+  patchDistance_.reserve(mesh.dims);
+  patchDistance_.recordAddition(commands, patchTree_, fields);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,28 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+#include "method/close_holes_edges.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MissingEdges {
+  MissingEdge at[];
+};
+#endif
+
+struct CloseHolesPush {
+  RAYMAP_ADDRESS(Uints) crossed;  // Which edges triangles cross (crossed_edges.glsl).
+  RAYMAP_ADDRESS(Floats) winding;
+  RAYMAP_ADDRESS(Uints) count;         // Of missing edges, zero before,
+  RAYMAP_ADDRESS(MissingEdges) edges;  // and the first `room` of them, in any order.
+  uint room;
+  uint crossedWords;
+  uint gridX, gridY, gridZ;  // Samples of the grid.
+  float threshold;
+};
+RAYMAP_CHECK_SIZE(CloseHolesPush, 56);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,79 @@
+// What all kernels of the crossings share: triangles on the lattice of 2^-bits cells, as in cpu/crossings.cpp.
+
+#include "vulkan/stages/crossed_edges.glsl"
+#include "vulkan/stages/crossings_push.h"
+
+layout(push_constant, scalar) uniform Push { CrossingsPush push; };
+
+const int kMaxFractionBits = 20;
+const int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits.
+
+struct SnappedTriangle {
+  i64vec3 a, b, c;
+  ivec3 begin, end;  // The lines across each axis that its box covers.
+};
+
+vec3 cornerOf(uint triangle, uint corner) {
+  const uint vertex = push.triangles.at[3 * triangle + corner];
+  return vec3(push.vertices.at[3 * vertex], push.vertices.at[3 * vertex + 1], push.vertices.at[3 * vertex + 2]);
+}
+
+int exponentOf(uint bits) {
+  return int(bits >> 23) - 127;
+}
+
+bool isTooFar() {
+  return exponentOf(push.status.now.reach) >= kCoordinateBits;
+}
+
+int fractionBits() {
+  return clamp(kCoordinateBits - 1 - max(exponentOf(push.status.now.reach), 0), 0, kMaxFractionBits);
+}
+
+// Exact: float times a power of two, rounded to the nearest integer.
+i64vec3 snap(vec3 p, int bits) {
+  const dvec3 scaled = dvec3(p) * double(1 << bits);
+  return i64vec3(scaled + mix(dvec3(0.5), dvec3(-0.5), lessThan(scaled, dvec3(0.0))));
+}
+
+ivec3 lineFrom(i64vec3 coordinate, int bits) {
+  const i64vec3 line = (coordinate + ((1l << bits) - 1)) >> int64_t(bits);
+  return ivec3(clamp(line, i64vec3(0), i64vec3(push.dims[0], push.dims[1], push.dims[2])));
+}
+
+SnappedTriangle snapTriangle(uint triangle, int bits) {
+  SnappedTriangle t;
+  t.a = snap(cornerOf(triangle, 0), bits);
+  t.b = snap(cornerOf(triangle, 1), bits);
+  t.c = snap(cornerOf(triangle, 2), bits);
+  t.begin = lineFrom(min(min(t.a, t.b), t.c), bits);
+  t.end = lineFrom(max(max(t.a, t.b), t.c), bits);
+  return t;
+}
+
+// Vectors in the frame (u, v, axis) of a lattice line: u is the lower one of the axes across it.
+i64vec3 inFrame(i64vec3 p, uint axis) {
+  return axis == 0 ? p.yzx : axis == 1 ? p.xzy : p;
+}
+
+ivec3 inFrame(ivec3 p, uint axis) {
+  return axis == 0 ? p.yzx : axis == 1 ? p.xzy : p;
+}
+
+ivec3 fromFrame(ivec3 p, uint axis) {
+  return axis == 0 ? p.zxy : axis == 1 ? p.xzy : p;
+}
+
+// Lines along the axis that the triangle's box covers: so many in each of so many rows.
+uvec2 linesAlong(SnappedTriangle t, uint axis) {
+  const ivec3 size = inFrame(t.end - t.begin, axis);
+  return size.x > 0 && size.y > 0 ? uvec2(size.xy) : uvec2(0);
+}
+
+void addCrossing(uint axis, ivec3 at, int direction) {
+  const uvec3 place = uvec3(fromFrame(at, axis));
+  const uint nx = push.dims[0] + uint(axis == 0), ny = push.dims[1] + uint(axis == 1);
+  const uint edge = (place.z * ny + place.y) * nx + place.x;
+  atomicAdd(push.lines[axis].at[edge], direction);
+  if (uint64_t(push.crossed) != 0) markCrossed(push.crossed, push.crossedWords, axis, edge);
+}

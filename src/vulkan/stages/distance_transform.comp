@@ -1,0 +1,295 @@
+// Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along one axis.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/distance_transform_push.h"
+
+layout(constant_id = 1) const uint kAxis = 0;
+layout(constant_id = 2) const uint kCells = 1;     // Of a group's lines, at most,
+layout(constant_id = 3) const uint kSegments = 1;  // and segments.
+layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
+
+const uint kNone = 0xffffffffu;
+const uint kAtOnce = 4;  // Cells that an invocation loads or stores at once.
+
+// Each segment's sites stand in its first places: a site's value, and its place q in the line with the first
+// p from which on it is the lowest so far. In the end the site of each p stands in the value's place.
+shared uint values[kCells];
+shared uint sites[kCells];        // q | first p << 16
+shared uint segments[kSegments];  // The sites that are left: begin | end << 16. In the end: the last site.
+
+// The group's lines in memory.
+struct Tile {
+  uint base;    // First cell of the first line.
+  uint stride;  // From a cell to the next of its line.
+  uint lines;   // Side by side, but rows along x one after another.
+};
+
+uint lineLength() {
+  return kAxis == 0 ? push.nx : kAxis == 1 ? push.ny : push.nz;
+}
+
+uint groupCount() {
+  return kAxis == 0 ? ceilDiv(push.ny * push.nz, push.lines)
+                    : ceilDiv(push.nx, push.lines) * (kAxis == 1 ? push.nz : push.ny);
+}
+
+Tile tileOf(uint group) {
+  if (kAxis == 0) {
+    const uint line = group * push.lines;
+    return Tile(line * push.nx, 1, min(push.lines, push.ny * push.nz - line));
+  }
+  const uint tilesInRow = ceilDiv(push.nx, push.lines);
+  const uint x = group % tilesInRow * push.lines, outer = group / tilesInRow;
+  const uint plane = push.nx * push.ny;
+  return Tile(outer * (kAxis == 1 ? plane : push.nx) + x, kAxis == 1 ? push.nx : plane,
+              min(push.lines, push.nx - x));
+}
+
+// In shared memory.
+uint placeOf(uint line, uint p) {
+  return kAxis == 0 ? line * lineLength() + p : p * push.lines + line;
+}
+
+float valueAt(uint line, uint slot) {
+  return uintBitsToFloat(values[placeOf(line, slot)]);
+}
+uint siteAt(uint line, uint slot) {
+  return sites[placeOf(line, slot)] & 0xffff;
+}
+int firstAt(uint line, uint slot) {
+  return int(sites[placeOf(line, slot)] >> 16);
+}
+void writeSlot(uint line, uint slot, float value, uint q, int first) {
+  values[placeOf(line, slot)] = floatBitsToUint(value);
+  sites[placeOf(line, slot)] = q | uint(first) << 16;
+}
+
+// In exact arithmetic, whether the parabola of site a is no higher than that of b > a at p.
+bool isNoHigher(int a, float valueA, int b, float valueB, int p) {
+  const double asked = double(b - a) * double(2 * p - a - b);
+  const double high = valueB, low = valueA;
+  precise const double difference = high - low;
+  if (difference != asked) return difference > asked;
+  precise const double taken = difference - high;  // What rounding added, exactly (Knuth 1969).
+  precise const double left = (high - (difference - taken)) - (low + taken);
+  return left >= 0.0;
+}
+
+// The last p, at least -1, where the parabola of site a is no higher than that of b > a.
+int lastOf(uint siteA, float valueA, uint siteB, float valueB) {
+  const float kDoubt = 1.0 / 64.0;  // More than rounding moves a border.
+  const int a = int(siteA), b = int(siteB), n = int(lineLength());
+  const float border = 0.5 * ((valueB - valueA) / float(b - a) + float(a + b));
+  const float clamped = clamp(border, -0.5, float(n)) + kDoubt;
+  const int p = int(clamped + 1.0) - 1;
+  return clamped - float(p) > 2.0 * kDoubt || isNoHigher(a, valueA, b, valueB, p) ? p : p - 1;
+}
+
+// Algorithm 2, lines 28-44, within one segment of a line.
+void buildEnvelope(uint line, uint segment) {
+  const uint begin = segment * kSegmentCells, end = min(begin + kSegmentCells, lineLength());
+  uint top = begin;  // After the last site kept.
+  for (uint q = begin; q < end; ++q) {
+    const float value = valueAt(line, q);
+    if (value >= push.empty) continue;
+    int first = 0;
+    while (top > begin) {
+      first = lastOf(siteAt(line, top - 1), valueAt(line, top - 1), q, value) + 1;
+      if (first > firstAt(line, top - 1)) break;
+      --top;
+      first = 0;
+    }
+    if (first < int(lineLength())) writeSlot(line, top++, value, q, first);
+  }
+  segments[line * push.segments + segment] = begin | top << 16;
+}
+
+uint beginOf(uint line, uint segment) {
+  return segments[line * push.segments + segment] & 0xffff;
+}
+uint endOf(uint line, uint segment) {
+  return segments[line * push.segments + segment] >> 16;
+}
+
+// The last slot of the segments from `first` to before `end`, or -1.
+int lastSlot(uint line, uint first, uint end) {
+  while (end > first) {
+    --end;
+    if (beginOf(line, end) < endOf(line, end)) return int(endOf(line, end)) - 1;
+  }
+  return -1;
+}
+int firstSlot(uint line, uint first, uint end) {
+  for (; first < end; ++first)
+    if (beginOf(line, first) < endOf(line, first)) return int(beginOf(line, first));
+  return -1;
+}
+int nextSlot(uint line, uint slot, uint end) {
+  const uint segment = slot / kSegmentCells;
+  return slot + 1 < endOf(line, segment) ? int(slot) + 1 : firstSlot(line, segment + 1, end);
+}
+
+void dropLast(uint line, uint slot) {
+  const uint segment = slot / kSegmentCells;
+  segments[line * push.segments + segment] = beginOf(line, segment) | slot << 16;
+}
+void dropFirst(uint line, uint slot) {
+  const uint segment = slot / kSegmentCells;
+  segments[line * push.segments + segment] = (slot + 1) | endOf(line, segment) << 16;
+}
+
+// Makes one envelope of those of the segments [first, middle) and [middle, end): all sites of the first lie
+// before those of the second, so its beginning stays, and the other's end.
+void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
+  int i = lastSlot(line, first, middle), j = firstSlot(line, middle, end);
+  int from = 0;
+  while (i >= 0 && j >= 0) {
+    from = lastOf(siteAt(line, i), valueAt(line, i), siteAt(line, j), valueAt(line, j)) + 1;
+    if (from <= firstAt(line, i)) {
+      dropLast(line, i);
+      i = lastSlot(line, first, i / kSegmentCells + 1);
+      from = 0;
+      continue;
+    }
+    const int next = nextSlot(line, j, end);
+    if (from < (next < 0 ? int(lineLength()) : firstAt(line, next))) break;
+    dropFirst(line, j);
+    j = next;
+  }
+  if (j >= 0) sites[placeOf(line, j)] = siteAt(line, j) | uint(from) << 16;
+}
+
+// The value of a cell before this pass: its own, and the squared distances along the axes that are done. Reads even
+// where the cell has none, so that the reads of several cells can be under way at once.
+float valueBefore(uint cell, uint x, uint y, uint p) {
+  if (kAxis == 0) return push.values.at[cell];
+  const uint nearest = push.from.at[cell];
+  const uint nearestX = nearest == kNone ? x : nearest & 0xffff;
+  const float dx = float(int(x) - int(nearestX));
+  float value;
+  if (kAxis == 1) {
+    value = dx * dx + push.values.at[cell - x + nearestX];
+  } else {
+    const uint nearestY = nearest == kNone ? y : nearest >> 16;
+    const float dy = float(int(y) - int(nearestY));
+    value = dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
+  }
+  return nearest == kNone ? push.empty : value;
+}
+
+// What to write of the nearest cell at q, which the pass before found in `cell`.
+uint resultOf(uint cell, uint q) {
+  if (kAxis == 0) return q;
+  const uint nearest = push.from.at[cell];
+  if (kAxis == 1) return nearest | q << 16;
+  return (q * push.ny + (nearest >> 16)) * push.nx + (nearest & 0xffff);
+}
+
+uint cellOf(Tile tile, uint line, uint p) {
+  return kAxis == 0 ? tile.base + line * push.nx + p : tile.base + p * tile.stride + line;
+}
+
+// Of a place in shared memory, line and p; along x only together they say which cell it is.
+uvec2 lineAt(uint place) {
+  return kAxis == 0 ? uvec2(0, place) : uvec2(place & (push.lines - 1), place >> findLSB(push.lines));
+}
+
+uint placeCount(Tile tile) {
+  return lineLength() * (kAxis == 0 ? tile.lines : push.lines);
+}
+
+// The n-th place that an invocation loads and stores of those from `first` on.
+uint placeAfter(uint first, uint n) {
+  return first + n * gl_WorkGroupSize.x;
+}
+
+void load(Tile tile) {
+  const uint count = placeCount(tile), x = tile.base % push.nx, y = tile.base / push.nx;
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
+    float loaded[kAtOnce];
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
+      at.x = min(at.x, tile.lines - 1);
+      loaded[n] = valueBefore(cellOf(tile, at.x, at.y), x + at.x, y, at.y);
+    }
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n)
+      if (placeAfter(first, n) < count) values[placeAfter(first, n)] = floatBitsToUint(loaded[n]);
+  }
+}
+
+void store(Tile tile) {
+  const uint count = placeCount(tile);
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
+    uint results[kAtOnce];
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
+      at.x = min(at.x, tile.lines - 1);
+      const uint q = values[placeOf(at.x, at.y)];
+      const uint nearest = resultOf(cellOf(tile, at.x, q == kNone ? at.y : q), q);
+      results[n] = q == kNone ? kNone : nearest;
+    }
+    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+      const uvec2 at = lineAt(placeAfter(first, n));
+      if (placeAfter(first, n) < count && at.x < tile.lines) push.to.at[cellOf(tile, at.x, at.y)] = results[n];
+    }
+  }
+}
+
+// Lines 45-54: writes each site that is left where it starts to be the lowest, ...
+void markFirsts(uint line, uint segment) {
+  const uint end = endOf(line, segment);
+  for (uint slot = beginOf(line, segment); slot < end; ++slot) {
+    const int first = firstAt(line, slot), next = nextSlot(line, slot, push.segments);
+    if (first < (next < 0 ? int(lineLength()) : firstAt(line, next)))
+      values[placeOf(line, first)] = siteAt(line, slot);
+  }
+}
+
+// ... carries it through the segment, ...
+void carryWithin(uint line, uint begin, uint end, uint segment) {
+  uint site = kNone;
+  for (uint p = begin; p < end; ++p) {
+    const uint place = placeOf(line, p);
+    if (values[place] == kNone) values[place] = site;
+    site = values[place];
+  }
+  segments[line * push.segments + segment] = site;
+}
+
+// ... and on into what lies before the next one's start.
+void carryAcross(uint line, uint begin, uint end, uint segment) {
+  uint site = kNone;
+  while (segment > 0 && site == kNone) site = segments[line * push.segments + --segment];
+  for (uint p = begin; p < end && values[placeOf(line, p)] == kNone; ++p) values[placeOf(line, p)] = site;
+}
+
+void main() {
+  if (groupIndex() >= groupCount()) return;
+  const Tile tile = tileOf(groupIndex());
+  load(tile);
+  const uint index = gl_LocalInvocationID.x;
+  const uint line = kAxis == 0 ? index / push.segments : index % push.lines;
+  const uint segment = kAxis == 0 ? index % push.segments : index / push.lines;
+  const bool works = line < tile.lines && segment < push.segments;
+  const uint begin = segment * kSegmentCells, end = min(begin + kSegmentCells, lineLength());
+  barrier();
+  if (works) buildEnvelope(line, segment);
+  for (uint width = 1; width < push.segments; width *= 2) {
+    barrier();
+    const uint first = 2 * width * segment;
+    if (line < tile.lines && first + width < push.segments)
+      mergeEnvelopes(line, first, first + width, min(first + 2 * width, push.segments));
+  }
+  barrier();
+  if (works)
+    for (uint p = begin; p < end; ++p) values[placeOf(line, p)] = kNone;
+  barrier();
+  if (works) markFirsts(line, segment);
+  barrier();
+  if (works) carryWithin(line, begin, end, segment);
+  barrier();
+  if (works) carryAcross(line, begin, end, segment);
+  barrier();
+  store(tile);
+}

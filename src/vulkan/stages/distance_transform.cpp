@@ -1,0 +1,89 @@
+// Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
+//
+// Paper: one line per invocation, in shared memory, which leaves ever fewer of them in flight as lines grow.
+// Here: an invocation has one segment of a line, whose lower envelope it finds alone; then neighbouring
+// envelopes are merged, pair by pair. So a group has as many invocations whatever the resolution, and takes
+// as many lines as its shared memory holds. No values travel from pass to pass, only the nearest cell's
+// place: the value follows from it.
+
+#include "vulkan/stages/distance_transform.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include "method/cell_lattice.h"
+#include "shaders/distance_transform_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kBytesPerInvocation = kSegmentCells * 8 + 4;
+
+uint32_t ceilDiv(uint32_t a, uint32_t b) {
+  return (a + b - 1) / b;
+}
+
+/// 256 invocations, or as many as have enough memory.
+uint32_t groupSizeOf(const DeviceLimits& limits) {
+  return std::min(256U, limits.sharedMemory / kBytesPerInvocation / 32 * 32);
+}
+
+uint32_t segmentsOf(int length) {
+  return ceilDiv(static_cast<uint32_t>(length), kSegmentCells);
+}
+
+}  // namespace
+
+DistanceTransformStage::DistanceTransformStage(Device& device, ScratchMemory* scratch)
+    : groupSize_(groupSizeOf(device.limits())),
+      alongX_(device, shaders::kDistanceTransform, groupSize_, {0, groupSize_ * kSegmentCells, groupSize_}),
+      alongY_(device, shaders::kDistanceTransform, groupSize_, {1, groupSize_ * kSegmentCells, groupSize_}),
+      alongZ_(device, shaders::kDistanceTransform, groupSize_, {2, groupSize_ * kSegmentCells, groupSize_}),
+      nearest_(device, "nearest cells", scratch),
+      scratch_(device, "nearest cells, pass before", scratch) {}
+
+void DistanceTransformStage::reserve(const glm::ivec3& dims) {
+  const auto longest = static_cast<uint32_t>(std::max({dims.x, dims.y, dims.z}));
+  if (const uint32_t most = groupSize_ * kSegmentCells; longest > most)
+    throw Error(ErrorCode::Unsupported, "the grid has " + std::to_string(longest) +
+                                            " samples along an axis, the device can transform at most " +
+                                            std::to_string(most) + "; use a lower resolution or the CPU");
+  const uint64_t count = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
+  nearest_.resize<uint32_t>(count);
+  scratch_.resize<uint32_t>(count);
+  dims_ = dims;
+}
+
+void DistanceTransformStage::record(Commands& commands, VkDeviceAddress squared) {
+  pass(commands, alongX_, 0, squared, 0, nearest_.address());
+  pass(commands, alongY_, 1, squared, nearest_.address(), scratch_.address());
+  pass(commands, alongZ_, 2, squared, scratch_.address(), nearest_.address());
+}
+
+void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared,
+                                  VkDeviceAddress from, VkDeviceAddress to) {
+  constexpr uint32_t kMostLines = 64;  // More would be no better for memory, and worse for small grids.
+  const glm::uvec3 dims(dims_);
+  const uint32_t segments = segmentsOf(dims_[axis]);
+  const uint32_t fit = std::min(kMostLines, groupSize_ / segments);
+  const uint32_t lines = axis == 0 ? fit : std::bit_floor(fit);
+  const uint64_t groups = axis == 0 ? (uint64_t{dims.y} * dims.z + lines - 1) / lines
+                                    : uint64_t{ceilDiv(dims.x, lines)} * (axis == 1 ? dims.z : dims.y);
+  commands.dispatch(kernel,
+                    {.values = squared,
+                     .from = from,
+                     .to = to,
+                     .nx = dims.x,
+                     .ny = dims.y,
+                     .nz = dims.z,
+                     .lines = lines,
+                     .segments = segments,
+                     .empty = emptyCell(dims_)},
+                    groups * groupSize_);
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,239 @@
+// The closest triangle of every sample: a block of 4x4x4 at a time, from the list of the one above.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/exact_distance.glsl"
+#include "vulkan/stages/exact_distance_samples.glsl"
+
+// Devices that only mask branches run loops without turns faster than what is under a condition: hence `end` below, and no
+// measuring within the loop that finds what to measure.
+
+const uint kMostWaiting = 128;  // At least the largest subgroup.
+// A leaf is measured whole by the samples that it may be closest to if its radius is at most so many cells: its triangles
+// are small beside the spacing then, and those of one leaf matter to a few samples only.
+const float kWholeLeaf = 1.5;
+// So few triangles are measured for all samples at once. Of more, octants of the block first drop what cannot win there.
+const uint kFewTriangles = 40;
+// A sample marks those of so many leaves that may be closest to it before it measures them.
+const uint kMaskBits = 32;
+
+// The triangles and the leaves that wait to be measured, and the triangles of an octant.
+shared uint triangles[kMaxSubgroups * kMostWaiting];
+shared uint leaves[kMaxSubgroups * kMostWaiting];
+shared uint octantTriangles[kMaxSubgroups * kMostWaiting];
+uint triangleCount = 0;
+uint leafCount = 0;
+
+uint waitingAt(uint place) {
+  return gl_SubgroupID * kMostWaiting + place;
+}
+
+void measureTriangle(uint index, vec3 p, inout Closest closest) {
+  const float squared = squaredDistance(readTriangle(push.frames, index), p);
+  if (squared < closest.squared) closest = Closest(squared, index);
+}
+
+// Measures few triangles, two samples at once for each that is read.
+void measureTogether(Block block, uint count) {
+  const uint end = count > 0 ? kSamples : 0;
+  for (uint s = lane(); s < end; s += 2 * gl_SubgroupSize) {
+    const uint other = min(s + gl_SubgroupSize, kSamples - 1);
+    const vec3 p = samplePlace(block, s), q = samplePlace(block, other);
+    Closest atP = readSample(s), atQ = readSample(other);
+    for (uint i = 0; i < count; ++i) {
+      const uint index = triangles[waitingAt(i)];
+      const Triangle t = readTriangle(push.frames, index);
+      const float toP = squaredDistance(t, p), toQ = squaredDistance(t, q);
+      if (toP < atP.squared) atP = Closest(toP, index);
+      if (toQ < atQ.squared) atQ = Closest(toQ, index);
+    }
+    keepSample(s, atP);
+    if (s + gl_SubgroupSize < kSamples) keepSample(other, atQ);
+    work += count + 1;
+  }
+}
+
+// Which of the triangles that wait may win in an octant of the block, and how many these are.
+uint listOctant(Block octant, uint dominating) {
+  Closest closest = Closest(squaredDistance(readTriangle(push.frames, dominating), octant.centre), dominating);
+  for (uint first = 0; first < triangleCount; first += gl_SubgroupSize) {
+    const uint index = triangles[waitingAt(min(first + lane(), triangleCount - 1))];
+    takeClosest(closest, squaredDistance(readTriangle(push.frames, index), octant.centre), index);
+  }
+  const Corners corners = measureCorners(closest.triangle, octant);
+  uint count = 0;
+  for (uint first = 0; first < triangleCount; first += gl_SubgroupSize) {
+    const uint index = triangles[waitingAt(min(first + lane(), triangleCount - 1))];
+    const Triangle t = readTriangle(push.frames, index);
+    const bool survives = first + lane() < triangleCount &&
+                          (index == closest.triangle || mayWin(tangentOf(t, octant.centre), octant, corners));
+    const uvec4 surviving = subgroupBallot(survives);
+    if (survives) octantTriangles[waitingAt(count + subgroupBallotExclusiveBitCount(surviving))] = index;
+    count += subgroupBallotBitCount(surviving);
+  }
+  shareWithSubgroup();
+  work += 2 * triangleCount / gl_SubgroupSize + 4;
+  return count;
+}
+
+// Measures the triangles of an octant, those for each sample shared out to several lanes.
+void measureOctant(Block block, uvec3 octant, uint count) {
+  for (uint k = lane() % 8; k < 8; k += gl_SubgroupSize) {
+    const uvec3 at = 2 * octant + placeOf(k, uvec3(2));
+    const uint s = (at.z * kSide + at.y) * kSide + at.x;
+    const vec3 p = samplePlace(block, s);
+    const Closest before = readSample(s);
+    shareWithSubgroup();
+    Closest closest = before;
+    for (uint i = lane() / 8; i < count; i += max(gl_SubgroupSize / 8, 1))
+      measureTriangle(octantTriangles[waitingAt(i)], p, closest);
+    takeClosestOfLanes(s, before, closest);
+    work += count + 2;
+  }
+}
+
+// Measures all triangles that wait.
+void measureTriangles(Block block, uint dominating) {
+  shareWithSubgroup();
+  const bool areFew = triangleCount <= kFewTriangles;
+  measureTogether(block, areFew ? triangleCount : 0);
+  for (uint o = areFew ? 8 : 0; o < 8; ++o) {
+    const uvec3 octant = placeOf(o, uvec3(2)), low = block.low + 2 * octant, high = min(low + 2, block.high);
+    if (any(greaterThanEqual(low, high))) continue;
+    measureOctant(block, octant, listOctant(blockFrom(low, high), dominating));
+  }
+  triangleCount = 0;
+  shareWithSubgroup();
+}
+
+void measureLeaf(uint place, vec3 p, inout Closest closest) {
+  const uint first = firstTriangleOf(leaves[waitingAt(place)]);
+  for (uint i = 0; i < kArity; ++i) measureTriangle(first + i, p, closest);
+}
+
+float boundOfLeaf(uint place, vec3 p) {
+  return squaredDistance(readDisc(push.discs, leaves[waitingAt(place)]), p);
+}
+
+// The leaf that may come closest to a point, if any may come closer than what is known.
+uint nearestLeaf(vec3 p, Closest closest) {
+  uint nearest = kMostWaiting;
+  float least = closest.squared;
+  for (uint i = 0; i < leafCount; ++i) {
+    const float bound = boundOfLeaf(i, p);
+    if (bound < least) nearest = i;
+    least = min(least, bound);
+  }
+  return nearest;
+}
+
+// Measures the leaves that wait: each sample that which may come closest, which nearly settles its distance, then those
+// that still may come closer.
+void measureLeaves(Block block) {
+  shareWithSubgroup();
+  const uint end = leafCount > 0 ? kSamples : 0;
+  for (uint s = lane(); s < end; s += gl_SubgroupSize) {
+    const vec3 p = samplePlace(block, s);
+    Closest closest = readSample(s);
+    const uint nearest = nearestLeaf(p, closest);
+    if (nearest < leafCount) measureLeaf(nearest, p, closest);
+    for (uint first = 0; first < leafCount; first += kMaskBits) {
+      uint wanted = 0;
+      for (uint i = first; i < min(first + kMaskBits, leafCount); ++i)
+        wanted |= uint(i != nearest && boundOfLeaf(i, p) < closest.squared) << (i - first);
+      for (; wanted != 0; wanted &= wanted - 1) {
+        measureLeaf(first + findLSB(wanted), p, closest);
+        work += kArity;
+      }
+    }
+    keepSample(s, closest);
+    work += 2 * leafCount + kArity;
+  }
+  leafCount = 0;
+  shareWithSubgroup();
+}
+
+bool hasRoom() {
+  return max(triangleCount, leafCount) + max(gl_SubgroupSize, kArity) <= kMostWaiting;
+}
+
+// Lets each lane's triangle wait to be measured if it may win.
+void offerTriangles(Block block, Corners corners, bool isOffered, uint triangle) {
+  const bool survives =
+      isOffered && mayWin(tangentOf(readTriangle(push.frames, triangle), block.centre), block, corners);
+  const uvec4 waits = subgroupBallot(survives);
+  if (survives) triangles[waitingAt(triangleCount + subgroupBallotExclusiveBitCount(waits))] = triangle;
+  triangleCount += subgroupBallotBitCount(waits);
+}
+
+// Lets each lane's node wait if it is a small leaf, or puts it on the stack, if it may win.
+void offerNodes(Block block, Corners corners, bool isOffered, uint node, inout uint size) {
+  bool survives = false, isWhole = false;
+  if (isOffered) {
+    const Disc disc = readDisc(push.discs, node);
+    survives = disc.radius >= 0 && mayWin(tangentOf(disc, block.centre), block, corners);
+    isWhole = isLeaf(node) && disc.radius <= kWholeLeaf;
+  }
+  const uvec4 waits = subgroupBallot(survives && isWhole);
+  if (survives && isWhole) leaves[waitingAt(leafCount + subgroupBallotExclusiveBitCount(waits))] = node;
+  leafCount += subgroupBallotBitCount(waits);
+  pushNodes(size, survives && !isWhole, node, 0);
+}
+
+// Takes nodes from the list, then from the stack, until so much waits to be measured that no more may fit.
+void fillWaiting(Block block, Corners corners, uint dominating, List list, inout uint next, inout uint size) {
+  while ((next < list.count || size > 0) && hasRoom() && !isTooMuchWork()) {
+    const bool isFromList = next < list.count;
+    const uint taken = isFromList ? 0 : min(size, openable(size));
+    size -= taken;
+    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    const bool isTaken = lane() / kArity < taken, hasTriangles = isTaken && isLeaf(parent);
+    const bool isListed = isFromList && next + lane() < list.count;
+    shareWithSubgroup();
+    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize) {
+      const uint triangle = firstTriangleOf(parent) + child;
+      offerTriangles(block, corners, hasTriangles && triangle != dominating, triangle);
+      const uint node = isListed ? listedNode(list, next + lane()) : firstChildOf(parent) + child;
+      const bool isFirst = child == lane() % kArity;
+      offerNodes(block, corners, isListed ? isFirst : isTaken && !hasTriangles, node, size);
+    }
+    if (isFromList) next += gl_SubgroupSize;
+    work += 4;
+  }
+}
+
+// Measures all triangles that may be closest to some sample.
+void measureList(Block block, Corners corners, uint dominating, List list) {
+  uint next = 0, size = 0;
+  do {
+    fillWaiting(block, corners, dominating, list, next, size);
+    measureTriangles(block, dominating);
+    measureLeaves(block);
+  } while ((next < list.count || size > 0) && !isTooMuchWork());
+}
+
+void measureSamples(Block block, uint dominating, List list) {
+  const Triangle t = readTriangle(push.frames, dominating);
+  for (uint s = lane(); s < kSamples; s += gl_SubgroupSize)
+    keepSample(s, Closest(squaredDistance(t, samplePlace(block, s)), dominating));
+  measureList(block, measureCorners(dominating, block), dominating, list);
+}
+
+void main() {
+  const uvec3 blocks = blocksAlong(push.side);
+  const uint index = subgroupIndex();
+  if (index >= blocks.x * blocks.y * blocks.z) return;
+  const uvec3 place = placeOf(index, blocks);
+  const Block block = blockAt(place);
+  const List list = listAbove(place);
+  const uint closest = list.hint == kNoTriangle ? kNoTriangle : findCentre(block, list);
+  if (closest != kNoTriangle) measureSamples(block, closest, list);
+  for (uint s = lane(); s < kSamples; s += gl_SubgroupSize) {
+    const uvec3 at = samplePlace(block, s);
+    if (any(greaterThanEqual(at, block.high))) continue;
+    const Closest found = closest == kNoTriangle ? Closest(0, kNoTriangle) : readSample(s);
+    writeSample(at, found);
+  }
+  if (isTooMuchWork() && lane() == 0) push.unfinished.at[1 + atomicAdd(push.unfinished.at[0], 1)] = index;
+}

@@ -1,0 +1,240 @@
+// What the kernels of the exact distance share. Every subgroup has a block of samples for itself.
+
+#include "vulkan/stages/exact_distance_push.h"
+#include "vulkan/stages/surface_tree_push.h"
+#include "vulkan/stages/surface_shapes.glsl"
+
+layout(constant_id = 1) const uint kMaxSubgroups = 1;  // In a group.
+layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
+
+const float kInfinity = 1.0 / 0.0;
+const uint kNoTriangle = 0xffffffffu;
+// Nodes on a stack, and how many more one node at a time may leave there: seven on each of the levels below.
+const uint kStack = 320;
+const uint kDeepest = 7 * 10 + 1;
+
+shared uint stackNodes[kMaxSubgroups * kStack];
+shared float stackBounds[kMaxSubgroups * kStack];
+shared float cornerDistances[kMaxSubgroups * 8];
+
+// Turns of loops so far, about, and how many are too much where loops end by themselves after 65,535.
+uint work = 0;
+const uint kMostWork = 20000;
+
+// The same for the whole subgroup.
+bool isTooMuchWork() {
+  if (uint64_t(push.unfinished) == 0) return false;
+  work = subgroupMax(work);
+  return work > kMostWork;
+}
+
+uint lane() {
+  return gl_SubgroupInvocationID;
+}
+
+uint subgroupIndex() {
+  return groupIndex() * gl_NumSubgroups + gl_SubgroupID;
+}
+
+void shareWithSubgroup() {
+  subgroupMemoryBarrierShared();
+  subgroupBarrier();
+}
+
+uint onStack(uint place) {
+  return gl_SubgroupID * kStack + place;
+}
+
+bool isLeaf(uint node) {
+  return node >= push.firstLeaf;
+}
+
+uint firstTriangleOf(uint leaf) {
+  return (leaf - push.firstLeaf) * kArity;
+}
+
+uint firstChildOf(uint node) {
+  return node * kArity + 1;
+}
+
+// The samples of a block, those of the grid.
+struct Block {
+  uvec3 low, high;  // From, and up to before.
+  vec3 centre, reach;
+};
+
+uvec3 gridDims() {
+  return uvec3(push.dimX, push.dimY, push.dimZ);
+}
+
+uvec3 blocksAlong(uint side) {
+  return (gridDims() + (side - 1)) / side;
+}
+
+Block blockFrom(uvec3 low, uvec3 high) {
+  return Block(low, high, 0.5 * vec3(low + high - 1), 0.5 * vec3(high - low - 1));
+}
+
+Block blockAt(uvec3 place) {
+  return blockFrom(place * push.side, min((place + 1) * push.side, gridDims()));
+}
+
+uvec3 placeOf(uint index, uvec3 counts) {
+  return uvec3(index % counts.x, index / counts.x % counts.y, index / counts.x / counts.y);
+}
+
+// How many nodes to open at once with `size` others on the stack: as many as have children for all lanes, as long as
+// there is room.
+uint openable(uint size) {
+  const uint room = max(kStack - kDeepest, size) - size;
+  return max(min(gl_SubgroupSize / kArity, room / kArity), 1);
+}
+
+// Puts the nodes of lanes that want it on the stack, that with the least bound last.
+void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
+  const uvec4 wanted = subgroupBallot(isWanted);
+  const uint count = subgroupBallotBitCount(wanted);
+  if (count == 0) return;
+  const float least = subgroupMin(isWanted ? bound : kInfinity);
+  const uint last = subgroupBallotFindLSB(subgroupBallot(isWanted && bound == least));
+  const uint rank = subgroupBallotExclusiveBitCount(wanted);
+  const uint place = onStack(size + (lane() == last ? count - 1 : rank - uint(lane() > last)));
+  if (isWanted) {
+    stackNodes[place] = node;
+    stackBounds[place] = bound;
+  }
+  size += count;
+  shareWithSubgroup();
+}
+
+// Looks at the top of the stack, drops what has no lower bound than `squared`, and takes some nodes to open: they lie
+// from the new size on.
+uint takeNodes(inout uint size, float squared) {
+  const uint seen = min(size, gl_SubgroupSize), base = size - seen;
+  const bool isSeen = lane() < seen;
+  const uint node = isSeen ? stackNodes[onStack(base + lane())] : 0;
+  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kInfinity;
+  const bool isKept = bound < squared;
+  const uvec4 kept = subgroupBallot(isKept);
+  const uint count = subgroupBallotBitCount(kept), place = onStack(base + subgroupBallotExclusiveBitCount(kept));
+  shareWithSubgroup();
+  if (isKept) {
+    stackNodes[place] = node;
+    stackBounds[place] = bound;
+  }
+  shareWithSubgroup();
+  const uint taken = min(count, openable(base + count));
+  size = base + count - taken;
+  return taken;
+}
+
+struct Closest {
+  float squared;
+  uint triangle;  // Its index among the frames.
+};
+
+void takeClosest(inout Closest closest, float squared, uint triangle) {
+  const float least = subgroupMin(squared);
+  if (!(least < closest.squared)) return;
+  closest.squared = least;
+  closest.triangle = subgroupMin(squared == least ? triangle : kNoTriangle);
+}
+
+// Looks for the closest triangle to a point below the nodes on the stack, nearer ones first.
+void findClosest(vec3 point, uint size, inout Closest closest) {
+  while (size > 0 && !isTooMuchWork()) {
+    const uint taken = takeNodes(size, closest.squared);
+    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    const bool isTaken = lane() / kArity < taken;
+    const bool hasTriangles = isTaken && isLeaf(parent);
+    shareWithSubgroup();
+    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize) {
+      float squared = kInfinity;
+      if (hasTriangles)
+        squared = squaredDistance(readTriangle(push.frames, firstTriangleOf(parent) + child), point);
+      else if (isTaken)
+        squared = squaredDistance(readDisc(push.discs, firstChildOf(parent) + child), point);
+      takeClosest(closest, hasTriangles ? squared : kInfinity, firstTriangleOf(parent) + child);
+      pushNodes(size, !hasTriangles && squared < closest.squared, firstChildOf(parent) + child, squared);
+    }
+    work += 3;
+  }
+}
+
+// What the block above hands down: nodes that hold every triangle that may matter, and the triangle closest to its
+// centre; kNoTriangle if the band does not reach it.
+struct List {
+  uint at, count, hint;
+};
+
+List listAbove(uvec3 place) {
+  if (uint64_t(push.parents) == 0) return List(0, 1, 0);
+  const uvec3 above = place / push.blocksPerParent, counts = blocksAlong(push.side * push.blocksPerParent);
+  const uint at = ((above.z * counts.y + above.y) * counts.x + above.x) * kListWords;
+  return List(at + 2, push.parents.at[at], push.parents.at[at + 1]);
+}
+
+uint listedNode(List list, uint index) {
+  return uint64_t(push.parents) == 0 || index >= list.count ? 0 : push.parents.at[list.at + index];
+}
+
+uint gridIndex(uvec3 place) {
+  return (place.z * push.dimY + place.y) * push.dimX + place.x;
+}
+
+// How far off triangles may matter to some sample of the block; 0: at any distance.
+float bandOf(Block block) {
+  if (push.isAddition == 0) return push.band;
+  const uvec3 size = block.high - block.low;
+  const uint count = size.x * size.y * size.z;
+  float farthest = 0;
+  for (uint s = lane(); s < count; s += gl_SubgroupSize)
+    farthest = max(farthest, push.distance.at[gridIndex(block.low + placeOf(s, size))]);
+  work += count / gl_SubgroupSize;
+  return subgroupMax(farthest);
+}
+
+// The triangle closest to the block's centre, unless the band does not reach the block.
+uint findCentre(Block block, List list) {
+  const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
+  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kInfinity;
+  Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoTriangle);
+  uint size = 0;
+  for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
+    const uint node = listedNode(list, first + lane());
+    const float bound = squaredDistance(readDisc(push.discs, node), block.centre);
+    pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
+  }
+  findClosest(block.centre, size, closest);
+  if (closest.triangle == kNoTriangle && (band == 0 || isTooMuchWork())) return list.hint;
+  return closest.triangle;
+}
+
+// What dominates a block: the distance of one triangle, less the tolerance, at its corners.
+struct Corners {
+  vec4 low, high;
+};
+
+Corners measureCorners(uint triangle, Block block) {
+  for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
+    const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1;
+    const vec3 point = block.centre + sign * block.reach;
+    cornerDistances[gl_SubgroupID * 8 + corner] =
+        sqrt(squaredDistance(readTriangle(push.frames, triangle), point)) - push.tolerance;
+  }
+  shareWithSubgroup();
+  const uint first = gl_SubgroupID * 8;
+  return Corners(vec4(cornerDistances[first], cornerDistances[first + 1], cornerDistances[first + 2],
+                      cornerDistances[first + 3]),
+                 vec4(cornerDistances[first + 4], cornerDistances[first + 5], cornerDistances[first + 6],
+                      cornerDistances[first + 7]));
+}
+
+// Whether a candidate may be closest to some sample of the block. The distance to it is convex, so its tangent plane at
+// the centre bounds it from below; the distance to what dominates is convex, too, so where it stays below that plane at
+// the eight corners, it does so everywhere between.
+bool mayWin(Tangent t, Block block, Corners corners) {
+  const vec3 g = t.g * block.reach;
+  const vec4 across = vec4(-g.x - g.y, g.x - g.y, g.y - g.x, g.x + g.y);
+  return any(lessThan(t.d - g.z + across, corners.low)) || any(lessThan(t.d + g.z + across, corners.high));
+}

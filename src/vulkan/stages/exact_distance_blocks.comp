@@ -1,0 +1,61 @@
+// Of each block: the triangle closest to its centre, and a list of nodes that hold every triangle that may be closest to
+// some sample in it, taken from the list of the block above.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/exact_distance.glsl"
+
+// A node stays whole if its radius is at most this share of the block's side.
+const float kNodeShare = 0.25;
+
+// The nodes that are listed, and those on the stack, which wait to be opened.
+uint listed = 0;
+uint size = 0;
+
+// Lists each lane's node, or puts it on the stack, if it may win.
+void offerNodes(Block block, Corners corners, uint list, bool isOffered, uint node) {
+  bool survives = false, isWhole = false;
+  if (isOffered) {
+    const Disc disc = readDisc(push.discs, node);
+    survives = disc.radius >= 0 && mayWin(tangentOf(disc, block.centre), block, corners);
+    isWhole = isLeaf(node) || disc.radius <= kNodeShare * push.side;
+  }
+  const uvec4 whole = subgroupBallot(survives && isWhole), open = subgroupBallot(survives && !isWhole);
+  if (survives && isWhole) push.lists.at[list + listed + subgroupBallotExclusiveBitCount(whole)] = node;
+  if (survives && !isWhole) stackNodes[onStack(size + subgroupBallotExclusiveBitCount(open))] = node;
+  listed += subgroupBallotBitCount(whole);
+  size += subgroupBallotBitCount(open);
+  shareWithSubgroup();
+}
+
+// Where nodes would be too many, the rest stay as they are.
+void listNodes(Block block, Corners corners, List above, uint list) {
+  for (uint first = 0; first < above.count; first += gl_SubgroupSize)
+    offerNodes(block, corners, list, first + lane() < above.count, listedNode(above, first + lane()));
+  while (size > 0) {
+    const uint room = (kListNodes - listed - size) / (kArity - 1);
+    const uint taken = min(min(size, room), max(gl_SubgroupSize / kArity, 1));
+    if (taken == 0) break;
+    size -= taken;
+    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    shareWithSubgroup();
+    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize)
+      offerNodes(block, corners, list, lane() / kArity < taken, firstChildOf(parent) + child);
+  }
+  for (uint i = lane(); i < size; i += gl_SubgroupSize) push.lists.at[list + listed + i] = stackNodes[onStack(i)];
+}
+
+void main() {
+  const uvec3 blocks = blocksAlong(push.side);
+  const uint index = subgroupIndex();
+  if (index >= blocks.x * blocks.y * blocks.z) return;
+  const uvec3 place = placeOf(index, blocks);
+  const Block block = blockAt(place);
+  const List above = listAbove(place);
+  const uint closest = above.hint == kNoTriangle ? kNoTriangle : findCentre(block, above);
+  if (closest != kNoTriangle) listNodes(block, measureCorners(closest, block), above, index * kListWords + 2);
+  if (lane() != 0) return;
+  push.lists.at[index * kListWords] = listed + size;
+  push.lists.at[index * kListWords + 1] = closest;
+}

@@ -1,0 +1,25 @@
+// Two distances an invocation as half floats, rounded to the nearest, ties to even; none becomes infinite. By hand,
+// because how packHalf2x16 rounds is the device's affair.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/field_image_push.h"
+
+layout(push_constant, scalar) uniform Push { HalfFloatsPush push; };
+
+uint halfOf(float value) {
+  const uint bits = floatBitsToUint(value), sign = bits >> 16 & 0x8000u, size = bits & 0x7fffffffu;
+  if (size >= 0x477ff000u) return sign | 0x7bffu;  // 65520 and more would round to infinity.
+  if (size < 0x38800000u)                          // Below 2^-14: a multiple of 2^-24.
+    return sign | uint(roundEven(uintBitsToFloat(size) * 16777216.0));
+  const uint shifted = size - 0x38000000u;  // The exponent's bias: 15 for 127.
+  return sign | (shifted + 0xfffu + (shifted >> 13 & 1u)) >> 13;
+}
+
+void main() {
+  const uint pair = invocationIndex();
+  if (2 * pair >= push.count) return;
+  const uint low = halfOf(push.values.at[2 * pair]);
+  const uint high = 2 * pair + 1 < push.count ? halfOf(push.values.at[2 * pair + 1]) : 0;
+  push.halves.at[pair] = high << 16 | low;
+}

@@ -1,0 +1,17 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+struct HalfFloatsPush {
+  RAYMAP_ADDRESS(Floats) values;
+  RAYMAP_ADDRESS(Uints) halves;  // Two in each word.
+  uint count;                    // Of values.
+  uint unused;
+};
+RAYMAP_CHECK_SIZE(HalfFloatsPush, 24);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,18 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+struct FinishPush {
+  RAYMAP_ADDRESS(Floats) distance;
+  uint count;
+  float band;   // In cells; may be infinite.
+  float scale;  // The mesh's units to a cell.
+  uint unused;
+};
+RAYMAP_CHECK_SIZE(FinishPush, 24);
+
+RAYMAP_SHARED_END

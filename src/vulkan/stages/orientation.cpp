@@ -1,0 +1,79 @@
+// Ours, after Krayer & Müller 2019, §3.5: the field says which way the faces point.
+
+#include "vulkan/stages/orientation.h"
+
+#include "shaders/orientation_misfit_spv.h"
+#include "shaders/orientation_parity_spv.h"
+#include "shaders/orientation_rises_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+constexpr uint32_t kGroup = 128;
+constexpr uint64_t kSamplesOfGroup = uint64_t{kMisfitGroup} * kMisfitSamples;
+}  // namespace
+
+OrientationStage::OrientationStage(Device& device)
+    : misfitOf_(device, shaders::kOrientationMisfit, kMisfitGroup),
+      parityOf_(device, shaders::kOrientationParity, kGroup),
+      risesOf_(device, shaders::kOrientationRises, kGroup),
+      sums_(device, "misfits"),
+      hostSums_(device, "misfits for the host", MemoryUse::ReadBack),
+      rises_(device, "rises"),
+      hostRises_(device, "rises for the host", MemoryUse::ReadBack) {}
+
+void OrientationStage::reserve(const glm::ivec3& dims, uint32_t triangleCount) {
+  samples_ = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
+  triangleCount_ = triangleCount;
+  for (DeviceBuffer* sums : {&sums_, &hostSums_})
+    sums->resize<float>(kMisfitNumbers * ((samples_ + kSamplesOfGroup - 1) / kSamplesOfGroup));
+  for (DeviceBuffer* rises : {&rises_, &hostRises_}) rises->resize<float>(triangleCount);
+}
+
+OrientationPush OrientationStage::push(const Fields& fields, float farSides) const {
+  return {.rays = {fields.rays.axes[0], fields.rays.axes[1], fields.rays.axes[2]},
+          .field = fields.field,
+          .vertices = fields.mesh.vertices,
+          .triangles = fields.mesh.triangles,
+          .rises = rises_.address(),
+          .misfit = sums_.address(),
+          .gridX = static_cast<uint32_t>(fields.rays.dims.x),
+          .gridY = static_cast<uint32_t>(fields.rays.dims.y),
+          .gridZ = static_cast<uint32_t>(fields.rays.dims.z),
+          .triangleCount = triangleCount_,
+          .farSides = farSides,
+          .threshold = static_cast<float>(fields.threshold)};
+}
+
+void OrientationStage::recordMisfit(Commands& commands, const Fields& fields) {
+  commands.dispatch(misfitOf_, push(fields), sums_.bytes() / (kMisfitNumbers * sizeof(float)) * kMisfitGroup);
+  commands.copy(sums_, hostSums_, hostSums_.bytes());
+}
+
+void OrientationStage::recordParity(Commands& commands, const Fields& fields) {
+  commands.dispatch(parityOf_, push(fields), samples_);
+}
+
+void OrientationStage::recordRises(Commands& commands, const Fields& fields, float farSides) {
+  commands.dispatch(risesOf_, push(fields, farSides), triangleCount_);
+  commands.copy(rises_, hostRises_, hostRises_.bytes());
+}
+
+double OrientationStage::misfit() const {
+  const std::span<const float> sums = hostSums_.mapped<const float>();
+  double squares = 0.0, jumps = 0.0;
+  for (size_t group = 0; group < sums.size(); group += kMisfitNumbers) {
+    squares += sums[group];
+    jumps += sums[group + 1];
+  }
+  return jumps > 0.0 ? squares / jumps : 0.0;
+}
+
+bool OrientationStage::contradictsParity() const {
+  const std::span<const float> sums = hostSums_.mapped<const float>();
+  for (size_t group = 0; group < sums.size(); group += kMisfitNumbers)
+    if (sums[group + 2] > 0.0f) return true;
+  return false;
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,54 @@
+// How badly the field fits the crossings, and the signs the parity (src/cpu/orientation.cpp): each group adds up its samples, always in the same
+// order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/orientation.glsl"
+
+shared vec3 sumsOf[kMisfitGroup];
+
+void addEdge(uint index, ivec3 s, uint axis, uint stride, inout vec3 sums) {
+  const ivec3 dims = gridDims();
+  if (s[axis] + 1 >= dims[axis]) return;
+  ivec3 next = s;
+  next[axis] += 1;
+  const int jump = rayFrom(push.rays[axis], axis, dims, s) - rayFrom(push.rays[axis], axis, dims, next);
+  if (jump == 0) return;
+  const float fall = push.field.at[index] - push.field.at[index + stride];
+  sums.xy += vec2(float(jump) * (float(jump) - fall), abs(float(jump)));
+}
+
+// Whether the parity of all six rays says the other side than the winding number does, which is sure of it.
+bool contradictsParity(uint index, ivec3 s) {
+  const ivec3 dims = gridDims();
+  int odd = 0;
+  for (uint axis = 0; axis < 3; ++axis) {
+    ivec3 beforeAll = s;
+    beforeAll[axis] = -1;
+    const int ray = rayFrom(push.rays[axis], axis, dims, s);
+    odd += (ray & 1) + ((ray - rayFrom(push.rays[axis], axis, dims, beforeAll)) & 1);
+  }
+  const float excess = abs(push.field.at[index]) - push.threshold;
+  return abs(excess) > kSureSign && odd == (excess > 0.0 ? 0 : 6);
+}
+
+void main() {
+  const uint lane = gl_LocalInvocationIndex;
+  vec3 sums = vec3(0.0);
+  for (uint n = 0; n < kMisfitSamples; ++n) {
+    const uint index = (groupIndex() * kMisfitSamples + n) * kMisfitGroup + lane;
+    if (index >= sampleCount()) break;
+    const ivec3 s = sampleAt(index);
+    addEdge(index, s, 0, 1, sums);
+    addEdge(index, s, 1, push.gridX, sums);
+    addEdge(index, s, 2, push.gridX * push.gridY, sums);
+    sums.z += float(contradictsParity(index, s));
+  }
+  sumsOf[lane] = sums;
+  for (uint reach = kMisfitGroup / 2; reach > 0; reach /= 2) {
+    barrier();
+    if (lane < reach) sumsOf[lane] += sumsOf[lane + reach];
+  }
+  if (lane != 0 || uint64_t(groupIndex()) * kMisfitGroup * kMisfitSamples >= sampleCount()) return;
+  for (uint i = 0; i < kMisfitNumbers; ++i) push.misfit.at[kMisfitNumbers * groupIndex() + i] = sumsOf[0][i];
+}

@@ -1,0 +1,35 @@
+// Krayer & Müller 2019, §3.3, last paragraph: the distance of every sample, from the transform of the cells' own.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/cell_levels.glsl"
+#include "vulkan/stages/triangle.glsl"
+#include "vulkan/stages/raster_distance_samples_push.h"
+
+layout(push_constant, scalar) uniform Push { RasterSamplesPush push; };
+
+// The transform's value in p's cell belongs to the cell's centre; the same parabola, taken at p.
+float squaredDistance(CellLevelData level, CellPoint p, uint nearestCell) {
+  const vec3 nearest = vec3(cellAt(level.cells, nearestCell));
+  const vec3 d = vec3(p.cell) - nearest;
+  precise const float value = d.z * d.z + (d.y * d.y + (d.x * d.x + level.squared.at[nearestCell]));
+  if (p.at == vec3(p.cell)) return value;
+  precise const float shift = squaredLength(p.at - nearest) - squaredLength(d);
+  return max(0.0, value + shift);
+}
+
+void main() {
+  const uint index = invocationIndex();
+  if (index >= push.nx * push.ny * push.nz) return;
+  const uint row = index / push.nx;
+  const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
+  float distance = 1.0 / 0.0;
+  for (uint l = 0; l < push.levelCount; ++l) {
+    CellLevelData level = push.levels.at[l];
+    const CellPoint p = cellPointOf(level.cells, position);
+    const uint nearest = level.nearestCell.at[cellIndex(level.cells, p.cell)];
+    if (nearest == kNoCell) continue;
+    distance = min(distance, float(level.cells.size) * sqrt(squaredDistance(level, p, nearest)));
+  }
+  push.distance.at[index] = distance;
+}

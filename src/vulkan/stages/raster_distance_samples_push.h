@@ -1,0 +1,18 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+#include "vulkan/stages/cell_levels_push.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+struct RasterSamplesPush {
+  RAYMAP_ADDRESS(CellLevels) levels;
+  RAYMAP_ADDRESS(Floats) distance;
+  uint nx, ny, nz;
+  uint levelCount;
+};
+RAYMAP_CHECK_SIZE(RasterSamplesPush, 32);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,24 @@
+// One sample, unless there are too many triangles to measure.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/refine.glsl"
+
+// Of a sample: where it stands among the crowded ones, in no certain order.
+uint placeAmongCrowded() {
+  const uvec4 together = subgroupBallot(true);
+  uint first = 0;
+  if (subgroupElect()) first = atomicAdd(push.crowdedCount.at[0], subgroupBallotBitCount(together));
+  return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(together);
+}
+
+void main() {
+  const uint index = invocationIndex();
+  if (index >= push.nx * push.ny * push.nz) return;
+  Closest closest = noneYet();
+  if (measure(index, 0, 1, closest) <= push.mostAlone)
+    store(index, closest);
+  else
+    push.crowded.at[placeAmongCrowded()] = index;
+}

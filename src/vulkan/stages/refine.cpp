@@ -1,0 +1,51 @@
+// Krayer & Müller 2019, §3.3, end.
+//
+// Paper: an invocation for each sample. Here: likewise, but a group for each sample that has many triangles
+// to measure, so that crowded cells (fine meshes on coarse grids) leave nobody alone with them.
+
+#include "vulkan/stages/refine.h"
+
+#include <algorithm>
+
+#include "shaders/refine_crowded_spv.h"
+#include "shaders/refine_spv.h"
+
+namespace raymap::vulkan {
+
+RefineStage::RefineStage(Device& device)
+    : alone_(device, shaders::kRefine, kRefineGroup),
+      crowded_(device, shaders::kRefineCrowded, kRefineGroup),
+      levels_(device),
+      arguments_(device, "refine arguments", 1),
+      crowdedCount_(device, "crowded samples' count") {}
+
+void RefineStage::reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels) {
+  dims_ = dims;
+  levels_.reserve(levels);
+  crowdedCount_.resize<uint32_t>(1);
+}
+
+void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach) {
+  const uint32_t samples = dims_.x * dims_.y * dims_.z;
+  const RefinePush push{.levels = levels_.address(),
+                        .vertices = mesh.vertices,
+                        .triangles = mesh.triangles,
+                        .distance = fields.distance,
+                        .closest = fields.triangle,
+                        .crowded = fields.scratch,
+                        .crowdedCount = crowdedCount_.address(),
+                        .nx = dims_.x,
+                        .ny = dims_.y,
+                        .nz = dims_.z,
+                        .levelCount = levels_.count(),
+                        .reach = static_cast<uint32_t>(reach),
+                        // Many samples keep the device busy however long each takes, few do not.
+                        .mostAlone = std::clamp(samples >> 8, 16U, 512U)};
+  levels_.record(commands);
+  commands.fill(crowdedCount_, 0);
+  commands.dispatch(alone_, push, samples);
+  arguments_.record(commands, 0, {.count = {.most = samples, .address = crowdedCount_.address()}});
+  arguments_.dispatch(commands, crowded_, push, 0);
+}
+
+}  // namespace raymap::vulkan

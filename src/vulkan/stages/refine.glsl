@@ -1,0 +1,74 @@
+// Krayer & Müller 2019, §3.3, end. What both kernels share.
+
+#define RAYMAP_ROUGH_DIVISION
+#include "vulkan/stages/cell_levels.glsl"
+#include "vulkan/stages/mesh.glsl"
+#include "vulkan/stages/triangle.glsl"
+#include "vulkan/stages/refine_push.h"
+
+layout(push_constant, scalar) uniform Push { RefinePush push; };
+
+// The closest triangle so far; of equally close ones the lowest.
+struct Closest {
+  float squared;
+  uint triangle;
+};
+
+void take(inout Closest closest, float squared, uint triangle) {
+  if (squared < closest.squared || (squared == closest.squared && triangle < closest.triangle))
+    closest = Closest(squared, triangle);
+}
+
+vec3 corner(uint triangle, uint c) {
+  return readCorner(push.vertices, push.triangles, triangle, c);
+}
+
+// Measures every `step`-th triangle of a cell, from the one numbered `lane` on; gives how many.
+uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, inout Closest closest) {
+  const uint begin = level.begins.at[cell];
+  if (begin == kNoCell) return 0;
+  const uint count = level.count.at[0];
+  uint measured = 0;
+  for (uint entry = begin + lane; entry < count && level.entryCells.at[entry] == cell; entry += step) {
+    if (measured++ > push.mostAlone && step == 1) break;
+    const uint t = level.entryTriangles.at[entry];
+    take(closest, triangleSquaredDistance(p, corner(t, 0), corner(t, 1), corner(t, 2)), t);
+  }
+  return measured;
+}
+
+// Likewise of a sample's nearest cell, and of its neighbours if asked for, in a lattice.
+uint measureLevel(CellLevelData level, uvec3 position, uint lane, uint step, inout Closest closest) {
+  const CellPoint point = cellPointOf(level.cells, position);
+  const uint nearest = level.nearestCell.at[cellIndex(level.cells, point.cell)];
+  if (nearest == kNoCell) return 0;
+  const uvec3 centre = cellAt(level.cells, nearest), dims = uvec3(level.cells.nx, level.cells.ny, level.cells.nz);
+  const uvec3 low = centre - min(centre, uvec3(push.reach)), high = min(centre + push.reach, dims - 1);
+  uint measured = 0;
+  for (uint k = low.z; k <= high.z; ++k)
+    for (uint j = low.y; j <= high.y; ++j)
+      for (uint i = low.x; i <= high.x; ++i) {
+        const uint cell = cellIndex(level.cells, uvec3(i, j, k));
+        measured += measureCell(level, cell, vec3(position), lane, step, closest);
+        if (measured > push.mostAlone && step == 1) return measured;
+      }
+  return measured;
+}
+
+uint measure(uint index, uint lane, uint step, inout Closest closest) {
+  const uint row = index / push.nx;
+  const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
+  uint measured = 0;
+  for (uint l = 0; l < push.levelCount; ++l)
+    measured += measureLevel(push.levels.at[l], position, lane, step, closest);
+  return measured;
+}
+
+Closest noneYet() {
+  return Closest(1.0 / 0.0, 0xffffffffu);
+}
+
+void store(uint index, Closest closest) {
+  push.distance.at[index] = sqrt(closest.squared);
+  if (uint64_t(push.closest) != 0) push.closest.at[index] = closest.triangle;
+}

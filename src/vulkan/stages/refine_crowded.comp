@@ -1,0 +1,23 @@
+// One sample, by a whole group.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/refine.glsl"
+
+shared Closest closestOf[kRefineGroup / 4];  // Of each subgroup; none has fewer than four invocations.
+
+void main() {
+  if (groupIndex() >= push.crowdedCount.at[0]) return;
+  const uint index = push.crowded.at[groupIndex()];
+  Closest closest = noneYet();
+  measure(index, laneIndex(), kRefineGroup, closest);
+  const float squared = subgroupMin(closest.squared);
+  const uint triangle = subgroupMin(closest.squared == squared ? closest.triangle : 0xffffffffu);
+  if (subgroupElect()) closestOf[gl_SubgroupID] = Closest(squared, triangle);
+  barrier();
+  if (gl_LocalInvocationIndex > 0) return;
+  closest = closestOf[0];
+  for (uint i = 1; i < gl_NumSubgroups; ++i) take(closest, closestOf[i].squared, closestOf[i].triangle);
+  store(index, closest);
+}

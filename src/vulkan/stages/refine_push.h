@@ -1,0 +1,27 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+#include "vulkan/stages/cell_levels_push.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+RAYMAP_CONSTANT uint kRefineGroup = 128;
+
+struct RefinePush {
+  RAYMAP_ADDRESS(CellLevels) levels;
+  RAYMAP_ADDRESS(Floats) vertices;
+  RAYMAP_ADDRESS(Uints) triangles;
+  RAYMAP_ADDRESS(Floats) distance;  // Of each sample.
+  RAYMAP_ADDRESS(Uints) closest;    // Its triangle; 0: not wanted.
+  RAYMAP_ADDRESS(Uints) crowded;    // Samples with so many triangles that a whole group measures them,
+  RAYMAP_ADDRESS(Uints) crowdedCount;
+  uint nx, ny, nz;
+  uint levelCount;
+  uint reach;      // 1: the neighbours of the nearest cell, too.
+  uint mostAlone;  // Triangles that one invocation measures alone.
+};
+RAYMAP_CHECK_SIZE(RefinePush, 80);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,101 @@
+// A ray of a pixel each: the twin of render/shade.cpp.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/sphere_trace.glsl"
+
+const vec2 kSubPixels[kRenderSubPixels] =
+    vec2[](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.625, 0.875), vec2(0.125, 0.625));
+
+shared vec3 lights[kRenderGroup];
+
+// Starts where the ball around the shape may begin: positions near the shape are exact, however far away the
+// eye is. `skipped` is the way there.
+Ray cameraRay(RenderSceneData scene, vec2 at, out float skipped) {
+  const vec2 off = scene.pixelAngle * (at - 0.5 * vec2(push.width, push.height));
+  const vec3 direction = normalize(scene.forward + off.x * scene.right - off.y * scene.up);
+  const vec3 toCentre = push.shape.centre - scene.eye;
+  const float middle = dot(toCentre, direction);
+  const float reach = push.shape.radius + 2;
+  skipped = max(middle - reach, 0);
+  if (skipped == 0) return Ray(scene.eye, direction);
+  const vec3 foot = push.shape.centre - (toCentre - middle * direction);
+  return Ray(foot - reach * direction, direction);
+}
+
+float lineCoverage(float pixels, float width) {
+  return clamp(0.5 * width + 0.5 - pixels, 0, 1);
+}
+
+vec3 insideColour(RenderSceneData scene, float d) {
+  const float depth = min(abs(d) / scene.depth, 1);
+  return depth < 0.5 ? mix(scene.inside[0], scene.inside[1], 2 * depth)
+                     : mix(scene.inside[1], scene.inside[2], 2 * depth - 1);
+}
+
+vec3 cutFace(RenderSceneData scene, vec3 p, vec3 n, float slope) {
+  const float d = fieldDistance(p);
+  const float strength = 0.45 * clamp(scene.lineStep / slope / 3 - 1, 0, 1);
+  const float toLine = abs(d - scene.lineStep * round(d / scene.lineStep)) / slope;
+  const vec3 lined = insideColour(scene, min(d, -1e-9)) * (1 - strength * lineCoverage(toLine, 1.2));
+  return (0.6 + 0.4 * ambientOpenness(p, n)) * mix(lined, scene.contour, lineCoverage(abs(d) / slope, 2.8));
+}
+
+vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {
+  const vec3 p = ray.origin + t * ray.direction;
+  const vec3 n = shapeNormal(p);
+  if (isOnCutFace(p)) return cutFace(scene, p, n, (skipped + t) * scene.pixelAngle);
+  const float facing = dot(n, scene.toLight);
+  const float sun = facing > 0 ? facing * softShadow(p + n, scene.toLight) : 0;
+  const float open = ambientOpenness(p, n);
+  const float upward = 0.5 + 0.5 * dot(n, scene.floorNormal);
+  const vec3 incoming = sun * scene.sun + open * (upward * scene.sky + (1 - upward) * scene.bounce);
+  const float grazing = pow(1 - clamp(-dot(n, ray.direction), 0, 1), 5);
+  const float shine = pow(max(dot(n, normalize(scene.toLight - ray.direction)), 0), 50) * sun;
+  const vec3 lit =
+      0.5 * scene.clay * incoming + 0.25 * grazing * open * scene.sky + 0.12 * shine * scene.sun;
+  return lit * (1 + lit / 4) / (1 + lit);
+}
+
+float floorShade(RenderSceneData scene, Ray ray, float skipped) {
+  const float down = -dot(ray.direction, scene.floorNormal);
+  if (!(down > 1e-6)) return 1;
+  const float t = (dot(ray.origin, scene.floorNormal) - scene.floorHeight) / down;
+  if (!(skipped + t > 0)) return 1;
+  const vec3 p = ray.origin + t * ray.direction;
+  const float sun = softShadow(p, scene.toLight);
+  const float sky = ambientOpenness(p, scene.floorNormal);
+  return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
+}
+
+vec3 light(vec2 at) {
+  const RenderSceneData scene = push.scene.at[0];
+  float skipped;
+  const Ray ray = cameraRay(scene, at, skipped);
+  const float t = traceRay(ray);
+  if (t >= 0) return surface(scene, ray, t, skipped);
+  return mix(scene.top, scene.bottom, at.y / push.height) * floorShade(scene, ray, skipped);
+}
+
+uint encoded(vec3 linear) {
+  linear = clamp(linear, 0, 1);
+  const vec3 srgb =
+      mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
+  const uvec3 bytes = uvec3(255 * srgb + 0.5);
+  return bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;
+}
+
+void main() {
+  const uint local = gl_LocalInvocationID.x;
+  const uint tiles = ceilDiv(push.width, kRenderTile);
+  const uvec2 tile = uvec2(groupIndex() % tiles, groupIndex() / tiles);
+  const uint inTile = local / kRenderSubPixels;
+  uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
+  const bool isInside = pixel.x < push.width && pixel.y < push.rows;
+  pixel.y += push.firstRow;
+  if (isInside) lights[local] = light(vec2(pixel) + kSubPixels[local % kRenderSubPixels]);
+  barrier();
+  if (!isInside || local % kRenderSubPixels != 0) return;
+  const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];
+  push.pixels.at[pixel.y * push.width + pixel.x] = encoded(0.25 * sum);
+}

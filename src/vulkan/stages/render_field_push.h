@@ -1,0 +1,26 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+#include "vulkan/stages/render_scene_push.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+RAYMAP_CONSTANT uint kRenderTile = 4;       // Pixels along a side of what a group draws,
+RAYMAP_CONSTANT uint kRenderSubPixels = 4;  // each by so many rays: an invocation each.
+RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kRenderSubPixels;
+
+struct RenderFieldPush {
+  RAYMAP_ADDRESS(Floats) samples;
+  RAYMAP_ADDRESS(RenderScenes) scene;
+  RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue, 255 from the lowest byte.
+  RenderShape shape;
+  uint width, height;
+  uint firstRow, rows;
+  float scale;  // Spacings to a unit of the samples.
+  uint unused;
+};
+RAYMAP_CHECK_SIZE(RenderFieldPush, 104);
+
+RAYMAP_SHARED_END

@@ -1,0 +1,45 @@
+#ifndef RAYMAP_SHARED_RENDER_SCENE_H  // No pragma: GLSL, too, includes this more than once.
+#define RAYMAP_SHARED_RENDER_SCENE_H
+
+#ifdef __cplusplus
+#include <glm/vec3.hpp>
+#endif
+
+#include "base/shader_types.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+#ifdef __cplusplus
+using vec3 = glm::vec3;
+#endif
+
+// What render/shape.h knows, but for the samples.
+struct RenderShape {
+  vec3 centre;
+  float radius;
+  vec3 cutNormal;   // 0,
+  float cutOffset;  // and this as large as can be, if it is not cut.
+  float level, wall, band;
+  uint nx, ny, nz;
+};
+RAYMAP_CHECK_SIZE(RenderShape, 56);
+
+// What render/scene.h knows besides. Colours are linear.
+struct RenderSceneData {
+  vec3 eye, right, up, forward;
+  vec3 floorNormal;
+  float floorHeight;
+  vec3 toLight;
+  float pixelAngle;
+  float lineStep;
+  float depth;
+  vec3 sun, sky, bounce, clay;
+  vec3 top, bottom;  // Of the background.
+  vec3 inside[3];    // On the cut face: at the surface, half way, deepest.
+  vec3 contour;
+};
+RAYMAP_CHECK_SIZE(RenderSceneData, 208);
+
+RAYMAP_SHARED_END
+
+#endif

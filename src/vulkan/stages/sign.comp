@@ -1,0 +1,37 @@
+// Krayer & Müller 2019, §3.5, end: the winding number's threshold; and how sure its answer is (src/cpu/sign.h).
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/ray_map.glsl"
+#include "vulkan/stages/sign_push.h"
+
+layout(push_constant, scalar) uniform Push { SignPush push; };
+
+// How many of the two rays along an axis give the same sign, each for itself.
+uint votes(uint axis, ivec3 s, ivec3 dims, bool inside) {
+  ivec3 beforeAll = s;
+  beforeAll[axis] = -1;
+  const int ray = rayFrom(push.rays[axis], axis, dims, s);
+  const int back = ray - rayFrom(push.rays[axis], axis, dims, beforeAll);
+  return uint((abs(float(ray)) > push.threshold) == inside) + uint((abs(float(back)) > push.threshold) == inside);
+}
+
+float rate(float w, bool inside, ivec3 s, ivec3 dims) {
+  const float below = 1.0 / push.threshold;
+  const float above = push.threshold < 1.0 ? 1.0 / (1.0 - push.threshold) : below;
+  const float margin = inside ? (w - push.threshold) * above : (push.threshold - w) * below;
+  const uint agreeing = votes(0, s, dims, inside) + votes(1, s, dims, inside) + votes(2, s, dims, inside);
+  return min(margin, 1.0) * (6.0 + float(agreeing)) / 12.0;
+}
+
+void main() {
+  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
+  const uint i = invocationIndex();
+  if (i >= push.gridX * push.gridY * push.gridZ) return;
+  const float w = abs(push.winding.at[i]);
+  const bool inside = w > push.threshold;
+  if (inside != (push.isInverted != 0)) push.distance.at[i] = -push.distance.at[i];
+  if (uint64_t(push.confidence) == 0) return;
+  const uint row = i / push.gridX;
+  push.confidence.at[i] = rate(w, inside, ivec3(i % push.gridX, row % push.gridY, row / push.gridY), dims);
+}

@@ -1,0 +1,33 @@
+// Linear-blend skinning: each vertex goes to the weighted mean of where its joints take it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/skin_push.h"
+
+layout(push_constant, scalar) uniform Push { SkinPush push; };
+
+// Not a number for a joint that does not exist: whoever uses the vertex finds out.
+vec3 movedBy(uint joint, vec4 rest) {
+  if (joint >= push.jointCount) return vec3(uintBitsToFloat(0x7fc00000u));
+  const uint row = 3 * joint;
+  return vec3(dot(push.matrices.at[row], rest), dot(push.matrices.at[row + 1], rest),
+              dot(push.matrices.at[row + 2], rest));
+}
+
+vec3 blended(uint vertex, vec4 rest) {
+  const uvec2 pairs = uvec2(push.joints.at[2 * vertex], push.joints.at[2 * vertex + 1]);
+  const uvec4 joints = uvec4(pairs.x & 0xffffu, pairs.x >> 16, pairs.y & 0xffffu, pairs.y >> 16);
+  const vec4 weights = push.weights.at[vertex];
+  vec3 sum = vec3(0);
+  for (int k = 0; k < 4; ++k)
+    if (weights[k] != 0) sum += weights[k] * movedBy(joints[k], rest);
+  return sum;
+}
+
+void main() {
+  const uint v = invocationIndex();
+  if (v >= push.vertexCount) return;
+  const vec4 rest = vec4(push.rest.at[3 * v], push.rest.at[3 * v + 1], push.rest.at[3 * v + 2], 1);
+  const vec3 p = uint64_t(push.joints) == 0 ? movedBy(0, rest) : blended(v, rest);
+  for (uint axis = 0; axis < 3; ++axis) push.vertices.at[3 * v + axis] = p[axis];
+}

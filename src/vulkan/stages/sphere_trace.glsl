@@ -1,0 +1,160 @@
+// The twin of render/field_sampler.h, shape.h and sphere_trace.cpp, which give the reasons.
+
+#include "vulkan/stages/render_scene_push.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes { RenderSceneData at[]; };
+
+#include "vulkan/stages/render_field_push.h"
+
+layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
+
+// Farther than any ray goes, and its square still is a float.
+const float kFar = 1e15;
+
+struct Ray {
+  vec3 origin;
+  vec3 direction;
+};
+
+float row(uint at, float share) {
+  const float low = push.samples.at[at];
+  return low + share * (push.samples.at[at + uint(push.shape.nx > 1)] - low);
+}
+
+float sheet(uint at, vec2 share) {
+  const float low = row(at, share.x);
+  return low + share.y * (row(at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
+}
+
+float trilinear(vec3 q) {
+  const ivec3 dims = ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
+  const ivec3 cell = min(ivec3(q), max(dims - 2, 0));
+  const vec3 share = q - vec3(cell);
+  const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
+  const float low = sheet(at, share.xy);
+  const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+  return clamp(push.scale * value, -kFar, kFar);
+}
+
+float fieldValue(vec3 p) {
+  const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));
+  const float inGrid = trilinear(q);
+  if (q == p) return inGrid;
+  return length(vec2(distance(p, q), max(inGrid, 0)));
+}
+
+float fieldDistance(vec3 p) {
+  return fieldValue(p) - push.shape.level;
+}
+
+float cutDistance(vec3 p) {
+  return dot(push.shape.cutNormal, p) - push.shape.cutOffset;
+}
+
+bool isOnCutFace(vec3 p) {
+  return abs(cutDistance(p)) < 1e-2;
+}
+
+float shapeDistance(vec3 p) {
+  float d = fieldDistance(p);
+  if (push.shape.wall > 0) d = max(d, -(d + push.shape.wall));
+  return max(d, cutDistance(p));
+}
+
+float stretched(float d) {
+  return push.shape.band > 0 && d > 0 ? d / max(1 - d / push.shape.band, 1e-6) : d;
+}
+
+vec3 shapeNormal(vec3 p) {
+  if (isOnCutFace(p)) return push.shape.cutNormal;
+  vec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    vec3 step = vec3(0);
+    step[a] = 1;
+    gradient[a] = fieldValue(p + step) - fieldValue(p - step);
+  }
+  const float size = length(gradient);
+  if (!(size > 0)) return vec3(0, 0, 1);
+  const float d = fieldDistance(p);
+  const bool isInnerWall = push.shape.wall > 0 && -(d + push.shape.wall) > d;
+  return (isInnerWall ? -1 : 1) / size * gradient;
+}
+
+const float kCaution = 0.9;
+const float kLeastStep = 0.05;
+const float kLightSize = 0.11;
+
+// By the foot of the centre on the ray: exact where the origin is far away.
+vec2 clipToBall(Ray ray) {
+  const vec3 toCentre = push.shape.centre - ray.origin;
+  const float radius = push.shape.radius + 2;
+  const float middle = dot(toCentre, ray.direction);
+  const vec3 across = toCentre - middle * ray.direction;
+  const float half2 = radius * radius - dot(across, across);
+  if (half2 <= 0) return vec2(0, -1);
+  return vec2(max(middle - sqrt(half2), 0), middle + sqrt(half2));
+}
+
+float refineHit(Ray ray, float outside, float inside, float dOut, float dIn) {
+  for (int i = 0; i < 24 && inside - outside > 1e-4; ++i) {
+    const float share = i % 2 == 0 ? clamp(dOut / (dOut - dIn), 0.01, 0.99) : 0.5;
+    const float t = outside + share * (inside - outside);
+    const float d = shapeDistance(ray.origin + t * ray.direction);
+    if (abs(d) < 1e-4) return t;
+    if (d > 0) {
+      outside = t;
+      dOut = d;
+    } else {
+      inside = t;
+      dIn = d;
+    }
+  }
+  return inside;
+}
+
+// Negative if nothing is hit.
+float traceRay(Ray ray) {
+  const vec2 part = clipToBall(ray);
+  float before = part.x, dBefore = 1e30;
+  for (float t = part.x; t <= part.y;) {
+    const float d = shapeDistance(ray.origin + t * ray.direction);
+    if (d <= 0) return t > part.x ? refineHit(ray, before, t, dBefore, d) : t;
+    before = t;
+    dBefore = d;
+    t += max(kCaution * d, kLeastStep);
+  }
+  return -1;
+}
+
+float softShadow(vec3 point, vec3 toLight) {
+  const vec2 part = clipToBall(Ray(point, toLight));
+  float clear = 1;
+  float dBefore = 1e9, stepped = 1;
+  for (float t = max(part.x, 0.5); t <= part.y;) {
+    const float d = shapeDistance(point + t * toLight);
+    if (d <= 0) return 0;
+    const float back = 0.5 * (stepped + (d - dBefore) / stepped * (d + dBefore));
+    const bool isBetween = back > 0 && back < min(stepped, d);
+    const float share = back / d;
+    const float narrowest = stretched(d) * (isBetween ? sqrt(1 - share * share) : 1);
+    clear = min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
+    if (clear < 0.01) return 0;
+    dBefore = d;
+    stepped = max(kCaution * d, 4 * kLeastStep);
+    t += stepped;
+  }
+  return clear * clear * (3 - 2 * clear);
+}
+
+float ambientOpenness(vec3 point, vec3 normal) {
+  const float shares[5] = float[](0.015, 0.035, 0.07, 0.13, 0.22);
+  float blocked = 0, weight = 1, total = 0;
+  for (int i = 0; i < 5; ++i) {
+    const float height = shares[i] * push.shape.radius;
+    const float open = stretched(shapeDistance(point + height * normal));
+    blocked += weight * clamp(1 - open / height, 0, 1);
+    total += weight;
+    weight *= 0.8;
+  }
+  return max(1 - 1.1 * blocked / total, 0);
+}

@@ -1,0 +1,110 @@
+// Ours (the paper's future work names a hierarchy): the tree behind exact_distance.
+
+#include "vulkan/stages/surface_tree.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "shaders/surface_tree_bounds_spv.h"
+#include "shaders/surface_tree_keys_spv.h"
+#include "shaders/surface_tree_leaves_spv.h"
+#include "shaders/surface_tree_level_spv.h"
+#include "shaders/surface_tree_order_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kGroup = 128;
+constexpr uint32_t kVerticesEach = 8;  // As in surface_tree_bounds.comp.
+constexpr uint32_t kRun = 512;         // Triangles of the curve that are ordered anew.
+constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
+
+uint32_t nodesOver(uint32_t count) {
+  return (count + kArity - 1) / kArity;
+}
+
+uint32_t roundUp(uint32_t count) {
+  return nodesOver(count) * kArity;
+}
+
+}  // namespace
+
+SurfaceTreeStage::SurfaceTreeStage(Device& device)
+    : bounds_(device, shaders::kSurfaceTreeBounds, std::max(kGroup, device.limits().maxSubgroupSize)),
+      keys_(device, shaders::kSurfaceTreeKeys, kGroup),
+      order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
+      leaves_(device, shaders::kSurfaceTreeLeaves, kGroup, {kGroup / kArity}),
+      level_(device, shaders::kSurfaceTreeLevel, kGroup),
+      sort_(device),
+      meshBounds_(device, "bounds of the mesh"),
+      sortKeys_{DeviceBuffer(device, "keys of triangles"), DeviceBuffer(device, "other keys of triangles")},
+      triangles_{DeviceBuffer(device, "order of triangles"),
+                 DeviceBuffer(device, "other order of triangles")},
+      frames_(device, "triangles in frames"),
+      discs_(device, "discs") {}
+
+void SurfaceTreeStage::reserve(uint32_t triangles) {
+  if (triangles == 0 || triangles > kMostTriangles)
+    throw std::logic_error("a tree over no triangles, or more than 2^29");
+  sort_.reserve(triangles);
+  meshBounds_.resize<uint32_t>(kBoundsWords);
+  for (int i = 0; i < 2; ++i) {
+    sortKeys_[i].resize<uint32_t>(triangles);
+    triangles_[i].resize<uint32_t>(triangles);
+  }
+  frames_.resize<float>(uint64_t{roundUp(triangles)} * kFrameVectors * 4);
+  const Level leaves = placeLevels(triangles).front();
+  discs_.resize<float>((uint64_t{leaves.start} + roundUp(leaves.count)) * kDiscVectors * 4);
+  reserved_ = triangles;
+}
+
+std::vector<SurfaceTreeStage::Level> SurfaceTreeStage::placeLevels(uint32_t triangles) {
+  std::vector<Level> levels;
+  for (uint32_t nodes = nodesOver(triangles);; nodes = nodesOver(nodes)) {
+    levels.push_back({0, nodes});
+    if (nodes == 1) break;
+  }
+  for (size_t level = levels.size() - 1; level-- > 0;)
+    levels[level].start = levels[level + 1].start * kArity + 1;
+  return levels;
+}
+
+void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims) {
+  if (mesh.triangleCount == 0 || mesh.triangleCount > reserved_)
+    throw std::logic_error("a tree over no triangles, or more than reserved");
+  triangleCount_ = mesh.triangleCount;
+  levels_ = placeLevels(mesh.triangleCount);
+  SurfaceTreePush push{.vertices = mesh.vertices,
+                       .triangles = mesh.triangles,
+                       .bounds = meshBounds_.address(),
+                       .keys = sortKeys_[0].address(),
+                       .order = triangles_[0].address(),
+                       .frames = frames_.address(),
+                       .discs = discs_.address(),
+                       .vertexCount = mesh.vertexCount,
+                       .triangleCount = mesh.triangleCount,
+                       .dimX = static_cast<uint32_t>(dims.x),
+                       .dimY = static_cast<uint32_t>(dims.y),
+                       .dimZ = static_cast<uint32_t>(dims.z),
+                       .levelStart = levels_[0].start,
+                       .levelCount = levels_[0].count};
+  commands.fill(meshBounds_, UINT32_MAX);
+  commands.dispatch(bounds_, push, (uint64_t{mesh.vertexCount} + kVerticesEach - 1) / kVerticesEach);
+  commands.dispatch(keys_, push, mesh.triangleCount);
+  push.order =
+      sort_
+          .record(commands, {push.keys, push.order}, {sortKeys_[1].address(), triangles_[1].address()},
+                  {.most = mesh.triangleCount}, kMortonBits)
+          .values;
+  commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
+  commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kArity);
+  for (size_t level = 1; level < levels_.size(); ++level) {
+    push.levelStart = levels_[level].start;
+    push.levelCount = levels_[level].count;
+    push.levelBelowCount = levels_[level - 1].count;
+    commands.dispatch(level_, push, roundUp(push.levelCount));
+  }
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,26 @@
+// What the kernels of the surface tree share.
+
+#include "vulkan/stages/surface_tree_push.h"
+
+layout(push_constant, scalar) uniform Push { SurfaceTreePush push; };
+
+vec3 readVertex(uint vertex) {
+  return vec3(push.vertices.at[3 * vertex], push.vertices.at[3 * vertex + 1], push.vertices.at[3 * vertex + 2]);
+}
+
+vec3 readCorner(uint triangle, uint corner) {
+  return readVertex(push.triangles.at[3 * triangle + corner]);
+}
+
+// The level's nodes, and those that fill up its last eight: the root has no others beside it.
+uint levelPlaces() {
+  return push.levelStart == 0 ? 1 : ceilDiv(push.levelCount, kArity) * kArity;
+}
+
+// Any direction if there is none.
+vec3 unitVector(vec3 v) {
+  const float length2 = dot(v, v);
+  if (!(length2 > 1e-24)) return vec3(0, 0, 1);
+  v *= inversesqrt(length2);
+  return v * (1.5 - 0.5 * dot(v, v));  // Devices may be a few units in the last place off.
+}

@@ -1,0 +1,29 @@
+// The bounds of all vertices, by integer atomics: the same in any order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/surface_tree.glsl"
+#include "vulkan/primitives/ordered_float.glsl"
+
+const uint kVerticesEach = 8;
+
+void main() {
+  const uint first = groupIndex() * gl_WorkGroupSize.x * kVerticesEach + laneIndex();
+  vec3 low = vec3(1.0 / 0.0), high = -low;
+  [[unroll]] for (uint i = 0; i < kVerticesEach; ++i) {
+    const uint vertex = first + i * gl_WorkGroupSize.x;
+    if (vertex >= push.vertexCount) break;
+    const vec3 v = readVertex(vertex);
+    low = min(low, v);
+    high = max(high, v);
+  }
+  low = subgroupMin(low);
+  high = subgroupMax(high);
+  if (!subgroupElect()) return;
+  [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    // The complement of the highest is the lowest: all six words start alike.
+    atomicMin(push.bounds.at[axis], toOrdered(low[axis]));
+    atomicMin(push.bounds.at[3 + axis], ~toOrdered(high[axis]));
+  }
+}

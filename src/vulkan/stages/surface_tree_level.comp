@@ -1,0 +1,41 @@
+// Discs around the discs of each node's children.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/surface_tree.glsl"
+#include "vulkan/stages/surface_shapes.glsl"
+
+Disc boundDiscs(uint first, uint count) {
+  vec3 low = vec3(1.0 / 0.0), high = -low, normal = vec3(0);
+  for (uint child = first; child < first + count; ++child) {
+    const Disc disc = readDisc(push.discs, child);
+    low = min(low, disc.centre);
+    high = max(high, disc.centre);
+    normal += disc.normal * (disc.radius * disc.radius);
+  }
+  normal = unitVector(normal);
+  const vec3 middle = 0.5 * (low + high);
+  // Across and along the common normal, as far as the discs reach beyond their centres.
+  float front = -1.0 / 0.0, back = -front, radius = 0;
+  for (uint child = first; child < first + count; ++child) {
+    const Disc disc = readDisc(push.discs, child);
+    const vec3 q = disc.centre - middle;
+    const float height = dot(q, normal);
+    const float cosine = min(abs(dot(disc.normal, normal)), 1), sine = sqrt(1 - cosine * cosine);
+    const float along = disc.radius * sine + disc.halfThickness * cosine;
+    const float across = min(disc.radius + disc.halfThickness * sine, length(vec2(disc.radius, disc.halfThickness)));
+    front = max(front, height + along);
+    back = min(back, height - along);
+    radius = max(radius, sqrt(max(dot(q, q) - height * height, 0)) + across);
+  }
+  return Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back));
+}
+
+void main() {
+  const uint node = invocationIndex();
+  if (node >= levelPlaces()) return;
+  const uint first = node * kArity, index = push.levelStart + node;
+  writeDisc(push.discs, index,
+            node < push.levelCount ? boundDiscs(index * kArity + 1, min(kArity, push.levelBelowCount - first))
+                                   : discOutOfReach());
+}

@@ -1,0 +1,24 @@
+// The lattice on which triangles get their places, fitted to the mesh, or to what of it is near the grid.
+
+#include "vulkan/primitives/ordered_float.glsl"
+
+const uint kPlaceBits = 16;  // Of each axis.
+
+// Where the triangle's centroid lies.
+uvec3 placeOf(uint triangle) {
+  vec3 low, high;
+  [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    low[axis] = fromOrdered(push.bounds.at[axis]);
+    high[axis] = fromOrdered(~push.bounds.at[3 + axis]);
+  }
+  // What lies far from the grid needs no fine order.
+  const vec3 dims = vec3(push.dimX, push.dimY, push.dimZ), nearLow = max(low, -dims), nearHigh = min(high, 2 * dims);
+  if (all(lessThan(nearLow, nearHigh))) {
+    low = nearLow;
+    high = nearHigh;
+  }
+  const vec3 size = high - low;
+  const float most = (1 << kPlaceBits) - 1, scale = most / (3 * max(max(size.x, size.y), max(size.z, 1e-20)));
+  const vec3 thrice = readCorner(triangle, 0) + readCorner(triangle, 1) + readCorner(triangle, 2);
+  return uvec3(clamp((thrice - 3 * low) * scale, 0, most)) & uint(most);
+}

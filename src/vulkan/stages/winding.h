@@ -1,0 +1,29 @@
+#pragma once
+
+#include "vulkan/stages/winding_harmonic.h"
+#include "vulkan/stages/winding_paths.h"
+#include "vulkan/stages/winding_rays.h"
+
+namespace raymap::vulkan {
+
+/// The CPU's twin: the winding number of every sample, from the ray map.
+class WindingStage {
+ public:
+  WindingStage(Device& device, ScratchMemory* scratch);
+
+  /// Reserves memory for grids of these dims and these modes; `Rays` needs none. All previously recorded work
+  /// must have completed.
+  void reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedToo);
+  /// Writes a float per sample to `winding`. The options say how many passes and which offsets.
+  void record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,
+              VkDeviceAddress winding);
+  /// Number of samples whose six rays disagree, one 32-bit number.
+  const DeviceBuffer& doubtful() const { return rays_.doubtful(); }
+
+ private:
+  WindingRaysStage rays_;
+  WindingPathsStage paths_;
+  WindingHarmonicStage harmonic_;
+};
+
+}  // namespace raymap::vulkan

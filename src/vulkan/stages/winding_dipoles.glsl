@@ -1,0 +1,39 @@
+// Barill et al. 2018, "Fast winding numbers for soups and clouds": what the kernels share. The twin of
+// cpu/winding_dipoles.cpp.
+
+#include "vulkan/stages/surface_tree_push.h"
+#include "vulkan/stages/winding_dipoles_push.h"
+#include "vulkan/stages/surface_shapes.glsl"
+
+layout(push_constant, scalar) uniform Push { WindingDipolesPush push; };
+
+// Of a node, about its disc's centre: the area vector, and area vector times offset, the symmetric part.
+struct Moments {
+  vec3 area;
+  vec3 squares;   // xx, yy, zz
+  vec3 products;  // xy, yz, zx
+};
+
+Moments readMoments(uint node) {
+  const vec4 a = push.moments.at[node * kMomentVectors], b = push.moments.at[node * kMomentVectors + 1],
+             c = push.moments.at[node * kMomentVectors + 2];
+  return Moments(a.xyz, b.xyz, c.xyz);
+}
+
+void writeMoments(uint node, Moments m) {
+  push.moments.at[node * kMomentVectors] = vec4(m.area, 0);
+  push.moments.at[node * kMomentVectors + 1] = vec4(m.squares, 0);
+  push.moments.at[node * kMomentVectors + 2] = vec4(m.products, 0);
+}
+
+float latticeError(float distance) {
+  return max(kMostError * min(1.0, kMostErrorWithin / max(distance, 1e-6)), kLeastError);
+}
+
+bool isDoubtful(uint index) {
+  return abs(abs(push.winding.at[index]) - push.threshold) < latticeError(push.distance.at[index]);
+}
+
+uint sampleCount() {
+  return push.gridX * push.gridY * push.gridZ;
+}

@@ -1,0 +1,15 @@
+// The winding numbers of the triangles themselves at some points.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/stages/winding_dipoles.glsl"
+#include "vulkan/stages/winding_number.glsl"
+
+void main() {
+  const uint i = invocationIndex();
+  if (i >= push.pointCount) return;
+  const vec3 p = vec3(push.points.at[3 * i], push.points.at[3 * i + 1], push.points.at[3 * i + 2]);
+  bool whole;
+  const float w = windingNumber(p, kDistant[2], whole);
+  push.winding.at[i] = whole ? w : push.threshold;
+}

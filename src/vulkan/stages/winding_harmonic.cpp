@@ -1,0 +1,145 @@
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
+// by full multigrid, as on the CPU; nothing runs where all rays agree, and the host need not know.
+
+#include "vulkan/stages/winding_harmonic.h"
+
+#include "shaders/winding_harmonic_coarsest_spv.h"
+#include "shaders/winding_harmonic_correct_spv.h"
+#include "shaders/winding_harmonic_jumps_spv.h"
+#include "shaders/winding_harmonic_prolong_spv.h"
+#include "shaders/winding_harmonic_relax_spv.h"
+#include "shaders/winding_harmonic_restrict_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
+constexpr uint32_t kCoarsestGroup = 256;
+
+uint64_t ceilDiv(uint64_t a, uint64_t b) {
+  return (a + b - 1) / b;
+}
+
+uint64_t restrictGroups(const glm::ivec3& coarse) {
+  return ceilDiv(uint64_t(coarse.x), kRestrictX) * ceilDiv(uint64_t(coarse.y), kRestrictY) *
+         ceilDiv(uint64_t(coarse.z), kRestrictZ);
+}
+
+}  // namespace
+
+WindingHarmonicStage::WindingHarmonicStage(Device& device, ScratchMemory* scratch)
+    : device_(&device),
+      scratch_(scratch),
+      gate_(device, "dispatches of the harmonic solve"),
+      jumps_(device, shaders::kWindingHarmonicJumps, kGroup),
+      relax_(device, shaders::kWindingHarmonicRelax, kGroup),
+      restrict_(device, shaders::kWindingHarmonicRestrict, kRestrictGroup),
+      correct_(device, shaders::kWindingHarmonicCorrect, kGroup),
+      prolong_(device, shaders::kWindingHarmonicProlong, kGroup),
+      coarsest_(device, shaders::kWindingHarmonicCoarsest, kCoarsestGroup, {kCoarsestSweeps}) {}
+
+void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
+  const auto count = static_cast<size_t>(coarsestHarmonicLevel(dims)) + 1;
+  while (levels_.size() > count) levels_.pop_back();
+  while (levels_.size() < count)
+    levels_.push_back({.values = {*device_, "winding values", scratch_},
+                       .rightHandSide = {*device_, "right-hand side of winding", scratch_}});
+  for (size_t l = 0; l < count; ++l) {
+    Level& level = levels_[l];
+    level.box = harmonicBox(dims, int(l));
+    if (l == 0) continue;
+    level.values.resize<float>(level.box.sampleCount());
+    level.rightHandSide.resize<float>(level.box.sampleCount());
+  }
+  dims_ = dims;
+  plan();
+}
+
+void WindingHarmonicStage::plan() {
+  gate_.reserve(static_cast<uint32_t>(levels_.size()) * kExtents);
+  for (uint32_t l = 0; l < levels_.size(); ++l) {
+    const LatticeBox& box = levels_[l].box;
+    const uint64_t half = uint64_t(box.dims.x + 1) / 2 * uint64_t(box.dims.y) * uint64_t(box.dims.z);
+    const uint64_t groups[kExtents] = {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
+                                       l < coarsest() ? restrictGroups(levels_[l + 1].box.dims) : 1, 1};
+    for (uint32_t extent = 0; extent < kExtents; ++extent) gate_.plan(l * kExtents + extent, groups[extent]);
+  }
+}
+
+void WindingHarmonicStage::record(Commands& commands, const WindingFields& fields) {
+  gate_.record(commands, fields.doubtful);
+  commands.concurrent([&] {
+    for (uint32_t l = 1; l < levels_.size(); ++l)
+      dispatch(commands, jumps_, push(fields, l, levels_[l].rightHandSide.address()), Extent::Samples);
+  });
+  for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
+}
+
+/// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves an
+/// error below that of the lattice itself (docs/signs.md).
+void WindingHarmonicStage::solve(Commands& commands, const WindingFields& fields, uint32_t level) {
+  const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
+  const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].rightHandSide.address();
+  if (level == coarsest()) {
+    solveCoarsest(commands, values, jumps);
+    return;
+  }
+  WindingHarmonicPush prolong = push(fields, level, values);
+  prolong.coarse = levels_[level + 1].values.address();
+  dispatch(commands, prolong_, prolong, Extent::Samples);
+  improve(commands, fields, level, values, jumps);
+}
+
+/// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it has
+/// no jumps.
+void WindingHarmonicStage::improve(Commands& commands, const WindingFields& fields, uint32_t level,
+                                   VkDeviceAddress values, VkDeviceAddress rightHandSide) {
+  const Level& coarse = levels_[level + 1];
+  WindingHarmonicPush fine = push(fields, level, values);
+  fine.rightHandSide = rightHandSide;
+  relax(commands, fine);
+  fine.coarse = coarse.rightHandSide.address();
+  dispatch(commands, restrict_, fine, Extent::RestrictGroups);
+  if (level + 1 == coarsest()) {
+    solveCoarsest(commands, coarse.values.address(), coarse.rightHandSide.address());
+  } else {
+    commands.fill(coarse.values, 0);
+    improve(commands, fields, level + 1, coarse.values.address(), coarse.rightHandSide.address());
+  }
+  fine.coarse = coarse.values.address();
+  dispatch(commands, correct_, fine, Extent::Samples);
+  relax(commands, fine);
+}
+
+void WindingHarmonicStage::relax(Commands& commands, WindingHarmonicPush push) {
+  for (const uint32_t colour : {0U, 1U}) {
+    push.colour = colour;
+    dispatch(commands, relax_, push, Extent::HalfSamples);
+  }
+}
+
+void WindingHarmonicStage::solveCoarsest(Commands& commands, VkDeviceAddress values,
+                                         VkDeviceAddress rightHandSide) {
+  WindingHarmonicPush whole = push({}, coarsest(), values);
+  whole.rightHandSide = rightHandSide;
+  whole.factor = overrelaxation(levels_[coarsest()].box.dims);
+  dispatch(commands, coarsest_, whole, Extent::OneGroup);
+}
+
+WindingHarmonicPush WindingHarmonicStage::push(const WindingFields& fields, uint32_t level,
+                                               VkDeviceAddress values) const {
+  return {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
+          .values = values,
+          .gridX = static_cast<uint32_t>(dims_.x),
+          .gridY = static_cast<uint32_t>(dims_.y),
+          .gridZ = static_cast<uint32_t>(dims_.z),
+          .level = level};
+}
+
+void WindingHarmonicStage::dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel,
+                                    const WindingHarmonicPush& push, Extent extent) const {
+  gate_.dispatch(commands, kernel, push, push.level * kExtents + static_cast<uint32_t>(extent));
+}
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,76 @@
+// What the kernels of the harmonic solve share (src/lattice_box.h says which lattices there are).
+
+#include "vulkan/stages/winding_harmonic_push.h"
+#include "vulkan/stages/ray_map.glsl"
+
+layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
+
+const int kHarmonicMargin = 4;
+
+ivec3 gridDims() {
+  return ivec3(push.gridX, push.gridY, push.gridZ);
+}
+
+ivec3 boxDims(uint level) {
+  return level == 0 ? gridDims() : ((gridDims() - 1) >> int(level)) + 2 + 2 * kHarmonicMargin;
+}
+
+int boxLow(uint level) {
+  return level == 0 ? 0 : -kHarmonicMargin;
+}
+
+uint sampleCount(ivec3 dims) {
+  return uint(dims.x) * uint(dims.y) * uint(dims.z);
+}
+
+uint indexOf(ivec3 s, ivec3 dims) {
+  return uint((s.z * dims.y + s.y) * dims.x + s.x);
+}
+
+ivec3 sampleAt(uint index, ivec3 dims) {
+  const uint row = index / uint(dims.x);
+  return ivec3(index % uint(dims.x), row % uint(dims.y), row / uint(dims.y));
+}
+
+bool isInner(ivec3 s, ivec3 dims) {
+  return all(greaterThan(s, ivec3(0))) && all(lessThan(s, dims - 1));
+}
+
+// What w at a sample of the lattice is to exceed its two neighbours along an axis by, added up (Eq. 5). A lattice edge is
+// a chain of the grid's, and its count the sum of theirs.
+int jumpAlong(uint axis, ivec3 s) {
+  const ivec3 dims = gridDims();
+  const ivec3 at = (s + boxLow(push.level)) << int(push.level);
+  ivec3 across = at;
+  across[axis] = 0;
+  if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
+  ivec3 before = at, after = at;
+  before[axis] -= 1 << push.level;
+  after[axis] += 1 << push.level;
+  return 2 * rayFrom(push.rays[axis], axis, dims, at) - rayFrom(push.rays[axis], axis, dims, before) -
+         rayFrom(push.rays[axis], axis, dims, after);
+}
+
+float rightHandSide(ivec3 s, ivec3 dims) {
+  if (uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
+  return float(jumpAlong(0, s) + jumpAlong(1, s) + jumpAlong(2, s));
+}
+
+// What the six neighbours and the right-hand side ask of six times an inner sample.
+float asked(ivec3 s, ivec3 dims) {
+  const uint i = indexOf(s, dims);
+  const uint row = uint(dims.x), plane = row * uint(dims.y);
+  const float alongX = push.values.at[i - 1] + push.values.at[i + 1];
+  const float alongY = push.values.at[i - row] + push.values.at[i + row];
+  const float alongZ = push.values.at[i - plane] + push.values.at[i + plane];
+  return (alongX + alongY) + (alongZ + rightHandSide(s, dims));
+}
+
+// Where the sample of the next coarser lattice at or before a sample lies.
+ivec3 coarseBelow(ivec3 s) {
+  return (s >> 1) + boxLow(push.level) / 2 - boxLow(push.level + 1);
+}
+
+float coarseAt(ivec3 s, ivec3 dims) {
+  return push.coarse.at[indexOf(s, dims)];
+}

@@ -1,0 +1,53 @@
+// The average of the six rays of each sample.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/winding_rays_push.h"
+
+layout(push_constant, scalar) uniform Push { WindingRaysPush push; };
+
+shared uint doubtfulOfGroup;
+
+// sum / 6, correctly rounded; GLSL's division need not be. For |sum| < 2^24: 4 and 2 times the estimate are each
+// within a factor of two of what they are taken from, so that the remainder is exact, and no quotient comes so
+// close to the middle between two floats that the last rounding could go wrong.
+float sixth(int sum) {
+  const float kSixth = 1.0 / 6.0;
+  const float estimate = float(sum) * kSixth;
+  precise const float remainder = (float(sum) - 4.0 * estimate) - 2.0 * estimate;
+  precise const float result = estimate + remainder * kSixth;
+  return result;
+}
+
+// Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus infinity
+// (with our sign: what leaves through a face counts +1 both ways). Counts the sample if its rays disagree.
+float averageOfRays(uint index, inout uint doubtful) {
+  const uint nx = push.dims[0], ny = push.dims[1];
+  const uint i = index % nx, row = index / nx, k = row / ny;
+  const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
+  const int y = push.rays[1].at[index + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];
+  const int z = push.rays[2].at[index + nx * ny], totalZ = push.rays[2].at[index - k * nx * ny];
+  doubtful += uint(((x ^ y) | (y ^ z) | totalX | totalY | totalZ) != 0);
+  return sixth(2 * (x + y + z) - (totalX + totalY + totalZ));
+}
+
+uint sampleIndex(uint row) {
+  return (groupIndex() * kWindingRaysRows + row) * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0) doubtfulOfGroup = 0;
+  barrier();
+  uint doubtful = 0;
+  float winding[kWindingRaysRows];
+  // All reads come before any write, so that they can be under way together.
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
+    if (sampleIndex(row) < push.sampleCount) winding[row] = averageOfRays(sampleIndex(row), doubtful);
+  [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
+    if (sampleIndex(row) < push.sampleCount) push.winding.at[sampleIndex(row)] = winding[row];
+  doubtful = subgroupAdd(doubtful);
+  if (subgroupElect() && doubtful > 0) atomicAdd(doubtfulOfGroup, doubtful);
+  barrier();
+  if (gl_LocalInvocationIndex == 0 && doubtfulOfGroup > 0) atomicAdd(push.doubtful.at[0], doubtfulOfGroup);
+}

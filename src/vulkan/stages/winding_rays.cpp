@@ -1,0 +1,27 @@
+// Krayer & Müller 2019, §3.5: the six rays, averaged.
+
+#include "vulkan/stages/winding_rays.h"
+
+#include "shaders/winding_rays_spv.h"
+
+namespace raymap::vulkan {
+
+WindingRaysStage::WindingRaysStage(Device& device)
+    : kernel_(device, shaders::kWindingRays, kWindingRaysGroup), doubtful_(device, "doubtful samples") {
+  doubtful_.resize<uint32_t>(1);
+}
+
+void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, VkDeviceAddress winding) {
+  WindingRaysPush push{.winding = winding, .doubtful = doubtful_.address(), .sampleCount = 1};
+  for (int axis = 0; axis < 3; ++axis) {
+    push.rays[axis] = rays.axes[static_cast<size_t>(axis)];
+    push.dims[axis] = static_cast<uint32_t>(rays.dims[axis]);
+    push.sampleCount *= push.dims[axis];
+  }
+  commands.fill(doubtful_, 0);
+  const uint64_t samplesOfGroup = uint64_t{kWindingRaysGroup} * kWindingRaysRows;
+  commands.dispatch(kernel_, push,
+                    (push.sampleCount + samplesOfGroup - 1) / samplesOfGroup * kWindingRaysGroup);
+}
+
+}  // namespace raymap::vulkan
