@@ -9,15 +9,16 @@ namespace raymap::vulkan {
 
 class ScratchMemory;
 
-/// A buffer that shaders reach by its address. Its memory is kept when it shrinks, so that work repeated
-/// every frame allocates nothing. Moves only.
+/// Buffer that shaders read and write through its address. It keeps its memory when it shrinks, so work
+/// repeated every frame allocates nothing. Moves only.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
-  /// `name` is what errors and validation messages call it.
+  /// `name` appears in errors and validation messages.
   DeviceBuffer(Device& device, std::string name, MemoryUse use = MemoryUse::Device)
       : device_(&device), name_(std::move(name)), use_(use) {}
-  /// Lies in `scratch` if that is not null: then `resize` takes the next place there, and grows that at most.
+  /// Takes its memory from `scratch` unless that is null. Each `resize` then takes the next place in
+  /// `scratch`, which only ever grows.
   DeviceBuffer(Device& device, std::string name, ScratchMemory* scratch)
       : DeviceBuffer(device, std::move(name)) {
     scratch_ = scratch;
@@ -29,8 +30,9 @@ class DeviceBuffer {
   }
   ~DeviceBuffer() { release(); }
 
-  /// Room for `count` elements; contents are undefined afterwards if it grew. The device must not be using
-  /// the buffer, nor a recorded command refer to it. Throws `Error(Memory)` before it allocates.
+  /// Reserves memory for `count` elements. If the buffer grows, its contents become undefined. The device
+  /// must not be using the buffer, and no recorded command may refer to it. Throws `Error(Memory)`, before
+  /// allocating, if the device lacks the memory.
   template <class T>
   void resize(uint64_t count) {
     resizeBytes(count * sizeof(T));
@@ -38,13 +40,13 @@ class DeviceBuffer {
   void release();
 
   VkBuffer handle() const;
-  /// Where its first byte lies in `handle()`: not at 0 if there are guards.
+  /// Offset of the first byte in `handle()`; nonzero if the buffer has guards.
   VkDeviceSize offset() const;
-  /// What shaders take; 0 while it has no memory.
+  /// Address for shaders; 0 while the buffer has no memory.
   VkDeviceAddress address() const;
   uint64_t bytes() const { return size_; }
-  /// The elements as the host sees them: of buffers for Upload and ReadBack, and of all where host and device
-  /// share their memory, which saves the copy. Else none.
+  /// Elements mapped for the host: those of Upload and ReadBack buffers, and of every buffer in memory that
+  /// host and device share, which saves a copy. Empty for other buffers.
   template <class T>
   std::span<T> mapped() const {
     return {reinterpret_cast<T*>(mapped_), mapped_ ? size_ / sizeof(T) : 0};
@@ -53,7 +55,7 @@ class DeviceBuffer {
  private:
   void resizeBytes(uint64_t bytes);
   void allocate(uint64_t bytes);
-  /// Gives the memory type it took.
+  /// Returns the memory type.
   uint32_t allocateMemory();
   void map();
   void swap(DeviceBuffer& other) noexcept;
@@ -66,7 +68,7 @@ class DeviceBuffer {
   uint64_t capacity_ = 0;
   uint64_t heldMemory_ = 0;
   VkDeviceSize offset_ = 0;
-  size_t place_ = 0;  // In the scratch memory.
+  size_t place_ = 0;  // Index in the scratch memory.
   VkDeviceAddress address_ = 0;
   std::byte* mapped_ = nullptr;
   Memory memory_;

@@ -1,13 +1,13 @@
 #pragma once
 
 #include "vulkan/device/api.h"
-// After Vulkan's declarations, as it asks.
+// raymap/vulkan.h must follow Vulkan's declarations.
 #include <raymap/vulkan.h>
 
 namespace raymap::vulkan {
 
-/// Where shaders find a range of the caller's; 0 for no buffer. Throws `Error(Usage)` that calls it `name`
-/// unless it begins at a multiple of `alignment`.
+/// Returns the device address of a caller's range; 0 if it has no buffer. Throws `Error(Usage)`, naming the
+/// range `name`, unless the address is a multiple of `alignment`.
 VkDeviceAddress addressOf(VkDevice device, const BufferRange& range, const char* name,
                           VkDeviceSize alignment = 4);
 

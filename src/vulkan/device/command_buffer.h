@@ -4,16 +4,16 @@
 
 namespace raymap::vulkan {
 
-/// A command buffer of our own, recorded anew each time and waited for.
+/// Command buffer of our own. It is recorded anew each time, and the host waits for its completion.
 class CommandBuffer {
  public:
   explicit CommandBuffer(Device& device);
 
-  /// Forgets what was recorded; the result is good until `submitAndWait`.
+  /// Discards what was recorded. The result is valid until `submitAndWait`.
   Commands begin();
-  /// Runs what was recorded; the host then sees what it wrote.
+  /// Submits what was recorded and waits. The host can then read the results.
   void submitAndWait();
-  /// Of the stages of the last run.
+  /// Returns the times of the last run's stages.
   std::span<const StageTime> times() { return timer_.read(); }
 
  private:
@@ -21,7 +21,7 @@ class CommandBuffer {
   CommandPool pool_;
   Fence fence_;
   StageTimer timer_;
-  VkCommandBuffer buffer_ = VK_NULL_HANDLE;  // The pool's.
+  VkCommandBuffer buffer_ = VK_NULL_HANDLE;  // Owned by the pool.
 };
 
 }  // namespace raymap::vulkan

@@ -52,7 +52,7 @@ Commands::Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* 
 void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                              uint64_t invocations) {
   if (invocations == 0) return;
-  // Shaders number invocations with 32 bits.
+  // Shaders number their invocations with 32 bits.
   const uint64_t groups = ceilDiv(invocations, kernel.groupSize());
   const uint64_t y = ceilDiv(groups, kMaxGroups);
   const uint64_t x = ceilDiv(groups, y);

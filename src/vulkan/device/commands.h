@@ -6,33 +6,34 @@
 
 namespace raymap::vulkan {
 
-/// Lets what is recorded afterwards see the results of all commands before it, also of others on the queue.
+/// Makes the results of all earlier commands, including others on the queue, visible to commands recorded
+/// afterwards.
 void waitForAll(VkCommandBuffer buffer);
-/// Lets all later commands, and the host once the work is done, see the results of what was recorded before.
+/// Makes the results recorded before visible to all later commands, and to the host once the work is done.
 void showAll(VkCommandBuffer buffer);
 
-/// Records into a command buffer, ours or the caller's: each command sees the results of all before it,
-/// because every one has a full barrier before it (docs/decisions/vulkan_memory.md). Records no allocation.
+/// Records into a command buffer, ours or the caller's. A full barrier precedes every command, so each one
+/// sees the results of all commands before it (docs/decisions/vulkan_memory.md). Records no allocation.
 class Commands {
  public:
-  /// `timer` may be null: stages are then not timed.
+  /// `timer` may be null; stages are then not timed.
   Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
 
   VkCommandBuffer handle() const { return buffer_; }
 
-  /// Runs at least `invocations` invocations, in groups of the kernel's size: shaders check bounds.
+  /// Runs at least `invocations` invocations, in groups of the kernel's size. Shaders check bounds.
   template <class Push>
   void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
     dispatchBytes(kernel, &push, sizeof push, invocations);
   }
-  /// As many groups as the `VkDispatchIndirectCommand` at `offset` of `arguments` says.
+  /// Runs as many groups as the `VkDispatchIndirectCommand` at `offset` in `arguments` states.
   template <class Push>
   void dispatchIndirect(Kernel<Push>& kernel, const Push& push, const DeviceBuffer& arguments,
                         VkDeviceSize offset) {
     dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
   }
   void fill(const DeviceBuffer& buffer, uint32_t value);
-  /// Writes numbers that the host knows while it records: at most 65,536 bytes, a multiple of 4.
+  /// Writes a value known when recording: at most 65,536 bytes, a multiple of 4.
   template <class T>
   void update(const DeviceBuffer& buffer, const T& value) {
     static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= 65536 && sizeof(T) % 4 == 0);
@@ -42,13 +43,13 @@ class Commands {
     copy(from, to.handle(), to.offset(), bytes);
   }
   void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes);
-  /// From a byte of `from` on to the beginning of `to`.
+  /// Copies `bytes` bytes, starting at byte `first` of `from`, to the beginning of `to`.
   void copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize bytes);
-  /// Into an image of one layer and level in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
+  /// Copies to an image with one layer and one level, in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
   void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
 
-  /// Commands recorded by `work` have one barrier before all of them and may run at once: none may write
-  /// what another one of them touches.
+  /// Places one barrier before all the commands that `work` records; they may run at the same time. No
+  /// command may write memory that another one reads or writes.
   template <class Work>
   void concurrent(Work&& work) {
     barrier();

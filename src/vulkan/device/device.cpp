@@ -109,7 +109,7 @@ void Device::readLimits() {
       .maxSubgroupSize = v13.maxSubgroupSize,
       .bufferSize = v13.maxBufferSize,
       .timestampPeriod = families.at(queueFamily()).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
-      // Whether a caller switched them on for a device of theirs cannot be asked.
+      // Vulkan cannot report whether a caller enabled them on a borrowed device.
       .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),
       .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
   vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
@@ -130,10 +130,10 @@ uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {
   constexpr VkMemoryPropertyFlags kMapped =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-  VkMemoryPropertyFlags wishes[] = {kMapped, kMapped};  // Best first.
+  VkMemoryPropertyFlags wishes[] = {kMapped, kMapped};  // In order of preference.
   if (use == MemoryUse::ReadBack) wishes[0] |= kCached;
   if (use == MemoryUse::Device) wishes[0] = wishes[1] = kOwn;
-  if (use == MemoryUse::Device && guards_) {  // The host looks at the guards.
+  if (use == MemoryUse::Device && guards_) {  // The host reads the guards.
     wishes[0] = kOwn | kMapped;
     wishes[1] = kMapped;
   }

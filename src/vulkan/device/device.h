@@ -13,38 +13,38 @@
 namespace raymap::vulkan {
 
 struct DeviceOptions {
-  std::optional<size_t>
-      index;  ///< Which of `listDevices`; none = the best that is usable, software included.
+  std::optional<size_t> index;  ///< Index in `listDevices`; none selects the best usable device.
   Validation validation = validationFromEnvironment();
-  MessageCallback message;  ///< Gets what the validation layer says.
-  bool guards = false;      ///< Guard bytes around every buffer, for tests: slow memory on a card.
+  MessageCallback message;  ///< Receives the validation layer's messages.
+  bool guards = false;      ///< Puts guard bytes around every buffer, for tests; uses slow memory on a card.
 };
 
 struct DeviceLimits {
-  uint32_t sharedMemory = 0;     ///< Bytes a work group may share,
-  uint32_t groupSize = 0;        ///< and invocations in it.
-  uint32_t minSubgroupSize = 0;  ///< Subgroups hold between these many invocations.
+  uint32_t sharedMemory = 0;     ///< Bytes per work group.
+  uint32_t groupSize = 0;        ///< Invocations per work group.
+  uint32_t minSubgroupSize = 0;  ///< Fewest invocations per subgroup.
   uint32_t maxSubgroupSize = 0;
-  uint64_t bufferSize = 0;     ///< Bytes of the largest buffer.
-  double timestampPeriod = 0;  ///< Nanoseconds of one step of a timestamp; 0 = no timestamps.
+  uint64_t bufferSize = 0;     ///< Size of the largest buffer, bytes.
+  double timestampPeriod = 0;  ///< Nanoseconds per timestamp step; 0 = no timestamps.
   bool hasInt64Atomics = false;
   bool hasMemoryBudget = false;
 };
 
-/// What a buffer is for, and so which memory it gets.
+/// Use of a buffer, which decides its memory type.
 enum class MemoryUse {
-  Device,   ///< The device's own.
+  Device,   ///< Memory of the device's own.
   Upload,   ///< The host writes, the device reads.
   ReadBack  ///< The device writes, the host reads.
 };
 
-/// An instance, a device and one queue, or those of the caller. One thread at a time.
+/// Instance, device and one queue, our own or the caller's. Not thread-safe: one thread at a time.
 class Device {
  public:
-  /// Throws `Error(Unsupported)`: no loader, no driver, no such device, a feature missing.
+  /// Throws `Error(Unsupported)` if there is no loader, no driver or no such device, or if a feature is
+  /// missing.
   explicit Device(const DeviceOptions& options = {});
-  /// A device of the caller's, made with at least the features of `requireFeatures`; it must outlive ours.
-  /// Nobody else may use its queue while we submit to it.
+  /// Borrows a caller's device, created with at least the features of `requireFeatures`. It must outlive this
+  /// object. Nobody else may use its queue while we submit to it.
   explicit Device(const DeviceHandles& borrowed);
   ~Device();
   Device(const Device&) = delete;
@@ -56,24 +56,24 @@ class Device {
   uint32_t queueFamily() const { return handles_.queueFamily; }
   const DeviceInfo& info() const { return info_; }
   const DeviceLimits& limits() const { return limits_; }
-  /// The layout of every kernel: no descriptors, `kPushBytes` bytes of push constants.
+  /// Layout of every kernel: no descriptors, `kPushBytes` bytes of push constants.
   VkPipelineLayout pipelineLayout() const { return pipelineLayout_.get(); }
   VkPipelineCache pipelineCache() const { return pipelineCache_.get(); }
   static constexpr uint32_t kPushBytes = 128;
 
-  /// The memory type for a use among those in `allowed`.
+  /// Returns the memory type for a use, among those in `allowed`. Throws `Error(Unsupported)` if none suits.
   uint32_t memoryType(MemoryUse use, uint32_t allowed) const;
-  /// Whether the host, too, reads and writes a memory type fast.
+  /// Returns whether the host can also read and write a memory type fast.
   bool isShared(uint32_t memoryType) const;
-  /// Bytes that can still be had of a memory type without swapping.
+  /// Returns the bytes that a memory type can still provide without swapping.
   uint64_t availableMemory(uint32_t memoryType) const;
-  /// Bytes held by our buffers, and what changes them.
+  /// Bytes held by our buffers.
   uint64_t heldMemory() const { return heldMemory_; }
   void changeHeldMemory(int64_t bytes) { heldMemory_ += static_cast<uint64_t>(bytes); }
-  /// Null unless asked for.
+  /// Guards of the buffers; null unless `DeviceOptions::guards` is set.
   Guards* guards() const { return guards_.get(); }
 
-  /// Gives an object a name for the validation layer's messages and for debuggers.
+  /// Names an object for the validation layer's messages and for debuggers.
   template <class T>
   void setName(VkObjectType type, T handle, const std::string& name) const {
     setName(type, reinterpret_cast<uint64_t>(handle), name);
@@ -81,7 +81,7 @@ class Device {
   void setName(VkObjectType type, uint64_t handle, const std::string& name) const;
 
  private:
-  /// Destroys it only if it is ours.
+  /// Destroys the device only if it is ours.
   struct Destroy {
     void operator()(VkDevice device) const {
       if (isOwned) vkDestroyDevice(device, nullptr);
@@ -93,7 +93,7 @@ class Device {
   void readLimits();
   void makeShared();
 
-  std::unique_ptr<Instance> ownInstance_;  // With the validation layer; else the shared one serves.
+  std::unique_ptr<Instance> ownInstance_;  // With the validation layer; null if the shared instance serves.
   DeviceHandles handles_;
   std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> device_{nullptr, Destroy{true}};
   bool isBorrowed_ = false;

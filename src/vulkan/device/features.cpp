@@ -4,7 +4,7 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Structs of whoever asks.
+/// Feature structs of the caller.
 struct FeatureStructs {
   VkPhysicalDeviceFeatures& v10;
   VkPhysicalDeviceVulkan12Features& v12;
@@ -17,13 +17,13 @@ struct Required {
 };
 
 constexpr Required kRequired[] = {
-    // Predicates and monotone keys.
+    // For predicates and monotone keys.
     {"shaderFloat64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderFloat64; }},
     {"shaderInt64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderInt64; }},
-    // How shaders reach memory.
+    // For access to memory by address.
     {"bufferDeviceAddress", [](const FeatureStructs& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
     {"scalarBlockLayout", [](const FeatureStructs& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
-    // Barriers, sizes of work groups chosen when a pipeline is made, and subgroups without idle lanes.
+    // For barriers, work group sizes chosen when a pipeline is made, and subgroups without idle lanes.
     {"synchronization2", [](const FeatureStructs& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"maintenance4", [](const FeatureStructs& f) -> VkBool32& { return f.v13.maintenance4; }},
     {"computeFullSubgroups", [](const FeatureStructs& f) -> VkBool32& { return f.v13.computeFullSubgroups; }},

@@ -3,12 +3,12 @@
 #include <string>
 
 #include "vulkan/device/api.h"
-// After Vulkan's declarations, as it asks.
+// raymap/vulkan.h must follow Vulkan's declarations.
 #include <raymap/vulkan.h>
 
 namespace raymap::vulkan {
 
-/// The features of Vulkan 1.3, chained.
+/// Features of Vulkan 1.3, chained.
 struct Features {
   Features() = default;
   Features(const Features&) = delete;
@@ -19,11 +19,11 @@ struct Features {
   VkPhysicalDeviceFeatures2 v10{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
 };
 
-/// Switches on what the shaders need.
+/// Enables the features that the shaders need.
 inline void setRequired(Features& features) {
   requireFeatures(features.v10.features, features.v12, features.v13);
 }
-/// Names what the shaders need and the device lacks; empty if nothing.
+/// Names the features that the shaders need and the device lacks; empty if none.
 std::string missingFeatures(VkPhysicalDevice device);
 
 }  // namespace raymap::vulkan

@@ -8,23 +8,24 @@
 
 namespace raymap::vulkan {
 
-/// For tests: every buffer lies between bytes that nobody may write, so that stray writes are found.
+/// Guard bytes around every buffer, for tests: they reveal stray writes.
 class Guards {
  public:
-  /// Bytes before and, at least, after each buffer's own. Keeps addresses aligned.
+  /// Bytes before each buffer, and at least as many after it. Keeps addresses aligned.
   static constexpr VkDeviceSize kBytes = 256;
 
   struct Guarded {
     std::string name;
-    std::byte* memory;      ///< All of it, mapped.
-    VkDeviceSize size;      ///< The buffer's own bytes, from `kBytes` on.
-    VkDeviceSize capacity;  ///< Of all of it.
+    std::byte* memory;      ///< Whole buffer with its guards, mapped.
+    VkDeviceSize size;      ///< Size of the buffer's own bytes, which start at `kBytes`.
+    VkDeviceSize capacity;  ///< Size of the whole buffer with its guards.
   };
 
-  /// Fills the guards of a buffer and watches them from now on. The device must be idle.
+  /// Fills a buffer's guards and watches them from now on. The device must be idle.
   void watch(VkBuffer buffer, const Guarded& guarded);
   void forget(VkBuffer buffer) { guarded_.erase(buffer); }
-  /// Names the buffers with damaged guards, and where; empty if all are whole. The device must be idle.
+  /// Names the buffers with damaged guards and the places of the damage; empty if all are intact. The device
+  /// must be idle.
   std::string damaged() const;
 
  private:

@@ -6,7 +6,7 @@
 
 namespace raymap::vulkan {
 
-/// Owns an object of a device. `kDestroy` points to the variable that holds Vulkan's function.
+/// Owns an object of a device. `kDestroy` points to the variable that holds Vulkan's destroy function.
 template <class T, auto* kDestroy>
 class Handle {
  public:
@@ -43,7 +43,7 @@ using PipelineLayout = Handle<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using QueryPool = Handle<VkQueryPool, &vkDestroyQueryPool>;
 using ShaderModule = Handle<VkShaderModule, &vkDestroyShaderModule>;
 
-/// `vkCreate...(device, info, nullptr, &handle)`, checked.
+/// Calls `vkCreate...(device, info, nullptr, &handle)`. Throws as `check` does.
 template <class T, auto* kDestroy, class Create, class Info>
 void create(Handle<T, kDestroy>& handle, VkDevice device, Create function, const Info& info,
             std::string_view what) {

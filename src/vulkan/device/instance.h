@@ -7,25 +7,25 @@
 
 namespace raymap::vulkan {
 
-/// Which checks of the validation layer to run.
+/// Checks of the validation layer to run.
 enum class Validation {
   Off,
   On,
-  Sync,  ///< And hazards between commands.
-  Gpu    ///< And accesses out of bounds, by code added to the shaders; without those between commands.
+  Sync,  ///< Also hazards between commands.
+  Gpu    ///< Also accesses out of bounds, by code added to the shaders; not hazards between commands.
 };
 
-/// What the environment variable RAYMAP_VULKAN_VALIDATION asks for: 1, sync or gpu; else Off.
+/// Reads the environment variable RAYMAP_VULKAN_VALIDATION: 1, sync or gpu; else Off.
 Validation validationFromEnvironment();
 
-/// Gets the validation layer's warnings and errors; called from any thread that calls Vulkan.
+/// Receives the validation layer's warnings and errors. Called from any thread that calls Vulkan.
 using MessageCallback = std::function<void(std::string_view message)>;
 
-/// An instance of our own, with the validation layer if asked for. Neither copied nor moved: the layer keeps
-/// the address of the callback.
+/// Instance of our own, with the validation layer if requested. Neither copied nor moved: the layer keeps the
+/// callback's address.
 class Instance {
  public:
-  /// Throws `Error(Unsupported)` if there is no loader, no driver, or not the layer asked for.
+  /// Throws `Error(Unsupported)` if there is no loader, no driver, or not the requested layer.
   explicit Instance(Validation validation = Validation::Off, MessageCallback message = nullptr);
   ~Instance();
   Instance(const Instance&) = delete;
@@ -41,11 +41,12 @@ class Instance {
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
 };
 
-/// The instance of the whole process, without validation. Made by the first call that succeeds and never
-/// destroyed: at the program's end drivers may be gone before us. Throws as the constructor does.
+/// Returns the instance of the whole process, without validation. The first call that succeeds makes it. It
+/// is never destroyed, because drivers may unload before us at the program's end. Throws as the constructor
+/// does.
 const Instance& sharedInstance();
 
-/// A function of an extension, or null where the instance was made without it.
+/// Returns a function of an extension; null if the instance lacks the extension.
 template <class Function>
 Function extensionFunction(VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));

@@ -10,12 +10,12 @@
 
 namespace raymap::vulkan {
 
-/// A shader made ready for a device when it is first used.
+/// Compute pipeline of a shader, created when it is first used.
 class ComputePipeline {
  public:
-  /// `groupSize` is specialization constant 0, `constants` those from 1 on. Where a group is a multiple of
-  /// the largest subgroup, its subgroups are full; kernels that use subgroups need that.
-  /// The shader must declare `pushBytes` bytes of push constants.
+  /// `groupSize` is specialization constant 0; `constants` are those from 1 on. If the group size is a
+  /// multiple of the largest subgroup, all subgroups are full; kernels that use subgroups need full ones. The
+  /// shader must declare `pushBytes` bytes of push constants.
   ComputePipeline(Device& device, const Shader& shader, uint32_t pushBytes, uint32_t groupSize,
                   std::initializer_list<uint32_t> constants);
 
@@ -31,7 +31,7 @@ class ComputePipeline {
   Pipeline pipeline_;
 };
 
-/// A pipeline with the C++ type of its push constants, which the shader declares too (src/shared).
+/// Pipeline with the C++ type of its push constants, which C++ and the shader share (base/shader_types.h).
 template <class Push>
 class Kernel : public ComputePipeline {
   static_assert(std::is_trivially_copyable_v<Push> && sizeof(Push) <= Device::kPushBytes &&

@@ -6,19 +6,19 @@
 
 namespace raymap::vulkan {
 
-/// Memory for what is needed only for a while: the first buffer of each phase lies in the same place, the
-/// second ones in another, and so on. A phase's contents are lost when the next one writes its own.
+/// Temporary memory shared by consecutive phases. The first buffers of all phases lie in the same place, the
+/// second ones in another, and so on. Each phase overwrites the contents of the one before.
 class ScratchMemory {
  public:
   explicit ScratchMemory(Device& device) : device_(&device) {}
-  // Buffers refer to it.
+  // Buffers keep its address.
   ScratchMemory(const ScratchMemory&) = delete;
   ScratchMemory& operator=(const ScratchMemory&) = delete;
 
-  /// Buffers that are sized from now on belong to another phase.
+  /// Starts another phase: buffers that are sized from now on belong to it.
   void startPhase() { next_ = 0; }
-  /// The next place, with room for so many bytes. What has been there may move; else as
-  /// `DeviceBuffer::resize`.
+  /// Returns the next place, with at least `bytes` bytes. Its previous contents may move. The preconditions
+  /// and errors are those of `DeviceBuffer::resize`.
   size_t take(uint64_t bytes);
   const DeviceBuffer& at(size_t place) const { return places_[place]; }
 

@@ -6,7 +6,7 @@
 
 namespace raymap::vulkan {
 
-/// Embedded SPIR-V, named by its file's stem.
+/// Embedded SPIR-V and the stem of its file's name.
 struct Shader {
   std::string_view name;
   std::span<const uint32_t> code;

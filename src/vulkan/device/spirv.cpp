@@ -7,7 +7,7 @@ namespace raymap::vulkan {
 
 namespace {
 
-// Of the SPIR-V specification, §3.
+// SPIR-V specification, §3.
 enum Op : uint32_t {
   OpTypeInt = 21,
   OpTypeFloat = 22,
@@ -24,12 +24,12 @@ constexpr uint32_t kHeaderWords = 5;
 constexpr uint32_t kDecorationArrayStride = 6;
 constexpr uint32_t kDecorationOffset = 35;
 constexpr uint32_t kStoragePushConstant = 9;
-constexpr uint32_t kPointerBytes = 8;  // A buffer reference.
+constexpr uint32_t kPointerBytes = 8;  // Size of a buffer reference.
 
-/// What is needed of a module to tell the size of a type.
+/// Declarations of a module that decide the size of a type.
 class Types {
  public:
-  /// `words`: an instruction, its first word included.
+  /// Adds an instruction; `words` includes its first word.
   void add(std::span<const uint32_t> words) {
     switch (words[0] & 0xFFFFU) {
       case OpTypeInt:

@@ -7,15 +7,15 @@
 
 namespace raymap::vulkan {
 
-/// How long a device took for a stage, and when by its clock it began.
+/// Duration of a stage on the device, and its start by the device's clock.
 struct StageTime {
   const char* name;
   double milliseconds;
-  double start;  ///< Milliseconds since whenever.
+  double start;  ///< Milliseconds since an arbitrary time.
 };
 
-/// Timestamps before and after each stage of one command buffer. On a device without timestamps there are no
-/// times.
+/// Timestamps before and after each stage of one command buffer. Without timestamps on the device there are
+/// no times.
 class StageTimer {
  public:
   static constexpr uint32_t kMaxStages = 64;
@@ -26,7 +26,7 @@ class StageTimer {
   /// `name` must live until the times are read.
   void start(VkCommandBuffer buffer, const char* name);
   void stop(VkCommandBuffer buffer);
-  /// The stages recorded since `reset`, in order. The device must have completed them.
+  /// Returns the times of the stages recorded since `reset`, in order. The device must have completed them.
   std::span<const StageTime> read();
 
  private:

@@ -1,10 +1,10 @@
-// For kernels whose groups are made of full subgroups, of whatever size (see ComputePipeline).
+// For kernels whose groups consist of full subgroups, of any size (see ComputePipeline).
 
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 
-// The order in which subgroups hold a group's invocations; gl_LocalInvocationIndex may have another.
+// Returns the invocation's index in the order of subgroups; gl_LocalInvocationIndex may have another order.
 uint laneIndex() {
   return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
 }

@@ -1,4 +1,4 @@
-// How many groups to dispatch over a number of items that only the device knows.
+// Computes the number of groups to dispatch over a number of items that only the device knows.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -7,8 +7,8 @@
 namespace raymap::vulkan {
 
 namespace {
-// One works. With groups of one, code that GPU-assisted validation adds finds faults where there are none, on
-// lavapipe at least.
+// One invocation works. With groups of one, GPU-assisted validation reports false errors, at least on
+// lavapipe.
 constexpr uint32_t kGroupSize = 32;
 }  // namespace
 

@@ -5,17 +5,17 @@
 
 namespace raymap::vulkan {
 
-/// How many elements there are: `most`, or what the device finds at `address`, which is never more.
+/// Number of elements: `most`, or the number at `address` on the device, at most `most`.
 struct Count {
   uint32_t most = 0;
-  VkDeviceAddress address = 0;  ///< 0: the host knows it.
+  VkDeviceAddress address = 0;  ///< 0 if the host knows the number.
 };
 
 /// Arguments of dispatches over counts that only the device knows.
 class DispatchArguments {
  public:
-  /// What an entry says: ceil(count / itemsPerGroup) groups, but at least `fewestGroups`, and the number of
-  /// groups times `scale` beside it, for further counts.
+  /// Number of groups: ceil(count / itemsPerGroup), at least `fewestGroups`. The number of groups times
+  /// `scale` is stored too, for further counts.
   struct Entry {
     Count count;
     uint32_t itemsPerGroup = 1;
@@ -25,13 +25,13 @@ class DispatchArguments {
 
   DispatchArguments(Device& device, const std::string& name, uint32_t entries);
 
-  /// Records the writing of one entry. Different entries may be written concurrently.
+  /// Records the write of one entry. Different entries may be written concurrently.
   void record(Commands& commands, uint32_t index, const Entry& entry);
   template <class Push>
   void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push, uint32_t index) const {
     commands.dispatchIndirect(kernel, push, entries_, index * sizeof(DispatchArgumentsEntry));
   }
-  /// Where an entry's number of groups times its scale lies.
+  /// Returns the address of an entry's number of groups times its scale.
   VkDeviceAddress scaledGroups(uint32_t index) const;
 
  private:

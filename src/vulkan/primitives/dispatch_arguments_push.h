@@ -7,7 +7,7 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-// VkDispatchIndirectCommand and, after it, the number of groups times a factor.
+// VkDispatchIndirectCommand, followed by the number of groups times a factor.
 struct DispatchArgumentsEntry {
   uint x, y, z;
   uint scaledGroups;
@@ -16,8 +16,8 @@ RAYMAP_CHECK_SIZE(DispatchArgumentsEntry, 16);
 
 struct DispatchArgumentsPush {
   RAYMAP_ADDRESS(Uints) count;
-  RAYMAP_ADDRESS(Uints) entry;  // A DispatchArgumentsEntry.
-  uint most;                    // The count is at most this.
+  RAYMAP_ADDRESS(Uints) entry;  // Address of a DispatchArgumentsEntry.
+  uint most;                    // Upper bound of the count.
   uint itemsPerGroup;
   uint fewestGroups;
   uint scale;

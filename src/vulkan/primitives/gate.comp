@@ -1,4 +1,4 @@
-// Dispatches behind a shut gate get no groups.
+// Sets the number of groups to 0 for dispatches behind a closed gate.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

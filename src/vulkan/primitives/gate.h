@@ -5,16 +5,17 @@
 
 namespace raymap::vulkan {
 
-/// Dispatches of known sizes that run only if a number on the device is not 0; the host need not know it.
+/// Dispatches of known sizes that run only if a number on the device is not 0. The host need not know that
+/// number.
 class Gate {
  public:
   Gate(Device& device, const std::string& name);
 
-  /// Room for so many dispatches. Nothing recorded before may still have to run.
+  /// Reserves memory for this many dispatches. All previously recorded work must have completed.
   void reserve(uint32_t dispatches);
-  /// How many groups dispatch `index` has if the gate is open.
+  /// Sets the number of groups of dispatch `index` for an open gate.
   void plan(uint32_t index, uint64_t groups);
-  /// Opens or shuts the gate for what is recorded after it.
+  /// Opens or closes the gate for the dispatches recorded after it. `word` is the number's address.
   void record(Commands& commands, VkDeviceAddress word);
   template <class Push>
   void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push, uint32_t index) const {

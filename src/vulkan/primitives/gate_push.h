@@ -7,10 +7,10 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct GatePush {
-  RAYMAP_ADDRESS(Uints) word;     // 0: the gate is shut.
-  RAYMAP_ADDRESS(Uints) planned;  // Arguments of dispatches, as they are if it is open,
-  RAYMAP_ADDRESS(Uints) actual;   // and as they shall be.
-  uint count;                     // How many numbers these are.
+  RAYMAP_ADDRESS(Uints) word;     // 0: the gate is closed.
+  RAYMAP_ADDRESS(Uints) planned;  // Dispatch arguments for an open gate.
+  RAYMAP_ADDRESS(Uints) actual;   // Dispatch arguments to run.
+  uint count;                     // Number of words in each of the two.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(GatePush, 32);

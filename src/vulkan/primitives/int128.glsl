@@ -34,7 +34,7 @@ Int128 longProduct(int64_t a, int64_t b) {
   return result;
 }
 
-// Modulo 2^128.
+// Returns the product modulo 2^128.
 Int128 longProduct(Int128 a, int64_t b) {
   Int128 result = unsignedProduct(a.low, uint64_t(b));
   if (b < 0) result.high -= int64_t(a.low);

@@ -1,4 +1,4 @@
-// Numbers that are ordered as floats are.
+// Unsigned integers with the same order as floats.
 
 uint toOrdered(float value) {
   const uint bits = floatBitsToUint(value);

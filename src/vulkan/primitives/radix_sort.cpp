@@ -1,6 +1,6 @@
-// Least significant digit first, 8 bits a pass: count by digit and group, sum, scatter. A subgroup ranks its
-// own elements by ballots, row by row, so neither the subgroup's size nor the order in which groups run
-// matters.
+// Sorts by the least significant digit first, 8 bits per pass: count by digit and group, sum, scatter. A
+// subgroup ranks its own elements by ballots, row by row, so the result depends neither on the subgroup's
+// size nor on the order of groups.
 
 #include "vulkan/primitives/radix_sort.h"
 
@@ -16,7 +16,8 @@ namespace {
 
 constexpr uint32_t kLargest = uint32_t{1} << 30;
 
-/// Each subgroup counts in shared memory of its own, 1 KiB: of 16 KiB at most, what every device has.
+/// Limits a group to 16 of the smallest subgroups. Each subgroup counts in 1 KiB of shared memory of its own,
+/// and every device has 16 KiB.
 uint32_t groupSizeOf(const DeviceLimits& limits) {
   constexpr uint32_t kBest = 256;
   constexpr uint32_t kSubgroups = 16;

@@ -1,8 +1,8 @@
-// What both kernels of the radix sort share.
+// Declarations shared by both kernels of the radix sort.
 
 #include "vulkan/primitives/radix_sort_push.h"
 
-layout(constant_id = 1) const uint kMaxSubgroups = 1;  // In a group.
+layout(constant_id = 1) const uint kMaxSubgroups = 1;  // Per group.
 layout(constant_id = 2) const uint kKeyWords = 1;
 layout(push_constant, scalar) uniform Push { RadixSortPush push; };
 
@@ -14,7 +14,7 @@ uint groupCount() {
   return ceilDiv(elementCount(), kRadixRows * gl_WorkGroupSize.x);
 }
 
-// Subgroups have consecutive rows of elements, so that their order is that of subgroups, rows, lanes.
+// Subgroups have consecutive rows of elements, so the order is that of subgroups, rows, lanes.
 uint elementIndex(uint row) {
   const uint firstRow = groupIndex() * kRadixRows * gl_WorkGroupSize.x + gl_SubgroupID * kRadixRows * gl_SubgroupSize;
   return firstRow + row * gl_SubgroupSize + gl_SubgroupInvocationID;

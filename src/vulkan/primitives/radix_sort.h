@@ -5,10 +5,10 @@
 
 namespace raymap::vulkan {
 
-/// Sorts 32-bit values by unsigned keys of one or two 32-bit words, the lower first. Stable.
+/// Sorts 32-bit values by unsigned keys of one or two 32-bit words, lower word first. Stable.
 class RadixSort {
  public:
-  /// Where keys and values lie.
+  /// Addresses of keys and values.
   struct Pairs {
     VkDeviceAddress keys = 0;
     VkDeviceAddress values = 0;
@@ -16,10 +16,11 @@ class RadixSort {
 
   explicit RadixSort(Device& device, uint32_t keyWords = 1);
 
-  /// Makes room for counts of up to `most`, at most 2^30. Nothing recorded before may still have to run.
+  /// Reserves memory for counts up to `most`, which is at most 2^30. All previously recorded work must have
+  /// completed.
   void reserve(uint32_t most);
-  /// Sorts by the lowest `keyBits` bits, back and forth between two places of the same size: gives the one
-  /// that holds the result, `pairs` if the number of passes, ceil(keyBits / 8), is even.
+  /// Sorts by the lowest `keyBits` bits, alternating between two places of the same size. Returns the place
+  /// of the result: `pairs` if the number of passes, ceil(keyBits / 8), is even, else `other`.
   Pairs record(Commands& commands, Pairs pairs, Pairs other, Count count, uint32_t keyBits);
 
  private:
@@ -28,7 +29,7 @@ class RadixSort {
   uint32_t groups(uint32_t count) const { return (count + tile_ - 1) / tile_; }
 
   uint32_t groupSize_;
-  uint32_t tile_;  // Elements of a group.
+  uint32_t tile_;  // Elements per group.
   uint32_t keyWords_;
   uint32_t reserved_ = 0;
   Kernel<RadixSortPush> count_;

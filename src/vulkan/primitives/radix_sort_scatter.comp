@@ -1,14 +1,14 @@
-// Writes each of a group's elements where its digit and its rank among those of that digit say.
+// Writes each of a group's elements to the place given by its digit and its rank within that digit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/radix_sort.glsl"
 
-// Of each subgroup: how many elements of a digit it has seen, then where its first one goes.
+// Per subgroup and digit: the number of elements so far, then the place of the first one.
 shared uint bins[kMaxSubgroups * kRadixBins];
 
-// The lanes with the same digit as this one's, among those inside.
+// Returns the lanes with the same digit as this one, among those inside.
 uvec4 peersOf(uint digit, bool inside) {
   uvec4 peers = subgroupBallot(inside);
   [[unroll]] for (uint bit = 0; bit < kRadixBits; ++bit) {
@@ -19,7 +19,7 @@ uvec4 peersOf(uint digit, bool inside) {
   return peers;
 }
 
-// How many of the subgroup's elements of this digit come before this one, which is then counted.
+// Returns the number of the subgroup's elements with this digit before this one, then counts this one.
 uint rankIn(uint bin, uvec4 peers, bool inside) {
   const uint before = subgroupBallotExclusiveBitCount(peers);
   const uint rank = bins[bin] + before;

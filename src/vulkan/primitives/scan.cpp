@@ -1,5 +1,5 @@
-// Reduce, then scan: each element is read twice and written once. Decoupled look-back would read it once, but
-// needs work groups to make progress while others wait for them, which Vulkan does not promise.
+// Reduces, then scans: each element is read twice and written once. Decoupled look-back would read it once,
+// but needs forward progress of work groups while others wait for them. Vulkan does not guarantee that.
 
 #include "vulkan/primitives/scan.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint32_t kLargest = uint32_t{1} << 31;
 
-/// How many elements level `level` has for `count` of the first one.
+/// Returns the number of elements of level `level` for `count` elements of the first level.
 uint32_t sizeOf(uint32_t count, uint32_t level) {
   return static_cast<uint32_t>((uint64_t{count} + (uint64_t{1} << (kScanBlockLog2 * level)) - 1) >>
                                (kScanBlockLog2 * level));

@@ -1,10 +1,10 @@
-// What both kernels of the prefix sum share.
+// Declarations shared by both kernels of the prefix sum.
 
 #include "vulkan/primitives/scan_push.h"
 
 layout(push_constant, scalar) uniform Push { ScanPush push; };
 
-// Of the subgroups in each row; no device has subgroups of fewer than four.
+// Sums of the subgroups in each row; every device's subgroups have at least four invocations.
 shared uint partials[kScanRows * kScanGroup / 4];
 
 uint levelCount() {
@@ -12,7 +12,7 @@ uint levelCount() {
   return (readCount(push.count, push.most) + most) >> push.levelLog2;
 }
 
-// The first of the four elements that an invocation has in a row of its group's block.
+// Returns the first of the invocation's four elements in a row of its group's block.
 uint elementIndex(uint group, uint row) {
   return group * kScanBlock + (row * kScanGroup + laneIndex()) * 4;
 }

@@ -10,16 +10,17 @@ class Scan {
  public:
   explicit Scan(Device& device);
 
-  /// Makes room for counts of up to `most`, at most 2^31. Nothing recorded before may still have to run.
+  /// Reserves memory for counts up to `most`, which is at most 2^31. All previously recorded work must have
+  /// completed.
   void reserve(uint32_t most);
-  /// Writes what comes before each value to `sums`, which may be `values` itself or apart from it, and the
-  /// total after the last: `sums` holds one element more. Addresses are multiples of 16.
+  /// Writes the sum before each value to `sums`, and the total after the last: `sums` holds one element more.
+  /// It may be `values` itself; otherwise the two must not overlap. Addresses are multiples of 16.
   void record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, Count count);
 
  private:
-  static constexpr uint32_t kMaxLevels = 3;  // 2^12, 2^24, 2^36 elements.
+  static constexpr uint32_t kMaxLevels = 3;  // For 2^12, 2^24, 2^36 elements.
 
-  /// The kernels' parameters at a level: that above works on the sums of this one's blocks.
+  /// Returns the kernels' parameters for a level. The level above works on the sums of this level's blocks.
   ScanPush push(uint32_t level, uint32_t levels, VkDeviceAddress values, VkDeviceAddress sums,
                 Count count) const;
   void dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push, uint32_t level);

@@ -1,4 +1,4 @@
-// Sums before each element of a block, added to what comes before the block.
+// Computes the sums before each element of a block, including the sum before the block.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -13,7 +13,7 @@ void store(uint index, uvec4 sums, uint count) {
   for (uint i = 0; i < 4 && index + i < count; ++i) push.sums.at[index + i] = sums[i];
 }
 
-// Replaces the partials by what comes before them, and gives what comes after the last. For one subgroup.
+// Replaces the partials by the sums before them and returns the total. Called by one subgroup.
 uint scanPartials(uint before) {
   const uint size = kScanRows * gl_NumSubgroups;
   for (uint first = 0; first < size; first += gl_SubgroupSize) {
@@ -29,7 +29,8 @@ uint scanPartials(uint before) {
 void main() {
   const uint group = groupIndex();
   const uint count = levelCount();
-  const uint lastGroup = max(ceilDiv(count, kScanBlock), 1) - 1;  // There is one even for no elements: the total.
+  // One group runs even for no elements, to write the total.
+  const uint lastGroup = max(ceilDiv(count, kScanBlock), 1) - 1;
   if (group > lastGroup) return;
   uvec4 values[kScanRows];
   uint before[kScanRows];
