@@ -11,18 +11,18 @@ namespace raymap::vulkan {
 
 namespace {
 
-// What crosses the bus.
+// Stages that transfer data between host and device.
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
 
-/// What of a field crosses at once: a quarter, but neither so little that waiting for it takes longer than
-/// copying, nor so much that it does not stay in the host's caches.
+/// Returns the bytes of a field to copy at once: a quarter. A lower limit keeps the wait shorter than the
+/// copy; an upper limit keeps the piece in the host's caches.
 uint64_t pieceBytes(uint64_t fieldBytes) {
   constexpr uint64_t kLeast = uint64_t{1} << 20, kMost = uint64_t{1} << 24;
   return std::min(fieldBytes, std::clamp(fieldBytes / 4, kLeast, kMost));
 }
 
-/// While the sign is found, beside the results.
+/// Returns the bytes held, besides the results, while the sign is computed.
 size_t signBytes(const glm::ivec3& dims, const Options& options) {
   const glm::u64vec3 n(dims);
   const size_t samples = n.x * n.y * n.z;
@@ -61,7 +61,7 @@ size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& o
   // Distances and sign share their memory.
   const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
   const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
-  // Lists of blocks, and which edges are crossed.
+  // Lists of blocks, and the bits of crossed edges.
   const size_t closing = options.closeHoles ? samples * 5 / 2 : 0;
   return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) + closing +
          mesh.triangles.size() * perTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
@@ -102,7 +102,7 @@ StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, cons
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
   extent.lattices = coverBounds(inCells(box.min), inCells(box.max), grid.dims);
-  extent.outside = HUGE_VAL;  // They cover all of it.
+  extent.outside = HUGE_VAL;  // The lattices cover the whole mesh.
   return extent;
 }
 
@@ -183,7 +183,7 @@ std::span<const float> Backend::parityRises() {
   return risesOfGivenFaces();
 }
 
-/// The device has the faces reversed.
+/// The device holds the faces reversed, so their values change sign.
 std::span<const float> Backend::risesOfGivenFaces() {
   run();
   const std::span<const float> rises = orientationStage().rises();
@@ -253,7 +253,7 @@ void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
   stopStage();
 }
 
-/// Piece by piece: memory for the host to see all of it at once would be a sixth of what a run holds.
+/// Copies piece by piece: a read-back buffer for the whole field would take a sixth of a run's memory.
 void Backend::readBack(const DeviceBuffer& result, void* to, bool isFirstThere) {
   for (uint64_t done = 0; done < result.bytes(); done += piece_.bytes()) {
     if (done > 0 || !isFirstThere) {

@@ -6,14 +6,14 @@
 
 namespace raymap::vulkan {
 
-/// The pipeline from the host's mesh to the host's field. The device runs what was recorded when the field is
-/// complete or the host reads something, or stage by stage where a callback follows the progress. Keeps its
+/// Pipeline from the host's mesh to the host's field. The device runs the recorded work when the field is
+/// complete or the host reads something; with a progress callback it runs every stage separately. Keeps its
 /// memory between runs: a run like the one before allocates nothing.
 class Backend : public StageRecorder {
  public:
   explicit Backend(Device& device);
 
-  /// Sets what the next run works on.
+  /// Sets the input of the next run.
   void take(const Job& job);
 
   /// Runs a stage, timed by both clocks.
@@ -30,7 +30,7 @@ class Backend : public StageRecorder {
   void begin();
   void finish();
   bool complete();
-  /// Copies the results into the field. Throws what kept the device from making it.
+  /// Copies the results into the field. Throws the error that kept the device from computing it.
   void readResults();
 
   const Mesh& mesh() const { return job_->mesh; }
@@ -52,19 +52,19 @@ class Backend : public StageRecorder {
   static constexpr size_t kTreeBytesPerTriangle = 160;
   void addPatch();
 
-  /// Bytes that a run will hold, from sizes alone, without the lists of the voxel grid: only the device finds
-  /// out how long they are.
+  /// Returns the bytes that a run will hold, computed from sizes alone. The lists of the voxel grid are not
+  /// included: only the device finds out their length.
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
-  /// Times of the last run's stages by the device's clock.
+  /// Returns the times of the last run's stages by the device's clock.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
-  /// Milliseconds by the device's clock from the mesh being uploaded to the field being complete, with the
-  /// host's work in between, without the transfers. 0 if the device has no timestamps.
+  /// Returns the milliseconds by the device's clock from the uploaded mesh to the complete field. The host's
+  /// work in between counts, the transfers do not. 0 if the device has no timestamps.
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
   void startStage(const char* name);
   void stopStage();
-  /// Runs all that was recorded.
+  /// Runs all recorded work.
   void run();
   Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults();
@@ -75,7 +75,7 @@ class Backend : public StageRecorder {
   Device* device_;
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
-  std::optional<double> doubtfulShare_;  ///< Once read.
+  std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   Turns turns_;
   std::vector<float> rises_;
   FaceSides faceSides_;
@@ -87,7 +87,7 @@ class Backend : public StageRecorder {
   CommandBuffer commandBuffer_;
   MeshUpload upload_;
   DeviceBuffer distance_, triangle_, winding_, confidence_;
-  DeviceBuffer findings_, piece_;  // For the host.
+  DeviceBuffer findings_, piece_;  // Read by the host.
 };
 
 static_assert(HostBackend<Backend>);

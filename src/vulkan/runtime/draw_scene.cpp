@@ -13,12 +13,12 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Rows to draw at once: so few that somebody who cancels does not wait, nor the system for the device; so
-/// many that it has work.
+/// Number of rows to draw at once: few enough that cancelling is prompt and the system gets the device in
+/// between, and many enough to keep the device busy.
 class Bands {
  public:
   int rows() const { return rows_; }
-  /// Calls `draw` and learns from the time it takes.
+  /// Calls `draw` and adapts the number of rows to the time it takes.
   template <class Draw>
   void time(Draw&& draw) {
     using Clock = std::chrono::steady_clock;
@@ -34,7 +34,7 @@ class Bands {
   int rows_ = 8 * kLeast;
 };
 
-/// In samples, as the CPU has them when it draws.
+/// Scales the distances to samples, as the CPU does when it draws.
 void fillSamples(const Field& field, std::span<float> samples) {
   const double scale = 1.0 / field.grid.spacing;
   parallelFor(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
@@ -43,7 +43,7 @@ void fillSamples(const Field& field, std::span<float> samples) {
   });
 }
 
-/// A field on its way to the device, and a picture on its way back.
+/// Buffers for a field on its way to the device and a picture on its way back.
 struct Buffers {
   Buffers(Device& device, size_t samples, size_t pixelCount)
       : uploadedField(device, "field upload", MemoryUse::Upload),

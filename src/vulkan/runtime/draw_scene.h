@@ -14,7 +14,7 @@ namespace raymap::vulkan {
 
 class Device;
 
-/// Fills the picture, of the size that it has. Throws `Error`: Unsupported, Memory, DeviceLost, Cancelled.
+/// Draws a picture of the size of `picture`. Throws `Error`: Unsupported, Memory, DeviceLost, Cancelled.
 void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& picture);
 
 }  // namespace raymap::vulkan

@@ -8,7 +8,7 @@
 
 namespace raymap::vulkan {
 
-/// What stages find out while they run, for the host. Those that did not run leave their part as it was.
+/// Results of the stages for the host. Stages that did not run leave their part unchanged.
 struct Findings {
   CellMeshStatus mesh;
   CrossingsStatus crossings;

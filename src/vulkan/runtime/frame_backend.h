@@ -6,13 +6,13 @@
 
 namespace raymap::vulkan {
 
-/// The pipeline from a mesh on the device to its field there, recorded into anybody's command buffer.
+/// Pipeline from a mesh on the device to its field there, recorded into any command buffer.
 class FrameBackend : public StageRecorder {
  public:
   struct Frame {
     Commands commands;
     CellMeshStage::Source mesh;
-    Results results;  ///< Without a distance, an image's.
+    Results results;  ///< Without `distance`, a buffer of ours holds the distances for the image.
     VkImage image = VK_NULL_HANDLE;
     VkImageLayout imageLayout = VK_IMAGE_LAYOUT_UNDEFINED;
     BufferRange status;
@@ -20,9 +20,9 @@ class FrameBackend : public StageRecorder {
 
   explicit FrameBackend(Device& device);
 
-  /// All previously recorded work must have completed.
+  /// Reserves capacities. All previously recorded work must have completed.
   void reserve(const Room& room);
-  /// Sets what the next run of the pipeline records; grid and options must live until then.
+  /// Sets what the next run of the pipeline records. Grid and options must live until then.
   void take(const Frame& frame, const Grid& grid, const Options& options);
 
   template <class Work>
@@ -31,7 +31,7 @@ class FrameBackend : public StageRecorder {
   }
   void begin();
   void finish();
-  /// True: `status` says whether the capacities sufficed.
+  /// Always true: `status` reports whether the capacities sufficed.
   static bool complete() { return true; }
 
   /// Returns the status of the last frame that ran.

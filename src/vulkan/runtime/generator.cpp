@@ -84,7 +84,7 @@ void Generator::Impl::reserve(const Room& wanted) {
   makeKernels();
 }
 
-/// By recording a frame that never runs, as kernels are made when they are first recorded.
+/// Records a frame that never runs, because kernels are made when they are first recorded.
 void Generator::Impl::makeKernels() {
   const Grid grid{.dims = room->dims, .spacing = 1.0};
   const Options options{.distance = room->distance, .sign = room->sign};

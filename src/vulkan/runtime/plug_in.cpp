@@ -1,4 +1,4 @@
-// Joins the core where raymap::vulkan is linked.
+// Plugs the Vulkan backend into the core of programs that link raymap::vulkan.
 
 #include "base/memory.h"
 #include "method/gpu_plug_in.h"
@@ -39,8 +39,8 @@ class OpenDevice final : public GpuDevice {
 
 }  // namespace raymap::vulkan
 
-/// The linker is told that this is needed (src/vulkan/CMakeLists.txt), so that a static library hands it
-/// over.
+/// The linker must keep this symbol (src/vulkan/CMakeLists.txt); otherwise it leaves this file of a static
+/// library out.
 extern "C" const bool raymapVulkanIsPluggedIn = [] {
   using namespace raymap;
   plugIn({.list = vulkan::listDevices, .open = [](size_t index) -> std::unique_ptr<GpuDevice> {

@@ -30,10 +30,10 @@ void StageRecorder::reserve(const Extent& extent) {
   const bool isHarmonic = extent.sign == SignMode::Harmonic;
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
-  // The sign needs nothing that the distances leave but themselves.
+  // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
   if (hasSign()) reserveSign();
-  // Last, for the levels of cells keep addresses.
+  // Reserved last, because the levels of cells keep addresses.
   scratch_.startPhase();
   if (isExact())
     exactDistance_.reserve(extent.dims);

@@ -27,8 +27,8 @@
 
 namespace raymap::vulkan {
 
-/// Records the device's twin of every stage of method/pipeline.h, from a mesh on the device to its field
-/// there. `Backend` brings both from and to the host, `FrameBackend` leaves both on the device.
+/// Records the GPU twin of every stage of method/pipeline.h, from a mesh on the device to its field there.
+/// `Backend` transfers both from and to the host, `FrameBackend` leaves both on the device.
 class StageRecorder {
  public:
   const Options& options() const { return *options_; }
@@ -53,36 +53,37 @@ class StageRecorder {
     glm::ivec3 dims{0};
     DistanceMode distance = DistanceMode::Exact;
     SignMode sign = SignMode::Harmonic;
-    bool hasWinding = false;  ///< Whether results always come with a buffer for the winding number.
+    bool hasWinding = false;  ///< Whether the results always include a buffer for the winding number.
     bool turnsFaces = false;
     bool closesHoles = false;
-    /// Cells that the paper's distances search: `coverBounds` of meshes that reach no farther than `outside`.
+    /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
+    /// the grid.
     std::vector<CellLattice> lattices;
-    double outside = 0.0;  ///< In samples, beyond the grid.
+    double outside = 0.0;  ///< Samples beyond the grid.
     std::array<ListSizes, kMostLevels> lists{};
   };
   /// Addresses of the results, one value per sample.
   struct Results {
     VkDeviceAddress distance = 0;
-    VkDeviceAddress triangle = 0;    ///< 0: not asked for.
-    VkDeviceAddress winding = 0;     ///< Likewise.
-    VkDeviceAddress confidence = 0;  ///< Likewise.
+    VkDeviceAddress triangle = 0;    ///< 0: not requested.
+    VkDeviceAddress winding = 0;     ///< 0: not requested.
+    VkDeviceAddress confidence = 0;  ///< 0: not requested.
   };
 
   explicit StageRecorder(Device& device);
 
-  /// All previously recorded work must have completed.
+  /// Reserves the capacities. All previously recorded work must have completed.
   void reserve(const Extent& extent);
   const Extent& extent() const { return extent_; }
   /// Returns whether the lists had enough capacity.
   bool fits(const Findings& findings) const;
-  /// Reserves what the lists need. All previously recorded work must have completed.
+  /// Reserves the capacity that the lists need. All previously recorded work must have completed.
   void grow(const Findings& findings);
 
-  /// Sets what the stages work on from now on; grid and options must live as long. The options must be
-  /// covered by what was reserved.
+  /// Sets the input of the following stages. Grid and options must outlive them. The reserved capacities must
+  /// cover the options.
   void start(const Commands& commands, const Grid& grid, const Options& options);
-  /// Sets where the results go, after `reserve`.
+  /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
   // For the stage `orientation`.
@@ -97,7 +98,7 @@ class StageRecorder {
   CloseHolesStage& closeHolesStage() { return closeHoles_; }
   void recordFinish();
   void recordFindings(VkBuffer to, VkDeviceSize offset);
-  /// Returns what findings mean, for a run over the extent.
+  /// Returns the status that the findings mean, for a run over the extent.
   Status describe(const Findings& findings) const;
 
   bool hasSign() const { return extent_.sign != SignMode::None; }
@@ -105,12 +106,12 @@ class StageRecorder {
   size_t sampleCount() const { return CellLattice{extent_.dims}.count(); }
 
   Commands& commands() { return *commands_; }
-  /// Records into another command buffer from now on.
+  /// Sets the command buffer to record into from now on.
   void continueIn(const Commands& commands) { commands_ = commands; }
   const Grid& grid() const { return *grid_; }
 
  private:
-  /// What the paper's distances need of one lattice.
+  /// Stages of the paper's distances on one lattice.
   struct Level {
     Level(Device& device, ScratchMemory* scratch)
         : grid(device, scratch),
@@ -126,7 +127,7 @@ class StageRecorder {
   void reserveSign();
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
-  /// Of the mesh as it is by now, if it is not there.
+  /// Returns the tree of the current mesh; records its construction first if the mesh has none.
   const SurfaceTreeStage& surfaceTree();
   OrientationStage::Fields orientationFields() const;
   std::optional<Error> errorOf(const Findings& findings) const;
@@ -137,7 +138,7 @@ class StageRecorder {
   const Options* options_ = nullptr;
   Extent extent_;
   Results results_;
-  ScratchMemory scratch_;  // Before what lies there.
+  ScratchMemory scratch_;  // Declared before the members that use it.
   CellMeshStage mesh_;
   bool hasSurfaceTree_ = false;
   SurfaceTreeStage surfaceTree_;
@@ -153,7 +154,7 @@ class StageRecorder {
   CloseHolesStage closeHoles_;
   SignStage sign_;
   FinishStage finish_;
-  DeviceBuffer windingNumber_;  // Where the results have no place for it.
+  DeviceBuffer windingNumber_;  // Used if the results have no buffer for it.
 };
 
 }  // namespace raymap::vulkan
