@@ -30,7 +30,8 @@ namespace {
   throw Error(ErrorCode::File, message);
 }
 
-/// Names of temporaries in use: a fixed table, because a signal handler may neither lock nor allocate.
+/// Names of the temporaries in use. The table is fixed because a signal handler may neither lock nor
+/// allocate.
 std::array<std::atomic<const char*>, 64> temporaries{};
 
 class RegisteredName {
@@ -52,11 +53,11 @@ class RegisteredName {
 
  private:
   std::string name_;
-  std::atomic<const char*>* slot_ =
-      nullptr;  // Null if the table is full: only the signal handler's help is lost.
+  // Null if the table is full; the signal handler then leaves this temporary behind.
+  std::atomic<const char*>* slot_ = nullptr;
 };
 
-/// Writes to a file descriptor and throws the system's reason when that fails.
+/// Stream buffer over a file descriptor. Throws `Error(File)` with the system's reason if a write fails.
 class DescriptorBuffer : public std::streambuf {
  public:
   DescriptorBuffer(int descriptor, const fs::path& path) : descriptor_(descriptor), path_(path) {
@@ -131,7 +132,8 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int get() const { return value_; }
-  /// Closes it, and reports what the system had left to say (network file systems do).
+  /// Closes the file. Throws `Error(File)` for an error that the system reports only now, as network file
+  /// systems do.
   void finish(const fs::path& path) {
     if (close(std::exchange(value_, -1)) != 0 && errno != EINTR) throwFileError(path, errno);
   }
@@ -148,7 +150,8 @@ void writeThrough(int descriptor, const fs::path& path, const std::function<void
   buffer.flush();
 }
 
-/// Devices, pipes and what /dev/stdout leads to are somebody else's: never replaced, and never cut.
+/// Appends to a device, a pipe or the target of /dev/stdout. They belong to other programs, so they are
+/// neither replaced nor truncated.
 void writeInPlace(const fs::path& path, const std::function<void(std::ostream&)>& write) {
   Descriptor file(path.c_str(), O_WRONLY | O_APPEND, path);
   writeThrough(file.get(), path, write);
@@ -161,17 +164,18 @@ bool isInPlace(const fs::path& path, const fs::file_status& status) {
          name.starts_with("/proc/");
 }
 
-/// The clock keeps apart the temporaries of killed processes, whose numbers come round again.
+/// Returns a hidden name in the target's folder. The time makes it unique: a process id may equal that of a
+/// killed process, whose temporary is still there.
 std::string temporaryName(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
-  constexpr size_t kLongest = 180;  // Leaves room for the rest within the usual 255 bytes.
+  constexpr size_t kLongest = 180;  // Bytes; leaves space for the rest within the usual limit of 255.
   const std::string name = target.filename().string().substr(0, kLongest);
   const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter.fetch_add(1)) + "-" +
                              std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   return (target.parent_path() / ("." + name + ".tmp" + unique)).string();
 }
 
-/// The file to replace: where a chain of links ends, whether or not anything is there yet.
+/// Follows symbolic links and returns the file to replace, which need not exist.
 fs::path resolveLinks(fs::path path) {
   constexpr int kMostLinks = 40;  // The kernel's own limit.
   std::error_code error;

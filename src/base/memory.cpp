@@ -12,7 +12,7 @@ namespace raymap {
 
 namespace {
 
-/// The memory limit of the control group, if there is one.
+/// Returns the memory limit of the control group in bytes, or SIZE_MAX if there is none.
 size_t groupLimit() {
   std::ifstream file("/sys/fs/cgroup/memory.max");
   size_t bytes = 0;

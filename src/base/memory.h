@@ -6,17 +6,17 @@
 
 namespace raymap {
 
-/// Bytes that this process can still get without swapping: the least of what the system has left and the
-/// limit of its control group; SIZE_MAX if neither is known.
+/// Returns the number of bytes that this process can still get without swapping. This is the smaller of the
+/// system's available memory and the limit of the control group, or SIZE_MAX if neither is known.
 size_t availableMemory();
 
-/// For messages, rounded up.
+/// Formats a size for messages, rounded up to whole MiB.
 std::string mebibytes(uint64_t bytes);
 
-/// Throws `Error(Memory)` if a field needs more than the limit; `where` is said after how much it needs.
+/// Throws `Error(Memory)` if a field needs more than `limit` bytes. The message has `where` after the size.
 void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where = "");
 
-/// Throws `Error(Memory)` if a surface needs more than this process can get.
+/// Throws `Error(Memory)` if a surface needs more than `availableMemory()` bytes.
 void checkSurfaceMemory(uint64_t needed);
 
 }  // namespace raymap

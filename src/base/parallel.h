@@ -20,9 +20,9 @@ extern "C" void __tsan_release(void* address);
 
 namespace raymap {
 
-/// Tells ThreadSanitizer what it cannot see in a TBB that it did not instrument: all before a parallel loop
-/// happens before each part of it, and each part before all that follows. Between parts it sees races as
-/// ever.
+/// Declares the order of a parallel loop to ThreadSanitizer, which cannot see into an uninstrumented TBB. All
+/// code before the loop happens before each part, and each part before all code after the loop. Races between
+/// parts are still detected.
 class LoopOrder {
 #ifdef __SANITIZE_THREAD__
  public:
@@ -49,8 +49,8 @@ class LoopOrder {
 #endif
 };
 
-/// Calls `work(begin, end)` on parts of [0, count) of at most `grain` elements. Which thread gets which part
-/// is not defined: work must not depend on it.
+/// Calls `work(begin, end)` on parts of [0, count) with at most `grain` elements each. The work must not
+/// depend on which thread gets which part.
 template <class Work>
 void parallelFor(size_t count, size_t grain, Work&& work) {
   if (count == 0) return;
@@ -65,14 +65,14 @@ void parallelFor(size_t count, size_t grain, Work&& work) {
       tbb::simple_partitioner());
 }
 
-/// Sorts, as `std::sort` does, with all threads.
+/// Sorts like `std::sort`, on all threads.
 template <class Iterator, class... Less>
 void parallelSort(Iterator begin, Iterator end, Less... less) {
   tbb::parallel_sort(begin, end, less...);
 }
 
-/// Calls `work(next)` on each thread, where `next()` hands out the numbers below `count` in order and then
-/// `count` for ever. For work that gains from what a thread remembers, but must not depend on it.
+/// Calls `work(next)` on each thread. `next()` hands out the numbers below `count` in order, then always
+/// `count`. Use it for work that is faster with state per thread; the results must not depend on that state.
 template <class Work>
 void parallelWorkers(size_t count, Work&& work) {
   std::atomic<size_t> numbers{0};
@@ -81,10 +81,10 @@ void parallelWorkers(size_t count, Work&& work) {
   parallelFor(std::min(threads, count), 1, [&](size_t, size_t) { work(next); });
 }
 
-/// Runs `work` with at most `threads` threads; 0 = all of the machine's.
+/// Runs `work` on at most `threads` threads; 0 = all of the machine's threads.
 template <class Work>
 void withThreads(int threads, Work&& work) {
-  // Without a limit of its own, TBB prints a warning when asked for more threads than there are cores.
+  // Without an explicit limit, TBB prints a warning if more threads are requested than there are cores.
   std::optional<tbb::global_control> limit;
   if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

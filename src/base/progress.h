@@ -9,7 +9,7 @@
 
 namespace raymap {
 
-/// Times the stages of a run, reports how far it is, and stops it when the caller says so.
+/// Times the stages of a run, reports its progress, and stops it if the callback returns false.
 class Progress {
  public:
   struct Time {
@@ -31,15 +31,15 @@ class Progress {
     times_.push_back({name, now() - start});
   }
 
-  /// Called by a stage, from any thread, every few milliseconds, with the share that is done. Throws
-  /// `Error(Cancelled)`.
+  /// Reports the share of the stage that is done, 0 to 1. A stage calls it from any thread, every few
+  /// milliseconds. Throws `Error(Cancelled)` once the callback has returned false.
   void report(double done);
-  /// Maps all shares reported from now on to this part of the stage.
+  /// Maps all shares reported from now on to the part [begin, end] of the stage.
   void part(double begin, double end) {
     begin_ = begin;
     length_ = end - begin;
   }
-  /// Repeats the last share, for a stage that cannot say how far it is.
+  /// Reports the last share again, for work whose progress is unknown. Throws like `report`.
   void poll();
 
   const std::vector<Time>& times() const { return times_; }

@@ -1,5 +1,4 @@
-// What the headers of this folder need to be read as C++ and as GLSL: parameters of kernels, in scalar
-// layout.
+// Macros for headers that are both C++ and GLSL: constants, and parameters of kernels in scalar layout.
 
 #ifdef __cplusplus
 
@@ -9,7 +8,7 @@
 
 #define RAYMAP_SHARED_BEGIN(space) namespace space {
 #define RAYMAP_SHARED_END }
-/// The address of a buffer that GLSL sees as `type`; see shaders/kernel.glsl.
+/// Address of a buffer that GLSL sees as `type`; see vulkan/device/kernel.glsl.
 #define RAYMAP_ADDRESS(type) uint64_t
 #define RAYMAP_CONSTANT inline constexpr
 /// GLSL adds no bytes at a struct's end, so neither may C++.

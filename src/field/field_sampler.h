@@ -7,13 +7,13 @@
 
 namespace raymap {
 
-/// Throws `Error(Usage)` unless the grid has samples and a positive spacing.
+/// Throws `Error(Usage)` unless the grid has samples and a positive, finite spacing.
 void validateGrid(const Grid& grid);
-/// Throws `Error(Usage)` unless the field has a distance for each sample of a grid with a positive spacing.
+/// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
 void validateField(const Field& field);
 
-/// Reads a field between its samples. Positions are in sample coordinates and values in units of the
-/// spacing, so that nothing that draws depends on the field's scale.
+/// Interpolates a field between its samples. Positions are in sample coordinates and values in units of the
+/// spacing, so that drawing does not depend on the field's scale.
 class FieldSampler {
  public:
   explicit FieldSampler(const Field& field)
@@ -26,9 +26,10 @@ class FieldSampler {
         dims_(field.grid.dims),
         scale_(1.0 / field.grid.spacing) {}
 
-  /// Trilinear inside the grid. Outside, the least distance that a surface inside can have: it lies beyond
-  /// the closest point q of the box, at least value(q) from q and never at an acute angle to the way there,
-  /// so Pythagoras bounds it from below (a sum of both would be too far to step).
+  /// Returns the trilinear value inside the grid. Outside it returns a lower bound on the distance to a
+  /// surface inside. Let q be the point of the box closest to p. The surface lies at least value(q) from q.
+  /// Seen from q, it is never at an acute angle to p, so Pythagoras gives the bound. The sum of both
+  /// distances would be too large a step.
   double value(const glm::dvec3& p) const {
     glm::dvec3 q;
     for (int a = 0; a < 3; ++a)
@@ -38,8 +39,8 @@ class FieldSampler {
     return std::hypot(glm::length(p - q), std::max(inGrid, 0.0));
   }
 
-  /// Central differences a sample wide to each side of the trilinear value: continuous across cells, where
-  /// the value's own gradient jumps.
+  /// Returns central differences of the value, one sample to each side. They are continuous across cells,
+  /// where the gradient of the trilinear value jumps.
   glm::dvec3 gradient(const glm::dvec3& p) const {
     glm::dvec3 g;
     for (int a = 0; a < 3; ++a) {
