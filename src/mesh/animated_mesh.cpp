@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3: dynamic data. Skins as glTF 2.0 defines them (§3.7.3, §3.11, appendix C there).
+// Krayer & Müller 2019, §3: dynamic data. Skins follow glTF 2.0 (§3.7.3, §3.11 and appendix C there).
 
 #include <raymap/animation.h>
 #include <raymap/error.h>
@@ -22,7 +22,7 @@ glm::dquat quaternion(const glm::dvec4& v) {
   return {v.w, v.x, v.y, v.z};
 }
 
-/// A Hermite spline from time `key` to the next; `share` of the way there.
+/// Evaluates the Hermite spline from `key` to the next key, at `share` (0 to 1) of the way.
 glm::dvec4 onSpline(const Track& track, size_t key, double share) {
   const glm::dvec4* v = &track.values[3 * key];
   const double length = track.times[key + 1] - track.times[key];
@@ -79,7 +79,7 @@ glm::dmat4 transform(const Node& node) {
          node.matrix;
 }
 
-/// Of every node, to the place that none hangs on.
+/// Returns the transform of every node to world space.
 std::vector<glm::dmat4> nodeTransforms(const AnimatedMesh& mesh, double seconds) {
   std::vector<Node> nodes = mesh.nodes;
   for (const Track& track : mesh.tracks) move(nodes[track.node], track, seconds);

@@ -13,7 +13,7 @@ namespace raymap {
 
 namespace {
 
-/// Faces on the same three corners as one before them.
+/// Finds the faces that have the same three distinct corners as an earlier face.
 std::vector<uint32_t> findDuplicates(const Mesh& mesh, const Welding& welding) {
   struct Corners {
     std::array<uint32_t, 3> ids;

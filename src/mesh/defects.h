@@ -7,21 +7,22 @@
 
 namespace raymap {
 
-/// Two vertices of the mesh; of several at the same position, any.
+/// Two vertices of the mesh. Each may be any of several at the same position.
 struct EdgeEnds {
   uint32_t a, b;
 };
 
-/// Where a mesh is broken, as `diagnose` and `findSelfIntersections` count it.
+/// Defects of a mesh, as `diagnose` and `findSelfIntersections` count them.
 struct Defects {
   std::vector<EdgeEnds> boundaryEdges, nonManifoldEdges;
   std::vector<uint32_t> flippedFaces, duplicateFaces, crossedFaces;
 };
 
+/// Finds all defects. Throws `Error(Input)` if the mesh is not valid.
 Defects findDefects(const Mesh& mesh);
 
-/// The fewest faces to turn so that neighbours across edges with two faces agree. Which side is out nobody
-/// asks.
+/// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
+/// matter which side is outside.
 std::vector<uint32_t> findFlippedFaces(const Mesh& mesh);
 
 }  // namespace raymap

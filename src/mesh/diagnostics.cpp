@@ -25,7 +25,8 @@ glm::dvec3 normalOf(const Mesh& mesh, const glm::uvec3& face) {
   return glm::cross(glm::dvec3(mesh.vertices[face.y]) - a, glm::dvec3(mesh.vertices[face.z]) - a);
 }
 
-/// The height over the longest edge is twice the area over its length.
+/// Returns whether the triangle's height is below `kDegenerateHeight`. The height over the longest edge is
+/// twice the area over that edge's length.
 bool isFlat(const Mesh& mesh, const glm::uvec3& face, double doubleArea) {
   double longest2 = 0.0;
   for (int c = 0; c < 3; ++c) {
@@ -35,9 +36,9 @@ bool isFlat(const Mesh& mesh, const glm::uvec3& face, double doubleArea) {
   return doubleArea < kDegenerateHeight * longest2;
 }
 
-/// Areas and volume, about the centre of the bounds so that an open mesh's volume does not depend on where
-/// it lies; and the faces that enclose nothing. Returns the welded faces without a repeated corner: the
-/// others are no faces of any surface.
+/// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
+/// so that an open mesh's volume does not depend on its position. Returns the welded faces without a repeated
+/// corner; the others belong to no surface.
 std::vector<glm::uvec3> measureFaces(const Mesh& mesh, const Welding& welding, Diagnostics& found) {
   std::vector<glm::uvec3> faces;
   faces.reserve(mesh.triangles.size());

@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t kPositionsPerTask = 4096;
 
-/// Calls `work(halfEdge)` for each, faces ascending.
+/// Calls `work(halfEdge)` for each half edge, faces ascending.
 template <class Work>
 void forEachHalfEdge(const Mesh& mesh, const Welding& welding, Work&& work) {
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
@@ -24,7 +24,8 @@ void forEachHalfEdge(const Mesh& mesh, const Welding& welding, Work&& work) {
   }
 }
 
-/// Keeps faces in order: a position has a few only, as a rule.
+/// Sorts the half edges of a position by `high` and keeps the faces in order. Insertion sort handles the few
+/// that a position usually has.
 void sortByHigh(std::span<HalfEdge> halfEdges) {
   constexpr size_t kFew = 32;
   const auto isLower = [](const HalfEdge& a, const HalfEdge& b) { return a.high < b.high; };
@@ -36,7 +37,7 @@ void sortByHigh(std::span<HalfEdge> halfEdges) {
 }  // namespace
 
 std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding) {
-  std::vector<size_t> ends(welding.count + 1, 0);  // Of the half edges of each position, shifted by one.
+  std::vector<size_t> ends(welding.count + 1, 0);  // End of each position's half edges, shifted by one.
   forEachHalfEdge(mesh, welding, [&](const HalfEdge& edge) { ++ends[edge.low + 1]; });
   for (size_t p = 1; p < ends.size(); ++p) ends[p] += ends[p - 1];
   std::vector<HalfEdge> halfEdges(ends.back());

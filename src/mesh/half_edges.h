@@ -10,19 +10,20 @@
 
 namespace raymap {
 
-/// A face's side of an edge between two distinct positions, the lower one's number first.
+/// One face's side of an edge between two distinct positions.
 struct HalfEdge {
   uint32_t low, high;
   uint32_t face;
-  bool isForward;  ///< Whether the face walks from the lower one to the higher one.
+  bool isForward;  ///< Whether the face runs from `low` to `high`.
 
   bool isOfSameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
 };
 
-/// Those of an edge stand together, faces ascending. Faces with a repeated corner have none.
+/// Returns all half edges, those of an edge together, faces ascending. Faces with a repeated corner have
+/// none.
 std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding);
 
-/// Calls `work(halfEdges)` for each edge.
+/// Calls `work(halfEdges)` with the half edges of each edge.
 template <class Work>
 void forEachEdge(std::span<const HalfEdge> halfEdges, Work&& work) {
   for (size_t begin = 0, end = 0; begin < halfEdges.size(); begin = end) {

@@ -1,4 +1,4 @@
-// Boundary edges as loops.
+// Joins boundary edges into loops.
 
 #include "mesh/holes.h"
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kNotOnPath = std::numeric_limits<size_t>::max();
 
-/// The edges at each of the positions that have any, numbered anew from 0.
+/// Graph of the edges. Positions with an edge are renumbered from 0.
 struct Network {
   explicit Network(std::span<const std::pair<uint32_t, uint32_t>> edges) {
     for (const auto& [a, b] : edges) {
@@ -34,14 +34,14 @@ struct Network {
   size_t numberOf(uint32_t position) const {
     return size_t(std::lower_bound(positions.begin(), positions.end(), position) - positions.begin());
   }
-  /// Where a walk should start: first at places that a chain of edges ends at.
+  /// Returns the places in the order in which walks start: first those at which a chain of edges ends.
   std::vector<size_t> starts() const {
     std::vector<size_t> order(positions.size());
     std::iota(order.begin(), order.end(), size_t{0});
     std::stable_partition(order.begin(), order.end(), [&](size_t p) { return edgesAt[p].size() % 2 != 0; });
     return order;
   }
-  /// Walks an unused edge from a place to its other end; false if there is none.
+  /// Moves `place` along an unused edge to its other end. Returns false if there is none.
   bool step(size_t& place) {
     std::vector<size_t>& edges = edgesAt[place];
     while (!edges.empty() && isUsed[edges.back()]) edges.pop_back();
@@ -78,7 +78,7 @@ std::vector<Hole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>> edge
   Network network(edges);
   std::vector<Hole> holes;
   std::vector<size_t> path, placeOnPath(network.positions.size(), kNotOnPath);
-  const auto cutFrom = [&](size_t first) {  // the end of the path
+  const auto cutFrom = [&](size_t first) {  // Makes a hole of the end of the path.
     std::vector<glm::dvec3> corners;
     for (size_t p = first; p < path.size(); ++p) corners.push_back(position(network.positions[path[p]]));
     if (corners.size() > 1) holes.push_back(measure(corners));

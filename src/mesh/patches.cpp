@@ -9,7 +9,8 @@ namespace raymap {
 
 namespace {
 
-/// Disjoint sets of faces, each face with a bit against its set's root (union by index, paths halved).
+/// Disjoint sets of faces (union by index, path halving). Each face has a bit: whether it is reversed against
+/// its parent.
 class FaceSets {
  public:
   explicit FaceSets(size_t count) : parent_(count), isReversed_(count, 0) {
@@ -24,14 +25,14 @@ class FaceSets {
     uint8_t isReversed = 0;
     while (parent_[face] != face) {
       const uint32_t up = parent_[face];
-      isReversed_[face] ^= isReversed_[up];  // 0 at a root
+      isReversed_[face] ^= isReversed_[up];  // The root's bit is 0.
       isReversed ^= isReversed_[face];
       face = parent_[face] = parent_[up];
     }
     return {face, isReversed};
   }
 
-  /// Links two faces that point to the same side, or to opposite ones, unless they are linked already.
+  /// Links two faces that point to the same side, or to opposite sides. Does nothing if they are linked.
   void link(uint32_t a, uint32_t b, bool areOpposite) {
     const Place p = find(a), q = find(b);
     const auto [low, high] = std::minmax(p.root, q.root);
@@ -44,7 +45,7 @@ class FaceSets {
   std::vector<uint8_t> isReversed_;
 };
 
-/// Whether two faces at one edge have the third corner in common too: layers, not neighbours.
+/// Returns whether two faces at one edge share the third corner too: they are layers, not neighbours.
 bool coincide(const Mesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
   const auto allCorners = [&](uint32_t face) {
     const glm::uvec3& t = mesh.triangles[face];

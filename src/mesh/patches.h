@@ -4,15 +4,16 @@
 
 namespace raymap {
 
-/// Faces that are one piece of surface: linked across edges that exactly two faces share, where they must
-/// point to the same side.
+/// Patches of a mesh: faces linked across edges that exactly two faces share. The faces of a patch must point
+/// to the same side.
 struct Patches {
-  std::vector<uint32_t> ids;        ///< Of each face, the patch that it belongs to.
-  std::vector<uint8_t> isReversed;  ///< Of each face: whether it points the other way than its patch's first.
-  size_t count = 0;
+  std::vector<uint32_t> ids;        ///< Patch of each face.
+  std::vector<uint8_t> isReversed;  ///< Whether each face points the other way than its patch's first face.
+  size_t count = 0;                 ///< Number of patches.
 };
 
-/// Where the links contradict each other (a Möbius strip), those of the higher vertices are not kept.
+/// Finds the patches. Where links contradict each other (a Möbius strip), those of the higher vertices are
+/// dropped.
 Patches findPatches(const Mesh& mesh);
 
 }  // namespace raymap

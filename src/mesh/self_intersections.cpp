@@ -1,4 +1,4 @@
-// Which faces cross: a tree of boxes, and integer predicates.
+// Finds the faces that cross, with a tree of boxes and integer predicates.
 
 #include <raymap/diagnostics.h>
 
@@ -17,11 +17,11 @@ namespace {
 
 using Point = glm::i64vec3;
 
-constexpr int kBits = 29;                    // |coordinate| <= 2^29, so that a determinant fits into 128 bits
-constexpr int64_t kNear = int64_t{1} << 20;  // of differences up to here into 64
-constexpr uint32_t kArity = 8;               // faces of a leaf, and children of a node
+constexpr int kBits = 29;                    // |coordinate| <= 2^29: determinants fit into 128 bits
+constexpr int64_t kNear = int64_t{1} << 20;  // determinants of differences below this fit into 64 bits
+constexpr uint32_t kArity = 8;               // faces per leaf, and children per node
 constexpr size_t kLeavesPerRound = 64;
-// A mesh whose faces lie on each other has as many pairs as there are.
+// Limits on the work: in a mesh whose faces all lie on each other, every pair must be tested.
 constexpr size_t kMostTestsOfLeaf = size_t{1} << 18, kMostTests = size_t{1} << 25, kMostTestsPerFace = 64;
 
 struct Box3 {
@@ -55,7 +55,7 @@ int determinantSign(const Point& a, const Point& b, const Point& c) {
   return value > 0 ? 1 : value < 0 ? -1 : 0;
 }
 
-/// On which side of the plane abc p lies.
+/// Returns the side of the plane abc on which p lies: -1, 0 or 1.
 int side(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c, const glm::ivec3& p) {
   const Point u = Point(b) - Point(a), v = Point(c) - Point(a), w = Point(p) - Point(a);
   const Point most = glm::max(glm::max(glm::abs(u), glm::abs(v)), glm::abs(w));
@@ -66,7 +66,7 @@ int side(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c, const gl
 
 using Sides = std::array<int, 3>;
 
-/// On which side of the plane of `b` the corners of `a` lie.
+/// Returns the sides of the plane of `b` on which the corners of `a` lie.
 Sides sidesOf(const Face& a, const Face& b) {
   const auto& [p, q, r] = b.corners;
   return {side(p, q, r, a.corners[0]), side(p, q, r, a.corners[1]), side(p, q, r, a.corners[2])};
@@ -77,12 +77,12 @@ bool areOnBoth(const Sides& sides) {
   return least < 0 && most > 0;
 }
 
-/// On which side there is one corner alone.
+/// Returns the side on which one corner is alone.
 int aloneOn(const Sides& sides) {
   return sides[0] + sides[1] + sides[2] > 0 ? -1 : 1;
 }
 
-/// That corner first.
+/// Returns the face's corners in order, starting with the one that is alone on its side.
 std::array<glm::ivec3, 3> fromAlone(const Face& face, const Sides& sides) {
   std::array<glm::ivec3, 3> corners = face.corners;
   const auto alone = std::find(sides.begin(), sides.end(), aloneOn(sides)) - sides.begin();
@@ -97,8 +97,9 @@ bool shareAnEdge(const Face& a, const Face& b) {
   return shared >= 2;
 }
 
-/// Whether inner points of both coincide, other than in one plane: each reaches through the other's plane,
-/// and what the two take of the line that the planes have in common overlaps (Guigue & Devillers 2003).
+/// Returns whether inner points of both faces coincide, except in a common plane. Each face must reach
+/// through the other's plane, and their intervals on the planes' common line must overlap (Guigue & Devillers
+/// 2003).
 bool cross(const Face& a, const Face& b) {
   if (shareAnEdge(a, b)) return false;
   const Sides ofA = sidesOf(a, b);
@@ -112,8 +113,8 @@ bool cross(const Face& a, const Face& b) {
   return side(p, q, s, t) < 0 && side(p, r, u, s) < 0;
 }
 
-/// The faces with their corners on a lattice of 2^29 to 2^30 steps along the longest side. Steps are powers
-/// of two, so most numbers of single precision lie on it, and what touches goes on touching.
+/// Returns the faces with their corners on a lattice of 2^29 to 2^30 steps along the longest side. Steps are
+/// powers of two, so most single-precision numbers lie on the lattice and faces that touch still do.
 std::vector<Face> snapFaces(const Mesh& mesh) {
   const Box box = bounds(mesh);
   const glm::dvec3 size = box.size();
@@ -134,7 +135,8 @@ std::vector<Face> snapFaces(const Mesh& mesh) {
   return faces;
 }
 
-uint64_t spread(uint32_t v) {  // 21 bits, two zeros between each
+/// Spreads 21 bits, with two zeros between each.
+uint64_t spread(uint32_t v) {
   uint64_t x = v & 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
   x = (x | x << 16) & 0x1f0000ff0000ff;
@@ -143,7 +145,7 @@ uint64_t spread(uint32_t v) {  // 21 bits, two zeros between each
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// In the order of a space-filling curve through their middles.
+/// Sorts faces along a space-filling curve through their middles.
 void sortFaces(std::vector<Face>& faces) {
   std::vector<std::pair<uint64_t, uint32_t>> order(faces.size());
   parallelFor(faces.size(), 4096, [&](size_t begin, size_t end) {
@@ -160,7 +162,7 @@ void sortFaces(std::vector<Face>& faces) {
   faces.swap(sorted);
 }
 
-/// Boxes around eight faces each, around eight of those, and so on.
+/// Tree of bounding boxes: each leaf's box holds eight faces, each node's box holds eight boxes.
 class BoxTree {
  public:
   explicit BoxTree(std::span<const Face> faces) {
@@ -175,7 +177,7 @@ class BoxTree {
   size_t leafCount() const { return levels_.size() > 1 ? levels_[1].size() : 0; }
   const Box3& face(size_t f) const { return levels_[0][f]; }
 
-  /// Calls `work(face)` for the faces from `first` on whose boxes meet the box.
+  /// Calls `work(face)` for the faces from `first` on whose boxes meet `box`.
   template <class Work>
   void forEachMeeting(const Box3& box, size_t first, Work&& work) const {
     descend(levels_.size() - 1, 0, box, first, work);
@@ -196,16 +198,16 @@ class BoxTree {
       return;
     }
     const size_t end = std::min((node + 1) * kArity, levels_[level - 1].size());
-    const size_t skipped = first >> 3 * (level - 1);  // all below them come before
+    const size_t skipped = first >> 3 * (level - 1);  // Lower children hold only faces before `first`.
     for (size_t child = std::max(node * kArity, skipped); child < end; ++child)
       descend(level - 1, child, box, first, work);
   }
 
-  std::vector<std::vector<Box3>> levels_;  // faces, leaves, ...
+  std::vector<std::vector<Box3>> levels_;  // faces, leaves, ..., root
 };
 static_assert(kArity == 8);
 
-/// What one leaf's faces cross, each pair at its first face.
+/// Crossings found for the faces of one leaf. Each pair is found at its first face.
 struct LeafResult {
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   size_t tests = 0;

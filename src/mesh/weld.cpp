@@ -9,7 +9,7 @@ namespace raymap {
 
 namespace {
 
-/// A position as sortable bits, equal exactly where the coordinates are (-0 equals 0, even NaN has a place).
+/// Position as sortable bits, equal exactly where the coordinates are: -0 equals 0, and even NaN is ordered.
 struct WeldKey {
   std::array<uint32_t, 3> bits;
   uint32_t vertex;

@@ -8,13 +8,13 @@
 
 namespace raymap {
 
-/// Which distinct position each vertex has.
+/// Distinct positions of vertices.
 struct Welding {
-  std::vector<uint32_t> ids;
-  size_t count = 0;
+  std::vector<uint32_t> ids;  ///< Position of each vertex.
+  size_t count = 0;           ///< Number of distinct positions.
 };
 
-/// Positions are the same where their coordinates are exactly equal.
+/// Numbers the distinct positions. Positions are the same if their coordinates are exactly equal.
 Welding weldVertices(std::span<const glm::vec3> vertices);
 
 }  // namespace raymap
