@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.3: one entry of the voxel grid.
+// Krayer & Müller 2019, §3.3: one entry of the voxel grid per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -20,7 +20,7 @@ void main() {
   const uint cell = push.entryCells.at[entry], t = push.entryTriangles.at[entry];
   const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
   const float squared = push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2));
-  // The entries of a crowded cell lie together: their subgroups meet there only once each.
+  // The entries of a crowded cell are contiguous, so each of their subgroups needs one atomic operation.
   if (subgroupMin(cell) == subgroupMax(cell)) {
     const float least = subgroupMin(squared);
     if (subgroupElect()) atomicMin(push.squared.at[cell], floatBitsToUint(least));

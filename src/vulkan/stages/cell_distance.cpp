@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.3.
 //
-// Paper: an invocation for each cell. Here: one for each pair of cell and triangle, with an atomic minimum,
-// because cells may hold none or all triangles.
+// Paper: one invocation per cell. Here: one per pair of cell and triangle, with an atomic minimum, because a
+// cell may hold anything from none to all of the triangles.
 
 #include "vulkan/stages/cell_distance.h"
 

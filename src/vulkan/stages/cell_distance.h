@@ -5,15 +5,15 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the squared distance, in units of the lattice's cells, from each occupied cell's centre to
-/// the triangles in it; `emptyCell` in all others.
+/// GPU twin of cpu/cells/cell_distance.h. Computes the squared distance, in units of the lattice's cells,
+/// from each occupied cell's centre to the triangles in the cell; `emptyCell` for all other cells.
 class CellDistanceStage {
  public:
   explicit CellDistanceStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for lattices of so many cells. Nothing recorded before may still have to run.
+  /// Reserves memory for lattices of this many cells. All previously recorded work must have completed.
   void reserve(size_t cells);
-  /// For a grid of as many cells as were reserved, and the triangles that it was made of.
+  /// The grid must have as many cells as were reserved, and `mesh` must be the mesh it was built from.
   void record(Commands& commands, const DeviceMesh& mesh, const VoxelGridStage& grid);
 
   const DeviceBuffer& squared() const { return squared_; }

@@ -10,12 +10,12 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 struct CellDistancePush {
   RAYMAP_ADDRESS(Floats) vertices;
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Uints) entryCells;  // See vulkan/voxel_grid.h.
+  RAYMAP_ADDRESS(Uints) entryCells;  // See vulkan/stages/voxel_grid.h.
   RAYMAP_ADDRESS(Uints) entryTriangles;
-  RAYMAP_ADDRESS(Uints) count;    // Of entries.
-  RAYMAP_ADDRESS(Uints) squared;  // Of each cell; the bits of floats, which order as they do from 0 on.
+  RAYMAP_ADDRESS(Uints) count;    // Number of entries.
+  RAYMAP_ADDRESS(Uints) squared;  // Per cell; bits of floats, which keep the floats' order from 0 on.
   Lattice cells;
-  float perCell2;  // Square cells in a square sample.
+  float perCell2;  // Square cells per square sample.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(CellDistancePush, 104);

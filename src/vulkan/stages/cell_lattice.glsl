@@ -1,4 +1,4 @@
-// Cells of a lattice: the twin of CellLattice in cpu/voxel_grid.h.
+// Cells of a lattice. GPU twin of CellLattice in method/cell_lattice.h.
 
 #include "vulkan/stages/cell_lattice_push.h"
 

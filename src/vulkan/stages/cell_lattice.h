@@ -5,7 +5,7 @@
 
 namespace raymap::vulkan {
 
-/// As shaders read it.
+/// Returns the lattice in the shaders' layout.
 inline Lattice latticeOf(const CellLattice& cells) {
   return {.firstX = cells.first.x,
           .firstY = cells.first.y,

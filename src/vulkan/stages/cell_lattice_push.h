@@ -1,11 +1,11 @@
-#ifndef RAYMAP_SHARED_CELL_LATTICE_H  // No pragma: GLSL, too, includes this more than once.
+#ifndef RAYMAP_SHARED_CELL_LATTICE_H  // No pragma: GLSL also includes this more than once.
 #define RAYMAP_SHARED_CELL_LATTICE_H
 
 #include "base/shader_types.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-// cpu/voxel_grid.h says what a CellLattice is.
+// See CellLattice in method/cell_lattice.h.
 struct Lattice {
   double firstX, firstY, firstZ, size;
   uint nx, ny, nz;

@@ -1,4 +1,4 @@
-// Where samples lie in the lattices of coverMesh: the twin of cpu/cell_level.h.
+// Places of samples in the lattices of coverMesh. GPU twin of cpu/cells/cell_levels.h.
 
 #include "vulkan/stages/cell_lattice.glsl"
 #include "vulkan/stages/cell_levels_push.h"
@@ -6,8 +6,8 @@
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer CellLevels { CellLevelData at[]; };
 
 struct CellPoint {
-  vec3 at;  // In cells,
-  uvec3 cell;  // and in which.
+  vec3 at;  // In cells.
+  uvec3 cell;  // The lattice's cell nearest to the point.
 };
 
 CellPoint cellPointOf(Lattice cells, uvec3 position) {

@@ -8,16 +8,16 @@
 
 namespace raymap::vulkan {
 
-/// What the stages before `refine` leave for one of the lattices of `coverMesh`.
+/// Returns the results of the stages before `refine` for one of the lattices of `coverMesh`.
 CellLevelData levelOf(const VoxelGridStage& grid, const CellDistanceStage& distance,
                       const DistanceTransformStage& transform);
 
-/// All levels, where kernels can read them.
+/// All levels, in a buffer for kernels.
 class CellLevels {
  public:
   explicit CellLevels(Device& device);
 
-  /// At most `kMostLevels`. Their buffers may not be resized afterwards.
+  /// Reserves memory for at most `kMostLevels` levels. Their buffers must not be resized afterwards.
   void reserve(std::span<const CellLevelData> levels);
   void record(Commands& commands) const;
 

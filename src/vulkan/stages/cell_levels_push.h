@@ -1,4 +1,4 @@
-#ifndef RAYMAP_SHARED_CELL_LEVELS_H  // No pragma: GLSL, too, includes this more than once.
+#ifndef RAYMAP_SHARED_CELL_LEVELS_H  // No pragma: GLSL also includes this more than once.
 #define RAYMAP_SHARED_CELL_LEVELS_H
 
 #include "base/shader_types.h"
@@ -6,11 +6,11 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kMostLevels = 2;  // That coverMesh gives.
+RAYMAP_CONSTANT uint kMostLevels = 2;  // Maximum number of lattices that coverMesh returns.
 
-// What the stages before `refine` leave for a lattice; the first four are 0 for `raster`.
+// Results of the stages before `refine` for a lattice; the first four are 0 for `raster`.
 struct CellLevelData {
-  RAYMAP_ADDRESS(Uints) begins;  // See vulkan/voxel_grid.h.
+  RAYMAP_ADDRESS(Uints) begins;  // See vulkan/stages/voxel_grid.h.
   RAYMAP_ADDRESS(Uints) entryCells;
   RAYMAP_ADDRESS(Uints) entryTriangles;
   RAYMAP_ADDRESS(Uints) count;

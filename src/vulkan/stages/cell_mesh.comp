@@ -1,4 +1,5 @@
-// Vertices in cell units, where sample (i, j, k) lies at (i, j, k): in double precision, exactly as the CPU does.
+// Converts vertices to cell units, where sample (i, j, k) lies at (i, j, k). Double precision gives exactly
+// the CPU's result.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

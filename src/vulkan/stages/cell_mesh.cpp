@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3: all data stay on the device once the mesh is there.
+// Krayer & Müller 2019, §3: once the mesh is on the device, all data stay there.
 
 #include "vulkan/stages/cell_mesh.h"
 
@@ -66,7 +66,7 @@ void CellMeshStage::record(Commands& commands, const Source& source, const Grid&
   commands.fill(status_, 0);
   commands.dispatch(toCells_, push, vertexCount_);
   commands.dispatch(check_, push, triangleCount_);
-  gate_.record(commands, status_.address());  // Its first word.
+  gate_.record(commands, status_.address());  // Word 0, `bad`, opens the gate.
   gate_.dispatch(commands, mend_, push, 0);
 }
 

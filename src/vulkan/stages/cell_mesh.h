@@ -9,16 +9,15 @@
 
 namespace raymap::vulkan {
 
-/// A mesh on the device, its vertices in cell units, where sample (i, j, k) of the grid lies at (i, j, k):
-/// three floats a vertex and three 32-bit indices a triangle, tightly packed. Whatever it is made from, no
-/// index is out of range and no vertex infinite or not a number: triangles that had such have become points
-/// on others.
+/// Mesh on the device, with vertices in cell units: sample (i, j, k) of the grid lies at (i, j, k). Three
+/// floats per vertex and three 32-bit indices per triangle, tightly packed. Every index is in range and every
+/// vertex is finite: triangles of the source for which this fails become points on other triangles.
 class CellMeshStage {
  public:
-  /// A mesh that the device can read, perhaps someone else's.
+  /// Mesh that the device can read; the caller may own it.
   struct Source {
     VkDeviceAddress positions = 0;  ///< In the mesh's units.
-    uint32_t stride = 3;            ///< Floats from one to the next.
+    uint32_t stride = 3;            ///< Floats from one vertex to the next.
     VkDeviceAddress triangles = 0;  ///< Three indices each.
     uint32_t vertexCount = 0;
     uint32_t triangleCount = 0;
@@ -27,18 +26,18 @@ class CellMeshStage {
 
   explicit CellMeshStage(Device& device);
 
-  /// Makes room for meshes of up to so many. Nothing recorded before may still have to run.
+  /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
   void reserve(uint32_t vertices, uint32_t triangles);
-  /// Counts triangles that reach so many samples beyond the grid.
+  /// Also counts the triangles that reach more than `outside` samples beyond the grid.
   void record(Commands& commands, const Source& source, const Grid& grid, double outside);
 
-  /// Of the mesh of the last `record`.
+  /// Buffers of the mesh of the last `record`.
   const DeviceBuffer& vertexBuffer() const { return vertices_; }
   const DeviceBuffer& triangleBuffer() const { return triangles_; }
   DeviceMesh mesh() const {
     return {vertices_.address(), triangles_.address(), vertexCount_, triangleCount_};
   }
-  /// One `CellMeshStatus`.
+  /// Buffer of one `CellMeshStatus`.
   const DeviceBuffer& status() const { return status_; }
 
  private:
@@ -49,14 +48,15 @@ class CellMeshStage {
   uint32_t triangleCount_ = 0;
 };
 
-/// A mesh of the host's where the device can read it.
+/// Copy of a host mesh that the device can read.
 class MeshUpload {
  public:
   explicit MeshUpload(Device& device);
 
-  /// Nothing recorded before may still have to run.
+  /// Copies the mesh. All previously recorded work must have completed.
   void fill(const Mesh& mesh);
-  /// The same mesh, some faces the other way round: those with a 1.
+  /// Copies the triangles of the same mesh again, with the winding of the faces reversed whose value in
+  /// `turns` is 1.
   void turn(const Mesh& mesh, std::span<const uint8_t> turns);
   const CellMeshStage::Source& source() const { return source_; }
 

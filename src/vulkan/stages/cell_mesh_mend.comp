@@ -1,5 +1,5 @@
-// Makes what is bad harmless, where there is any: a triangle becomes a corner of a good one, which changes neither
-// distances nor crossings, and a vertex, which no triangle then has, lies in the grid.
+// Mends bad triangles and vertices, if there are any. A bad triangle becomes a corner of a good one, which
+// changes neither distances nor crossings. A bad vertex, which no triangle then uses, moves into the grid.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -6,13 +6,13 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-// All zero before the stage begins. Numbers of triangles are complemented, so that the first is the highest.
+// All zero before the stage begins. Triangle numbers are complemented, so that the first one is the maximum.
 struct CellMeshStatus {
-  uint bad;           // Vertices that are not finite, and triangles with such or with an index out of range;
-  uint badTriangles;  // the latter alone,
-  uint firstBad;      // and the first of them.
+  uint bad;           // Number of nonfinite vertices plus number of bad triangles.
+  uint badTriangles;  // Triangles with a nonfinite vertex or an index out of range.
+  uint firstBad;      // The first of these.
   uint firstGood;
-  uint outside;  // Triangles beyond `low` and `high`.
+  uint outside;  // Triangles that reach beyond `low` or `high`.
 };
 RAYMAP_CHECK_SIZE(CellMeshStatus, 20);
 
@@ -23,17 +23,17 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CellMeshStat
 #endif
 
 struct CellMeshPush {
-  RAYMAP_ADDRESS(Floats) positions;  // Of vertices, in the mesh's units,
-  RAYMAP_ADDRESS(Uints) corners;     // and three of them a triangle, as the caller has them.
-  RAYMAP_ADDRESS(Floats) vertices;   // Three numbers a vertex, in cells.
-  RAYMAP_ADDRESS(Uints) triangles;   // Checked.
+  RAYMAP_ADDRESS(Floats) positions;  // Positions of the vertices, in the mesh's units.
+  RAYMAP_ADDRESS(Uints) corners;     // Three vertex indices per triangle, from the caller.
+  RAYMAP_ADDRESS(Floats) vertices;   // Three numbers per vertex, in cells.
+  RAYMAP_ADDRESS(Uints) triangles;   // Checked copy of `corners`.
   RAYMAP_ADDRESS(CellMeshStatusAddress) status;
   double shiftX, shiftY, shiftZ;  // From the grid's origin to the mesh's.
-  double scale;                   // Cells to a unit.
+  double scale;                   // Cells per unit.
   uint stride;                    // Numbers from one position to the next.
   uint vertexCount;
   uint triangleCount;
-  float low;  // On all axes.
+  float low;  // The same on all axes.
   float highX, highY, highZ;
   uint unused;
 };

@@ -1,4 +1,4 @@
-// Finds the triangles that no stage may see: with indices out of range or vertices that are not finite.
+// Finds the triangles that no other stage may read: those with an index out of range or a nonfinite vertex.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -16,7 +16,7 @@ bool isOutside(uvec3 corners) {
          any(greaterThan(max(max(a, b), c), vec3(push.highX, push.highY, push.highZ)));
 }
 
-// One invocation of a subgroup speaks for all of it, and only where there is something new.
+// Updates the status once per subgroup, and only if there is something to change.
 void note(uint good, uint outside) {
   const uint first = subgroupMax(good);
   const uint outsideOfAll = subgroupAdd(outside);

@@ -1,5 +1,5 @@
-// The cells that a triangle touches in one row of those that its bounds touch: an invocation for each row, so that
-// large triangles and small ones take equally long.
+// Finds the cells that a triangle touches in one row of its bounds' cells. Each invocation handles one row,
+// so that large and small triangles take equally long.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.1.
 //
-// Paper: the rasterizer spreads the work. Here: a prefix sum over how many rows of cells each triangle's
-// bounds touch numbers all rows; every invocation finds its row's triangle in it.
+// Paper: the rasterizer distributes the work. Here: a prefix sum over the number of cell rows in each
+// triangle's bounds numbers all rows. Each invocation finds its row's triangle in the sums.
 
 #include "vulkan/stages/cell_runs.h"
 
@@ -31,7 +31,7 @@ CellRunsStage::CellRunsStage(Device& device)
       totals_(device, "cell runs' totals") {}
 
 void CellRunsStage::reserve(uint32_t triangles, uint64_t rows) {
-  // In fine meshes a triangle touches about two rows; few are no work in any case.
+  // In fine meshes a triangle touches about two rows. The minimum is negligible work.
   constexpr uint64_t kRowsPerTriangle = 3, kFewRows = uint64_t{1} << 16;
   if (rows > kMostRows)
     throw Error(ErrorCode::Memory, "the triangles touch " + std::to_string(rows) +

@@ -1,4 +1,5 @@
-// Krayer & Müller 2019, §3.1. The twin of cpu/cell_runs.h: which cells of a row along x a triangle touches.
+// Krayer & Müller 2019, §3.1: the cells of a row along x that a triangle touches. GPU twin of
+// cpu/cells/cell_runs.h.
 
 #include "vulkan/stages/cell_lattice.glsl"
 #include "vulkan/stages/mesh.glsl"
@@ -7,7 +8,7 @@
 
 layout(push_constant, scalar) uniform Push { CellRunsPush push; };
 
-// Cells grow by this share of the triangle's reach, to make up for rounding in double precision.
+// Cells grow by this share of the triangle's reach, which makes up for rounding in double precision.
 const double kSlack = 1e-12lf;
 
 struct Interval {
@@ -15,7 +16,7 @@ struct Interval {
   double high;
 };
 
-// Keeps x with from <= factor * x <= to. What is empty ends below 0.
+// Keeps the x with from <= factor * x <= to. An empty interval ends below 0.
 void clip(inout Interval interval, double factor, double from, double to) {
   if (factor == 0.0) {
     if (from > 0.0 || to < 0.0) interval.high = -1.0;
@@ -30,12 +31,12 @@ bool isEmpty(Interval interval) {
   return !(interval.low <= interval.high);
 }
 
-// A triangle relative to the lowest cell that its bounds touch, in cells.
+// Triangle relative to the lowest cell of its bounds, in cells.
 struct LocalTriangle {
   dvec3 corner[3];
   ivec3 base;
-  ivec3 extent;  // From there to the highest cell that its bounds touch; negative outside the lattice.
-  bool isCut;    // Some of its bounds lies outside the lattice.
+  ivec3 extent;  // From `base` to the highest cell of its bounds; negative outside the lattice.
+  bool isCut;    // Whether its bounds reach beyond the lattice.
 };
 
 LocalTriangle readLocalTriangle(uint triangle) {
@@ -60,7 +61,7 @@ uint rowCount(LocalTriangle local) {
   return any(lessThan(local.extent, ivec3(0))) ? 0 : uint(local.extent.y + 1) * uint(local.extent.z + 1);
 }
 
-// The edges as seen along an axis.
+// Clips by the edges in the projection along an axis.
 void clipByEdges(inout Interval interval, LocalTriangle local, uint along, uint axis, uint other, int at,
                  double slack) {
   [[unroll]] for (uint e = 0; e < 3; ++e) {
@@ -70,7 +71,8 @@ void clipByEdges(inout Interval interval, LocalTriangle local, uint along, uint 
   }
 }
 
-// The cells along x from the triangle's lowest that it touches in row j, k; possibly none.
+// Returns the cells along x, relative to the triangle's lowest one, that it touches in row j, k; possibly
+// none.
 ivec2 touchedRun(LocalTriangle local, int j, int k) {
   const ivec3 extent = local.extent;
   // Within one line of cells the bounds decide.
@@ -90,7 +92,7 @@ ivec2 touchedRun(LocalTriangle local, int j, int k) {
   return isEmpty(row) ? none : ivec2(ceil(row.low), floor(row.high));
 }
 
-// Adds to a 64-bit total; the subgroup first adds among itself.
+// Adds to a 64-bit total, once per subgroup.
 void addToTotal(uint at, uint value) {
   const uint sum = subgroupAdd(value);
   if (!subgroupElect()) return;

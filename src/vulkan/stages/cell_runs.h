@@ -7,37 +7,39 @@
 
 namespace raymap::vulkan {
 
-/// What was counted.
+/// Returns the counted sizes.
 inline ListSizes sizesOf(const CellRunsTotals& totals) {
   return {.rows = uint64_t{totals.rowsHigh} << 32 | totals.rows,
           .entries = uint64_t{totals.entriesHigh} << 32 | totals.entries};
 }
 
-/// The CPU's twin: every run of cells along x that a triangle touches, by ascending triangles. A run for each
-/// row of cells that the triangle's bounds touch; some are empty.
+/// GPU twin of cpu/cells/cell_runs.h. Finds every run of cells along x that a triangle touches, by ascending
+/// triangles. There is one run for each row of cells in the triangle's bounds; some are empty.
 ///
-/// How many there are the device finds out, and writes to `totals`: where there is not room for them all, the
-/// runs are undefined, and `fits` says so. Then reserve for as many, record and run it again.
+/// The device finds out the number of runs and writes it to `totals`. If the capacity does not suffice, the
+/// runs are undefined and `fits` returns false. The caller then reserves that many, and records and runs the
+/// stage again.
 class CellRunsStage {
  public:
   explicit CellRunsStage(Device& device);
 
-  /// Makes room for so many triangles and for a guess at their rows, or so many if these are more. Nothing
-  /// recorded before may still have to run. Throws `Error(Memory)` if there are more than can be numbered.
+  /// Reserves memory for this many triangles and an estimated number of rows, or for `rows` if that is more.
+  /// All previously recorded work must have completed. Throws `Error(Memory)` if the rows are too many to be
+  /// numbered.
   void reserve(uint32_t triangles, uint64_t rows = 0);
-  /// For no more triangles than were reserved.
+  /// The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells);
 
   bool fits(const ListSizes& sizes) const { return sizes.rows <= mostRows_; }
 
-  /// By run; one more start than runs.
+  /// Addresses of the runs; there is one more start than runs.
   VkDeviceAddress triangles() const { return runTriangles_.address(); }
   VkDeviceAddress firstCells() const { return runCells_.address(); }
   VkDeviceAddress starts() const { return runStarts_.address(); }
-  /// One `CellRunsTotals`, for `sizesOf` when the work is done.
+  /// Buffer of one `CellRunsTotals`, for `sizesOf` when the work is done.
   const DeviceBuffer& totals() const { return totals_; }
   uint32_t mostRows() const { return mostRows_; }
-  /// Groups of `kRunsGroup` runs, at least one.
+  /// Dispatches groups of `kRunsGroup` runs, at least one.
   template <class Push>
   void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push) const {
     arguments_.dispatch(commands, kernel, push, 0);

@@ -9,22 +9,22 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kRunsGroup = 256;  // Runs that a group expands.
 
-// How many rows of cells the triangles' bounds touch, and how many cells the triangles do; 64 bits each.
+// Number of cell rows in the triangles' bounds, and number of cells that the triangles touch; 64 bits each.
 struct CellRunsTotals {
   uint rows, rowsHigh;
   uint entries, entriesHigh;
 };
 RAYMAP_CHECK_SIZE(CellRunsTotals, 16);
 
-// Of each row of cells that a triangle's bounds touch: the run of cells in it that the triangle touches.
+// For each row of cells in a triangle's bounds: the run of cells that the triangle touches.
 struct CellRunsPush {
   RAYMAP_ADDRESS(Floats) vertices;
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Uints) rowStarts;  // Of each triangle: how many rows it has, then which is its first.
+  RAYMAP_ADDRESS(Uints) rowStarts;  // Per triangle: the number of its rows, then its first row.
   RAYMAP_ADDRESS(Uints) runTriangles;
-  RAYMAP_ADDRESS(Uints) runCells;  // The first.
+  RAYMAP_ADDRESS(Uints) runCells;  // First cell of each run.
   RAYMAP_ADDRESS(Uints) runSizes;
-  RAYMAP_ADDRESS(Uints) totals;  // CellRunsTotals
+  RAYMAP_ADDRESS(Uints) totals;  // CellRunsTotals.
   Lattice cells;
   uint triangleCount;
   uint mostRows;

@@ -1,4 +1,4 @@
-// How many rows of cells each triangle's bounds touch.
+// Counts the rows of cells in each triangle's bounds.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -1,5 +1,5 @@
-// Krayer & Müller 2019, §4, end: the lattice edges at which the sign changes and no triangle is. The twin of
-// cpu/close_holes.cpp.
+// Krayer & Müller 2019, §4, end: finds the lattice edges at which the sign changes but no triangle crosses.
+// GPU twin of cpu/sign/close_holes.cpp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -25,7 +25,7 @@ ivec3 nextAlong(uint axis, ivec3 s) {
   return s;
 }
 
-// The edge from a sample to the next: number e of its line leads to sample e.
+// Returns whether triangles cross the edge from a sample to the next one; edge e of a line leads to sample e.
 bool isCrossed(uint axis, ivec3 s) {
   const ivec3 size = nextAlong(axis, dims()), place = nextAlong(axis, s);
   return isCrossed(push.crossed, push.crossedWords, axis, uint((place.z * size.y + place.y) * size.x + place.x));
@@ -38,7 +38,8 @@ ivec3 cubeAround(ivec3 s, uint axis, uint c) {
   return cube;
 }
 
-// Whether triangles cross an edge of the cube at which the sign changes. Never of one that reaches beyond the grid.
+// Returns whether triangles cross an edge of the cube at which the sign changes; false for cubes that reach
+// beyond the grid.
 bool hasCrossedChange(ivec3 cube) {
   if (any(equal(cube, ivec3(0))) || any(equal(cube, dims()))) return false;
   for (uint axis = 0; axis < 3; ++axis)

@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §4, end: surface where the sign changes and no triangle is.
+// Krayer & Müller 2019, §4, end: adds surface where the sign changes but no triangle crosses.
 
 #include "vulkan/stages/close_holes.h"
 

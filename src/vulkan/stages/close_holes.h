@@ -8,25 +8,25 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: where surface is missing, for the host, and distances to the patch that it makes of that
-/// (hole_patch.h).
+/// GPU twin of cpu/sign/close_holes.h. Finds for the host where surface is missing, and computes distances to
+/// the patch that the host makes there (method/close_holes_patch.h).
 class CloseHolesStage {
  public:
   explicit CloseHolesStage(Device& device);
 
-  /// Looks for missing edges, and lists them as far as there is room.
+  /// Searches for missing edges. Counts all of them, and lists as many as the capacity allows.
   void recordSearch(Commands& commands, const glm::ivec3& dims, const CrossedEdges& crossed,
                     VkDeviceAddress winding, double threshold);
-  /// The winding numbers at some points, of the triangles in the tree.
+  /// Computes the winding numbers of the tree's triangles at these points.
   void recordNumbersAt(Commands& commands, WindingDipolesStage& dipoles, const SurfaceTreeStage& tree,
                        std::span<const glm::vec3> points, double threshold);
-  /// Distances to a patch where they are shorter.
+  /// Replaces distances by those to the patch where these are shorter.
   void recordDistance(Commands& commands, const HolePatch& patch, const ExactDistanceStage::Fields& fields);
 
-  // When the work has been done:
-  /// Makes room for all edges if there was too little for them.
+  // To be called when the work is done:
+  /// Reserves memory for all edges if the capacity did not suffice. Returns whether it did so.
   bool growIfFull();
-  /// In the order of their samples and axes.
+  /// Returns the edges in the order of their samples and axes.
   std::vector<MissingEdge> edges() const;
   std::vector<float> numbers() const;
 

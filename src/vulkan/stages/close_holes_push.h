@@ -14,10 +14,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MissingEdges
 #endif
 
 struct CloseHolesPush {
-  RAYMAP_ADDRESS(Uints) crossed;  // Which edges triangles cross (crossed_edges.glsl).
+  RAYMAP_ADDRESS(Uints) crossed;  // Bits of the edges that triangles cross (crossed_edges.glsl).
   RAYMAP_ADDRESS(Floats) winding;
-  RAYMAP_ADDRESS(Uints) count;         // Of missing edges, zero before,
-  RAYMAP_ADDRESS(MissingEdges) edges;  // and the first `room` of them, in any order.
+  RAYMAP_ADDRESS(Uints) count;         // Number of missing edges, zero before.
+  RAYMAP_ADDRESS(MissingEdges) edges;  // At most `room` of them, in any order.
   uint room;
   uint crossedWords;
   uint gridX, gridY, gridZ;  // Samples of the grid.

@@ -1,4 +1,4 @@
-// Which lattice edges any triangle crosses, a bit each: `words` numbers for the edges along each axis.
+// One bit per lattice edge: whether any triangle crosses it. `words` numbers for the edges along each axis.
 
 void markCrossed(Uints crossed, uint words, uint axis, uint edge) {
   atomicOr(crossed.at[axis * words + edge / 32], 1u << (edge % 32));

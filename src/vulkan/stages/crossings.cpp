@@ -1,10 +1,10 @@
 // Krayer & Müller 2019, §3.5: the local intersection counts w_l.
 //
 // Paper: each cell intersects the triangles it holds, in eight passes by parity, so that no two write the
-// same count. Here: each triangle is scanned over the lattice lines in its projection, as on the CPU, and
-// adds to the counts by integer atomics, whose order does not matter. One invocation scans a triangle that
-// covers few lines; larger ones are cut into runs of lines, so that one that covers the whole grid does not
-// keep a single invocation busy.
+// same count. Here: each triangle is scanned over the lattice lines in its projection, as on the CPU. It adds
+// to the counts by integer atomics, whose order does not matter. One invocation scans a triangle that covers
+// few lines. Larger triangles are cut into runs of lines, so that one that covers the whole grid does not
+// occupy a single invocation.
 
 #include "vulkan/stages/crossings.h"
 
@@ -22,7 +22,7 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint64_t kMostElements = uint64_t{1} << 31;  // Shaders take indices as signed.
+constexpr uint64_t kMostElements = uint64_t{1} << 31;  // Shaders read indices as signed.
 
 void checkSize(uint64_t elements, const char* what) {
   if (elements > kMostElements)

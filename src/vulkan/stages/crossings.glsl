@@ -1,4 +1,5 @@
-// What all kernels of the crossings share: triangles on the lattice of 2^-bits cells, as in cpu/crossings.cpp.
+// Declarations shared by all kernels of the crossings: triangles on the lattice of 2^-bits cells, as in
+// cpu/sign/crossings.cpp.
 
 #include "vulkan/stages/crossed_edges.glsl"
 #include "vulkan/stages/crossings_push.h"
@@ -10,7 +11,7 @@ const int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits i
 
 struct SnappedTriangle {
   i64vec3 a, b, c;
-  ivec3 begin, end;  // The lines across each axis that its box covers.
+  ivec3 begin, end;  // Lines across each axis that its bounding box covers.
 };
 
 vec3 cornerOf(uint triangle, uint corner) {
@@ -30,7 +31,7 @@ int fractionBits() {
   return clamp(kCoordinateBits - 1 - max(exponentOf(push.status.now.reach), 0), 0, kMaxFractionBits);
 }
 
-// Exact: float times a power of two, rounded to the nearest integer.
+// Exact: the float times a power of two, rounded to the nearest integer.
 i64vec3 snap(vec3 p, int bits) {
   const dvec3 scaled = dvec3(p) * double(1 << bits);
   return i64vec3(scaled + mix(dvec3(0.5), dvec3(-0.5), lessThan(scaled, dvec3(0.0))));
@@ -51,7 +52,7 @@ SnappedTriangle snapTriangle(uint triangle, int bits) {
   return t;
 }
 
-// Vectors in the frame (u, v, axis) of a lattice line: u is the lower one of the axes across it.
+// Return vectors in the frame (u, v, axis) of a lattice line; u is the lower of the two axes across it.
 i64vec3 inFrame(i64vec3 p, uint axis) {
   return axis == 0 ? p.yzx : axis == 1 ? p.xzy : p;
 }
@@ -64,7 +65,7 @@ ivec3 fromFrame(ivec3 p, uint axis) {
   return axis == 0 ? p.zxy : axis == 1 ? p.xzy : p;
 }
 
-// Lines along the axis that the triangle's box covers: so many in each of so many rows.
+// Returns the lines along the axis that the triangle's bounding box covers: lines per row, number of rows.
 uvec2 linesAlong(SnappedTriangle t, uint axis) {
   const ivec3 size = inFrame(t.end - t.begin, axis);
   return size.x > 0 && size.y > 0 ? uvec2(size.xy) : uvec2(0);

@@ -12,38 +12,38 @@
 
 namespace raymap::vulkan {
 
-/// Where three arrays of numbers lie, one for each lattice edge along x, y and z. A line along an axis with n
-/// samples has n + 1 of them: edge e leads from sample e - 1 to e, edge 0 stands for all that lies before the
-/// first sample, edge n for all beyond the last. In memory each array is a grid with one sample more along
-/// its axis, x fastest.
+/// Addresses of three arrays of numbers, one for each lattice edge along x, y and z. A line along an axis
+/// with n samples has n + 1 edges. Edge e leads from sample e - 1 to sample e. Edge 0 stands for everything
+/// before the first sample, edge n for everything beyond the last. In memory each array is a grid with one
+/// more sample along its axis, x fastest.
 struct LatticeLines {
   glm::ivec3 dims{0};
   std::array<VkDeviceAddress, 3> axes{};
 };
 
-/// Which of these edges any triangle crosses, whichever way it points: a bit each (crossed_edges.glsl).
+/// One bit per lattice edge: whether any triangle crosses it, in either direction (crossed_edges.glsl).
 struct CrossedEdges {
   VkDeviceAddress bits = 0;
-  uint32_t words = 0;  ///< For the edges along each axis.
+  uint32_t words = 0;  ///< Words for the edges along each axis.
 };
 
-/// Signed crossings w_l of every lattice edge, the same as the CPU's: §3.5, see cpu/crossings.h. Of unsigned
-/// ones only whether there are any.
+/// Counts the signed crossings w_l of every lattice edge, with the CPU's results: §3.5, see
+/// cpu/sign/crossings.h. Optionally keeps one bit per edge that tells whether any triangle crosses it.
 class CrossingsStage {
  public:
   explicit CrossingsStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for grids of these dims and so many triangles. Nothing recorded before may still have to run.
-  /// Throws `Error(Unsupported)` if there are more edges or corners than can be numbered.
+  /// Reserves memory for grids of these dims and this many triangles. All previously recorded work must have
+  /// completed. Throws `Error(Unsupported)` if the edges or corners are too many to be numbered.
   void reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed = false);
-  /// Counts the crossings of up to as many triangles as were reserved.
+  /// The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   LatticeLines lines() const;
-  /// If it was to keep them.
+  /// Returns the bits of the crossed edges; valid if `reserve` had `keepsCrossed` set.
   CrossedEdges crossed() const { return {crossed_.address(), crossedWords_}; }
   const DeviceBuffer& line(int axis) const { return lines_[static_cast<size_t>(axis)]; }
-  /// One `CrossingsStatus`, for `failureOf` when the work has been done.
+  /// Buffer of one `CrossingsStatus`, for `failureOf` when the work is done.
   const DeviceBuffer& status() const { return status_; }
 
  private:
@@ -60,8 +60,8 @@ class CrossingsStage {
   DeviceBuffer status_;
 };
 
-/// What kept the crossings from being counted, if anything: `Error(Input)` if a vertex lies too far away,
-/// `Error(Unsupported)` if large triangles cover too many lines.
+/// Returns the error that kept the crossings from being counted, if any: `Error(Input)` if a vertex lies too
+/// far away, `Error(Unsupported)` if large triangles cover too many lines.
 std::optional<Error> failureOf(const CrossingsStatus& status);
 
 }  // namespace raymap::vulkan

@@ -1,10 +1,10 @@
-// Which lattice lines a triangle crosses and where, as in cpu/crossings_exact.h: simulation of simplicity
-// (Edelsbrunner & Mücke 1990) on integers. Whoever includes this defines `Wide`, for products of two
-// coordinates, and its functions.
+// Finds the lattice lines that a triangle crosses and the places of the crossings, as in
+// cpu/sign/crossings_exact.h: simulation of simplicity (Edelsbrunner & Mücke 1990) on integers. The including
+// file defines `Wide`, a type for products of two coordinates, and its functions.
 
-const int kLongRun = 8;  // Worth to be looked at as a whole first.
+const int kLongRun = 8;  // Runs longer than this are first tested as a whole.
 
-// A triangle seen along an axis: counterclockwise, its normal towards plus axis.
+// Triangle in the projection along an axis: counterclockwise, with its normal towards plus axis.
 struct Facet {
   i64vec3 a, b, c;
   Wide normalU, normalV, normalW;
@@ -12,7 +12,7 @@ struct Facet {
   int direction;
 };
 
-// False if it projects to a line: the displaced lattice lines miss it.
+// Returns false for a triangle that projects to a line: the displaced lattice lines miss it.
 bool makeFacet(SnappedTriangle t, uint axis, out Facet facet) {
   facet.a = inFrame(t.a, axis);
   facet.b = inFrame(t.b, axis);
@@ -33,7 +33,7 @@ bool makeFacet(SnappedTriangle t, uint axis, out Facet facet) {
   }
   // (u, v, axis) is a left-handed frame for the y axis.
   facet.direction = isFlipped == (axis == 1) ? 1 : -1;
-  // The displacement adds n . (e, e^2, e^3): its first component along x, y, z that is not zero decides.
+  // The displacement adds n . (e, e^2, e^3): the first nonzero component along x, y, z decides.
   const bool isUNegative = isPositive(negative(facet.normalU));
   const bool isUZero = !isUNegative && !isPositive(facet.normalU);
   facet.tie = 1;
@@ -42,8 +42,8 @@ bool makeFacet(SnappedTriangle t, uint axis, out Facet facet) {
   return true;
 }
 
-// orient2d of a directed edge and the displaced lattice line: positive for lines to the left of the edge. The
-// displacement adds du * e_v - dv * e_u, and e_u is infinitely larger than e_v.
+// Returns orient2d of a directed edge and the displaced lattice line: positive for lines to the left of the
+// edge. The displacement adds du * e_v - dv * e_u, and e_u is infinitely larger than e_v.
 Wide edgeFunction(i64vec3 from, i64vec3 to, i64vec2 line) {
   const i64vec2 d = to.xy - from.xy, offset = line - from.xy;
   const int64_t tie = int64_t(d.y < 0 || (d.y == 0 && d.x > 0));
@@ -54,8 +54,8 @@ Wide edgeStep(i64vec3 from, i64vec3 to, int bits) {
   return product(from.y - to.y, 1l << bits);
 }
 
-// How many samples of a line lie below the plane, all before `begin` and none from `end` on: where the triangle
-// crosses it, as an index of lattice edges.
+// Returns the number of a line's samples below the plane: all before `begin`, none from `end` on. The number
+// is also the index of the lattice edge at which the triangle crosses the line.
 int countBelow(Facet facet, i64vec2 line, int begin, int end, int bits) {
   if (begin == end) return begin;
   const i64vec2 offset = line - facet.a.xy;
@@ -72,7 +72,7 @@ int countBelow(Facet facet, i64vec2 line, int begin, int end, int bits) {
   return begin;
 }
 
-// Whether an edge has none of `count` lines to its left.
+// Returns whether none of `count` lines lies to the left of an edge.
 bool misses(Wide edge, Wide step, int count) {
   return !isPositive(edge) && !isPositive(sum(edge, product(step, int64_t(count - 1))));
 }

@@ -1,4 +1,5 @@
-// How far the corners of triangles lie from sample (0, 0, 0); what no triangle uses does not count.
+// Finds the largest distance of triangle corners from sample (0, 0, 0) along an axis. Vertices without
+// triangles do not count.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -1,4 +1,4 @@
-// Scans one run each: some lines of one row of a triangle.
+// Scans one run per invocation: some lines of one row of a triangle.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,7 +9,7 @@
 #define product longProduct
 #include "vulkan/stages/crossings_lines.glsl"
 
-// The last triangle with no more runs before its own than that.
+// Returns the last triangle whose first run is at most `run`.
 uint triangleOf(uint run) {
   uint begin = 0, end = push.triangleCount;
   while (end - begin > 1) {

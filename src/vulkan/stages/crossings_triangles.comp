@@ -6,7 +6,7 @@
 #include "vulkan/primitives/int128.glsl"
 #include "vulkan/stages/crossings.glsl"
 
-// Narrow triangles only: orient2d fits into 64 bits.
+// Narrow triangles only: their orient2d fits into 64 bits.
 const int64_t kNarrowExtent = 1l << 30;
 #define Wide int64_t
 Wide product(int64_t a, int64_t b) {
@@ -39,7 +39,8 @@ void scanTriangle(SnappedTriangle t, int bits) {
   }
 }
 
-// The runs of a triangle that takes too many steps to be scanned here.
+// Returns the number of runs of a triangle that takes too many steps to be scanned here; scans other
+// triangles and returns 0.
 uint countRuns(uint triangle) {
   const int bits = fractionBits();
   const SnappedTriangle t = snapTriangle(triangle, bits);
@@ -54,7 +55,7 @@ uint countRuns(uint triangle) {
   return 0;
 }
 
-// Adds to a number of 64 bits, in any order: whoever makes its lower half pass zero carries.
+// Adds to a 64-bit number, in any order. The invocation that makes the lower half wrap carries.
 void addRuns(uint64_t runs) {
   const uint low = uint(runs);
   const uint before = atomicAdd(push.status.now.runs, low);

@@ -6,7 +6,7 @@
 
 namespace raymap::vulkan {
 
-/// A mesh in cell units on the device: three floats a vertex, three numbers of vertices a triangle.
+/// Mesh in cell units on the device: three floats per vertex, three vertex indices per triangle.
 struct DeviceMesh {
   VkDeviceAddress vertices = 0;
   VkDeviceAddress triangles = 0;

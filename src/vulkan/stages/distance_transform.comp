@@ -5,24 +5,24 @@
 #include "vulkan/stages/distance_transform_push.h"
 
 layout(constant_id = 1) const uint kAxis = 0;
-layout(constant_id = 2) const uint kCells = 1;     // Of a group's lines, at most,
-layout(constant_id = 3) const uint kSegments = 1;  // and segments.
+layout(constant_id = 2) const uint kCells = 1;     // Maximum number of cells in a group's lines.
+layout(constant_id = 3) const uint kSegments = 1;  // Maximum number of segments in a group's lines.
 layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
 
 const uint kNone = 0xffffffffu;
 const uint kAtOnce = 4;  // Cells that an invocation loads or stores at once.
 
-// Each segment's sites stand in its first places: a site's value, and its place q in the line with the first
-// p from which on it is the lowest so far. In the end the site of each p stands in the value's place.
+// Each segment stores its sites in its first places: the site's value, its place q in the line, and the first
+// p from which on it is the lowest so far. In the end, the value's place holds the site of each p.
 shared uint values[kCells];
-shared uint sites[kCells];        // q | first p << 16
-shared uint segments[kSegments];  // The sites that are left: begin | end << 16. In the end: the last site.
+shared uint sites[kCells];        // q | first p << 16.
+shared uint segments[kSegments];  // Sites left: begin | end << 16. In the end: the last site.
 
 // The group's lines in memory.
 struct Tile {
   uint base;    // First cell of the first line.
-  uint stride;  // From a cell to the next of its line.
-  uint lines;   // Side by side, but rows along x one after another.
+  uint stride;  // From a cell to the next one of its line.
+  uint lines;   // Number of lines: adjacent in x, or consecutive for lines along x.
 };
 
 uint lineLength() {
@@ -46,7 +46,7 @@ Tile tileOf(uint group) {
               min(push.lines, push.nx - x));
 }
 
-// In shared memory.
+// Returns the place in shared memory.
 uint placeOf(uint line, uint p) {
   return kAxis == 0 ? line * lineLength() + p : p * push.lines + line;
 }
@@ -65,18 +65,18 @@ void writeSlot(uint line, uint slot, float value, uint q, int first) {
   sites[placeOf(line, slot)] = q | uint(first) << 16;
 }
 
-// In exact arithmetic, whether the parabola of site a is no higher than that of b > a at p.
+// Returns, in exact arithmetic, whether the parabola of site a is at most as high as that of b > a at p.
 bool isNoHigher(int a, float valueA, int b, float valueB, int p) {
   const double asked = double(b - a) * double(2 * p - a - b);
   const double high = valueB, low = valueA;
   precise const double difference = high - low;
   if (difference != asked) return difference > asked;
-  precise const double taken = difference - high;  // What rounding added, exactly (Knuth 1969).
+  precise const double taken = difference - high;  // Rounding error of the difference, exactly (Knuth 1969).
   precise const double left = (high - (difference - taken)) - (low + taken);
   return left >= 0.0;
 }
 
-// The last p, at least -1, where the parabola of site a is no higher than that of b > a.
+// Returns the last p, at least -1, at which the parabola of site a is at most as high as that of b > a.
 int lastOf(uint siteA, float valueA, uint siteB, float valueB) {
   const float kDoubt = 1.0 / 64.0;  // More than rounding moves a border.
   const int a = int(siteA), b = int(siteB), n = int(lineLength());
@@ -112,7 +112,7 @@ uint endOf(uint line, uint segment) {
   return segments[line * push.segments + segment] >> 16;
 }
 
-// The last slot of the segments from `first` to before `end`, or -1.
+// Returns the last slot of the segments [first, end), or -1.
 int lastSlot(uint line, uint first, uint end) {
   while (end > first) {
     --end;
@@ -139,8 +139,8 @@ void dropFirst(uint line, uint slot) {
   segments[line * push.segments + segment] = (slot + 1) | endOf(line, segment) << 16;
 }
 
-// Makes one envelope of those of the segments [first, middle) and [middle, end): all sites of the first lie
-// before those of the second, so its beginning stays, and the other's end.
+// Merges the envelopes of the segments [first, middle) and [middle, end). All sites of the first envelope lie
+// before those of the second, so its beginning stays, and the end of the second.
 void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
   int i = lastSlot(line, first, middle), j = firstSlot(line, middle, end);
   int from = 0;
@@ -160,8 +160,8 @@ void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
   if (j >= 0) sites[placeOf(line, j)] = siteAt(line, j) | uint(from) << 16;
 }
 
-// The value of a cell before this pass: its own, and the squared distances along the axes that are done. Reads even
-// where the cell has none, so that the reads of several cells can be under way at once.
+// Returns the value of a cell before this pass: its own value plus the squared distances along the finished
+// axes. Reads memory even if the cell has no value, so that the reads of several cells can overlap.
 float valueBefore(uint cell, uint x, uint y, uint p) {
   if (kAxis == 0) return push.values.at[cell];
   const uint nearest = push.from.at[cell];
@@ -178,7 +178,7 @@ float valueBefore(uint cell, uint x, uint y, uint p) {
   return nearest == kNone ? push.empty : value;
 }
 
-// What to write of the nearest cell at q, which the pass before found in `cell`.
+// Returns the word to write for the nearest cell at q, which the pass before found in `cell`.
 uint resultOf(uint cell, uint q) {
   if (kAxis == 0) return q;
   const uint nearest = push.from.at[cell];
@@ -190,7 +190,7 @@ uint cellOf(Tile tile, uint line, uint p) {
   return kAxis == 0 ? tile.base + line * push.nx + p : tile.base + p * tile.stride + line;
 }
 
-// Of a place in shared memory, line and p; along x only together they say which cell it is.
+// Returns line and p of a place in shared memory. Along x only the two together identify the cell.
 uvec2 lineAt(uint place) {
   return kAxis == 0 ? uvec2(0, place) : uvec2(place & (push.lines - 1), place >> findLSB(push.lines));
 }
@@ -199,7 +199,7 @@ uint placeCount(Tile tile) {
   return lineLength() * (kAxis == 0 ? tile.lines : push.lines);
 }
 
-// The n-th place that an invocation loads and stores of those from `first` on.
+// Returns the n-th place that an invocation loads and stores, from `first` on.
 uint placeAfter(uint first, uint n) {
   return first + n * gl_WorkGroupSize.x;
 }
@@ -236,7 +236,7 @@ void store(Tile tile) {
   }
 }
 
-// Lines 45-54: writes each site that is left where it starts to be the lowest, ...
+// Lines 45-54, step 1: writes each remaining site to the p at which it starts to be the lowest.
 void markFirsts(uint line, uint segment) {
   const uint end = endOf(line, segment);
   for (uint slot = beginOf(line, segment); slot < end; ++slot) {
@@ -246,7 +246,7 @@ void markFirsts(uint line, uint segment) {
   }
 }
 
-// ... carries it through the segment, ...
+// Step 2: carries the sites through the segment.
 void carryWithin(uint line, uint begin, uint end, uint segment) {
   uint site = kNone;
   for (uint p = begin; p < end; ++p) {
@@ -257,7 +257,7 @@ void carryWithin(uint line, uint begin, uint end, uint segment) {
   segments[line * push.segments + segment] = site;
 }
 
-// ... and on into what lies before the next one's start.
+// Step 3: carries the last site into the next segment, up to the first site there.
 void carryAcross(uint line, uint begin, uint end, uint segment) {
   uint site = kNone;
   while (segment > 0 && site == kNone) site = segments[line * push.segments + --segment];

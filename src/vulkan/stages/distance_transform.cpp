@@ -1,10 +1,10 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
 //
-// Paper: one line per invocation, in shared memory, which leaves ever fewer of them in flight as lines grow.
-// Here: an invocation has one segment of a line, whose lower envelope it finds alone; then neighbouring
-// envelopes are merged, pair by pair. So a group has as many invocations whatever the resolution, and takes
-// as many lines as its shared memory holds. No values travel from pass to pass, only the nearest cell's
-// place: the value follows from it.
+// Paper: one line per invocation, in shared memory, so that fewer lines are in flight as lines grow. Here:
+// each invocation computes the lower envelope of one segment of a line. Then neighbouring envelopes are
+// merged, pair by pair. A group therefore has the same number of invocations at every resolution, and as many
+// lines as fit into its shared memory. Passes do not exchange values, only the nearest cell's place; the
+// value follows from it.
 
 #include "vulkan/stages/distance_transform.h"
 
@@ -27,7 +27,7 @@ uint32_t ceilDiv(uint32_t a, uint32_t b) {
   return (a + b - 1) / b;
 }
 
-/// 256 invocations, or as many as have enough memory.
+/// Returns 256 invocations, or as many as the shared memory allows.
 uint32_t groupSizeOf(const DeviceLimits& limits) {
   return std::min(256U, limits.sharedMemory / kBytesPerInvocation / 32 * 32);
 }
@@ -66,7 +66,8 @@ void DistanceTransformStage::record(Commands& commands, VkDeviceAddress squared)
 
 void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared,
                                   VkDeviceAddress from, VkDeviceAddress to) {
-  constexpr uint32_t kMostLines = 64;  // More would be no better for memory, and worse for small grids.
+  constexpr uint32_t kMostLines = 64;  // More lines would not make memory access faster, and would be worse
+                                       // for small grids.
   const glm::uvec3 dims(dims_);
   const uint32_t segments = segmentsOf(dims_[axis]);
   const uint32_t fit = std::min(kMostLines, groupSize_ / segments);

@@ -7,22 +7,22 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin, but that the values stay as they are: the transform's value of cell p with the nearest
-/// cell q is ((dx^2 + f(q)) + dy^2) + dz^2 in single precision.
+/// GPU twin of cpu/cells/distance_transform.h, but leaves the values unchanged. The transform's value of cell
+/// p with the nearest cell q is ((dx^2 + f(q)) + dy^2) + dz^2 in single precision.
 class DistanceTransformStage {
  public:
   explicit DistanceTransformStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for grids of these dims. Nothing recorded before may still have to run. Throws
-  /// `Error(Unsupported)` where a line of cells does not fit into the memory that a work group shares.
+  /// Reserves memory for grids of these dims. All previously recorded work must have completed. Throws
+  /// `Error(Unsupported)` if a line of cells does not fit into the memory that a work group shares.
   void reserve(const glm::ivec3& dims);
-  /// For the grid of the last `reserve`: `squared` holds the values f(q) that `cell_distance` leaves.
+  /// Works on the grid of the last `reserve`. `squared` holds the values f(q) of the stage `cell_distance`.
   void record(Commands& commands, VkDeviceAddress squared);
 
-  /// The index of every cell's nearest one, or `kNoCell`.
+  /// Address of the index of every cell's nearest cell, or `kNoCell`.
   VkDeviceAddress nearestCell() const { return nearest_.address(); }
   const DeviceBuffer& nearestCells() const { return nearest_; }
-  /// As large, and free for others after the transform.
+  /// Address of a buffer of the same size, free for other stages after the transform.
   VkDeviceAddress scratch() const { return scratch_.address(); }
 
  private:

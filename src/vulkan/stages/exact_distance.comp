@@ -1,4 +1,4 @@
-// The closest triangle of every sample: a block of 4x4x4 at a time, from the list of the one above.
+// Finds the closest triangle of every sample, a 4x4x4 block at a time, from the list of the block above.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -6,19 +6,20 @@
 #include "vulkan/stages/exact_distance.glsl"
 #include "vulkan/stages/exact_distance_samples.glsl"
 
-// Devices that only mask branches run loops without turns faster than what is under a condition: hence `end` below, and no
-// measuring within the loop that finds what to measure.
+// Devices that only mask branches run loops without iterations faster than code under a condition. Hence
+// `end` below, and no measuring within the loop that finds what to measure.
 
 const uint kMostWaiting = 128;  // At least the largest subgroup.
-// A leaf is measured whole by the samples that it may be closest to if its radius is at most so many cells: its triangles
-// are small beside the spacing then, and those of one leaf matter to a few samples only.
+// Leaves with at most this radius, in cells, are measured as a whole, by the samples that they may be closest
+// to. Their triangles are small compared with the spacing, and each leaf matters to a few samples only.
 const float kWholeLeaf = 1.5;
-// So few triangles are measured for all samples at once. Of more, octants of the block first drop what cannot win there.
+// Up to this many triangles are measured for all samples at once. For more, octants of the block first drop
+// those that cannot win there.
 const uint kFewTriangles = 40;
-// A sample marks those of so many leaves that may be closest to it before it measures them.
+// Leaves per bit mask: a sample marks those that may be closest to it before it measures them.
 const uint kMaskBits = 32;
 
-// The triangles and the leaves that wait to be measured, and the triangles of an octant.
+// Triangles and leaves waiting to be measured, and triangles of an octant.
 shared uint triangles[kMaxSubgroups * kMostWaiting];
 shared uint leaves[kMaxSubgroups * kMostWaiting];
 shared uint octantTriangles[kMaxSubgroups * kMostWaiting];
@@ -34,7 +35,7 @@ void measureTriangle(uint index, vec3 p, inout Closest closest) {
   if (squared < closest.squared) closest = Closest(squared, index);
 }
 
-// Measures few triangles, two samples at once for each that is read.
+// Measures a few triangles, two samples at once for each triangle read.
 void measureTogether(Block block, uint count) {
   const uint end = count > 0 ? kSamples : 0;
   for (uint s = lane(); s < end; s += 2 * gl_SubgroupSize) {
@@ -54,7 +55,7 @@ void measureTogether(Block block, uint count) {
   }
 }
 
-// Which of the triangles that wait may win in an octant of the block, and how many these are.
+// Lists the waiting triangles that may win in an octant of the block, and returns their number.
 uint listOctant(Block octant, uint dominating) {
   Closest closest = Closest(squaredDistance(readTriangle(push.frames, dominating), octant.centre), dominating);
   for (uint first = 0; first < triangleCount; first += gl_SubgroupSize) {
@@ -77,7 +78,7 @@ uint listOctant(Block octant, uint dominating) {
   return count;
 }
 
-// Measures the triangles of an octant, those for each sample shared out to several lanes.
+// Measures the triangles of an octant. Several lanes share those of each sample.
 void measureOctant(Block block, uvec3 octant, uint count) {
   for (uint k = lane() % 8; k < 8; k += gl_SubgroupSize) {
     const uvec3 at = 2 * octant + placeOf(k, uvec3(2));
@@ -93,7 +94,7 @@ void measureOctant(Block block, uvec3 octant, uint count) {
   }
 }
 
-// Measures all triangles that wait.
+// Measures all waiting triangles.
 void measureTriangles(Block block, uint dominating) {
   shareWithSubgroup();
   const bool areFew = triangleCount <= kFewTriangles;
@@ -116,7 +117,7 @@ float boundOfLeaf(uint place, vec3 p) {
   return squaredDistance(readDisc(push.discs, leaves[waitingAt(place)]), p);
 }
 
-// The leaf that may come closest to a point, if any may come closer than what is known.
+// Returns the leaf that may come closest to a point, if any may come closer than the closest triangle so far.
 uint nearestLeaf(vec3 p, Closest closest) {
   uint nearest = kMostWaiting;
   float least = closest.squared;
@@ -128,8 +129,8 @@ uint nearestLeaf(vec3 p, Closest closest) {
   return nearest;
 }
 
-// Measures the leaves that wait: each sample that which may come closest, which nearly settles its distance, then those
-// that still may come closer.
+// Measures the waiting leaves. Each sample first measures the leaf that may come closest, which nearly
+// settles its distance, then those that still may come closer.
 void measureLeaves(Block block) {
   shareWithSubgroup();
   const uint end = leafCount > 0 ? kSamples : 0;
@@ -158,7 +159,7 @@ bool hasRoom() {
   return max(triangleCount, leafCount) + max(gl_SubgroupSize, kArity) <= kMostWaiting;
 }
 
-// Lets each lane's triangle wait to be measured if it may win.
+// Queues each lane's triangle for measuring if it may win.
 void offerTriangles(Block block, Corners corners, bool isOffered, uint triangle) {
   const bool survives =
       isOffered && mayWin(tangentOf(readTriangle(push.frames, triangle), block.centre), block, corners);
@@ -167,7 +168,7 @@ void offerTriangles(Block block, Corners corners, bool isOffered, uint triangle)
   triangleCount += subgroupBallotBitCount(waits);
 }
 
-// Lets each lane's node wait if it is a small leaf, or puts it on the stack, if it may win.
+// If it may win, queues each lane's node if it is a small leaf, else pushes it on the stack.
 void offerNodes(Block block, Corners corners, bool isOffered, uint node, inout uint size) {
   bool survives = false, isWhole = false;
   if (isOffered) {
@@ -181,7 +182,7 @@ void offerNodes(Block block, Corners corners, bool isOffered, uint node, inout u
   pushNodes(size, survives && !isWhole, node, 0);
 }
 
-// Takes nodes from the list, then from the stack, until so much waits to be measured that no more may fit.
+// Takes nodes from the list, then from the stack, until the queues might overflow.
 void fillWaiting(Block block, Corners corners, uint dominating, List list, inout uint next, inout uint size) {
   while ((next < list.count || size > 0) && hasRoom() && !isTooMuchWork()) {
     const bool isFromList = next < list.count;

@@ -1,7 +1,7 @@
 // Ours (Krayer & Müller 2019 keep the nearest cell's triangles, §3.3): the true closest triangle of every
-// sample. As on the CPU, blocks of samples get lists of what may be closest to some sample in them; here in
-// three steps, each block by a subgroup whose lanes are candidates first and samples at the end
-// (docs/decisions/vulkan_exact_distance.md).
+// sample. As on the CPU, blocks of samples get lists of the nodes that may be closest to some sample in them.
+// Here this takes three steps. A subgroup handles each block; its lanes are candidates first and samples at
+// the end (docs/decisions/vulkan_exact_distance.md).
 
 #include "vulkan/stages/exact_distance.h"
 
@@ -15,8 +15,8 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Each subgroup needs 4.6 KiB of shared memory: four at most. One in software, where drivers may take a
-/// barrier of a subgroup for one of the group (docs/decisions/vulkan_exact_distance.md).
+/// Limits a group to four subgroups, each of which needs 4.6 KB of shared memory. In software it has one
+/// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).
 uint32_t groupSizeOf(const DeviceLimits& limits, bool isSoftware) {
   if (isSoftware) return limits.maxSubgroupSize;
   constexpr uint32_t kBest = 64;
@@ -92,7 +92,8 @@ void ExactDistanceStage::recordBlocks(Commands& commands, ExactDistancePush push
   if (hasShortLoops_) recordRest(commands, push);
 }
 
-/// Loops that end too early leave blocks unfinished, which then look at all leaves, some in each pass.
+/// Some drivers end loops too early, which leaves blocks unfinished. Those blocks test all leaves, some in
+/// each pass.
 void ExactDistanceStage::recordRest(Commands& commands, ExactDistancePush push) {
   const auto most = static_cast<uint32_t>(blocks(kSmallest));
   arguments_.record(commands, 0,

@@ -1,15 +1,16 @@
-// What the kernels of the exact distance share. Every subgroup has a block of samples for itself.
+// Declarations shared by the kernels of the exact distance. Every subgroup handles a block of samples.
 
 #include "vulkan/stages/exact_distance_push.h"
 #include "vulkan/stages/surface_tree_push.h"
 #include "vulkan/stages/surface_shapes.glsl"
 
-layout(constant_id = 1) const uint kMaxSubgroups = 1;  // In a group.
+layout(constant_id = 1) const uint kMaxSubgroups = 1;  // Per group.
 layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
 
 const float kInfinity = 1.0 / 0.0;
 const uint kNoTriangle = 0xffffffffu;
-// Nodes on a stack, and how many more one node at a time may leave there: seven on each of the levels below.
+// Capacity of a stack in nodes, and the most nodes that opening one at a time leaves there: seven on each of
+// the levels below.
 const uint kStack = 320;
 const uint kDeepest = 7 * 10 + 1;
 
@@ -17,11 +18,12 @@ shared uint stackNodes[kMaxSubgroups * kStack];
 shared float stackBounds[kMaxSubgroups * kStack];
 shared float cornerDistances[kMaxSubgroups * 8];
 
-// Turns of loops so far, about, and how many are too much where loops end by themselves after 65,535.
+// Approximate number of loop iterations so far. Some drivers end a loop after 65,535 iterations; from
+// `kMostWork` on it is too much work.
 uint work = 0;
 const uint kMostWork = 20000;
 
-// The same for the whole subgroup.
+// Returns the same value in the whole subgroup.
 bool isTooMuchWork() {
   if (uint64_t(push.unfinished) == 0) return false;
   work = subgroupMax(work);
@@ -57,9 +59,9 @@ uint firstChildOf(uint node) {
   return node * kArity + 1;
 }
 
-// The samples of a block, those of the grid.
+// Samples of a block, inside the grid.
 struct Block {
-  uvec3 low, high;  // From, and up to before.
+  uvec3 low, high;  // [low, high).
   vec3 centre, reach;
 };
 
@@ -83,14 +85,14 @@ uvec3 placeOf(uint index, uvec3 counts) {
   return uvec3(index % counts.x, index / counts.x % counts.y, index / counts.x / counts.y);
 }
 
-// How many nodes to open at once with `size` others on the stack: as many as have children for all lanes, as long as
-// there is room.
+// Returns the number of nodes to open at once with `size` others on the stack: enough that all lanes get a
+// child, unless the stack lacks the capacity.
 uint openable(uint size) {
   const uint room = max(kStack - kDeepest, size) - size;
   return max(min(gl_SubgroupSize / kArity, room / kArity), 1);
 }
 
-// Puts the nodes of lanes that want it on the stack, that with the least bound last.
+// Pushes the wanted nodes on the stack, the one with the least bound last.
 void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   const uvec4 wanted = subgroupBallot(isWanted);
   const uint count = subgroupBallotBitCount(wanted);
@@ -107,8 +109,8 @@ void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   shareWithSubgroup();
 }
 
-// Looks at the top of the stack, drops what has no lower bound than `squared`, and takes some nodes to open: they lie
-// from the new size on.
+// Reads the top of the stack, drops nodes whose bound is not below `squared`, and takes some nodes to open.
+// These lie from the new size on.
 uint takeNodes(inout uint size, float squared) {
   const uint seen = min(size, gl_SubgroupSize), base = size - seen;
   const bool isSeen = lane() < seen;
@@ -130,7 +132,7 @@ uint takeNodes(inout uint size, float squared) {
 
 struct Closest {
   float squared;
-  uint triangle;  // Its index among the frames.
+  uint triangle;  // Index among the frames.
 };
 
 void takeClosest(inout Closest closest, float squared, uint triangle) {
@@ -140,7 +142,7 @@ void takeClosest(inout Closest closest, float squared, uint triangle) {
   closest.triangle = subgroupMin(squared == least ? triangle : kNoTriangle);
 }
 
-// Looks for the closest triangle to a point below the nodes on the stack, nearer ones first.
+// Finds the closest triangle to a point below the nodes on the stack, nearer ones first.
 void findClosest(vec3 point, uint size, inout Closest closest) {
   while (size > 0 && !isTooMuchWork()) {
     const uint taken = takeNodes(size, closest.squared);
@@ -161,8 +163,8 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
   }
 }
 
-// What the block above hands down: nodes that hold every triangle that may matter, and the triangle closest to its
-// centre; kNoTriangle if the band does not reach it.
+// List from the block above: nodes that hold every triangle that may matter, and the triangle closest to that
+// block's centre; kNoTriangle if the band does not reach the block.
 struct List {
   uint at, count, hint;
 };
@@ -182,7 +184,7 @@ uint gridIndex(uvec3 place) {
   return (place.z * push.dimY + place.y) * push.dimX + place.x;
 }
 
-// How far off triangles may matter to some sample of the block; 0: at any distance.
+// Returns the distance up to which triangles may matter to some sample of the block; 0: any distance.
 float bandOf(Block block) {
   if (push.isAddition == 0) return push.band;
   const uvec3 size = block.high - block.low;
@@ -194,7 +196,7 @@ float bandOf(Block block) {
   return subgroupMax(farthest);
 }
 
-// The triangle closest to the block's centre, unless the band does not reach the block.
+// Returns the triangle closest to the block's centre; kNoTriangle if the band does not reach the block.
 uint findCentre(Block block, List list) {
   const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
   const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kInfinity;
@@ -210,7 +212,7 @@ uint findCentre(Block block, List list) {
   return closest.triangle;
 }
 
-// What dominates a block: the distance of one triangle, less the tolerance, at its corners.
+// Distance of the dominating triangle, minus the tolerance, at the corners of a block.
 struct Corners {
   vec4 low, high;
 };
@@ -230,9 +232,9 @@ Corners measureCorners(uint triangle, Block block) {
                       cornerDistances[first + 7]));
 }
 
-// Whether a candidate may be closest to some sample of the block. The distance to it is convex, so its tangent plane at
-// the centre bounds it from below; the distance to what dominates is convex, too, so where it stays below that plane at
-// the eight corners, it does so everywhere between.
+// Returns whether a candidate may be closest to some sample of the block. The distance to the candidate is
+// convex, so its tangent plane at the centre is a lower bound. The distance to the dominating triangle is
+// convex, too. If it stays below that plane at the eight corners, it does so everywhere between them.
 bool mayWin(Tangent t, Block block, Corners corners) {
   const vec3 g = t.g * block.reach;
   const vec4 across = vec4(-g.x - g.y, g.x - g.y, g.y - g.x, g.x + g.y);

@@ -7,28 +7,29 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the distance, in cell units, of every sample to its closest triangle, and that triangle.
+/// GPU twin of cpu/distance/exact_distance.h. Computes every sample's distance, in cell units, to its closest
+/// triangle, and the index of that triangle.
 class ExactDistanceStage {
  public:
-  /// What is written, of every sample.
+  /// Addresses of the results, one value per sample.
   struct Fields {
     VkDeviceAddress distance = 0;
-    VkDeviceAddress triangle = 0;  ///< 0: not asked for.
+    VkDeviceAddress triangle = 0;  ///< 0: not requested.
   };
 
   explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for a grid. Nothing recorded before may still have to run.
+  /// Reserves memory for a grid. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// For the grid of the last `reserve` and the mesh last recorded in the tree. With a `band` above zero,
-  /// samples farther than that get exactly `band` and `kNoTriangle`.
+  /// Works on the grid of the last `reserve` and the mesh last recorded in the tree. If `band` is above zero,
+  /// samples farther away get exactly `band` and `kNoTriangle`.
   void record(Commands& commands, const SurfaceTreeStage& tree, double band, const Fields& fields);
-  /// The same for further triangles: samples that are closer to them than the distance there says get their
-  /// distance, and `kNoTriangle`.
+  /// Adds further triangles. Samples that are closer to them than their distance so far get the new distance
+  /// and `kNoTriangle`.
   void recordAddition(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields);
 
  private:
-  /// Blocks from large to small.
+  /// Sides of the blocks in samples, from large to small.
   static constexpr uint32_t kSides[] = {16, 8, 4};
   static constexpr uint32_t kSmallest = std::size(kSides) - 1;
 

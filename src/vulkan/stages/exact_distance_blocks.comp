@@ -1,19 +1,19 @@
-// Of each block: the triangle closest to its centre, and a list of nodes that hold every triangle that may be closest to
-// some sample in it, taken from the list of the block above.
+// Finds for each block the triangle closest to its centre, and lists nodes that hold every triangle that may
+// be closest to some sample in it. The nodes come from the list of the block above.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"
 
-// A node stays whole if its radius is at most this share of the block's side.
+// Nodes with at most this radius, as a share of the block's side, stay whole.
 const float kNodeShare = 0.25;
 
-// The nodes that are listed, and those on the stack, which wait to be opened.
+// Numbers of nodes in the list and of nodes on the stack, which wait to be opened.
 uint listed = 0;
 uint size = 0;
 
-// Lists each lane's node, or puts it on the stack, if it may win.
+// If it may win, lists each lane's node or pushes it on the stack.
 void offerNodes(Block block, Corners corners, uint list, bool isOffered, uint node) {
   bool survives = false, isWhole = false;
   if (isOffered) {
@@ -29,7 +29,7 @@ void offerNodes(Block block, Corners corners, uint list, bool isOffered, uint no
   shareWithSubgroup();
 }
 
-// Where nodes would be too many, the rest stay as they are.
+// Stops opening nodes when the list is nearly full; the rest are listed as they are.
 void listNodes(Block block, Corners corners, List above, uint list) {
   for (uint first = 0; first < above.count; first += gl_SubgroupSize)
     offerNodes(block, corners, list, first + lane() < above.count, listedNode(above, first + lane()));

@@ -6,29 +6,28 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kListNodes = 222;  // A block's list has at most so many nodes.
-RAYMAP_CONSTANT uint kListWords = 224;  // The number of nodes, the triangle closest to the centre, the nodes.
-RAYMAP_CONSTANT uint kRestLeaves = 2048;  // What one pass over the rest looks at.
+RAYMAP_CONSTANT uint kListNodes = 222;    // Maximum number of nodes in a block's list.
+RAYMAP_CONSTANT uint kListWords = 224;    // Number of nodes, triangle closest to the centre, nodes.
+RAYMAP_CONSTANT uint kRestLeaves = 2048;  // Leaves per pass over the unfinished blocks.
 
 struct ExactDistancePush {
   RAYMAP_ADDRESS(Vec4s) frames;
   RAYMAP_ADDRESS(Vec4s) discs;
-  RAYMAP_ADDRESS(Uints) parents;  // The lists of the blocks above; 0: there are none.
-  RAYMAP_ADDRESS(Uints) lists;    // Of these blocks; unused for the smallest.
+  RAYMAP_ADDRESS(Uints) parents;  // Lists of the blocks above; 0: none.
+  RAYMAP_ADDRESS(Uints) lists;    // Lists of these blocks; unused for the smallest.
   RAYMAP_ADDRESS(Floats) distance;
-  RAYMAP_ADDRESS(Uints) triangle;  // 0: not asked for.
+  RAYMAP_ADDRESS(Uints) triangle;  // 0: not requested.
   RAYMAP_ADDRESS(Uints)
-  unfinished;  // How many small blocks were too much work, and which. 0: nothing is too much.
+  unfinished;  // Small blocks with too much work: their number, then their indices. 0: nothing is too much.
   uint dimX, dimY, dimZ;
-  uint side;             // Samples along a block,
-  uint blocksPerParent;  // and blocks along one of those above.
-  uint firstLeaf;        // The number of the first leaf among all nodes,
+  uint side;             // Samples along a block.
+  uint blocksPerParent;  // Blocks along one of the blocks above.
+  uint firstLeaf;        // Index of the first leaf among all nodes.
   uint leafCount;
-  uint restLeaf;    // and of that, among leaves, with which a pass over the rest begins.
+  uint restLeaf;    // First leaf of a pass over the unfinished blocks, as an index among leaves.
   float band;       // In cells; 0: none.
-  float tolerance;  // In cells: candidates that cannot win by more are dropped.
-  uint
-      isAddition;  // Only samples closer to these triangles than `distance` says are written, as kNoTriangle.
+  float tolerance;  // In cells: candidates that can win by at most this are dropped.
+  uint isAddition;  // Writes only samples closer to these triangles than `distance`, as kNoTriangle.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(ExactDistancePush, 104);

@@ -1,4 +1,4 @@
-// Blocks that were too much work: measures the triangles of some of the leaves, unless these lie too far away.
+// Measures the triangles of some leaves for unfinished blocks, unless the leaves lie too far away.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -6,7 +6,7 @@
 #include "vulkan/stages/exact_distance.glsl"
 #include "vulkan/stages/exact_distance_samples.glsl"
 
-// The largest squared distance of all samples of the block.
+// Returns the largest squared distance of all samples of the block.
 float farthest() {
   float largest = 0;
   for (uint s = lane(); s < kSamples; s += gl_SubgroupSize) largest = max(largest, readSample(s).squared);

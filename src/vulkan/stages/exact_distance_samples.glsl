@@ -1,9 +1,10 @@
-// The samples of a block, and the closest triangle of each so far.
+// Samples of a block, and the closest triangle of each so far.
 
-const uint kSide = 4;  // Of these blocks: push.side.
+const uint kSide = 4;  // Side of these blocks: push.side.
 const uint kSamples = kSide * kSide * kSide;
 
-shared uint sampleSquared[kMaxSubgroups * kSamples];  // Bits: ordered as the floats are, which are not negative.
+// Bits of nonnegative floats, which keep the floats' order.
+shared uint sampleSquared[kMaxSubgroups * kSamples];
 shared uint sampleTriangle[kMaxSubgroups * kSamples];
 
 Closest readSample(uint s) {
@@ -17,7 +18,7 @@ void keepSample(uint s, Closest closest) {
   sampleTriangle[at] = closest.triangle;
 }
 
-// Keeps the closest of what several lanes found for a sample, of equals that with the lowest index.
+// Keeps the closest of the triangles that several lanes found for a sample; among equals, the lowest index.
 void takeClosestOfLanes(uint s, Closest before, Closest closest) {
   const uint at = gl_SubgroupID * kSamples + s, squared = floatBitsToUint(closest.squared);
   atomicMin(sampleSquared[at], squared);
