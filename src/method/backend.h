@@ -1,6 +1,6 @@
 #pragma once
 
-// What the pipeline asks of a backend.
+// Interface between the pipeline and its backends.
 
 #include <raymap/generate.h>
 
@@ -15,7 +15,7 @@
 
 namespace raymap {
 
-/// What to make a field of, where to put it and how to report progress. Refers to all of it.
+/// Input, output and progress of a run. Holds references only.
 struct Job {
   const Mesh& mesh;
   const Grid& grid;
@@ -24,7 +24,8 @@ struct Job {
   Field& field;
 };
 
-/// One function per stage. A backend holds the mesh, the grid, the options and every intermediate result.
+/// Backend of the pipeline, with one function per stage. It holds the mesh, the grid, the options and every
+/// intermediate result.
 template <class B>
 concept Backend = requires(B b, const char* name, void (*work)()) {
   { b.options() } -> std::same_as<const Options&>;
@@ -42,10 +43,10 @@ concept Backend = requires(B b, const char* name, void (*work)()) {
   b.windingDipoles();
   b.sign();
   b.finish();
-  { b.complete() } -> std::same_as<bool>;  // False: lists outgrew their memory, which has grown; run again.
+  { b.complete() } -> std::same_as<bool>;  // False if lists outgrew their memory, which has grown: run again.
 };
 
-/// Which faces are reversed: 1 for those whose winding order is opposite to the given one.
+/// Reversed faces: 1 for each face whose winding order is opposite to the given one, else 0.
 using Turns = std::vector<uint8_t>;
 
 /// A backend whose intermediate results the host can read between the stages.

@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.1: the cells that the paper's distances search.
+// Krayer & Müller 2019, §3.1: the cells that the paper's distance stages search.
 
 #include "method/cell_lattice.h"
 
@@ -10,7 +10,7 @@ namespace raymap {
 namespace {
 
 glm::ivec3 dimsFor(const glm::dvec3& low, const glm::dvec3& high, double size) {
-  // Half a cell to spare at either end, so that rounding cannot lose a corner.
+  // Half a cell of margin at either end keeps rounding from losing a corner.
   return glm::max(glm::dvec3(1.0), glm::ceil((high - low) / size + 1.0));
 }
 

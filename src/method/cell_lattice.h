@@ -7,8 +7,8 @@
 
 namespace raymap {
 
-/// A lattice of cubic cells in sample units: cell c is the cube of side `size` centred at first + size * c.
-/// By default one cell around every sample; x is fastest, as in `Grid`.
+/// Lattice of cubic cells in sample units: cell c is the cube of side `size` centred at first + size * c. By
+/// default there is one cell around every sample. The index runs fastest along x, as in `Grid`.
 struct CellLattice {
   glm::ivec3 dims{0};
   glm::dvec3 first{0.0};
@@ -23,21 +23,21 @@ struct CellLattice {
   }
 };
 
-/// The lattices whose occupied cells together hold every triangle: the samples' own cells and, where the mesh
-/// reaches beyond them, a coarser one of at most about as many cells that covers both
-/// (docs/decisions/mesh_outside_the_box.md).
+/// Returns lattices whose occupied cells together hold every triangle. The first has the samples' own cells.
+/// If the mesh reaches beyond them, a second, coarser one covers both. It has at most as many cells, or 32768
+/// if that is more (docs/decisions/mesh_outside_the_box.md).
 std::vector<CellLattice> coverMesh(const CellMesh& mesh);
-/// The same for a mesh with these bounds, in cell units.
+/// Returns the same lattices for a mesh with these bounds, in cell units.
 std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,
                                      const glm::ivec3& dims);
 
-/// The value of an empty cell: larger than any squared distance in the grid, yet no infinity (§3.3).
+/// Returns the value of an empty cell: finite, yet larger than any squared distance in the grid (§3.3).
 inline float emptyCell(glm::ivec3 dims) {
   const glm::vec3 d(dims);
   return glm::dot(d, d) + 1.0f;
 }
 
-/// Stands for the index of a cell where there is none.
+/// Index that stands for no cell.
 inline constexpr uint32_t kNoCell = 0xffffffffu;
 
 }  // namespace raymap

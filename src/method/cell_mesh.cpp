@@ -10,7 +10,7 @@ void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells) {
   cells.triangles = mesh.triangles;
   cells.vertices.resize(mesh.vertices.size());
   const glm::dvec3 shift = mesh.origin - grid.origin;
-  const double scale = 1.0 / grid.spacing;  // not divided by, so that every device gets the same bits
+  const double scale = 1.0 / grid.spacing;  // Every device must multiply by it to get the same bits.
   parallelFor(mesh.vertices.size(), kGrain, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v)
       cells.vertices[v] = glm::vec3((shift + glm::dvec3(mesh.vertices[v])) * scale);

@@ -8,8 +8,8 @@
 
 namespace raymap {
 
-/// A mesh in cell units over a grid: sample (i, j, k) lies at (i, j, k), and the cell around it reaches half
-/// a unit to every side (§3.5). Every stage starts from these single-precision positions, so all see one
+/// Mesh in cell units over a grid: sample (i, j, k) lies at (i, j, k), and the cell around it reaches half a
+/// unit to every side (§3.5). All stages start from these single-precision positions, so they see the same
 /// surface.
 struct CellMesh {
   Buffer<glm::vec3> vertices;
@@ -19,7 +19,7 @@ struct CellMesh {
   glm::vec3 corner(size_t triangle, int c) const { return vertices[triangles[triangle][c]]; }
 };
 
-/// Refers to the mesh's triangles.
+/// Converts a mesh to cell units. `cells` refers to the triangles of `mesh`.
 void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells);
 
 }  // namespace raymap

@@ -2,20 +2,20 @@
 #pragma once
 #endif
 
-// Where surface is missing, as both backends find it.
+// Lattice edges at which surface is missing, the same on every backend.
 
 #include "base/shader_types.h"
 
 RAYMAP_SHARED_BEGIN(raymap)
 
-RAYMAP_CONSTANT uint kCubesAround = 4;  // An edge of the lattice.
+RAYMAP_CONSTANT uint kCubesAround = 4;  // Number of cubes around a lattice edge.
 
-// A lattice edge at which the sign changes although no triangle crosses it: surface is missing there.
+// Lattice edge at which the sign changes although no triangle crosses it: surface is missing there.
 struct MissingEdge {
-  uint first;  // The sample that it leads from, to the next one along `axis`.
+  uint first;  // Sample at the edge's start; its end is the next sample along `axis`.
   uint axis;
-  uint rimCubes;     // Bit c: triangles do cross a sign change of cube c around it; see `cubeAround`.
-  float winding[2];  // Of the two samples.
+  uint rimCubes;     // Bit c: triangles cross a sign change of cube c around the edge; see `cubeAround`.
+  float winding[2];  // Winding numbers of the two samples.
 };
 RAYMAP_CHECK_SIZE(MissingEdge, 20);
 

@@ -1,10 +1,10 @@
 // Krayer & Müller 2019, §4, end: surface where the sign changes and no triangle is.
 //
 // Paper (future work): cells without triangles in which the sign changes get a distance of about zero before
-// the distance transform. Here: triangles where the winding number crosses the threshold, because then
-// distances to them are as exact as to the mesh's own. They are laid as by surface nets (Gibson 1998): a
-// vertex in each cube of samples, two triangles across each edge. At the rims of a hole, where the winding
-// number is not continuous and all its levels meet, the vertex lies on the rim itself.
+// the distance transform. Here: triangles are added where the winding number crosses the threshold, because
+// distances to them are as exact as to the mesh's own. They form surface nets (Gibson 1998): a vertex in each
+// cube of samples, two triangles across each edge. At the rims of a hole the winding number is not continuous
+// and all its levels meet, so the vertex lies on the rim itself.
 
 #include "method/close_holes_patch.h"
 
@@ -28,15 +28,15 @@ glm::ivec3 sampleAt(size_t s, const glm::ivec3& dims) {
   return {s % nx, s / nx % ny, s / nx / ny};
 }
 
-/// The point of an edge so far from its sample.
+/// Returns the point of an edge at this share of the way from its first sample to the next.
 glm::dvec3 pointOf(const MissingEdge& edge, float share, const glm::ivec3& dims) {
   glm::dvec3 p(sampleAt(edge.first, dims));
   p[int(edge.axis)] += share;
   return p;
 }
 
-/// Finds where the winding number crosses the threshold on each edge: first between the samples' numbers,
-/// then by the secant method between those of the triangles themselves.
+/// Finds where the winding number crosses the threshold on each edge. A first point is interpolated between
+/// the samples' numbers. The secant method then uses the numbers of the triangles themselves.
 class EdgeCrossings {
  public:
   EdgeCrossings(std::span<const MissingEdge> edges, const glm::ivec3& dims, double threshold)
@@ -91,7 +91,7 @@ struct Corner {
   }
 };
 
-/// Sorted by cube.
+/// Returns the corners of all quads, sorted by cube.
 std::vector<Corner> cornersOf(std::span<const MissingEdge> edges, const glm::ivec3& dims) {
   std::vector<Corner> corners(edges.size() * kCubesAround);
   parallelFor(edges.size(), kGrain, [&](size_t begin, size_t end) {
@@ -105,13 +105,13 @@ std::vector<Corner> cornersOf(std::span<const MissingEdge> edges, const glm::ive
   return corners;
 }
 
-/// A vertex in a cube through which a rim of the hole runs.
+/// Vertex in a cube through which a rim of the hole runs.
 struct RimVertex {
   uint64_t cube;
   size_t vertex;
 };
 
-/// The patch while it is made.
+/// Builds the triangles of a patch.
 class Polygonizer {
  public:
   Polygonizer(const CellMesh& mesh, std::span<const MissingEdge> edges, double threshold,
@@ -138,7 +138,7 @@ class Polygonizer {
     return (edges_[corner.place / kCubesAround].rimCubes >> corner.place % kCubesAround & 1) != 0;
   }
 
-  /// A vertex for each cube, amid its edges' crossings.
+  /// Places a vertex in each cube, at the mean of its edges' crossings.
   void placeVertices() {
     vertexOf_.resize(corners_.size());
     for (size_t begin = 0, end = 0; begin < corners_.size(); begin = end) {
@@ -153,8 +153,8 @@ class Polygonizer {
     }
   }
 
-  /// Moves the vertices at the patch's ends to the rim that runs through their cubes, and those to a
-  /// neighbour's where it does not: between lattice lines it may end a little farther on.
+  /// Moves the vertices at the patch's ends to the rim in their cubes, or else to the rim in a neighbouring
+  /// cube: between lattice lines the mesh may end a little farther on.
   void moveToRims(Progress& progress) {
     std::vector<uint64_t> cubes;
     for (const RimVertex& v : rimVertices_) cubes.push_back(v.cube);
@@ -179,7 +179,7 @@ class Polygonizer {
     return cubes;
   }
 
-  /// The rim's part closest to a vertex in the cubes around its own, or where it was.
+  /// Returns the rim point closest to a vertex in the cubes around its own, or the vertex if there is none.
   glm::vec3 closest(const RimVertex& v, std::span<const uint64_t> cubes,
                     std::span<const RimPart> parts) const {
     glm::vec3 best = vertices_[v.vertex];
@@ -194,7 +194,8 @@ class Polygonizer {
     return best;
   }
 
-  /// A cube of a rim has all of its samples in the grid, so there are cubes around it.
+  /// Calls `work` with a rim cube and the 26 cubes around it. They all exist, because a rim cube has all of
+  /// its samples in the grid.
   template <class Work>
   void forEachNeighbour(uint64_t cube, Work&& work) const {
     for (int k = -1; k <= 1; ++k)
@@ -203,7 +204,7 @@ class Polygonizer {
           work(cube + uint64_t((int64_t(k) * (mesh_.dims.y + 1) + j) * (mesh_.dims.x + 1) + i));
   }
 
-  /// Cut along the shorter diagonal.
+  /// Adds the quad across an edge, cut along its shorter diagonal.
   void addQuad(size_t e, std::vector<glm::uvec3>& triangles) const {
     uint32_t v[kCubesAround];
     std::copy_n(vertexOf_.begin() + std::ptrdiff_t(e * kCubesAround), kCubesAround, v);
@@ -222,7 +223,7 @@ class Polygonizer {
   float threshold_;
   std::span<const float> shares_;
   std::vector<Corner> corners_;
-  std::vector<uint32_t> vertexOf_;  // by place
+  std::vector<uint32_t> vertexOf_;  // by `Corner::place`
   std::vector<glm::vec3> vertices_;
   std::vector<RimVertex> rimVertices_;
 };

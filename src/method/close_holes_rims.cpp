@@ -1,4 +1,4 @@
-// Where the surface ends: what a patch over a hole must meet (close_holes).
+// Finds the rims of the surface, which a patch over a hole must meet (stage `close_holes`).
 
 #include "method/close_holes_rims.h"
 
@@ -17,7 +17,7 @@ constexpr size_t kTrianglesPerTask = 4096;
 struct Segment {
   glm::vec3 a, b;
 
-  /// The same whichever triangle it is an edge of, and whichever zero a coordinate is.
+  /// Returns the same segment for every triangle that it is an edge of, and for 0 and -0.
   static Segment between(const glm::vec3& a, const glm::vec3& b) {
     const Segment segment{a + 0.0f, b + 0.0f}, reversed{segment.b, segment.a};
     return segment < reversed ? segment : reversed;
@@ -48,7 +48,7 @@ class SegmentCutter {
   }
 
  private:
-  /// Whether any of it lies inside the grid.
+  /// Fills `stops_`. Returns whether any part of the segment lies inside the grid.
   bool cut(const glm::dvec3& start, const glm::dvec3& along) {
     double first = 0.0, last = 1.0;
     for (int c = 0; c < 3; ++c) {
@@ -75,7 +75,7 @@ class SegmentCutter {
   std::vector<double> stops_;
 };
 
-/// Some cubes, to be asked for quickly.
+/// Set of cubes with fast look-up.
 class CubeSet {
  public:
   CubeSet(std::span<const uint64_t> cubes, const glm::ivec3& dims)
@@ -90,7 +90,7 @@ class CubeSet {
   }
 
   bool has(uint64_t cube) const { return (bits_[cube / 64] >> cube % 64 & 1) != 0; }
-  /// Whether the triangle surely misses them all.
+  /// Returns whether the triangle surely misses all cubes.
   bool isFarFrom(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
     const glm::vec3 low = glm::min(glm::min(a, b), c), high = glm::max(glm::max(a, b), c);
     return glm::any(glm::lessThan(high, low_)) || glm::any(glm::greaterThan(low, high_));
@@ -101,7 +101,7 @@ class CubeSet {
   glm::vec3 low_{INFINITY}, high_{-INFINITY};
 };
 
-/// The edges of all triangles that pass through the cubes, sorted, once for each triangle.
+/// Returns the triangle edges that pass through the cubes, sorted, once for each triangle.
 std::vector<Segment> edgesThrough(const CellMesh& mesh, const CubeSet& cubes, Progress& progress) {
   const size_t count = mesh.triangles.size();
   std::vector<std::vector<Segment>> lists((count + kTrianglesPerTask - 1) / kTrianglesPerTask);

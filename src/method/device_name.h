@@ -6,14 +6,14 @@
 
 namespace raymap {
 
-/// A value of `Options::device`: "auto", "cpu", "vulkan" or "vulkan:K".
+/// Parsed value of `Options::device`: "auto", "cpu", "vulkan" or "vulkan:K".
 struct DeviceName {
   enum class Kind { Auto, Cpu, Vulkan };
   Kind kind = Kind::Auto;
-  std::optional<size_t> index;  ///< K.
+  std::optional<size_t> index;  ///< K of "vulkan:K".
 };
 
-/// Returns none for any other text.
+/// Parses a device name. Returns nullopt for any other text.
 std::optional<DeviceName> parseDeviceName(std::string_view text);
 
 }  // namespace raymap

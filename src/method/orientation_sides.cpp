@@ -1,8 +1,8 @@
-// Ours: which way faces point, where Krayer & Müller 2019, §3.5, take them as they are.
+// Ours: decides which way faces point, where Krayer & Müller 2019, §3.5, take them as given.
 //
-// Faces of one patch turn together. A patch starts the way in which most of its faces are given, or, if that
-// says nothing, as the parity of the crossings has it. Then the field turns patches along whose normals it
-// rises. The misfit of the least-squares fit judges every state (docs/signs.md).
+// All faces of a patch are reversed together. A patch starts in the direction of most of its faces. If there
+// is no clear majority, it starts as the parity of the crossings says. Then patches along whose normals the
+// field rises are reversed. The misfit of the least-squares fit rates every state (docs/signs.md).
 
 #include "method/orientation_sides.h"
 
@@ -16,25 +16,26 @@ namespace raymap {
 namespace {
 
 constexpr int kMostRounds = 6;
-/// In the mean over a patch. 0 to 0.33 did equally well on faces flipped at random; with 0 inner walls of
-/// cars are turned, which part nothing.
+/// Mean rise over a patch from which on it is reversed. Values from 0 to 0.33 did equally well on faces
+/// flipped at random. With 0, inner walls of cars are reversed although they separate nothing.
 constexpr double kLeastRise = 0.2;
-/// Neighbours are to point alike if that lowers the misfit to this share.
+/// Aligned neighbours are kept if they lower the misfit to less than this share.
 constexpr double kAligned = 0.97;
-/// What the field or the parity turned has to lower the misfit to this share; where the field contradicts
-/// many faces, that share of the surface, the second one will do, if it falls by so much from what was given.
+/// Reversals by the field or the parity are kept if they lower the misfit to less than the share `kByFar`.
+/// `kClearly` is enough if the field contradicts more than `kManyFaces` of the surface and the misfit falls
+/// by more than `kFall` from the start.
 constexpr double kByFar = 0.33, kClearly = 0.9, kFall = 0.05, kManyFaces = 0.02;
-/// Where neighbours pointed so little alike that to align them lowers the misfit to this share, nothing
-/// speaks for what was given: whatever then lowers it to the second share will do.
+/// If alignment lowers the misfit to less than the share `kScattered`, the given directions say nothing. Then
+/// any further reversals are kept that lower the misfit to less than the share `kLower`.
 constexpr double kScattered = 0.4, kLower = 0.99;
 
-/// A state and how badly the crossings agree in it.
+/// Reversed faces, and how badly the crossings agree with them.
 struct State {
   Turns turns;
   double misfit = INFINITY;
 };
 
-/// Twice the area of each face.
+/// Returns twice the area of each face.
 std::vector<float> areasOf(const Mesh& mesh) {
   std::vector<float> areas;
   areas.reserve(mesh.triangles.size());
@@ -45,11 +46,11 @@ std::vector<float> areasOf(const Mesh& mesh) {
   return areas;
 }
 
-/// How many of a patch's faces are given the way its first one is.
+/// Number of a patch's faces that are given like its first one, and number of all its faces.
 struct Votes {
   int64_t alike = 0, all = 0;
 
-  /// More than three standard deviations from what tossing coins would give.
+  /// Returns whether the faces agree, or differ from tossed coins by more than three standard deviations.
   bool areClear() const {
     return alike == all || std::abs(double(2 * alike - all)) > 3.0 * std::sqrt(double(all));
   }
@@ -70,7 +71,7 @@ class SideChooser {
     State best = solved_;
     const bool isBetter = isForced ? best.misfit <= given_.misfit : best.misfit < kAligned * given_.misfit;
     if (!isBetter) best = given_;
-    // All faces of a single patch turned is the same mesh inside out, which changes no sign.
+    // Reversing all faces of a single patch only turns the mesh inside out, which changes no sign.
     if (patches_.count > 1) {
       const State start = best;
       takeIfBetter(improve(solved_.turns), start, best);
@@ -88,7 +89,8 @@ class SideChooser {
     if (isClear || state.misfit < enough * best.misfit) best = std::move(state);
   }
 
-  /// All patches as their faces vote, and as the parity says where that is not clear.
+  /// Returns the turns with which each patch points as most of its faces do, or as the parity says if the
+  /// vote is not clear.
   Turns startFromGiven() {
     std::vector<Votes> votes(patches_.count);
     for (size_t f = 0; f < patches_.ids.size(); ++f) {
@@ -111,8 +113,8 @@ class SideChooser {
     return turns;
   }
 
-  /// Turns the patches along whose normals a field rises by so much in the mean; returns their share of the
-  /// surface.
+  /// Reverses the patches along whose normals a field rises by more than `least` in the mean. Returns their
+  /// share of the surface.
   double turnRising(std::span<const float> rises, double least, Turns& turns) const {
     std::vector<double> sums(patches_.count, 0.0);
     for (size_t f = 0; f < turns.size(); ++f)
@@ -127,7 +129,7 @@ class SideChooser {
     return all > 0.0 ? turned / all : 0.0;
   }
 
-  /// Lets the field turn patches for as long as that helps.
+  /// Reverses patches as the field says for as long as the misfit falls. Returns the best state.
   State improve(Turns turns) {
     State best;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -156,7 +158,7 @@ class SideChooser {
   Progress& progress_;
   State given_, solved_;
   int solves_ = 0;
-  double risingShare_ = 0.0;  ///< Of the surface, the most that the field wanted to turn at once.
+  double risingShare_ = 0.0;  ///< Largest share of the surface that the field contradicted in one round.
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ours: which way faces point, decided by the field (docs/signs.md).
+// Ours: the field decides which way faces point (docs/signs.md).
 
 #include <raymap/generate.h>
 
@@ -11,14 +11,14 @@
 
 namespace raymap {
 
-/// Distance from a large face at which its field is read, in roots of twice its area, but no less than a
-/// cell: close to such a face the field falls whichever way the face points.
+/// Distance from a large face at which its field is read, in square roots of twice its area. It is at least
+/// one cell: closer to such a face the field falls whichever way the face points.
 inline constexpr float kFarSides = 0.7f;
 
-/// Faces to reverse, and how badly the crossings agree before and after. The misfit is the sum of the squares
-/// of what the field misses of the jumps at the crossed lattice edges, over the sum of these jumps.
+/// Faces to reverse, and how badly the crossings agree before and after. A misfit is the sum of squares by
+/// which the field misses the jumps along the lattice edges, over the sum of the jumps' magnitudes.
 struct FaceSides {
-  Turns turns;  ///< Empty where no face was examined.
+  Turns turns;  ///< Empty if no face was examined.
   double misfitGiven = 0.0, misfit = 0.0;
   double doubtfulShare = 0.0;  ///< Share of samples whose six rays disagree, with the faces as given.
 
@@ -26,9 +26,9 @@ struct FaceSides {
   std::vector<uint32_t> turnedFaces() const;
 };
 
-/// Functions that choosing the sides of the faces needs.
+/// Functions that `chooseSides` needs.
 struct FaceField {
-  /// Computes the harmonic field of the mesh with these turns; returns its misfit.
+  /// Computes the harmonic field of the mesh with these faces reversed. Returns its misfit.
   std::function<double(const Turns& turns)> solve;
   /// Returns, for each face as given, how much the last solved field rises along its normal.
   std::function<std::span<const float>()> rises;
@@ -40,18 +40,18 @@ struct FaceField {
 /// Returns whether the options allow faces to be reversed at all.
 bool mayTurnFaces(const Options& options);
 
-/// Returns whether to examine the faces of a mesh whose field has this misfit. It returns false where the
-/// misfit is small and no sign contradicts the parity of all six rays: reversing faces could hardly change a
-/// sign there.
+/// Returns whether to examine the faces of a mesh whose field has this misfit. Unless `Orientation::Repair`
+/// forces it, it returns false if the misfit is small and no sign contradicts the parity of all six rays.
+/// Reversing faces could then hardly change a sign.
 bool shouldExamineFaces(const Options& options, double misfit, bool contradictsParity);
 
-/// Chooses the faces to reverse: those that the field contradicts, if the crossings then agree as much better
-/// as `orientation` asks. `field` is solved for the mesh as given, with misfit `misfitGiven`, and ends solved
-/// for the result's turns.
+/// Chooses the faces to reverse: those that the field contradicts, if that lowers the misfit as much as
+/// `orientation` demands. On entry `field` must be solved for the mesh as given, with misfit `misfitGiven`.
+/// On return it is solved for the result's turns.
 FaceSides chooseSides(const Mesh& mesh, double misfitGiven, Orientation orientation, const FaceField& field,
                       Progress& progress);
 
-/// The stage `orientation`, after `winding`. Leaves the winding number of the mesh with its faces reversed.
+/// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces.
 template <HostBackend B>
 void orientFaces(B& backend) {
   const Options& options = backend.options();
@@ -61,7 +61,7 @@ void orientFaces(B& backend) {
   const bool isForced = options.orientation == Orientation::Repair;
   if (sides.doubtfulShare == 0.0 && !isForced) return;
 
-  const auto solve = [&](const Turns& turns) {  // The stages before this one again.
+  const auto solve = [&](const Turns& turns) {  // Runs the stages before this one again.
     backend.turnFaces(turns);
     backend.crossings();
     backend.rayMap();

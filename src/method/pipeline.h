@@ -1,6 +1,6 @@
 #pragma once
 
-// Krayer & Müller 2019, "Generating signed distance fields on the GPU with ray maps": the whole method, over
+// Krayer & Müller 2019, "Generating signed distance fields on the GPU with ray maps": the whole method, on
 // any backend. Each stage is a file stem: `find -name 'ray_map*'` shows its CPU and GPU code, its shaders and
 // its test.
 
@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-/// Runs all stages, each as the options ask.
+/// Runs all stages that the options ask for.
 template <Backend B>
 void runPipeline(B& backend) {
   const Options& options = backend.options();
@@ -18,7 +18,7 @@ void runPipeline(B& backend) {
     // The mesh in cell units: sample (i, j, k) lies at (i, j, k).
     backend.stage("begin", [&] { backend.begin(); });
 
-    // Unsigned distance, and the closest triangle.
+    // The unsigned distance and the closest triangle.
     if (options.distance == DistanceMode::Exact) {
       backend.stage("exact_distance", [&] { backend.exactDistance(); });  // Ours: the true closest triangle.
     } else {
@@ -26,7 +26,7 @@ void runPipeline(B& backend) {
         // §3.3, end: each triangle writes its distance to the cells that it touches.
         backend.stage("raster_distance", [&] { backend.rasterDistance(); });
       } else {
-        // §3.1: which triangles touch which cell. §3.3: how close they come to its centre.
+        // §3.1: the triangles that touch each cell. §3.3: the distance from its centre to them.
         backend.stage("voxel_grid", [&] { backend.voxelGrid(); });
         backend.stage("cell_distance", [&] { backend.cellDistance(); });
       }
@@ -41,26 +41,26 @@ void runPipeline(B& backend) {
       backend.stage("ray_map", [&] { backend.rayMap(); });
       // §3.5, Eq. 9-11, or the harmonic solve.
       backend.stage("winding", [&] { backend.winding(options.sign); });
-      // Ours: reverses faces along which the field rises, and runs the three stages above again for every
-      // choice, up to 13 times.
+      // Ours: reverses faces along whose normals the field rises. It runs the three stages above again for
+      // every choice, up to 13 times.
       if constexpr (HostBackend<B>) backend.stage("orientation", [&] { orientFaces(backend); });
       // Barill et al. 2018, where the winding number is near the threshold.
       if (options.sign == SignMode::Harmonic)
         backend.stage("winding_dipoles", [&] { backend.windingDipoles(); });
-      // §4, end: adds surface where the sign changes and no triangle is.
+      // §4, end: adds surface where the sign changes without a triangle.
       if constexpr (HostBackend<B>)
         if (options.closeHoles) backend.stage("close_holes", [&] { closeHoles(backend); });
       // §3.5: threshold, confidence.
       backend.stage("sign", [&] { backend.sign(); });
     }
 
-    // Mesh units.
+    // Distances in mesh units.
     backend.stage("finish", [&] { backend.finish(); });
-    // Only now does a GPU know how long its lists of cells had to be.
+    // Only now does a GPU know the length that its lists of cells need.
   } while (!backend.complete());
 }
 
-/// Adds what a run found out about the mesh to its statistics.
+/// Adds a run's findings about the mesh to its statistics.
 template <HostBackend B>
 void describeMesh(B& backend, const Grid& grid, Stats& stats) {
   const FaceSides& sides = backend.faceSides();

@@ -4,13 +4,13 @@
 
 namespace raymap {
 
-// A solid around an open surface, made of the unsigned distance.
+// Makes a solid around an open surface from the unsigned distance.
 
-/// What to run instead: no sign, and a band that holds the whole wall.
+/// Returns the options of the run that `thicken` needs: no sign, and a band that holds the whole wall.
 Options withoutThickness(const Options& options, const Grid& grid);
 
-/// Turns the unsigned distance into that to the solid of `options.thickness`, and applies `band` and
-/// `invert`.
+/// Converts the unsigned distance to the distance to the solid of `options.thickness`, in mesh units. Applies
+/// `band` and `invert`.
 void thicken(const Options& options, Field& field);
 
 }  // namespace raymap

@@ -9,8 +9,8 @@
 
 namespace raymap {
 
-/// A box of every 2^level-th sample of the grid's lattice, which may reach beyond the grid: coordinate q lies
-/// at sample q * 2^level. Values are stored x fastest from `low` on.
+/// Box of every 2^level-th sample of the grid's lattice; it may reach beyond the grid. Coordinate q lies at
+/// sample q * 2^level. Values are stored from `low` on, x fastest.
 struct LatticeBox {
   int level = 0;
   glm::ivec3 low{0};
@@ -24,13 +24,13 @@ struct LatticeBox {
 
 // The lattices of the harmonic winding number, the same on every backend (docs/signs.md).
 
-inline constexpr int kHarmonicMargin =
-    4;  // even, so that a lattice's first sample lies on the next coarser lattice
+// Cells of margin around a coarser lattice; even, so that its first sample lies on the next coarser lattice.
+inline constexpr int kHarmonicMargin = 4;
 inline constexpr int kCoarsestSamples = 8;
 inline constexpr int kCoarsestSweeps = 12;
 
-/// The grid itself on level 0; coarser lattices reach `kHarmonicMargin` of their cells farther on every side,
-/// so that the field may fade out where nothing is left of it.
+/// Returns the lattice of a level. Level 0 is the grid itself. Coarser lattices reach `kHarmonicMargin` of
+/// their cells farther on every side, so that the field can fade out.
 inline LatticeBox harmonicBox(const glm::ivec3& dims, int level) {
   LatticeBox box{.level = level, .low = glm::ivec3(0), .dims = dims};
   if (level > 0) {
@@ -40,14 +40,14 @@ inline LatticeBox harmonicBox(const glm::ivec3& dims, int level) {
   return box;
 }
 
-/// The level of the coarsest lattice, never below 2.
+/// Returns the level of the coarsest lattice, at least 2.
 inline int coarsestHarmonicLevel(const glm::ivec3& dims) {
   int level = 2;
   while ((std::max({dims.x, dims.y, dims.z}) - 1) >> level >= kCoarsestSamples) ++level;
   return level;
 }
 
-/// The best factor of successive over-relaxation (Young 1954) for a cube of that size.
+/// Returns the best factor of successive over-relaxation (Young 1954) for a cube of the longest side.
 inline float overrelaxation(const glm::ivec3& dims) {
   const int longest = std::max({dims.x, dims.y, dims.z});
   return static_cast<float>(2.0 / (1.0 + std::sin(std::numbers::pi / (longest - 1))));

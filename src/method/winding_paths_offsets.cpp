@@ -6,13 +6,12 @@ namespace raymap {
 
 namespace {
 
-// Sides of the box of built-in offset points, as a share of the grid's: the farther a path leads, the more
-// broken surface it crosses; too near, and all of them see the same. docs/signs.md has figures of other
-// sizes.
+// Sides of the box of built-in offset points, as a share of the grid's sides. A longer path crosses more
+// broken surface; if all paths are short, they all see the same. docs/signs.md has figures for other sizes.
 constexpr double kBox = 3.0 / 16.0;
 
-/// Built-in offset points: an additive low-discrepancy sequence (Roberts 2018) over a box around the sample,
-/// so that any number of passes is well spaced.
+/// Returns the built-in offset point of a pass. The points are an additive low-discrepancy sequence (Roberts
+/// 2018) over a box around the sample, so that any number of passes is well spaced.
 glm::ivec3 builtInOffset(int64_t pass, const glm::ivec3& dims) {
   constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1
   const double steps[3] = {1.0 / kRoot, 1.0 / (kRoot * kRoot), 1.0 / (kRoot * kRoot * kRoot)};
@@ -28,7 +27,7 @@ glm::ivec3 builtInOffset(int64_t pass, const glm::ivec3& dims) {
 
 glm::ivec3 offsetOf(const Options& options, int64_t pass, const glm::ivec3& dims) {
   if (options.offsets.empty()) return builtInOffset(pass, dims);
-  // From `dims` on the point lies outside for every sample, and farther changes nothing.
+  // With an offset of `dims` the point lies outside for every sample; a larger offset changes nothing.
   return glm::clamp(options.offsets[size_t(pass) % options.offsets.size()], -dims, dims);
 }
 
