@@ -14,7 +14,7 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Mesh (*read)(const MeshFile& file);  ///< Null: by Assimp, in a child process.
+  Mesh (*read)(const MeshFile& file);  ///< Null if Assimp reads the format, in a child process.
 };
 
 constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly},   Format{".stl", readStl},

@@ -34,7 +34,7 @@ void readRaw(std::span<T> to, bool bigEndian, const ReadBytes& read) {
   if (bigEndian) swapBytes(to);
 }
 
-/// Reads elements of type `From` piece by piece, so that no second array is needed.
+/// Reads elements of type `From` piece by piece, without a second array for all of them.
 template <class From, class To>
 void readConverted(std::span<To> to, bool bigEndian, const ReadBytes& read) {
   constexpr size_t kPiece = size_t{1} << 16;

@@ -4,7 +4,8 @@
 
 #include <iosfwd>
 
-// One pair per format, for readField and writeField. Writers get arrays that fit the grid.
+// One reader and one writer per format, for `readField` and `writeField`. The arrays passed to writers fit
+// the grid.
 
 namespace raymap {
 

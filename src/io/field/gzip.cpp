@@ -11,7 +11,8 @@ namespace {
 class Inflater {
  public:
   explicit Inflater(std::shared_ptr<InputFile> file) : file_(std::move(file)) {
-    constexpr int kAnyHeader = 15 + 32;  // The largest window; zlib and gzip headers told apart by zlib.
+    // 15 is the largest window; adding 32 makes zlib detect zlib and gzip headers.
+    constexpr int kAnyHeader = 15 + 32;
     if (inflateInit2(&stream_, kAnyHeader) != Z_OK)
       throw Error(ErrorCode::Memory, file_->path().string() + ": no memory to inflate it");
   }

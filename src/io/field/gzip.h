@@ -6,7 +6,7 @@
 
 namespace raymap {
 
-/// The rest of the file, inflated from zlib or gzip format piece by piece.
+/// Returns a reader that inflates the rest of the file piece by piece, in zlib or gzip format.
 ReadBytes inflated(std::shared_ptr<InputFile> file);
 
 }  // namespace raymap

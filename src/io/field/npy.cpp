@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 
-/// What follows the key in the dictionary, to the end of the text.
+/// Returns the text from the key's value in the dictionary to the end.
 std::string_view valueAfter(const std::filesystem::path& path, std::string_view text, std::string_view key) {
   size_t at = text.find("'" + std::string(key) + "'");
   if (at != std::string_view::npos) at = text.find(':', at);

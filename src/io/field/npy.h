@@ -4,21 +4,21 @@
 
 namespace raymap {
 
-/// What the header of a .npy says (NumPy Enhancement Proposal 1).
+/// Contents of a .npy header (NumPy Enhancement Proposal 1).
 struct NpyHeader {
-  std::string type;  ///< NumPy's name for it, e.g. "<f4".
+  std::string type;  ///< NumPy's name of the element type, e.g. "<f4".
   bool xFastest = false;
   std::vector<int64_t> shape;
 };
 
-/// Reads the header; `path` is for its errors.
+/// Reads the header. `path` is used in error messages.
 NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read);
-/// A header whose length leaves the array aligned.
+/// Returns a header, padded so that the array after it starts at a multiple of 64 bytes.
 std::string npyHeader(std::string_view type, std::string_view shape);
 std::string npyHeader(const Grid& grid, ElementType type);
 
-/// Reads the array after `header` into the field, whose grid gets its dimensions; `available` bounds its
-/// bytes.
+/// Reads the array after `header` into the field and sets the dimensions of its grid. `available` bounds the
+/// array's bytes.
 void readNpyArray(const std::filesystem::path& path, Field& field, std::string_view name,
                   const NpyHeader& header, uint64_t available, const ReadBytes& read);
 

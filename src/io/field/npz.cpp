@@ -1,4 +1,5 @@
-// NumPy's .npz: a zip of .npy files. Stored, because distances hardly deflate; read either way.
+// NumPy's .npz: a zip file of .npy files. The writer stores them uncompressed, because distances hardly
+// deflate. The reader accepts both.
 
 #include <minizip/unzip.h>
 #include <minizip/zip.h>
@@ -16,7 +17,7 @@ namespace raymap {
 
 namespace {
 
-/// Lets minizip write to a stream; exceptions must not cross its C code, so they wait here.
+/// Lets minizip write to a stream. Exceptions must not cross its C code, so `problem` keeps the first one.
 struct ZipStream {
   std::ostream& out;
   std::exception_ptr problem;
@@ -116,7 +117,7 @@ std::string doublesHeader(size_t count) {
 
 using UnzipFile = std::unique_ptr<void, decltype(&unzClose)>;
 
-/// The .npy that minizip stands at.
+/// The .npy file at minizip's current position.
 class Entry {
  public:
   Entry(const std::filesystem::path& path, unzFile zip, uint64_t fileBytes) : path_(path), zip_(zip) {
@@ -186,7 +187,8 @@ void readEntry(const std::filesystem::path& path, Entry& entry, Field& field) {
   }
 }
 
-/// numpy.savez calls an array without a name arr_0.
+/// Returns whether a field has an array or value of this name. numpy.savez calls an array without a name
+/// arr_0.
 bool isKnown(std::string_view name) {
   constexpr std::array kNames{"distance", "winding", "confidence", "triangle",
                               "origin",   "spacing", "band",       "arr_0"};
@@ -201,7 +203,8 @@ Field readNpz(const std::filesystem::path& path) {
   if (!zip) throwInvalid(path, "is no whole zip file");
   Field field;
   field.grid.spacing = 1.0;
-  std::set<std::string> seen;  // A name twice could stand for the same bytes, inflated over and over.
+  // Duplicate names could make the same bytes inflate over and over.
+  std::set<std::string> seen;
   int status = unzGoToFirstFile(zip.get());
   for (; status == UNZ_OK; status = unzGoToNextFile(zip.get())) {
     Entry entry(path, zip.get(), fileBytes);
@@ -219,7 +222,8 @@ Field readNpz(const std::filesystem::path& path) {
 
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array) {
   ZipWriter zip(out);
-  for (const NamedArray& each : arraysOf(field))  // The distance comes with all the rest; others alone.
+  // The distance is written with all other arrays, any other array alone.
+  for (const NamedArray& each : arraysOf(field))
     if (array.name == "distance" || each.name == array.name)
       zip.add(std::string(each.name), npyHeader(field.grid, each.type), each.bytes);
   const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};

@@ -61,7 +61,7 @@ ElementType typeOf(const std::filesystem::path& path, const Header& header) {
 }
 
 double cubicSpacing(const std::filesystem::path& path, const std::vector<double>& matrix) {
-  constexpr double kTolerance = 1e-5;  // Others write single precision, or round to a few digits.
+  constexpr double kTolerance = 1e-5;  // Other programs write single precision or round to a few digits.
   const double spacing = matrix[0];
   for (size_t i = 0; i < matrix.size(); ++i)
     if (!(std::abs(matrix[i] - (i % 4 == 0 ? spacing : 0.0)) <= kTolerance * std::abs(spacing)))

@@ -1,4 +1,4 @@
-// Writes fields as OpenVDB's level sets; read_vdb.cpp and import_vdb.cpp read them.
+// Writes fields as OpenVDB level sets; import/read_vdb.cpp and import/import_vdb.cpp read them.
 
 #include "io/field/vdb.h"
 
@@ -20,7 +20,7 @@ namespace raymap {
 
 namespace {
 
-/// OpenVDB's own file class neither writes to a stream nor notices a full disk.
+/// Archive that writes to a stream. OpenVDB's own file class neither does so nor notices a full disk.
 class StreamArchive : public openvdb::io::Archive {
  public:
   void writeTo(std::ostream& out, const openvdb::GridBase::Ptr& grid) const {
@@ -33,8 +33,8 @@ openvdb::CoordBBox boxOf(const Grid& grid) {
   return {openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1)};
 }
 
-/// A tree that holds every sample's value: background ones, and with `mirrored` those of its negative, are
-/// inactive and cost nothing where they fill a block.
+/// Returns a tree with the value of every sample. Background values are inactive; with `mirrored`, so are
+/// values of the negated background. Where either fills a block, the block takes no memory.
 template <class GridType>
 openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
                                 typename GridType::ValueType background, bool mirrored) {
@@ -80,10 +80,11 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   return grid;
 }
 
-/// OpenVDB marks each file with a random number; ours comes from the contents, so that equal fields make
-/// equal files.
+/// Replaces the random identifier that OpenVDB gives each file by one computed from the contents. Equal
+/// fields then make equal files.
 void replaceIdentifier(std::ostream& out, const NamedArray& array) {
-  constexpr std::streamoff kIdentifierOffset = 21;  // After magic, versions and the mark for offsets.
+  // The magic number, the versions and the offsets flag come first.
+  constexpr std::streamoff kIdentifierOffset = 21;
   const auto end = out.tellp();
   if (end == std::ostream::pos_type(-1)) return;
   const auto* bytes = reinterpret_cast<const Bytef*>(array.bytes.data());
@@ -96,7 +97,7 @@ void replaceIdentifier(std::ostream& out, const NamedArray& array) {
 }  // namespace
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
-  openvdb::initialize();  // Locks, and does nothing the second time.
+  openvdb::initialize();  // Thread-safe; later calls do nothing.
   try {
     StreamArchive().writeTo(out, gridOf(field, array));
   } catch (const openvdb::Exception& e) {

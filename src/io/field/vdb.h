@@ -2,7 +2,7 @@
 
 namespace raymap {
 
-// What our .vdb files say of the field besides OpenVDB's own metadata.
+// Keys of our own metadata in .vdb files.
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbBandKey = "raymap_band";
 

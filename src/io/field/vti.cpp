@@ -1,4 +1,4 @@
-// VTK's ImageData: XML, and the samples after it as they are in memory.
+// VTK's ImageData: XML and samples. The writer appends the samples as raw bytes.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The file in memory: its XML, and what follows the underscore of its appended data.
+/// A file in memory. `appended` holds the bytes after the underscore of its appended data.
 struct VtiFile {
   fs::path path;
   Buffer<char> bytes;
@@ -53,7 +53,7 @@ std::vector<double> numbersOf(const VtiFile& file, const pugi::xml_node& node, c
   return *std::move(numbers);
 }
 
-/// Sets the field's grid; the dimensions, which nothing has checked yet, are returned.
+/// Sets the grid's origin and spacing. Returns the dimensions, which are still unchecked.
 std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image, Grid& grid) {
   const auto extent = numbersOf(file, image, "WholeExtent", 6, "");
   const auto origin = numbersOf(file, image, "Origin", 3, "0 0 0");
@@ -124,7 +124,7 @@ uint64_t readCount(const VtiFile& file, const ReadBytes& read) {
   return count;
 }
 
-/// The samples that `text` encodes, `bytes` of them, after their header.
+/// Returns a reader of the samples that `text` encodes after their header. They have `bytes` bytes.
 ReadBytes binaryReader(const VtiFile& file, std::string_view text, bool isRaw, uint64_t bytes) {
   ReadBytes read = isRaw ? memoryReader(file.path, text) : base64Decoded(file.path, text);
   if (file.isDeflated)

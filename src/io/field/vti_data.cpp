@@ -34,7 +34,7 @@ struct Base64Reader {
       text.remove_prefix(1);
       if (isBlank(c)) continue;
       if (c == '=') {
-        bitCount = 0;  // The end of a piece: what is left of its last character is padding.
+        bitCount = 0;  // End of a piece: the remaining bits of its last character are padding.
         continue;
       }
       const int value = base64Value(c);

@@ -27,7 +27,7 @@ class TrackReader {
     const Json& channels = list("channels");
     for (const Json& channel : channels) {
       const Json& target = object(channel, "target");
-      // A channel without a node, or of a node elsewhere, moves nothing that is seen.
+      // A channel without a node, or for a node outside the scene, has no visible effect.
       if (!target.contains("node")) continue;
       const uint64_t node = document_.number(target, "node");
       document_.element("nodes", node);
@@ -82,7 +82,7 @@ class TrackReader {
     Track track{
         .node = static_cast<uint32_t>(place), .target = target, .interpolation = interpolationOf(json, what)};
     const uint64_t input = document_.number(json, "input"), output = document_.number(json, "output");
-    // Samplers may share accessors, and so let a small file ask for any amount of memory.
+    // Samplers may share accessors, so a small file could request any amount of memory.
     bytes_ += document_.accessorCount(input) * sizeof(double) +
               2 * document_.accessorCount(output) * sizeof(glm::dvec4);
     checkMemory(file_, bytes_);

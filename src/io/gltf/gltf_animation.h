@@ -8,8 +8,9 @@
 
 namespace raymap {
 
-/// What `animations[animation]` of a file does to the nodes of its scene; `places` says where among the
-/// scene's each of the file's nodes is, -1 = nowhere. Nothing if the file has no animation at all.
+/// Returns the tracks of `animations[animation]` of a file for the nodes of its scene. `places` maps the
+/// file's nodes to the scene's, -1 for nodes outside the scene. If the file has no animation, 0 gives no
+/// tracks; any other missing animation throws `Error(Usage)`.
 std::vector<AnimatedMesh::Track> readTracks(const MeshFile& file, const GltfScene& scene, uint64_t animation,
                                             std::span<const int> places);
 

@@ -12,10 +12,10 @@ namespace raymap {
 
 namespace {
 
-constexpr uint64_t kLargest = uint64_t{1}
-                              << 48;  // Sums and products of two counts stay in 64 bits below this.
+// Upper bound of counts and indices. Sums of two of them, and products with an element's size, fit 64 bits.
+constexpr uint64_t kLargest = uint64_t{1} << 48;
 
-// Component types by their numbers in the file.
+// Component types, numbered as in the file.
 constexpr uint64_t kInt8 = 5120, kUInt8 = 5121, kInt16 = 5122, kUInt16 = 5123, kUInt32 = 5125, kFloat = 5126;
 
 uint64_t componentBytes(uint64_t type) {
@@ -89,7 +89,7 @@ void GltfDocument::parse(std::string_view json) {
   if (!root_.is_object()) file_.fail("no glTF file: its JSON is no object");
 }
 
-/// GLB: a 12-byte header, then chunks of (length, type, data): JSON first, then perhaps BIN.
+/// Opens a GLB: a 12-byte header, then chunks of (length, type, data), first JSON, then perhaps BIN.
 void GltfDocument::openBinary() {
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   constexpr uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
@@ -220,7 +220,7 @@ GltfDocument::View GltfDocument::view(const Json& at, uint64_t count, uint64_t e
   View result{nullptr, elementBytes, count};
   const std::span<const std::byte> bytes = bufferView(number(at, "bufferView"), result.stride);
   const uint64_t offset = number(at, "byteOffset", 0);
-  // In this form nothing overflows: room / stride is how many further elements fit after the first.
+  // This form cannot overflow: the division gives the number of elements that fit after the first.
   const bool fits = count == 0 || (result.stride > 0 && offset + elementBytes <= bytes.size() &&
                                    count - 1 <= (bytes.size() - offset - elementBytes) / result.stride);
   if (!fits)

@@ -7,7 +7,7 @@
 
 namespace raymap {
 
-/// A glTF 2.0 or GLB file with its buffers; every reference in it is checked when it is followed.
+/// A glTF 2.0 or GLB file with its buffers. References in the file are checked when they are followed.
 class GltfDocument {
  public:
   using Json = nlohmann::json;
@@ -15,26 +15,27 @@ class GltfDocument {
   explicit GltfDocument(const MeshFile& file);
 
   const Json& root() const { return root_; }
-  /// How many elements a top-level array has; 0 if it is missing.
+  /// Returns the number of elements of a top-level array; 0 if it is missing.
   uint64_t size(const char* array) const;
-  /// `array[index]`, an object; fails naming both.
+  /// Returns the object `array[index]`. Fails with the array's name and the index if there is none.
   const Json& element(const char* array, uint64_t index) const;
-  /// The elements that a list of indices names; none if the list is missing.
+  /// Returns a list of indices; empty if the list is missing.
   std::vector<uint64_t> indices(const Json& object, const char* key) const;
   uint64_t number(const Json& object, const char* key) const;
   uint64_t number(const Json& object, const char* key, uint64_t missing) const;
-  /// `count` numbers, or none if the key is missing.
+  /// Returns `count` numbers, or none if the key is missing.
   std::vector<double> numbers(const Json& object, const char* key, size_t count) const;
 
-  /// At most the bytes of its bufferView.
+  /// Returns the number of elements, at most the number of bytes of the accessor's bufferView.
   uint64_t accessorCount(uint64_t accessor) const;
   std::vector<glm::dvec3> positions(uint64_t accessor) const;
-  /// All numbers of an accessor whose elements are of that type ("VEC4") and have so many.
+  /// Returns all numbers of an accessor whose elements have the type `type` ("VEC4") with `components`
+  /// numbers.
   std::vector<double> reals(uint64_t accessor, const char* type, uint64_t components) const;
   std::vector<uint32_t> vertexIndices(uint64_t accessor) const;
 
  private:
-  /// Equal steps through a part of a buffer that has been checked.
+  /// A part of a buffer, read in equal steps. Its bounds have been checked.
   struct View {
     const std::byte* data = nullptr;
     uint64_t stride = 0;
@@ -51,7 +52,8 @@ class GltfDocument {
   void openExternal(const std::string& uri);
   std::span<const std::byte> bufferView(uint64_t index, uint64_t& stride) const;
   View view(const Json& at, uint64_t count, uint64_t elementBytes, const std::string& what) const;
-  /// The accessor's values, with its sparse ones put in; `put(element, bytes)` takes them.
+  /// Calls `put(element, bytes)` for each value of the accessor, then for each sparse value, which replaces
+  /// it.
   template <class Put>
   void readAccessor(uint64_t accessor, uint64_t elementBytes, Put put) const;
   template <class Put>

@@ -10,10 +10,10 @@ namespace raymap {
 
 namespace {
 
-// Primitive modes by their numbers in the file.
+// Primitive modes, numbered as in the file.
 constexpr uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
 
-/// Whether a primitive has positions; without any it is nothing.
+/// Returns whether a primitive has positions. Without them it is ignored.
 bool hasPositions(const GltfScene::Json& primitive) {
   const auto attributes = primitive.find("attributes");
   return attributes != primitive.end() && attributes->contains("POSITION");
@@ -55,7 +55,8 @@ std::vector<uint64_t> GltfScene::rootNodes() const {
   return roots;
 }
 
-/// Nodes must form trees; one that is reached twice would make a cycle or grow without bound.
+/// Lists the nodes of the scene. Fails if one is reached twice, because nodes must form trees; a cycle would
+/// never end.
 void GltfScene::findNodes() {
   struct Visit {
     uint64_t node;

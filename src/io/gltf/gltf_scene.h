@@ -7,36 +7,37 @@
 
 namespace raymap {
 
-/// The default scene of a glTF file: its nodes, and what its meshes are made of.
+/// The default scene of a glTF file: its nodes and the surfaces of its meshes.
 class GltfScene {
  public:
   using Json = GltfDocument::Json;
 
   struct Node {
-    uint64_t index = 0;  ///< Among the file's nodes.
-    int parent = -1;     ///< Among the scene's, before this one; -1 = none.
+    uint64_t index = 0;  ///< Index among the file's nodes.
+    int parent = -1;     ///< Index of an earlier node of the scene; -1 for none.
     const Json* json = nullptr;
   };
 
-  /// Fails if the file requires what we cannot read, or its nodes form no trees.
+  /// Fails if the file requires an unsupported extension or its nodes do not form trees.
   explicit GltfScene(const MeshFile& file);
 
   const GltfDocument& document() const { return document_; }
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// Of a node, after its parent's.
+  /// Returns a node's transform, relative to its parent.
   glm::dmat4 transform(const Json& node) const;
-  /// Of every node, to the scene.
+  /// Returns the transform of every node to the scene.
   std::vector<glm::dmat4> worldTransforms() const;
 
-  /// The primitives of a node's mesh that are made of triangles.
+  /// Returns the primitives of a node's mesh that consist of triangles and have positions.
   std::vector<const Json*> surfaces(const Json& node) const;
   std::vector<glm::dvec3> positions(const Json& surface) const;
-  /// A surface's triangles among its own `vertexCount` vertices.
+  /// Returns a surface's triangles, as indices of its own `vertexCount` vertices.
   std::vector<glm::uvec3> triangles(const Json& surface, size_t vertexCount) const;
 
-  /// Instances let a small file ask for any amount of memory: refuses more than the machine has.
+  /// Throws `Error(Memory)` if the scene takes more than half of the machine's memory. Instances let a small
+  /// file request any amount.
   void checkSize(size_t bytesPerVertex) const;
-  /// Says how many primitives are not made of triangles.
+  /// Warns of primitives that do not consist of triangles, if there are any.
   void warnOfOthers() const;
 
  private:
@@ -52,7 +53,7 @@ class GltfScene {
   std::vector<Node> nodes_;
 };
 
-/// Turns triangles of a mirrored instance, whose outside would be inside.
+/// Reverses the triangles of a mirrored instance, which would otherwise face inwards.
 void turnOver(std::span<glm::uvec3> triangles);
 
 }  // namespace raymap

@@ -7,9 +7,10 @@
 namespace raymap {
 
 bool isDataUri(std::string_view uri);
-/// The bytes of `data:...;base64,...`.
+/// Returns the bytes of `data:...;base64,...`.
 Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri);
-/// The file beside `file` that a relative URI names; other URIs fail: nothing is fetched from elsewhere.
+/// Returns the path of the file beside `file` that a relative URI names. Other URIs fail: nothing is fetched
+/// from elsewhere.
 std::filesystem::path relativeFile(const MeshFile& file, std::string_view uri);
 
 }  // namespace raymap

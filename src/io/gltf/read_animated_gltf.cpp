@@ -1,5 +1,5 @@
-// glTF 2.0, §3.7.3: skins. Every node that shows a mesh without a skin is a joint of its own: whatever moves,
-// moves by joints.
+// glTF 2.0, §3.7.3: skins. Each node that shows a mesh without a skin becomes a joint, so all movement comes
+// from joints.
 
 #include <raymap/error.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Json = GltfDocument::Json;
 
-/// Some joints of the skeleton, one after the other.
+/// Consecutive joints of the skeleton.
 struct JointRange {
   uint32_t first = 0;
   uint32_t count = 0;
@@ -30,7 +30,7 @@ class AnimatedReader {
   }
 
   AnimatedMesh read(size_t animation) {
-    // Positions, joints and weights, as read and as kept.
+    // 128 bytes per vertex: positions, joints and weights, as read and as kept.
     scene_.checkSize(4 * sizeof(glm::dvec4));
     readNodes();
     mesh_.tracks = readTracks(file_, scene_, animation, places_);
@@ -131,7 +131,8 @@ class AnimatedReader {
     return joints;
   }
 
-  /// Skins may share accessors, and so let a small file ask for any amount of memory, or of time.
+  /// Counts bytes and checks their sum. Skins may share accessors, so a small file could request any amount
+  /// of memory or time.
   void countBytes(uint64_t bytes) {
     bytes_ += bytes;
     checkMemory(file_, bytes_);
@@ -146,7 +147,7 @@ class AnimatedReader {
     uint32_t joint;
   };
 
-  /// Joints and weights come in sets of four a vertex.
+  /// Reads joints and weights, which come in sets of four per vertex.
   void readInfluences(const Json& attributes, size_t vertexCount, JointRange joints) {
     std::vector<std::vector<double>> numbers, weights;
     for (int set = 0; attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
@@ -175,7 +176,7 @@ class AnimatedReader {
   }
 
   void checkJointType(uint64_t accessor) const {
-    constexpr uint64_t kUInt8 = 5121, kUInt16 = 5123;  // By their numbers in the file.
+    constexpr uint64_t kUInt8 = 5121, kUInt16 = 5123;  // Numbered as in the file.
     const uint64_t type = document_.number(document_.element("accessors", accessor), "componentType");
     if (type != kUInt8 && type != kUInt16)
       file_.fail("accessors[" + std::to_string(accessor) + "] holds joints of componentType " +
@@ -213,7 +214,7 @@ class AnimatedReader {
     }
   }
 
-  /// Surfaces that their joints mirror when the animation begins.
+  /// Reverses surfaces that their joints mirror when the animation begins.
   void turnMirrored() {
     const std::vector<JointMatrix> matrices = jointMatrices(mesh_, 0.0);
     for (size_t s = 0; s < surfaces_.size(); ++s) {

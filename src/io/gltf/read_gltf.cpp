@@ -1,4 +1,4 @@
-// glTF 2.0 and GLB: the default scene with its transforms and instances; skins and morphs at rest.
+// glTF 2.0 and GLB: the default scene with its transforms and instances. Skins and morphs stay at rest.
 
 #include "io/gltf/gltf_scene.h"
 #include "io/mesh/mesh_file.h"

@@ -22,7 +22,8 @@ namespace {
               "cannot start " + program.string() + ": " + std::generic_category().message(code));
 }
 
-/// posix_spawn, as fork would copy the locks of other threads in whatever state they are.
+/// Starts the program with posix_spawn. fork would copy the locks of other threads in whatever state they
+/// are.
 int spawn(const std::filesystem::path& program, const std::vector<std::string>& arguments, int output,
           pid_t& pid) {
   std::string name = program.string();

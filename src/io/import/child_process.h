@@ -10,22 +10,23 @@
 
 namespace raymap {
 
-/// A running program whose standard output we read. It is ended when this object goes.
+/// A child process whose standard output is read. The destructor kills it.
 class ChildProcess {
  public:
-  /// Throws `Error(File)` if it cannot be started. `seconds`: after these, reading gives up.
+  /// Starts the program. Throws `Error(File)` if that fails. Reading stops `seconds` after the start.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments, int seconds);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Reads up to `bytes`; fewer if the output ends or the time is up.
+  /// Reads up to `bytes` bytes, fewer if the output ends or the time is up. Returns the number of bytes read.
   size_t read(void* data, size_t bytes);
-  /// Waits for the end (or ends it, if its time is up) and says how it went wrong; empty if it did not.
+  /// Waits for the process to end, or kills it when its time is up. Returns the reason if it failed, else an
+  /// empty text.
   std::string failure();
 
  private:
-  /// False once the time is up.
+  /// Returns false once the time is up.
   bool waitForOutput() const;
   void reap(bool kill);
 

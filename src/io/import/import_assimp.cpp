@@ -43,8 +43,8 @@ void appendMesh(const aiMesh& mesh, const glm::dmat4& transform, Result& result)
   }
 }
 
-/// As stored: Assimp 5.4 and later turn and scale the root of an FBX, which by itself has no transform, to
-/// axes and units of their own. Only FBX says what axes it has.
+/// Returns a node's transform as the file stores it. The root of an FBX has none, but Assimp 5.4 and later
+/// rotate and scale it to axes and units of their own. Only FBX has the metadata UpAxis.
 glm::dmat4 ownTransform(const aiNode& node, const aiScene& scene) {
   const bool isFbx = scene.mMetaData && scene.mMetaData->HasKey("UpAxis");
   return isFbx && &node == scene.mRootNode ? glm::dmat4(1.0) : matrix(node.mTransformation);

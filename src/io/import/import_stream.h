@@ -1,8 +1,9 @@
 #pragma once
 
-// What `raymap-import` writes to its standard output, in the machine's own byte order: an ImportHeader, its
-// message, and unless that is an error either a MeshHeader, the positions (three doubles each) and the
-// triangles (three 32-bit indices each), or a VdbHeader and the samples (four bytes each, x fastest).
+// Output of `raymap-import`, in the machine's own byte order: an ImportHeader and its message. Unless that is
+// an error, one of these follows:
+// - a MeshHeader, the positions (three doubles each) and the triangles (three 32-bit indices each);
+// - a VdbHeader and the samples (four bytes each, x fastest).
 
 #include <array>
 #include <cstdint>
@@ -13,8 +14,8 @@ inline constexpr uint32_t kImportMagic = 0x32494d52;  // RMI2
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
-  uint32_t errorCode = 0;     ///< Unless 0, an ErrorCode, and the message says why.
-  uint64_t messageBytes = 0;  ///< Without an error it is a warning, or empty.
+  uint32_t errorCode = 0;     ///< 0 for success, else an ErrorCode; the message then gives the reason.
+  uint64_t messageBytes = 0;  ///< Length of the message, which without an error is a warning or empty.
 };
 static_assert(sizeof(ImportHeader) == 16);
 
@@ -29,7 +30,7 @@ struct VdbHeader {
   std::array<double, 3> origin{};
   double spacing = 0.0;
   double band = 0.0;
-  uint64_t isWhole = 0;  ///< The samples are signed integers, not floats.
+  uint64_t isWhole = 0;  ///< 1 if the samples are signed integers, 0 if they are floats.
   std::array<char, 16> name{};
 };
 static_assert(sizeof(VdbHeader) == 88);

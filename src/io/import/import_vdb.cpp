@@ -1,5 +1,5 @@
-// Reads a .vdb with OpenVDB, for `raymap-import`, on this thread alone: threads would want address space for
-// their stacks.
+// Reads a .vdb with OpenVDB, for `raymap-import`. Runs on this thread alone, because further threads would
+// need address space for their stacks.
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
@@ -15,7 +15,7 @@ namespace raymap {
 
 namespace {
 
-/// The first grid of floats, or else of whole numbers.
+/// Returns the first grid of floats, or else the first of integers.
 openvdb::GridBase::Ptr loadGrid(const char* path) {
   openvdb::io::File file(path);
   file.setCopyMaxBytes(0);
@@ -65,10 +65,10 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   return header;
 }
 
-/// A few slices at a time: the whole is never in memory twice.
+/// Writes the samples a few slices at a time, so the whole grid is never in memory twice.
 template <class GridType>
 void putSamples(const openvdb::GridBase& base, const openvdb::CoordBBox& box) {
-  constexpr int kSlices = 8;  // A leaf's side.
+  constexpr int kSlices = 8;  // Side of a leaf node.
   const auto& grid = static_cast<const GridType&>(base);
   for (int z = box.min().z(); z <= box.max().z(); z += kSlices) {
     openvdb::CoordBBox slab = box;
@@ -87,7 +87,7 @@ void sendVdb(const char* path) {
   const openvdb::GridBase::Ptr grid = loadGrid(path);
   openvdb::CoordBBox box;
   const VdbHeader header = headerOf(*grid, box);
-  // What is left is as long as the samples are many, and those the other side bounds.
+  // The remaining time grows with the number of samples, which the parent process limits.
   limitSeconds(RLIM_INFINITY);
   sendSuccess("");
   put(&header, sizeof header);

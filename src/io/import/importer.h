@@ -8,18 +8,17 @@
 
 namespace raymap {
 
-/// Reads a file with the program `raymap-import`, in a child process with limits on its memory and time, so
-/// that whatever a damaged file does to the libraries in there becomes an Error here. The program is looked
-/// for where the environment variable RAYMAP_IMPORT says, then beside this program or library, then where it
-/// was installed.
+/// Reads a file with the program `raymap-import`, a child process with limited memory and time. If a damaged
+/// file crashes the libraries there, this process gets an Error. The environment variable RAYMAP_IMPORT names
+/// the program; else it is one beside this program or library, or the installed one.
 class Importer {
  public:
   enum class Kind { Mesh, Vdb };
-  /// Throws the error that the program reports.
+  /// Starts the program and reads its header. Throws the error that the program reports.
   Importer(const std::filesystem::path& file, uint64_t fileBytes, Kind kind);
 
   const std::string& warning() const { return message_; }
-  /// The next `bytes` of what it gives; throws `Error(Input)` if there are fewer.
+  /// Reads the next `bytes` bytes of its output. Throws `Error(Input)` if there are fewer.
   void receive(void* data, size_t bytes);
 
  private:

@@ -1,7 +1,8 @@
-// raymap-import mesh|vdb FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it as
-// import_stream.h says.
+// raymap-import mesh|vdb FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it in the format
+// of import_stream.h. MEMORY is in bytes.
 //
-// A process of its own, because these crash on some damaged files and take any amount of memory on others.
+// It is a process of its own, because these libraries crash on some damaged files and take any amount of
+// memory on others.
 
 #include "io/import/raymap_import.h"
 
@@ -22,7 +23,7 @@ namespace {
 bool hasAnswered = false;
 
 void sendHeader(uint32_t errorCode, const std::string& message) {
-  if (hasAnswered) std::_Exit(EXIT_FAILURE);  // What follows the header will be missed.
+  if (hasAnswered) std::_Exit(EXIT_FAILURE);  // The parent notices that data is missing.
   hasAnswered = true;
   ImportHeader header;
   header.errorCode = errorCode;
@@ -35,7 +36,7 @@ void sendFailure(const std::string& message, ErrorCode code = ErrorCode::Input) 
   sendHeader(static_cast<uint32_t>(code), message);
 }
 
-/// Beside what it holds now: its code and libraries.
+/// Limits the address space to `bytes` more than the process has now, for its code and libraries.
 void limitMemory(uint64_t bytes) {
   uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -65,7 +66,7 @@ void put(const void* data, size_t bytes) {
   const char* at = static_cast<const char*>(data);
   while (bytes > 0) {
     const ssize_t written = write(STDOUT_FILENO, at, bytes);
-    if (written <= 0) std::_Exit(EXIT_FAILURE);  // Nobody is left to tell.
+    if (written <= 0) std::_Exit(EXIT_FAILURE);  // The reader is gone.
     at += written;
     bytes -= static_cast<size_t>(written);
   }
@@ -88,5 +89,5 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     sendFailure(std::string("cannot read it: ") + error.what());
   }
-  std::_Exit(EXIT_SUCCESS);  // Without taking down what a damaged file may have left inconsistent.
+  std::_Exit(EXIT_SUCCESS);  // Skips destructors: a damaged file may have left objects inconsistent.
 }

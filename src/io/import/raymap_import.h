@@ -1,6 +1,6 @@
 #pragma once
 
-// What the parts of `raymap-import` share.
+// Functions that the parts of `raymap-import` share.
 
 #include <sys/resource.h>
 
@@ -9,14 +9,15 @@
 
 namespace raymap {
 
-// Each reads a file and writes it to the standard output as import_stream.h says, or throws.
+// Each reads a file and writes it to standard output in the format of import_stream.h. Each throws on
+// failure.
 void sendMesh(const char* path);
 void sendVdb(const char* path);
 
-/// The header that all is well; after it nothing may throw but what ends the program.
+/// Writes the header of a success, with a warning or an empty text. A later exception only ends the program.
 void sendSuccess(const std::string& warning);
 void put(const void* data, size_t bytes);
-/// The processor time, from its start, that this process may take.
+/// Limits the CPU time of this process, in seconds from its start.
 void limitSeconds(rlim_t seconds);
 
 }  // namespace raymap

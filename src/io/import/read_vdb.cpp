@@ -1,5 +1,5 @@
-// Reads .vdb in a child process (see Importer): OpenVDB trusts its files, so a damaged one may crash it or
-// ask for any memory.
+// Reads .vdb files in a child process (see Importer). OpenVDB trusts its files, so a damaged one may crash it
+// or request any amount of memory.
 
 #include "io/field/field_formats.h"
 #include "io/import/import_stream.h"
@@ -18,7 +18,8 @@ Field readVdb(const std::filesystem::path& path) {
   Importer importer(path, fileBytes, Importer::Kind::Vdb);
   VdbHeader header;
   importer.receive(&header, sizeof header);
-  constexpr uint64_t kMostGrowth = 2000;  // A thin band in a large box, with room to spare.
+  // Bytes of samples per byte of the file: enough for a thin band in a large box, with a margin.
+  constexpr uint64_t kMostGrowth = 2000;
   constexpr uint64_t kAlways = uint64_t{64} << 20;
   const ElementType type = header.isWhole != 0 ? ElementType::Int32 : ElementType::Float32;
   checkedSampleCount(path, header.dims, type, kAlways + kMostGrowth * fileBytes);

@@ -34,7 +34,8 @@ bool isFinite(const Vec& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-/// The bounds of the vertices in use; they must be finite and fit single precision.
+/// Returns the bounds of the vertices in use. Throws unless they are finite and their size fits single
+/// precision.
 template <class Vec>
 Box checkedBounds(const MeshFile& file, const std::vector<Vec>& positions,
                   const std::vector<glm::uvec3>& triangles) {

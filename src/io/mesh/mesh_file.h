@@ -1,6 +1,6 @@
 #pragma once
 
-// What every mesh reader shares: the file in memory, its errors and warnings, and the last steps to a Mesh.
+// Shared by all mesh readers: the file in memory, its errors and warnings, and the last steps to a Mesh.
 
 #include <raymap/animation.h>
 #include <raymap/buffer.h>
@@ -16,7 +16,7 @@
 
 namespace raymap {
 
-/// A mesh file's bytes. The path is for messages and for finding the files that it names.
+/// A mesh file in memory. The path is used in messages and to find the files that the mesh file refers to.
 struct MeshFile {
   std::span<const std::byte> bytes;
   std::filesystem::path path;
@@ -27,7 +27,7 @@ struct MeshFile {
   void warnThat(const std::string& what) const;
 };
 
-// One reader per format; each survives any bytes and throws `Error(Input)` if they make no mesh.
+// One reader per format. No input may crash a reader; it throws `Error(Input)` if the bytes make no mesh.
 Mesh readPly(const MeshFile& file);
 Mesh readStl(const MeshFile& file);
 Mesh readOff(const MeshFile& file);
@@ -35,32 +35,34 @@ Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 
-/// A file name's ending, with the dot.
+/// Returns a file name's extension in lower case, with the dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
-/// Throws `Error(File)` if it is none, or `Error(Memory)` if it is too large to read.
+/// Returns the size of a regular file, in bytes. Throws `Error(File)` if the path is no regular file,
+/// `Error(Memory)` if the file is too large to read.
 uint64_t regularFileSize(const std::filesystem::path& path);
-/// The whole of a regular file. Throws `Error(File)` or `Error(Memory)`.
+/// Reads a whole regular file. Throws `Error(File)` or `Error(Memory)`.
 Buffer<std::byte> loadFile(const std::filesystem::path& path);
 
-/// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory: for sizes that a small file
-/// can make large (instances).
+/// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory. Used for sizes that a small
+/// file can make large (instances).
 void checkMemory(const MeshFile& file, uint64_t bytes);
 
-/// Cuts a polygon into a fan of triangles around its first corner.
+/// Appends a polygon as a fan of triangles around its first corner.
 void appendFan(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles);
-/// A strip's triangles with every second one turned back; those that only join two strips are dropped.
+/// Appends a strip's triangles, every second one reversed. Drops degenerate triangles, which only join two
+/// strips.
 void appendStrip(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles);
 
-/// `whole` = "12 faces", "1 face".
+/// Returns a count with its noun: "12 faces", "1 face".
 std::string counted(uint64_t count, std::string_view noun);
 std::string outOfRange(int64_t vertex, uint64_t vertexCount);
 
-/// Says how many polygons had no triangle in them, if any.
+/// Warns of polygons with fewer than three corners, if there are any.
 void warnDropped(const MeshFile& file, uint64_t polygons);
 
-/// Checks that there is a triangle and that all used vertices are finite, then centres the mesh on its bounds
-/// in double precision. Single-precision positions are moved in place: no second array.
+/// Checks that there is a triangle and that all used vertices are finite. Then centres the mesh on its
+/// bounds, in double precision. Single-precision positions are moved in place, without a second array.
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles);
 Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles);
 

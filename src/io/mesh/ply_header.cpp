@@ -64,7 +64,7 @@ PlyProperty readProperty(TextScanner& text) {
   return property;
 }
 
-/// The fewest bytes that a row of the element can take.
+/// Returns the least number of bytes that a row of the element takes.
 uint64_t smallestRow(const PlyElement& element, PlyFormat format) {
   uint64_t bytes = 0;
   for (const PlyProperty& property : element.properties) {
@@ -76,7 +76,8 @@ uint64_t smallestRow(const PlyElement& element, PlyFormat format) {
   return bytes;
 }
 
-/// Counts that the file has no room for would only cost memory and time.
+/// Throws if the file is too small for a count, which would only cost memory and time, or if two elements
+/// have the same name.
 void checkCounts(const MeshFile& file, const PlyHeader& header) {
   const uint64_t room = file.bytes.size() - header.bytes + 1;  // The last text line may lack its end.
   for (const PlyElement& element : header.elements) {

@@ -25,20 +25,20 @@ struct PlyElement {
   uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// The place of a property, or -1.
+  /// Returns the index of a property, or -1.
   int find(std::string_view property) const;
 };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::Text;
   std::vector<PlyElement> elements;
-  size_t bytes = 0;  ///< Where the data begins.
+  size_t bytes = 0;  ///< Size of the header, after which the data begins.
 
-  /// Null if there is none.
+  /// Returns null if there is none.
   const PlyElement* find(std::string_view element) const;
 };
 
-/// Every element's count is checked against what the file has room for.
+/// Reads the header. Throws `Error(Input)` if the file is too small for an element's count.
 PlyHeader readPlyHeader(const MeshFile& file);
 
 }  // namespace raymap

@@ -1,4 +1,4 @@
-// Wavefront OBJ: `v` and `f` lines; everything else is about looks or curves.
+// Wavefront OBJ: `v` and `f` lines. Other lines describe appearance or curves and are not read.
 
 #include <algorithm>
 
@@ -52,8 +52,8 @@ class ObjReader {
     appendFan(corners_, triangles_);
   }
 
-  /// `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or backwards from -1 = the latest vertex. A face may
-  /// come before its vertices, so the largest index is checked at the end.
+  /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`. Indices count from 1, or backwards from -1, the latest vertex.
+  /// A face may precede its vertices, so `read` checks the largest index at the end.
   uint32_t readCorner() {
     const size_t position = text_.position();
     const int64_t index = text_.integerPrefix();

@@ -11,7 +11,7 @@ namespace raymap {
 
 namespace {
 
-/// Moves past the header word, which may be left out.
+/// Skips the header word, which is optional.
 void readKeyword(const MeshFile& file, TextScanner& text) {
   if (!text.more()) file.fail("the file is empty");
   TextScanner ahead = text;
@@ -50,9 +50,9 @@ Mesh readOff(const MeshFile& file) {
   readKeyword(file, text);
   const uint64_t vertexCount = readCount(file, text, "vertex");
   const uint64_t faceCount = readCount(file, text, "face");
-  text.nextLine();  // Past the number of edges, which nobody needs and some leave out.
+  text.nextLine();  // Skips the number of edges, which is unused and missing in some files.
 
-  // What follows a position or a face on its line is its colour, normal and so on.
+  // After a position or a face, the rest of the line holds colours, normals and so on.
   std::vector<glm::dvec3> positions;
   positions.reserve(vertexCount);
   for (uint64_t v = 0; v < vertexCount; ++v) {

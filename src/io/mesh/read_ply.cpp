@@ -110,7 +110,7 @@ class BinarySource {
   bool swap_;
 };
 
-/// `Vec` is single precision where that is all the file has.
+/// Reads the elements. `Vec` is single precision if the file has no more.
 template <class Source, class Vec>
 class PlyReader {
  public:
@@ -136,7 +136,7 @@ class PlyReader {
   }
 
   void readVertices(const PlyElement& element) {
-    // Where each property goes: a coordinate, or 3 = nowhere.
+    // Coordinate that each property sets; 3 for none.
     std::vector<int> target(element.properties.size(), 3);
     for (int c = 0; c < 3; ++c) {
       const int place = element.find(std::string_view("xyz").substr(static_cast<size_t>(c), 1));
@@ -188,7 +188,7 @@ class PlyReader {
     appendFan(corners_, triangles_);
   }
 
-  /// One list holds many strips, each ended by -1 (which an unsigned type shows as its largest value).
+  /// Reads a list of strips, each ended by -1 (2^32 - 1 in an unsigned type).
   void readStrips(const PlyProperty& list, uint64_t row) {
     const uint64_t count = readCount(list);
     corners_.clear();
@@ -235,7 +235,7 @@ class PlyReader {
   uint64_t dropped_ = 0;
 };
 
-/// Whether single precision holds the binary file's positions as they are.
+/// Returns whether single precision holds the positions of the binary file exactly.
 bool fitsFloat(const PlyHeader& header) {
   const PlyElement* vertex = header.find("vertex");
   return vertex && std::ranges::none_of(vertex->properties, [](const PlyProperty& property) {

@@ -1,4 +1,4 @@
-// Stereolithography files, binary and text, told apart by what they hold: many binary ones begin with
+// Stereolithography files, binary and text. The contents decide which, because many binary files begin with
 // `solid`.
 
 #include <algorithm>
@@ -28,7 +28,8 @@ bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
   });
 }
 
-/// Text begins with `solid`, and `facet` or `endsolid` begins one of the next lines.
+/// Returns whether the first word is `solid` and the next line that is not empty, if any, begins with `facet`
+/// or `endsolid`.
 bool looksLikeText(const MeshFile& file) {
   TextScanner text(file);
   if (!equalsIgnoringCase(text.word(), "solid")) return false;
@@ -43,7 +44,8 @@ bool isBinary(const MeshFile& file) {
   return size >= kFacetsAt && !looksLikeText(file);
 }
 
-/// Facets are stored with three corners of their own; they stay so, as nothing later needs them joined.
+/// Reads facets, each with three vertices of its own. The vertices stay separate, because no later step needs
+/// them joined.
 Mesh readBinary(const MeshFile& file) {
   const uint64_t announced = announcedFacets(file);
   const uint64_t room = (file.bytes.size() - kFacetsAt) / kFacetBytes;
@@ -80,7 +82,7 @@ class StlTextReader {
   }
 
  private:
-  /// Names and remarks follow the words that begin or end something, so the rest of those lines is skipped.
+  /// Reads a statement. Skips the rest of a line that begins or ends something: it holds names and remarks.
   void readStatement(std::string_view word) {
     const auto is = [&](std::string_view keyword) { return equalsIgnoringCase(word, keyword); };
     if (is("vertex")) {

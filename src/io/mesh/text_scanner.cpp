@@ -18,14 +18,14 @@ bool isSpace(char c) {
   return isBlank(c) || isNewline(c);
 }
 
-/// What a number beyond the range of double rounds to.
+/// Returns the value that a number beyond the range of double rounds to.
 double outOfRangeValue(std::string_view word) {
   const size_t e = word.find_first_of("eE");
   const bool small = e != word.npos ? word.substr(e + 1).starts_with('-') : word.find('.') <= 2;
   return small ? 0.0 : word.starts_with('-') ? -INFINITY : INFINITY;
 }
 
-/// A word for a message: short and printable.
+/// Returns a word for a message, short and printable.
 std::string shown(std::string_view word) {
   constexpr size_t kLongest = 40;
   std::string text(word.substr(0, kLongest));
@@ -44,7 +44,7 @@ bool TextScanner::moreOnLine() {
     while (at_ != end_ && isBlank(*at_)) ++at_;
     if (at_ == end_ || isNewline(*at_) || *at_ == '#') return false;
     if (*at_ != '\\' || at_ + 1 == end_ || !isNewline(at_[1])) return true;
-    ++at_;  // To the line end, which the loop steps over.
+    ++at_;  // Now at the line's end, which the loop skips.
     if (*at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n') ++at_;
   }
 }
@@ -120,7 +120,7 @@ void TextScanner::fail(const std::string& what) const {
 }
 
 void TextScanner::failAt(size_t position, const std::string& what) const {
-  // Lines are counted only now, so that reading does not pay for it.
+  // Counts lines only here, which keeps reading fast.
   const std::string_view before(begin_, position);
   size_t line = 1;
   for (size_t i = 0; i < before.size(); ++i)

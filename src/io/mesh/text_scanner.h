@@ -13,27 +13,27 @@ class TextScanner {
  public:
   explicit TextScanner(const MeshFile& file, size_t start = 0);
 
-  /// Moves to the next character on this line that is no blank; false at its end or at a comment. A backslash
-  /// at the end of a line continues it.
+  /// Moves to the next non-blank character on this line. Returns false at the line's end or at a comment. A
+  /// backslash at the end of a line continues it.
   bool moreOnLine();
-  /// The same across lines; false at the end of the file.
+  /// Moves to the next non-blank character on this or a later line. Returns false at the end of the file.
   bool more();
   void nextLine();
-  /// What is left of this line, for names and the like; moves to its end.
+  /// Returns the rest of this line, such as a name, and moves to the line's end.
   std::string_view restOfLine();
 
-  /// The next word, wherever it is; empty at the end of the file.
+  /// Returns the next word on this or a later line; empty at the end of the file.
   std::string_view word();
-  /// The next word as a number: fails with the line and the word if it is none. Infinities and NaN are
-  /// numbers.
+  /// Returns the next word as a number. Fails with the line and the word if it is none. Infinities and NaN
+  /// are numbers.
   double real();
   int64_t integer();
-  /// An integer here, without moving over blanks; what follows it is left (OBJ's `1/2/3`).
+  /// Reads an integer at the cursor without skipping blanks, and leaves what follows it (OBJ's `1/2/3`).
   int64_t integerPrefix();
   void skipRestOfWord() { at_ = wordEnd(at_); }
 
   [[noreturn]] void fail(const std::string& what) const;
-  /// Fails at an earlier place, as `position` gave it.
+  /// Fails with the line of an earlier `position()`.
   [[noreturn]] void failAt(size_t position, const std::string& what) const;
   size_t position() const { return static_cast<size_t>(at_ - begin_); }
 

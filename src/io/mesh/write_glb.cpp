@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of glTF 2.0.
+// Constants of glTF 2.0.
 constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;
 constexpr int kFloat = 5126, kUnsignedInt = 5125;
 
@@ -21,8 +21,8 @@ Json vector(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Vertices are stored as they are, about the mesh's origin: where that lies, the node says in double
-/// precision.
+/// Returns the JSON chunk. Vertices are stored relative to the mesh's origin. The node's translation holds
+/// the origin in double precision.
 Json describe(const Mesh& mesh, size_t vertexBytes, size_t triangleBytes) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const glm::vec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);

@@ -7,10 +7,10 @@ namespace raymap {
 
 namespace {
 
-/// A keyword and three numbers, each with as few digits as give it back exactly.
+/// Writes a keyword and three numbers, each with the fewest digits that read back exactly.
 template <class T>
 void writeLine(std::ostream& out, char keyword, const glm::vec<3, T>& numbers) {
-  constexpr size_t kLongest = 32;  // Of any number.
+  constexpr size_t kLongest = 32;  // Longest number, in characters.
   char line[2 + 3 * kLongest];
   char* at = line;
   *at++ = keyword;
