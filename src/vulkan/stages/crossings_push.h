@@ -7,10 +7,9 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kCrossingsGroup = 128;
-RAYMAP_CONSTANT uint kFewSteps =
-    128;  // Most steps in which one invocation scans a whole triangle; one per line.
-RAYMAP_CONSTANT uint kRowSteps = 4;   // Steps that the beginning of a row takes.
-RAYMAP_CONSTANT uint kRunLines = 32;  // Lines in a run, at most: part of a row of a larger triangle.
+RAYMAP_CONSTANT uint kFewSteps = 128;  // Steps up to which one invocation scans a triangle; one per line.
+RAYMAP_CONSTANT uint kRowSteps = 4;    // Steps that the beginning of a row takes.
+RAYMAP_CONSTANT uint kRunLines = 32;   // Lines in a run, at most: part of a row of a larger triangle.
 RAYMAP_CONSTANT uint kMostRuns = 1u << 31;
 
 // All zero before the stage begins.

@@ -43,7 +43,7 @@ void FieldImageStage::reserve(const glm::ivec3& dims, VkFormat format) {
   distance_.resize<float>(format == VK_FORMAT_UNDEFINED ? 0 : count);
   halves_.resize<uint32_t>(format == VK_FORMAT_R16_SFLOAT ? (count + 1) / 2 : 0);
   dims_ = dims;
-  if (halves_.bytes() > 0) toHalves_.handle();  // Makes it: `record` only records.
+  if (halves_.bytes() > 0) toHalves_.handle();  // Makes the kernel, because `record` only records.
 }
 
 void FieldImageStage::record(Commands& commands, VkImage image, VkImageLayout layout) {

@@ -7,17 +7,17 @@
 
 namespace raymap::vulkan {
 
-/// Distances on their way into a 3D image of the caller's, single or half floats.
+/// Writes distances to a caller's 3D image, as single or half floats.
 class FieldImageStage {
  public:
   explicit FieldImageStage(Device& device);
 
-  /// Makes room; none for VK_FORMAT_UNDEFINED. Nothing recorded before may still have to run. Throws
-  /// `Error(Usage)` for formats that it does not know.
+  /// Reserves memory; none for VK_FORMAT_UNDEFINED. All previously recorded work must have completed. Throws
+  /// `Error(Usage)` for other formats than R32_SFLOAT and R16_SFLOAT.
   void reserve(const glm::ivec3& dims, VkFormat format);
-  /// Where the distances have to be; 0 if there is no room.
+  /// Address that the distances must be written to; 0 without reserved memory.
   VkDeviceAddress distance() const { return distance_.bytes() > 0 ? distance_.address() : 0; }
-  /// The image is left in `layout`, for all later commands to read.
+  /// Leaves the image in `layout`, readable by all later commands.
   void record(Commands& commands, VkImage image, VkImageLayout layout);
 
  private:

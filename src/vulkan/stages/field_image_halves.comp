@@ -1,5 +1,5 @@
-// Two distances an invocation as half floats, rounded to the nearest, ties to even; none becomes infinite. By hand,
-// because how packHalf2x16 rounds is the device's affair.
+// Writes two distances per invocation as half floats, rounded to the nearest, ties to even. None becomes
+// infinite. The rounding is explicit because that of packHalf2x16 depends on the device.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -12,7 +12,7 @@ uint halfOf(float value) {
   if (size >= 0x477ff000u) return sign | 0x7bffu;  // 65520 and more would round to infinity.
   if (size < 0x38800000u)                          // Below 2^-14: a multiple of 2^-24.
     return sign | uint(roundEven(uintBitsToFloat(size) * 16777216.0));
-  const uint shifted = size - 0x38000000u;  // The exponent's bias: 15 for 127.
+  const uint shifted = size - 0x38000000u;  // Exponent bias: 15 instead of 127.
   return sign | (shifted + 0xfffu + (shifted >> 13 & 1u)) >> 13;
 }
 

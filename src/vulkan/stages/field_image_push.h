@@ -8,8 +8,8 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct HalfFloatsPush {
   RAYMAP_ADDRESS(Floats) values;
-  RAYMAP_ADDRESS(Uints) halves;  // Two in each word.
-  uint count;                    // Of values.
+  RAYMAP_ADDRESS(Uints) halves;  // Two per word.
+  uint count;                    // Number of values.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(HalfFloatsPush, 24);

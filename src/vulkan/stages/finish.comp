@@ -1,4 +1,4 @@
-// Distances in the mesh's units, clamped to the band.
+// Clamps the distances to the band and converts them to the mesh's units.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

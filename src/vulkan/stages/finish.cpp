@@ -1,4 +1,4 @@
-// The last stage: distances in the mesh's units.
+// Last stage: distances in the mesh's units.
 
 #include "vulkan/stages/finish.h"
 

@@ -5,12 +5,13 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: distances in the mesh's units.
+/// GPU twin of cpu/distance/finish.h: distances in the mesh's units.
 class FinishStage {
  public:
   explicit FinishStage(Device& device);
 
-  /// Clamps `count` distances in cell units to the band, if that is above zero, and scales them by `spacing`.
+  /// Clamps `count` distances in cell units to the band, if that is above zero, and multiplies them by
+  /// `spacing`.
   void record(Commands& commands, VkDeviceAddress distance, uint32_t count, double band, double spacing);
 
  private:

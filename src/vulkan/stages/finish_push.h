@@ -10,7 +10,7 @@ struct FinishPush {
   RAYMAP_ADDRESS(Floats) distance;
   uint count;
   float band;   // In cells; may be infinite.
-  float scale;  // The mesh's units to a cell.
+  float scale;  // The mesh's units per cell.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(FinishPush, 24);

@@ -1,4 +1,4 @@
-// A mesh in cell units: three floats a vertex, three numbers of vertices a triangle.
+// Mesh in cell units: three floats per vertex, three vertex indices per triangle.
 
 vec3 readCorner(Floats vertices, Uints triangles, uint triangle, uint corner) {
   const uint vertex = triangles.at[3 * triangle + corner];

@@ -1,4 +1,4 @@
-// Ours, after Krayer & Müller 2019, §3.5: the field says which way the faces point.
+// Ours, after Krayer & Müller 2019, §3.5: the field shows which way the faces point.
 
 #include "vulkan/stages/orientation.h"
 

@@ -1,4 +1,4 @@
-// What the kernels of the orientation share.
+// Declarations shared by the kernels of the orientation.
 
 #include "vulkan/stages/orientation_push.h"
 #include "vulkan/stages/ray_map.glsl"

@@ -6,30 +6,30 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: what a field says about the way the faces point, for the host.
+/// GPU twin of cpu/sign/orientation.h. Measures for the host which way the faces point according to a field.
 class OrientationStage {
  public:
   struct Fields {
     LatticeLines rays;          ///< The ray map.
-    VkDeviceAddress field = 0;  ///< Of every sample.
+    VkDeviceAddress field = 0;  ///< One value per sample.
     DeviceMesh mesh;
     double threshold = 0.5;
   };
 
   explicit OrientationStage(Device& device);
 
-  /// Nothing recorded before may still have to run.
+  /// Reserves memory. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims, uint32_t triangleCount);
 
   void recordMisfit(Commands& commands, const Fields& fields);
   /// Fills the field with the share of the six rays that cross an odd number of faces.
   void recordParity(Commands& commands, const Fields& fields);
-  /// With `farSides` steps along the normals are as long as so many roots of twice a face's area.
+  /// Steps along the normals are `farSides` times the root of twice a face's area, and at least one cell.
   void recordRises(Commands& commands, const Fields& fields, float farSides);
 
-  // When the work has been done:
+  // To be called when the work is done:
   double misfit() const;
-  /// Whether any sign contradicted the parity of all six rays when the misfit was measured.
+  /// Returns whether any sign contradicted the parity of all six rays in the last measurement of the misfit.
   bool contradictsParity() const;
   std::span<const float> rises() const { return hostRises_.mapped<const float>(); }
 

@@ -1,5 +1,5 @@
-// How badly the field fits the crossings, and the signs the parity (src/cpu/orientation.cpp): each group adds up its samples, always in the same
-// order.
+// Measures how badly the field fits the crossings, and whether signs contradict the parity
+// (cpu/sign/orientation.cpp). Each group sums its samples, always in the same order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -18,7 +18,8 @@ void addEdge(uint index, ivec3 s, uint axis, uint stride, inout vec3 sums) {
   sums.xy += vec2(float(jump) * (float(jump) - fall), abs(float(jump)));
 }
 
-// Whether the parity of all six rays says the other side than the winding number does, which is sure of it.
+// Returns whether the winding number is far from the threshold but the parity of all six rays contradicts its
+// sign.
 bool contradictsParity(uint index, ivec3 s) {
   const ivec3 dims = gridDims();
   int odd = 0;

@@ -1,5 +1,5 @@
-// The share of the six rays of each sample that cross an odd number of faces: a sum of +1 and -1 is as odd as their
-// number.
+// Computes the share of each sample's six rays that cross an odd number of faces. A sum of +1 and -1 has the
+// same parity as the number of terms.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

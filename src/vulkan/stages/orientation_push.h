@@ -8,20 +8,20 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kMisfitGroup = 256;
-RAYMAP_CONSTANT uint kMisfitSamples = 16;  // Of an invocation.
-RAYMAP_CONSTANT uint kMisfitNumbers = 3;   // Of a group: squares, jumps, samples that contradict the parity.
+RAYMAP_CONSTANT uint kMisfitSamples = 16;  // Samples per invocation.
+RAYMAP_CONSTANT uint kMisfitNumbers = 3;   // Per group: squares, jumps, samples that contradict the parity.
 
-// Of every kernel that orientation takes.
+// Parameters of all kernels of the orientation.
 struct OrientationPush {
   RAYMAP_ADDRESS(Ints) rays[3];     // The ray map, by axis.
-  RAYMAP_ADDRESS(Floats) field;     // Of every sample.
+  RAYMAP_ADDRESS(Floats) field;     // One value per sample.
   RAYMAP_ADDRESS(Floats) vertices;  // In cells.
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Floats) rises;   // Of every triangle.
-  RAYMAP_ADDRESS(Floats) misfit;  // kMisfitNumbers of each group.
+  RAYMAP_ADDRESS(Floats) rises;   // One value per triangle.
+  RAYMAP_ADDRESS(Floats) misfit;  // kMisfitNumbers per group.
   uint gridX, gridY, gridZ;
   uint triangleCount;
-  float farSides;  // Steps along the normal are at least so many roots of twice the area, and a cell.
+  float farSides;  // Step along the normal, in roots of twice the face's area; at least a cell.
   float threshold;
 };
 RAYMAP_CHECK_SIZE(OrientationPush, 88);

@@ -1,4 +1,5 @@
-// How much the field rises along the normal of each face, in the mean over places on it (src/cpu/orientation.cpp).
+// Computes how much the field rises along each face's normal: the mean over places on the face
+// (cpu/sign/orientation.cpp).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

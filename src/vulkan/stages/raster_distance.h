@@ -7,28 +7,29 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin (the last paragraph of §3.3): each triangle writes its squared distance, in units of the
-/// lattice's cells, into the cells it touches, keeping the minimum; `emptyCell` in all others.
+/// GPU twin of cpu/cells/raster_distance.h (the last paragraph of §3.3). Each triangle writes its squared
+/// distance, in units of the lattice's cells, into the cells it touches; the minimum stays. All other cells
+/// get `emptyCell`.
 ///
-/// How many rows of cells there are the device finds out, and writes to `totals`: where there is not room for
-/// them all, the distances are undefined, and `fits` says so. Then reserve for as many, record and run it
-/// again.
+/// The device finds out the number of rows of cells and writes it to `totals`. If the capacity does not
+/// suffice, the distances are undefined and `fits` returns false. The caller then reserves that many, and
+/// records and runs the stage again.
 class RasterDistanceStage {
  public:
   explicit RasterDistanceStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for a lattice and so many triangles, and for a guess at their rows, or so many if these are
-  /// more. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more than can
-  /// be numbered or had.
+  /// Reserves memory for a lattice, this many triangles and an estimated number of rows, or for those of
+  /// `lists` if that is more. All previously recorded work must have completed. Throws `Error(Memory)` if the
+  /// rows are too many to be numbered or stored.
   void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists = {});
-  /// For the lattice of the last `reserve`, and no more triangles.
+  /// Works on the lattice of the last `reserve`; the mesh must have at most as many triangles.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   const DeviceBuffer& totals() const { return runs_.totals(); }
   bool fits(const ListSizes& sizes) const { return runs_.fits(sizes); }
 
   const DeviceBuffer& squared() const { return squared_; }
-  /// For `RasterSamples`, after the transform.
+  /// Returns the level for `RasterDistanceSamplesStage`, after the transform.
   CellLevelData level(const DistanceTransformStage& transform) const;
 
  private:
@@ -38,13 +39,13 @@ class RasterDistanceStage {
   DeviceBuffer squared_;
 };
 
-/// The distance, in sample units, of every sample after the distance transform of each level.
+/// Computes the distance, in sample units, of every sample after the distance transform of each level.
 class RasterDistanceSamplesStage {
  public:
   explicit RasterDistanceSamplesStage(Device& device);
 
-  /// For grids of these dims, and levels whose stages have made their room. Nothing recorded before may still
-  /// have to run.
+  /// Prepares for grids of these dims and these levels, whose stages must have reserved their memory. All
+  /// previously recorded work must have completed.
   void reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels);
   void record(Commands& commands, VkDeviceAddress distance);
 

@@ -1,4 +1,5 @@
-// Krayer & Müller 2019, §3.3, last paragraph: the distance of every sample, from the transform of the cells' own.
+// Krayer & Müller 2019, §3.3, last paragraph: the distance of every sample, from the transform of the cells'
+// distances.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -8,7 +9,7 @@
 
 layout(push_constant, scalar) uniform Push { RasterSamplesPush push; };
 
-// The transform's value in p's cell belongs to the cell's centre; the same parabola, taken at p.
+// Evaluates at p the parabola that gives the transform's value at the centre of p's cell.
 float squaredDistance(CellLevelData level, CellPoint p, uint nearestCell) {
   const vec3 nearest = vec3(cellAt(level.cells, nearestCell));
   const vec3 d = vec3(p.cell) - nearest;

@@ -10,7 +10,7 @@
 namespace raymap::vulkan {
 
 namespace {
-constexpr uint32_t kFewEdges = 16;  // So few edges of a line are one invocation's: a subgroup would idle.
+constexpr uint32_t kFewEdges = 16;  // Most edges of a line that one invocation sums; a subgroup would idle.
 }
 
 RayMapStage::RayMapStage(Device& device)
@@ -19,7 +19,7 @@ RayMapStage::RayMapStage(Device& device)
       along_(device, shaders::kRayMapAlong, kRayMapGroup) {}
 
 void RayMapStage::record(Commands& commands, const LatticeLines& lines) {
-  // Pieces of very long lines, the last ones first; nearly always there is one of each.
+  // Very long lines are summed in pieces, the last ones first. Nearly all lines have one piece.
   const int longest = std::max({lines.dims.x, lines.dims.y, lines.dims.z});
   for (uint64_t done = 0; done <= static_cast<uint64_t>(longest); done += kRayMapPiece)
     commands.concurrent([&] {

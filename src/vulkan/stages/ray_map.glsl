@@ -1,7 +1,9 @@
-// The ray map on the device: for each axis the suffix sums along all its lines, x fastest, with one number more than
-// samples along the axis. Number e counts what lies from the edge before sample e on, towards plus infinity.
+// The ray map on the device: for each axis the suffix sums along all its lines, x fastest. Along the axis
+// there is one more number than samples. Number e counts the crossings from the edge before sample e on,
+// towards plus infinity.
 
-// r (Krayer & Müller 2019, §3.5, Eq. 7) of a sample that may lie outside the grid, along `axis` only.
+// Returns r (Krayer & Müller 2019, §3.5, Eq. 7) of a sample, which may lie outside the grid along `axis`
+// only.
 int rayFrom(Ints rays, uint axis, ivec3 dims, ivec3 s) {
   const int n = dims[axis];
   if (s[axis] >= n) return 0;

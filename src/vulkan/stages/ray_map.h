@@ -5,8 +5,8 @@
 
 namespace raymap::vulkan {
 
-/// §3.5, Eq. 3-8: r along the three axes. Edge e of a line then holds the signed crossings from there to plus
-/// infinity, so that r of sample i lies at i + 1, and the whole line's at 0.
+/// Computes r along the three axes (§3.5, Eq. 3-8). Edge e of a line then holds the signed crossings from
+/// there to plus infinity. Thus r of sample i lies at i + 1, and that of the whole line at 0.
 class RayMapStage {
  public:
   explicit RayMapStage(Device& device);

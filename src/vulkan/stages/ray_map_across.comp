@@ -1,4 +1,4 @@
-// Sums lines that lie side by side in memory, an invocation each.
+// Sums adjacent lines in memory, one per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

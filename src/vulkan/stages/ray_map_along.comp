@@ -1,4 +1,4 @@
-// Sums lines whose edges follow each other in memory, a subgroup each.
+// Sums lines whose edges are consecutive in memory, one per subgroup.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -7,14 +7,14 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kRayMapGroup = 128;
-RAYMAP_CONSTANT uint kRayMapPiece = 1u << 15;  // Edges of a line that one dispatch sums: loops have limits.
+RAYMAP_CONSTANT uint kRayMapPiece = 1u << 15;  // Edges of a line per dispatch: some drivers limit loops.
 
 struct RayMapPush {
-  RAYMAP_ADDRESS(Ints) edges;  // Of all lines along an axis: their counts, replaced by the sums.
+  RAYMAP_ADDRESS(Ints) edges;  // Counts of all lines along an axis, replaced by the sums.
   uint lineCount;
   uint edgesOfLine;
-  uint stride;  // From an edge of a line to the next, and the number of lines that lie side by side.
-  uint end;     // The piece to be summed ends before this edge; what comes after it has been summed.
+  uint stride;  // From one edge of a line to the next; also the number of adjacent lines.
+  uint end;     // End of the piece to sum; later edges hold their sums already.
 };
 RAYMAP_CHECK_SIZE(RayMapPush, 24);
 

@@ -1,11 +1,11 @@
-// One sample, unless there are too many triangles to measure.
+// Measures one sample per invocation, unless it has too many triangles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/refine.glsl"
 
-// Of a sample: where it stands among the crowded ones, in no certain order.
+// Returns a sample's place among the crowded ones, in no particular order.
 uint placeAmongCrowded() {
   const uvec4 together = subgroupBallot(true);
   uint first = 0;

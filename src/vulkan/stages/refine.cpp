@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.3, end.
 //
-// Paper: an invocation for each sample. Here: likewise, but a group for each sample that has many triangles
-// to measure, so that crowded cells (fine meshes on coarse grids) leave nobody alone with them.
+// Paper: one invocation per sample. Here: the same, but a group per sample with many triangles, because a
+// single invocation would take too long over crowded cells (fine meshes on coarse grids).
 
 #include "vulkan/stages/refine.h"
 
@@ -39,7 +39,8 @@ void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Field
                         .nz = dims_.z,
                         .levelCount = levels_.count(),
                         .reach = static_cast<uint32_t>(reach),
-                        // Many samples keep the device busy however long each takes, few do not.
+                        // With many samples the device stays busy even if some take long; with few it does
+                        // not.
                         .mostAlone = std::clamp(samples >> 8, 16U, 512U)};
   levels_.record(commands);
   commands.fill(crowdedCount_, 0);

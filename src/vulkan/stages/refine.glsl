@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.3, end. What both kernels share.
+// Krayer & Müller 2019, §3.3, end. Declarations shared by both kernels.
 
 #define RAYMAP_ROUGH_DIVISION
 #include "vulkan/stages/cell_levels.glsl"
@@ -8,7 +8,7 @@
 
 layout(push_constant, scalar) uniform Push { RefinePush push; };
 
-// The closest triangle so far; of equally close ones the lowest.
+// Closest triangle so far; among equally close ones, the lowest index.
 struct Closest {
   float squared;
   uint triangle;
@@ -23,7 +23,8 @@ vec3 corner(uint triangle, uint c) {
   return readCorner(push.vertices, push.triangles, triangle, c);
 }
 
-// Measures every `step`-th triangle of a cell, from the one numbered `lane` on; gives how many.
+// Measures every `step`-th triangle of a cell, starting with number `lane`. Returns the number of measured
+// ones.
 uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, inout Closest closest) {
   const uint begin = level.begins.at[cell];
   if (begin == kNoCell) return 0;
@@ -37,7 +38,7 @@ uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, i
   return measured;
 }
 
-// Likewise of a sample's nearest cell, and of its neighbours if asked for, in a lattice.
+// Does the same for a sample's nearest cell in a lattice and, with `reach` 1, for that cell's neighbours.
 uint measureLevel(CellLevelData level, uvec3 position, uint lane, uint step, inout Closest closest) {
   const CellPoint point = cellPointOf(level.cells, position);
   const uint nearest = level.nearestCell.at[cellIndex(level.cells, point.cell)];

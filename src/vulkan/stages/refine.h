@@ -5,21 +5,22 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the distance, in sample units, of every sample to the triangles of its nearest occupied
-/// cell and, with `reach` 1, of that cell's neighbours, over all levels; and the closest of those triangles,
-/// the lowest of several.
+/// GPU twin of cpu/cells/refine.h. Computes the distance, in sample units, of every sample to the triangles
+/// of its nearest occupied cell and, with `reach` 1, of that cell's neighbours, over all levels. Also finds
+/// the closest of these triangles; among several, the lowest index.
 class RefineStage {
  public:
   struct Fields {
-    VkDeviceAddress distance = 0;  ///< Of every sample;
-    VkDeviceAddress triangle = 0;  ///< and the closest triangle's number, if not 0.
-    VkDeviceAddress scratch = 0;   ///< Four bytes a sample, as DistanceTransform::scratch of the first level.
+    VkDeviceAddress distance = 0;  ///< One value per sample.
+    VkDeviceAddress triangle = 0;  ///< Index of the closest triangle per sample; 0: not requested.
+    VkDeviceAddress scratch = 0;   ///< Four bytes per sample, such as DistanceTransformStage::scratch of the
+                                   ///< first level.
   };
 
   explicit RefineStage(Device& device);
 
-  /// For grids of these dims, and levels whose stages have made their room. Nothing recorded before may still
-  /// have to run.
+  /// Prepares for grids of these dims and these levels, whose stages must have reserved their memory. All
+  /// previously recorded work must have completed.
   void reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels);
   void record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach);
 

@@ -1,11 +1,11 @@
-// One sample, by a whole group.
+// Measures one sample per group.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/refine.glsl"
 
-shared Closest closestOf[kRefineGroup / 4];  // Of each subgroup; none has fewer than four invocations.
+shared Closest closestOf[kRefineGroup / 4];  // Per subgroup; none has fewer than four invocations.
 
 void main() {
   if (groupIndex() >= push.crowdedCount.at[0]) return;

@@ -13,14 +13,14 @@ struct RefinePush {
   RAYMAP_ADDRESS(CellLevels) levels;
   RAYMAP_ADDRESS(Floats) vertices;
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Floats) distance;  // Of each sample.
-  RAYMAP_ADDRESS(Uints) closest;    // Its triangle; 0: not wanted.
-  RAYMAP_ADDRESS(Uints) crowded;    // Samples with so many triangles that a whole group measures them,
+  RAYMAP_ADDRESS(Floats) distance;  // One value per sample.
+  RAYMAP_ADDRESS(Uints) closest;    // Index of the closest triangle per sample; 0: not requested.
+  RAYMAP_ADDRESS(Uints) crowded;    // Samples with so many triangles that a whole group measures them.
   RAYMAP_ADDRESS(Uints) crowdedCount;
   uint nx, ny, nz;
   uint levelCount;
-  uint reach;      // 1: the neighbours of the nearest cell, too.
-  uint mostAlone;  // Triangles that one invocation measures alone.
+  uint reach;      // 1: also measures the neighbours of the nearest cell.
+  uint mostAlone;  // Triangles that one invocation measures alone, at most.
 };
 RAYMAP_CHECK_SIZE(RefinePush, 80);
 

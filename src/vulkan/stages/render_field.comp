@@ -1,4 +1,4 @@
-// A ray of a pixel each: the twin of render/shade.cpp.
+// Draws one ray of a pixel per invocation. GPU twin of render/shade.cpp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,8 +9,8 @@ const vec2 kSubPixels[kRenderSubPixels] =
 
 shared vec3 lights[kRenderGroup];
 
-// Starts where the ball around the shape may begin: positions near the shape are exact, however far away the
-// eye is. `skipped` is the way there.
+// Returns a ray that starts where the ball around the shape may begin, so that positions near the shape are
+// exact even for a distant eye. `skipped` is the distance from the eye to the start.
 Ray cameraRay(RenderSceneData scene, vec2 at, out float skipped) {
   const vec2 off = scene.pixelAngle * (at - 0.5 * vec2(push.width, push.height));
   const vec3 direction = normalize(scene.forward + off.x * scene.right - off.y * scene.up);

@@ -55,18 +55,18 @@ RenderSceneData describe(const Scene& scene) {
 RenderFieldStage::RenderFieldStage(Device& device)
     : device_(&device), kernel_(device, shaders::kRenderField, kRenderGroup), scene_(device, "scene") {
   scene_.resize<RenderSceneData>(1);
-  kernel_.handle();  // Now, and not while a frame is recorded.
+  kernel_.handle();  // Makes the kernel now, not while a frame is recorded.
 }
 
-/// A ray takes up to 40 steps a sample to meet the shape or to miss it, 10 more to the light, both across
-/// the ball around it.
+/// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
+/// light. Both cross the ball around the shape.
 void RenderFieldStage::checkScene(const Scene& scene) const {
   const size_t count = scene.shape.field().grid.sampleCount();
   if (count > size_t{std::numeric_limits<int32_t>::max()})
     throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) +
                                             " samples; a device draws up to 2147483647, draw it on the CPU");
-  // Drivers in software may end loops after 65,535 turns, without a word. Any other may give up a device
-  // that is busy for seconds; and far beyond, a step is too small to change a position.
+  // Some software drivers silently end loops after 65,535 iterations. Other drivers may give up a device that
+  // is busy for seconds. Far beyond this size, a step is too small to change a position.
   const double most = device_->info().type == DeviceType::Software ? 1250.0 : 16384.0;
   if (const double radius = scene.shape.radius(); radius > most)
     throw Error(ErrorCode::Unsupported, "the shape is " + std::to_string(2.0 * radius) + " samples across; " +

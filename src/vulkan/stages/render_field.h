@@ -9,14 +9,14 @@ struct Scene;
 
 namespace raymap::vulkan {
 
-/// Farther than any ray goes, in samples, and its square still is a float.
+/// Farther than any ray goes, in samples; its square is still a finite float.
 inline constexpr double kFarthest = 1e15;
 
-/// The CPU's twin (render/shade.cpp): a picture of a scene, a ray of a pixel an invocation.
+/// GPU twin of render/shade.cpp: draws a scene, one ray of a pixel per invocation.
 class RenderFieldStage {
  public:
-  /// Samples of the scene's field, x fastest, and how many of the scene's units, spacings, each unit of
-  /// theirs is. They may lie in any buffer.
+  /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,
+  /// spacings, per unit of the samples.
   struct Samples {
     VkDeviceAddress address = 0;
     float scale = 1.0F;
@@ -24,12 +24,12 @@ class RenderFieldStage {
 
   explicit RenderFieldStage(Device& device);
 
-  /// Throws `Error(Unsupported)` if a ray would need more steps than the device can be trusted with.
+  /// Throws `Error(Unsupported)` if a ray would need more steps than the device can run reliably.
   void checkScene(const Scene& scene) const;
-  /// Takes a scene that was checked to where rays find it.
+  /// Uploads a scene that `checkScene` accepted.
   void recordScene(Commands& commands, const Scene& scene, int width, int height);
-  /// Draws some of its rows, from the top, to `pixels`: 32 bits each, red in the lowest, then green, blue,
-  /// 255.
+  /// Draws `count` rows from row `first` on, counted from the top, to `pixels`. A pixel has 32 bits: red in
+  /// the lowest byte, then green, blue, 255.
   void recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels, int first, int count);
 
  private:

@@ -7,8 +7,8 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kRenderTile = 4;       // Pixels along a side of what a group draws,
-RAYMAP_CONSTANT uint kRenderSubPixels = 4;  // each by so many rays: an invocation each.
+RAYMAP_CONSTANT uint kRenderTile = 4;       // Pixels along a side of a group's tile.
+RAYMAP_CONSTANT uint kRenderSubPixels = 4;  // Rays per pixel, one per invocation.
 RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kRenderSubPixels;
 
 struct RenderFieldPush {
@@ -18,7 +18,7 @@ struct RenderFieldPush {
   RenderShape shape;
   uint width, height;
   uint firstRow, rows;
-  float scale;  // Spacings to a unit of the samples.
+  float scale;  // Spacings per unit of the samples.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(RenderFieldPush, 104);

@@ -1,4 +1,4 @@
-#ifndef RAYMAP_SHARED_RENDER_SCENE_H  // No pragma: GLSL, too, includes this more than once.
+#ifndef RAYMAP_SHARED_RENDER_SCENE_H  // No pragma: GLSL also includes this more than once.
 #define RAYMAP_SHARED_RENDER_SCENE_H
 
 #ifdef __cplusplus
@@ -13,18 +13,18 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 using vec3 = glm::vec3;
 #endif
 
-// What render/shape.h knows, but for the samples.
+// Data of scene/shape.h, without the samples.
 struct RenderShape {
   vec3 centre;
   float radius;
-  vec3 cutNormal;   // 0,
-  float cutOffset;  // and this as large as can be, if it is not cut.
+  vec3 cutNormal;   // 0 for an uncut shape.
+  float cutOffset;  // Largest float for an uncut shape.
   float level, wall, band;
   uint nx, ny, nz;
 };
 RAYMAP_CHECK_SIZE(RenderShape, 56);
 
-// What render/scene.h knows besides. Colours are linear.
+// Further data of scene/scene.h. Colours are linear.
 struct RenderSceneData {
   vec3 eye, right, up, forward;
   vec3 floorNormal;
@@ -34,8 +34,8 @@ struct RenderSceneData {
   float lineStep;
   float depth;
   vec3 sun, sky, bounce, clay;
-  vec3 top, bottom;  // Of the background.
-  vec3 inside[3];    // On the cut face: at the surface, half way, deepest.
+  vec3 top, bottom;  // Background.
+  vec3 inside[3];    // Cut face: at the surface, half way, deepest.
   vec3 contour;
 };
 RAYMAP_CHECK_SIZE(RenderSceneData, 208);

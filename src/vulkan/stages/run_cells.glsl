@@ -1,10 +1,11 @@
-// The cells of a group's runs, one after another: for kernels that CellRuns dispatches, of kRunsGroup invocations.
+// Consecutive cells of a group's runs, for kernels dispatched by CellRunsStage with groups of kRunsGroup
+// invocations.
 
 #include "vulkan/stages/cell_runs_push.h"
 
-shared uint runStarts[kRunsGroup + 1];  // From the group's first cell.
+shared uint runStarts[kRunsGroup + 1];  // Relative to the group's first cell.
 
-// Before anything else, by the whole group.
+// Must be called first, by the whole group.
 void loadRunStarts(Uints starts, uint rows) {
   const uint first = groupIndex() * kRunsGroup;
   for (uint i = gl_LocalInvocationIndex; i <= kRunsGroup; i += gl_WorkGroupSize.x)
@@ -12,7 +13,7 @@ void loadRunStarts(Uints starts, uint rows) {
   barrier();
 }
 
-// Which of the group's runs has a cell.
+// Returns the group's run that contains a cell.
 uint runOf(uint number) {
   uint low = 0, high = kRunsGroup;
   while (high - low > 1) {

@@ -1,4 +1,5 @@
-// Krayer & Müller 2019, §3.5, end: the winding number's threshold; and how sure its answer is (src/cpu/sign.h).
+// Krayer & Müller 2019, §3.5, end: applies the winding number's threshold and rates the confidence
+// (cpu/sign/sign.h).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -7,7 +8,7 @@
 
 layout(push_constant, scalar) uniform Push { SignPush push; };
 
-// How many of the two rays along an axis give the same sign, each for itself.
+// Returns how many of the two rays along an axis give the same sign, each on its own.
 uint votes(uint axis, ivec3 s, ivec3 dims, bool inside) {
   ivec3 beforeAll = s;
   beforeAll[axis] = -1;

@@ -7,10 +7,10 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct SignPush {
-  RAYMAP_ADDRESS(Ints) rays[3];  // The ray map, by axis: for the confidence.
+  RAYMAP_ADDRESS(Ints) rays[3];  // The ray map, by axis, for the confidence.
   RAYMAP_ADDRESS(Floats) winding;
   RAYMAP_ADDRESS(Floats) distance;    // Unsigned and in cells; becomes the result.
-  RAYMAP_ADDRESS(Floats) confidence;  // 0: is not asked for.
+  RAYMAP_ADDRESS(Floats) confidence;  // 0: not requested.
   uint gridX, gridY, gridZ;           // Samples of the grid.
   float threshold;
   uint isInverted;  // Positive inside.

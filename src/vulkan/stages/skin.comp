@@ -1,4 +1,4 @@
-// Linear-blend skinning: each vertex goes to the weighted mean of where its joints take it.
+// Linear-blend skinning: moves each vertex to the weighted mean of the places to which its joints move it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -6,7 +6,7 @@
 
 layout(push_constant, scalar) uniform Push { SkinPush push; };
 
-// Not a number for a joint that does not exist: whoever uses the vertex finds out.
+// Returns not-a-number for a nonexistent joint, which the stages that read the vertex detect.
 vec3 movedBy(uint joint, vec4 rest) {
   if (joint >= push.jointCount) return vec3(uintBitsToFloat(0x7fc00000u));
   const uint row = 3 * joint;

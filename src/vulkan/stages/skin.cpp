@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3: dynamic data, which never leave the device. The twin of mesh/animated_mesh.cpp.
+// Krayer & Müller 2019, §3: dynamic data, which never leave the device. GPU twin of mesh/animated_mesh.cpp.
 
 #include "vulkan/stages/skin.h"
 
@@ -15,7 +15,7 @@ constexpr uint32_t kGroup = 128;
 }  // namespace
 
 SkinStage::SkinStage(Device& device) : kernel_(device, shaders::kSkin, kGroup) {
-  kernel_.handle();  // Now, and not while a frame is recorded.
+  kernel_.handle();  // Makes the kernel now, not while a frame is recorded.
 }
 
 void SkinStage::record(Commands& commands, const Input& input, VkDeviceAddress vertices) {

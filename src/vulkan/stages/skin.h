@@ -8,9 +8,9 @@ namespace raymap::vulkan {
 /// Moves vertices by joints, or all of them by one matrix.
 class SkinStage {
  public:
-  /// Addresses of three packed floats a rest vertex; four joints of 16 bits and four floats as their weights
-  /// a vertex, or neither: then the first joint moves all; and three rows of four floats a joint. Those of
-  /// `weights` and `matrices` are multiples of 16.
+  /// Addresses of the input. `rest` has three packed floats per vertex. `joints` has four 16-bit numbers per
+  /// vertex, and `weights` four floats; without both, the first joint moves all vertices. `matrices` has
+  /// three rows of four floats per joint. The addresses of `weights` and `matrices` are multiples of 16.
   struct Input {
     VkDeviceAddress rest = 0, joints = 0, weights = 0, matrices = 0;
     uint32_t vertexCount = 0;
@@ -19,7 +19,7 @@ class SkinStage {
 
   explicit SkinStage(Device& device);
 
-  /// Writes three packed floats a vertex. One that follows a joint that does not exist is not finite.
+  /// Writes three packed floats per vertex. A vertex that follows a nonexistent joint is not finite.
   void record(Commands& commands, const Input& input, VkDeviceAddress vertices);
 
  private:

@@ -7,11 +7,11 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct SkinPush {
-  RAYMAP_ADDRESS(Floats) rest;      // Three numbers a vertex, where no joint moves it,
-  RAYMAP_ADDRESS(Floats) vertices;  // and where the joints do.
-  RAYMAP_ADDRESS(Uints) joints;     // Four a vertex, of 16 bits each; 0: the first joint moves all.
-  RAYMAP_ADDRESS(Vec4s) weights;    // Four a vertex.
-  RAYMAP_ADDRESS(Vec4s) matrices;   // Three rows a joint.
+  RAYMAP_ADDRESS(Floats) rest;      // Three numbers per vertex, at rest.
+  RAYMAP_ADDRESS(Floats) vertices;  // Three numbers per vertex, moved.
+  RAYMAP_ADDRESS(Uints) joints;     // Four 16-bit numbers per vertex; 0: the first joint moves all.
+  RAYMAP_ADDRESS(Vec4s) weights;    // Four numbers per vertex.
+  RAYMAP_ADDRESS(Vec4s) matrices;   // Three rows per joint.
   uint vertexCount;
   uint jointCount;
 };

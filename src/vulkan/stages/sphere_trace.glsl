@@ -1,4 +1,4 @@
-// The twin of render/field_sampler.h, shape.h and sphere_trace.cpp, which give the reasons.
+// GPU twin of field/field_sampler.h, scene/shape.h and render/sphere_trace.cpp, which give the reasons.
 
 #include "vulkan/stages/render_scene_push.h"
 
@@ -8,7 +8,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes
 
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
-// Farther than any ray goes, and its square still is a float.
+// Farther than any ray goes; its square is still a finite float.
 const float kFar = 1e15;
 
 struct Ray {
@@ -84,7 +84,7 @@ const float kCaution = 0.9;
 const float kLeastStep = 0.05;
 const float kLightSize = 0.11;
 
-// By the foot of the centre on the ray: exact where the origin is far away.
+// Uses the foot of the centre on the ray, which is exact even for a distant origin.
 vec2 clipToBall(Ray ray) {
   const vec3 toCentre = push.shape.centre - ray.origin;
   const float radius = push.shape.radius + 2;
@@ -112,7 +112,7 @@ float refineHit(Ray ray, float outside, float inside, float dOut, float dIn) {
   return inside;
 }
 
-// Negative if nothing is hit.
+// Returns the ray's parameter at the hit; negative if nothing is hit.
 float traceRay(Ray ray) {
   const vec2 part = clipToBall(ray);
   float before = part.x, dBefore = 1e30;

@@ -1,13 +1,13 @@
-// Triangles and discs of the surface tree: the twin of cpu/surface_shapes-inl.h. Its nodes are numbered from the root
-// on, level by level: the children of node n are 8 n + 1 to 8 n + 8, and leaf n has the triangles 8 n to 8 n + 7.
-// Comes after shared/surface_tree.h.
+// Triangles and discs of the surface tree. GPU twin of cpu/distance/surface_shapes-inl.h. Nodes are numbered
+// from the root on, level by level. Node n has the children 8 n + 1 to 8 n + 8, leaf n has the triangles 8 n
+// to 8 n + 7. Include after surface_tree_push.h.
 
-// In a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. Written so that the distance
-// to a point needs no division.
+// Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. In this
+// form the distance to a point needs no division.
 struct Triangle {
   vec3 a, x, y, z;
   float bx, cx, cy;
-  float inverseBc2, inverseCa2;  // 1 / |c - b|^2 and 1 / |a - c|^2; 0 without length.
+  float inverseBc2, inverseCa2;  // 1 / |c - b|^2 and 1 / |a - c|^2; 0 for an edge without length.
 };
 
 struct Disc {
@@ -15,7 +15,7 @@ struct Disc {
   float radius, halfThickness;
 };
 
-// Fills the places of nodes without triangles: out of reach of every point.
+// Returns the disc for nodes without triangles, out of reach of every point.
 Disc discOutOfReach() {
   return Disc(vec3(0), vec3(0, 0, 1), -1.0 / 0.0, 0);
 }
@@ -33,7 +33,7 @@ void writeTriangle(Vec4s frames, uint index, Triangle t, uint id) {
   frames.at[index * kFrameVectors + 3] = vec4(t.inverseBc2, t.inverseCa2, uintBitsToFloat(id), 0);
 }
 
-// Its number in the mesh.
+// Returns the triangle's number in the mesh.
 uint readTriangleId(Vec4s frames, uint index) {
   return floatBitsToUint(frames.at[index * kFrameVectors + 3].z);
 }
@@ -48,7 +48,8 @@ void writeDisc(Vec4s discs, uint node, Disc disc) {
   discs.at[node * kDiscVectors + 1] = vec4(disc.normal, disc.halfThickness);
 }
 
-// From the closest point of a triangle's edges to a point in its frame, and whether the point lies over the face.
+// Offsets from the closest point of each of a triangle's edges to a point in its frame, and whether the point
+// lies over the face.
 struct EdgeOffsets {
   vec2 ab, bc, ca;
   bool inside;
@@ -60,7 +61,7 @@ EdgeOffsets edgeOffsets(Triangle t, vec2 p) {
   e.ab = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
   e.bc = bp - clamp(dot(bp, bc) * t.inverseBc2, 0, 1) * bc;
   e.ca = p - clamp(dot(p, c) * t.inverseCa2, 0, 1) * c;
-  // Never so if it has no area.
+  // Always false for a triangle without area.
   e.inside = min(p.y, min(bc.x * p.y - t.cy * bp.x, t.cy * p.x - t.cx * p.y)) > 0;
   return e;
 }
@@ -89,7 +90,7 @@ Tangent tangentOf(Triangle t, vec3 point) {
   return Tangent((dot(o, o) + w * w) * inverse, (o.x * t.x + o.y * t.y + w * t.z) * inverse);
 }
 
-// How far a point lies beside a disc, and above or below it.
+// Distances of a point from a disc, beside it and above or below it.
 struct DiscOffset {
   vec3 q;
   float height, inverseRho, beside, above;

@@ -1,4 +1,4 @@
-// Ours (the paper's future work names a hierarchy): the tree behind exact_distance.
+// Ours (the paper's future work names a hierarchy): the tree for exact_distance.
 
 #include "vulkan/stages/surface_tree.h"
 
@@ -16,8 +16,8 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint32_t kGroup = 128;
-constexpr uint32_t kVerticesEach = 8;  // As in surface_tree_bounds.comp.
-constexpr uint32_t kRun = 512;         // Triangles of the curve that are ordered anew.
+constexpr uint32_t kVerticesEach = 8;  // The same as in surface_tree_bounds.comp.
+constexpr uint32_t kRun = 512;         // Triangles of the curve that one group reorders.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 uint32_t nodesOver(uint32_t count) {

@@ -1,4 +1,4 @@
-// What the kernels of the surface tree share.
+// Declarations shared by the kernels of the surface tree.
 
 #include "vulkan/stages/surface_tree_push.h"
 
@@ -12,12 +12,13 @@ vec3 readCorner(uint triangle, uint corner) {
   return readVertex(push.triangles.at[3 * triangle + corner]);
 }
 
-// The level's nodes, and those that fill up its last eight: the root has no others beside it.
+// Returns the number of the level's nodes, including those that fill up its last eight; the root has no
+// siblings.
 uint levelPlaces() {
   return push.levelStart == 0 ? 1 : ceilDiv(push.levelCount, kArity) * kArity;
 }
 
-// Any direction if there is none.
+// Returns an arbitrary direction for a zero vector.
 vec3 unitVector(vec3 v) {
   const float length2 = dot(v, v);
   if (!(length2 > 1e-24)) return vec3(0, 0, 1);

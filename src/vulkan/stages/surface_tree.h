@@ -9,32 +9,33 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: triangles in the order of a space-filling curve, eight to a leaf, and discs around leaves
-/// and around eight nodes each of the level below. Numbered from the root on (shaders/surface_shapes.glsl).
+/// GPU twin of cpu/distance/surface_tree.h: triangles in the order of a space-filling curve, eight per leaf.
+/// Discs bound leaves, and eight nodes each of the level below. Nodes are numbered from the root on
+/// (vulkan/stages/surface_shapes.glsl).
 class SurfaceTreeStage {
  public:
-  /// The nodes of a level: `count` of them from `start` on.
+  /// Nodes of a level: `count` of them from `start` on.
   struct Level {
     uint32_t start, count;
   };
 
-  /// Of a tree over so many triangles, leaves first.
+  /// Returns the levels of a tree over this many triangles, leaves first.
   static std::vector<Level> placeLevels(uint32_t triangles);
 
   explicit SurfaceTreeStage(Device& device);
 
-  /// Makes room for meshes of up to so many triangles, at least one. Nothing recorded before may still have
-  /// to run.
+  /// Reserves memory for meshes of up to this many triangles, at least one. All previously recorded work must
+  /// have completed.
   void reserve(uint32_t triangles);
-  /// For up to as many triangles as were reserved.
+  /// The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims);
 
-  /// Of the mesh of the last `record`.
+  /// Tree of the mesh of the last `record`.
   const DeviceBuffer& frames() const { return frames_; }
   const DeviceBuffer& discs() const { return discs_; }
   uint32_t triangleCount() const { return triangleCount_; }
   const std::vector<Level>& levels() const { return levels_; }
-  /// The number of the first leaf among all nodes, of which the leaves come last.
+  /// Index of the first leaf among all nodes; the leaves come last.
   uint32_t firstLeaf() const { return levels_.front().start; }
   uint32_t leafCount() const { return levels_.front().count; }
 

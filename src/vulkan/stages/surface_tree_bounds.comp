@@ -1,4 +1,4 @@
-// The bounds of all vertices, by integer atomics: the same in any order.
+// Computes the bounds of all vertices by integer atomics: the result is the same in any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -22,7 +22,7 @@ void main() {
   high = subgroupMax(high);
   if (!subgroupElect()) return;
   [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
-    // The complement of the highest is the lowest: all six words start alike.
+    // The complement turns the maximum into a minimum, so all six words have the same initial value.
     atomicMin(push.bounds.at[axis], toOrdered(low[axis]));
     atomicMin(push.bounds.at[3 + axis], ~toOrdered(high[axis]));
   }

@@ -1,4 +1,4 @@
-// Position of each triangle's centroid along the Morton curve.
+// Computes the position of each triangle's centroid along the Morton curve.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

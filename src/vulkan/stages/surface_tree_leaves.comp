@@ -1,16 +1,17 @@
-// Puts each triangle into a frame of its own, and a disc around the eight of each leaf.
+// Gives each triangle a frame of its own, and each leaf a disc around its eight triangles.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_shapes.glsl"
 
-layout(constant_id = 1) const uint kLeaves = 1;  // Of a group.
+layout(constant_id = 1) const uint kLeaves = 1;  // Leaves per group.
 
 shared vec3 corners[kLeaves * kArity * 3];
 
-// A unit vector across the unit vector `x` and across `e`. Where the cross product is mostly rounding, which may point
-// along `x`, any direction across `x` will do: `e` lies along it.
+// Returns a unit vector perpendicular to the unit vector `x` and to `e`. If the cross product is mostly
+// rounding error, it may point along `x`. Then `e` lies along `x`, and any direction perpendicular to `x`
+// will do.
 dvec3 directionAcross(dvec3 x, dvec3 e) {
   dvec3 v = cross(x, e);
   if (!(dot(v, v) > 1e-18lf * dot(e, e))) v = cross(x, abs(x.x) < 0.6lf ? dvec3(1, 0, 0) : dvec3(0, 1, 0));
@@ -58,7 +59,7 @@ Disc boundCorners(uint first) {
 void main() {
   const uint place = invocationIndex(), leaf = groupIndex() * kLeaves + gl_LocalInvocationID.x;
   if (place / kArity < push.levelCount) {
-    // The last leaf is filled up with the last triangle.
+    // The last triangle fills up the last leaf.
     const uint triangle = push.order.at[min(place, push.triangleCount - 1)];
     const vec3 p = readCorner(triangle, 0), q = readCorner(triangle, 1), r = readCorner(triangle, 2);
     writeTriangle(push.frames, place, makeFrame(p, q, r), triangle);

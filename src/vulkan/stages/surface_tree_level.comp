@@ -1,4 +1,4 @@
-// Discs around the discs of each node's children.
+// Computes discs around the discs of each node's children.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -15,7 +15,7 @@ Disc boundDiscs(uint first, uint count) {
   }
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
-  // Across and along the common normal, as far as the discs reach beyond their centres.
+  // Extents of the discs along and across the common normal.
   float front = -1.0 / 0.0, back = -front, radius = 0;
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);

@@ -1,5 +1,5 @@
-// Puts each run of the curve into an order in which every aligned power of two of triangles is compact, from leaves on:
-// halves it across its longest side, then the halves, and so on.
+// Reorders each run of the curve so that every aligned power of two of triangles, down to leaves, is compact:
+// halves the run across its longest side, then the halves, and so on.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,13 +9,13 @@
 layout(constant_id = 1) const uint kRun = 2;  // Two triangles for each invocation of a group.
 
 shared uvec3 places[kRun];
-shared uint keys[kRun];  // The place along one axis, then the index in the run.
+shared uint keys[kRun];  // Place along one axis, then the index in the run.
 shared uint lows[3 * kRun / kArity / 2];
 shared uint highs[3 * kRun / kArity / 2];
 
-const uint kPad = 0xffffffffu;  // Beyond the last triangle: stays behind all others.
+const uint kPad = 0xffffffffu;  // Beyond the last triangle: sorts after all others.
 
-// Compares each pair of a step of a bitonic sort, in parts of `part` keys.
+// Compares each pair in a step of a bitonic sort, in parts of `part` keys.
 void sortStep(uint part, uint size, uint stride) {
   const uint l = gl_LocalInvocationID.x, first = (l & ~(stride - 1)) << 1 | l & (stride - 1), second = first | stride;
   const uint a = keys[first], b = keys[second];
@@ -25,7 +25,7 @@ void sortStep(uint part, uint size, uint stride) {
   barrier();
 }
 
-// The axis along which a part extends farthest.
+// Returns the axis along which a part extends farthest.
 uint longestAxis(uint part) {
   const uvec3 extent = uvec3(highs[3 * part], highs[3 * part + 1], highs[3 * part + 2]) -
                        uvec3(lows[3 * part], lows[3 * part + 1], lows[3 * part + 2]);

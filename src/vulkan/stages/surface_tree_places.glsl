@@ -1,17 +1,17 @@
-// The lattice on which triangles get their places, fitted to the mesh, or to what of it is near the grid.
+// Lattice of the triangles' places, fitted to the mesh, or to its part near the grid.
 
 #include "vulkan/primitives/ordered_float.glsl"
 
-const uint kPlaceBits = 16;  // Of each axis.
+const uint kPlaceBits = 16;  // Per axis.
 
-// Where the triangle's centroid lies.
+// Returns the place of the triangle's centroid.
 uvec3 placeOf(uint triangle) {
   vec3 low, high;
   [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
     low[axis] = fromOrdered(push.bounds.at[axis]);
     high[axis] = fromOrdered(~push.bounds.at[3 + axis]);
   }
-  // What lies far from the grid needs no fine order.
+  // Triangles far from the grid need no fine order.
   const vec3 dims = vec3(push.dimX, push.dimY, push.dimZ), nearLow = max(low, -dims), nearHigh = min(high, 2 * dims);
   if (all(lessThan(nearLow, nearHigh))) {
     low = nearLow;

@@ -6,26 +6,26 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kArity = 8;        // Children of a node, and triangles of a leaf.
+RAYMAP_CONSTANT uint kArity = 8;        // Children per node, and triangles per leaf.
 RAYMAP_CONSTANT uint kBoundsWords = 6;  // Three lows and three highs.
 RAYMAP_CONSTANT uint kMortonBits = 30;
-RAYMAP_CONSTANT uint kDiscVectors = 2;   // A disc with thickness: centre, radius; normal, half the thickness.
-RAYMAP_CONSTANT uint kFrameVectors = 4;  // A triangle in a frame of its own: see surface_shapes.glsl.
+RAYMAP_CONSTANT uint kDiscVectors = 2;   // Disc with thickness: centre, radius; normal, half the thickness.
+RAYMAP_CONSTANT uint kFrameVectors = 4;  // Triangle in a frame of its own: see surface_shapes.glsl.
 
 struct SurfaceTreePush {
   RAYMAP_ADDRESS(Floats) vertices;
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Uints) bounds;  // Of the vertices, as numbers that are ordered alike.
+  RAYMAP_ADDRESS(Uints) bounds;  // Bounds of the vertices, as integers in the floats' order.
   RAYMAP_ADDRESS(Uints) keys;
-  RAYMAP_ADDRESS(Uints) order;  // The triangles in the order of their keys.
+  RAYMAP_ADDRESS(Uints) order;  // Triangles in the order of their keys.
   RAYMAP_ADDRESS(Vec4s) frames;
   RAYMAP_ADDRESS(Vec4s) discs;
   uint vertexCount;
   uint triangleCount;
   uint dimX, dimY, dimZ;
-  uint levelStart;       // The first node of the level that is written;
-  uint levelCount;       // how many of its nodes have triangles,
-  uint levelBelowCount;  // and of those of the level below.
+  uint levelStart;       // First node of the level to be written.
+  uint levelCount;       // Nodes of that level that have triangles.
+  uint levelBelowCount;  // Nodes of the level below that have triangles.
 };
 RAYMAP_CHECK_SIZE(SurfaceTreePush, 88);
 

@@ -1,5 +1,5 @@
-// Geometry leaf functions: the twins of cpu/triangle.h, rounded exactly as there. With RAYMAP_ROUGH_DIVISION the
-// distances are so only up to how the device divides, and come faster.
+// Basic geometric functions. GPU twins of cpu/cells/triangle.h, with the same rounding. With
+// RAYMAP_ROUGH_DIVISION the distances are faster, but depend on how the device divides.
 
 float dotExactly(vec3 a, vec3 b) {
   precise const float sum = a.x * b.x + a.y * b.y + a.z * b.z;
@@ -15,7 +15,8 @@ float divide(float a, float b) {
 #ifdef RAYMAP_ROUGH_DIVISION
   return a / b;
 #else
-  // Devices may divide floats inexactly; what they make of doubles is more than exact enough to be rounded.
+  // Devices may divide floats inexactly. Their division of doubles is accurate enough to round correctly to a
+  // float.
   return float(double(a) / double(b));
 #endif
 }
@@ -24,7 +25,7 @@ float squaredLength(vec3 v) {
   return dotExactly(v, v);
 }
 
-// From the origin to the segment from a to a + e, which may be a point.
+// Returns the squared distance from the origin to the segment from a to a + e, which may be a point.
 float segmentSquaredDistance(vec3 a, vec3 e) {
   const float length2 = squaredLength(e);
   const float t = length2 > 0.0 ? clamp(divide(-dotExactly(a, e), length2), 0.0, 1.0) : 0.0;
@@ -32,7 +33,7 @@ float segmentSquaredDistance(vec3 a, vec3 e) {
   return squaredLength(closest);
 }
 
-// From p to the triangle abc, which may be a segment or a point.
+// Returns the squared distance from p to the triangle abc, which may be a segment or a point.
 float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   const vec3 pa = a - p, ab = b - a, ac = c - a;
   const vec3 n = crossExactly(ab, ac);
@@ -44,7 +45,7 @@ float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   if (v >= 0.0 && w >= 0.0 && v + w <= area2 && area2 > 0.0) {
     precise const vec3 closest = pa + divide(v, area2) * ab + divide(w, area2) * ac;
     inside = squaredLength(closest);
-    // Short of slivers the projection is the answer: the edges lie farther away.
+    // Except for slivers the projection is the closest point: the edges lie farther away.
     precise const float square = 1e-6 * squaredLength(ab) * squaredLength(ac);
     if (area2 > square) return inside;
   }
@@ -52,7 +53,8 @@ float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   return min(min(inside, edges), segmentSquaredDistance(b - p, c - b));
 }
 
-// low <= dot(axis, centre) <= high wherever a unit cube's shadow on `axis` meets the triangle's.
+// Slab low <= dot(axis, centre) <= high: where the projections of a unit cube and of the triangle on `axis`
+// overlap.
 struct Slab {
   dvec3 axis;
   double low;
@@ -78,7 +80,7 @@ Slab planeSlab(dvec3 corner[3], double slack) {
   return slabBetween(normal, offset, offset, slack);
 }
 
-// That of edge e seen along x, y or z.
+// Returns the slab of edge e in the projection along x, y or z.
 Slab edgeSlab(dvec3 corner[3], uint e, uint along, double slack) {
   const dvec3 start = corner[e], apex = corner[(e + 2) % 3], edge = corner[(e + 1) % 3] - start;
   dvec3 axis = dvec3(0.0, edge.z, -edge.y);

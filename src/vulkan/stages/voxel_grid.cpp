@@ -1,9 +1,9 @@
 // Krayer & Müller 2019, §3.1, Fig. 2.
 //
 // Paper: an atomic counter per cell, a prefix sum over all cells, an atomic slot for each triangle. Here:
-// pairs of cell and triangle, written by ascending triangles and sorted by cell, stably: because each list
-// then is in ascending order, whatever order groups run in, and a cell that holds all triangles costs no more
-// than others.
+// pairs of cell and triangle, written by ascending triangles and sorted stably by cell. Each list is then in
+// ascending order, independently of the order of groups. A cell that holds all triangles costs no more than
+// others.
 
 #include "vulkan/stages/voxel_grid.h"
 
@@ -41,7 +41,7 @@ VoxelGridStage::VoxelGridStage(Device& device, ScratchMemory* scratch)
       count_(device, "entries' count") {}
 
 void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
-  // Twice what a fine mesh has; few are no work in any case.
+  // Twice what a fine mesh has. The minimum is negligible work.
   constexpr uint64_t kEntriesPerTriangle = 4, kFewEntries = uint64_t{1} << 17;
   if (lists.entries > kMostEntries)
     throw Error(ErrorCode::Memory, "the cells' triangle lists hold " + std::to_string(lists.entries) +
@@ -75,7 +75,7 @@ RadixSort::Pairs VoxelGridStage::pairs(size_t place) const {
 
 void VoxelGridStage::record(Commands& commands, const DeviceMesh& mesh) {
   runs_.record(commands, mesh, cells_);
-  // So that the sorted pairs come to lie in the first place.
+  // Chosen so that the sorted pairs end in place 0.
   const size_t unsorted = (bitsOf(cells_) + kRadixBits - 1) / kRadixBits % 2;
   VoxelGridPush push{.runTriangles = runs_.triangles(),
                      .runCells = runs_.firstCells(),

@@ -6,36 +6,37 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: which triangles touch which cell (§3.1, Fig. 2). Entries are pairs of a cell and a
-/// triangle, in ascending order: cell c's begin at `begins[c]`, `kNoCell` if it has none, and go on as long
-/// as entries are of c.
+/// GPU twin of cpu/cells/voxel_grid.h: the triangles that touch each cell (§3.1, Fig. 2). Entries are pairs
+/// of a cell and a triangle, in ascending order. The entries of cell c are consecutive and begin at
+/// `begins[c]`, which is `kNoCell` for a cell without entries.
 ///
-/// How many there are the device finds out, and writes to `totals`: where there is not room for them all,
-/// there will be none, and `fits` says so. Then reserve for as many, record and run it again until it says
-/// yes (too many rows hide how many entries there are); later meshes of about the same size fit at once.
+/// The device finds out the number of entries and writes it to `totals`. If the capacity does not suffice,
+/// there are no entries and `fits` returns false. The caller then reserves that many, and records and runs
+/// the stage again until `fits` returns true. It may take several runs: too many rows hide the number of
+/// entries. Later meshes of about the same size fit at once.
 class VoxelGridStage {
  public:
   explicit VoxelGridStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for a lattice and so many triangles, and for a guess at their lists, or such if these are
-  /// longer. Nothing recorded before may still have to run. Throws `Error(Memory)` if there are more entries
-  /// than can be numbered or had.
+  /// Reserves memory for a lattice, this many triangles and lists of an estimated length, or those of `lists`
+  /// if they are longer. All previously recorded work must have completed. Throws `Error(Memory)` if the
+  /// entries are too many to be numbered or stored.
   void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists = {});
-  /// For the lattice of the last `reserve`, and no more triangles.
+  /// Works on the lattice of the last `reserve`; the mesh must have at most as many triangles.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   const DeviceBuffer& totals() const { return runs_.totals(); }
   bool fits(const ListSizes& sizes) const { return runs_.fits(sizes) && sizes.entries <= mostEntries_; }
 
   const CellLattice& lattice() const { return cells_; }
-  /// By entry.
+  /// One value per entry.
   const DeviceBuffer& cells() const { return entryCells_[0]; }
   const DeviceBuffer& triangles() const { return entryTriangles_[0]; }
-  /// By cell.
+  /// One value per cell.
   const DeviceBuffer& begins() const { return begins_; }
-  /// How many entries there are: none where there is not room for them.
+  /// Returns the number of entries; 0 if the capacity did not suffice.
   Count entryCount() const;
-  /// An invocation for each entry, in groups of `kRunsGroup`.
+  /// Dispatches an invocation for each entry, in groups of `kRunsGroup`.
   template <class Push>
   void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push) const {
     arguments_.dispatch(commands, kernel, push, 0);

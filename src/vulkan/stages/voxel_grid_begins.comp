@@ -1,4 +1,4 @@
-// Where each cell's entries begin, now that they are sorted by cell.
+// Finds the first entry of each cell; the entries are sorted by cell.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

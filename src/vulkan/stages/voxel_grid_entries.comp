@@ -7,7 +7,7 @@
 
 layout(push_constant, scalar) uniform Push { VoxelGridPush push; };
 
-// Otherwise there are no entries, and the host makes room.
+// If this is false there are no entries, and the host reserves more memory.
 bool fits() {
   return push.totals.at[1] == 0 && push.totals.at[0] <= push.mostRows && push.totals.at[3] == 0 &&
          push.totals.at[2] <= push.mostEntries;

@@ -6,7 +6,7 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the winding number of every sample, from the ray map.
+/// GPU twin of cpu/sign/winding.h: the winding number of every sample, from the ray map.
 class WindingStage {
  public:
   WindingStage(Device& device, ScratchMemory* scratch);
@@ -14,7 +14,7 @@ class WindingStage {
   /// Reserves memory for grids of these dims and these modes; `Rays` needs none. All previously recorded work
   /// must have completed.
   void reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedToo);
-  /// Writes a float per sample to `winding`. The options say how many passes and which offsets.
+  /// Writes a float per sample to `winding`. The options give the number of passes and the offsets.
   void record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,
               VkDeviceAddress winding);
   /// Number of samples whose six rays disagree, one 32-bit number.

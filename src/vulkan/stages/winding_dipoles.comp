@@ -14,7 +14,7 @@ void settle(uint index) {
   for (uint look = 0; look < kLooks; ++look) {
     bool whole;
     const float w = windingNumber(p, kDistant[look], whole);
-    if (!whole) return;  // Stays as it was.
+    if (!whole) return;  // Keeps the last value.
     push.winding.at[index] = w;
     if (abs(abs(w) - push.threshold) >= kClose[look]) return;
   }

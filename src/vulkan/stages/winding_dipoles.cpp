@@ -16,10 +16,11 @@ namespace {
 
 constexpr uint32_t kMomentsGroup = 64;
 constexpr uint32_t kPointsGroup = 64;
-// Of an invocation in all: Mesa's driver in software ends loops silently after 65,535.
+// Most loop iterations of an invocation in total. Mesa's software driver silently ends loops after 65,535.
 constexpr uint32_t kFewTurns = 60000;
 constexpr uint32_t kManyTurns = 60000000;
-constexpr uint32_t kNumbersSettled = 2 * kLooks;  // By an invocation: two samples, three times each.
+constexpr uint32_t kNumbersSettled = 2 * kLooks;  // Winding numbers per invocation: two samples, three times
+                                                  // each.
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;

@@ -1,5 +1,5 @@
-// Barill et al. 2018, "Fast winding numbers for soups and clouds": what the kernels share. The twin of
-// cpu/winding_dipoles.cpp.
+// Barill et al. 2018, "Fast winding numbers for soups and clouds": declarations shared by the kernels. GPU
+// twin of cpu/sign/winding_dipoles.cpp.
 
 #include "vulkan/stages/surface_tree_push.h"
 #include "vulkan/stages/winding_dipoles_push.h"
@@ -7,11 +7,12 @@
 
 layout(push_constant, scalar) uniform Push { WindingDipolesPush push; };
 
-// Of a node, about its disc's centre: the area vector, and area vector times offset, the symmetric part.
+// Moments of a node about its disc's centre: the area vector, and the symmetric part of area vector times
+// offset.
 struct Moments {
   vec3 area;
-  vec3 squares;   // xx, yy, zz
-  vec3 products;  // xy, yz, zx
+  vec3 squares;   // xx, yy, zz.
+  vec3 products;  // xy, yz, zx.
 };
 
 Moments readMoments(uint node) {

@@ -8,30 +8,32 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: winding numbers of the triangles themselves, by a tree of dipoles (Barill et al. 2018),
-/// where the lattice comes close to the threshold. Nothing runs where it does not.
+/// GPU twin of cpu/sign/winding_dipoles.h. Computes winding numbers of the triangles themselves, by a tree of
+/// dipoles (Barill et al. 2018), for samples whose number on the lattice is close to the threshold. If there
+/// is none, only the search for such samples runs.
 class WindingDipolesStage {
  public:
   struct Fields {
     VkDeviceAddress distance = 0;  ///< Unsigned, in cells.
     VkDeviceAddress winding = 0;
-    VkDeviceAddress disagreeing = 0;  ///< How many samples' rays disagree: where none do, nothing runs.
+    VkDeviceAddress disagreeing = 0;  ///< Number of samples whose rays disagree; if 0, no winding number
+                                      ///< changes.
   };
 
   explicit WindingDipolesStage(Device& device);
 
-  /// Makes room for trees of up to so many triangles and grids of these dims. Nothing recorded before may
-  /// still have to run.
+  /// Reserves memory for trees of up to this many triangles and grids of these dims. All previously recorded
+  /// work must have completed.
   void reserve(uint32_t triangleCount, const glm::ivec3& dims);
   void record(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields, double threshold);
-  /// The winding numbers at so many points, of three coordinates each; the threshold where one takes too
-  /// long.
+  /// Computes the winding numbers at `count` points of three coordinates each. Writes the threshold for a
+  /// point that takes too long.
   void recordNumbersAt(Commands& commands, const SurfaceTreeStage& tree, VkDeviceAddress points,
                        uint32_t count, VkDeviceAddress numbers, double threshold);
 
  private:
   WindingDipolesPush pushOf(const SurfaceTreeStage& tree, double threshold) const;
-  /// Calls `dispatch(push, level)` for each level from the leaves on.
+  /// Calls `dispatch(push, level)` for each level, from the leaves on.
   template <class Dispatch>
   void recordMoments(const SurfaceTreeStage& tree, WindingDipolesPush push, Dispatch&& dispatch);
 

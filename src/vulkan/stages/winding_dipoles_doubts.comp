@@ -1,4 +1,4 @@
-// Whether some sample lies so close to the threshold that the lattice may have put it on the wrong side.
+// Finds whether some sample is so close to the threshold that the lattice may have put it on the wrong side.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

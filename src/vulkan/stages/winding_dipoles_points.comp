@@ -1,4 +1,4 @@
-// The winding numbers of the triangles themselves at some points.
+// Computes the winding numbers of the triangles themselves at given points.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

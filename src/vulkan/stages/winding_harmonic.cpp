@@ -1,5 +1,5 @@
-// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
-// by full multigrid, as on the CPU; nothing runs where all rays agree, and the host need not know.
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that mean,
+// by full multigrid, as on the CPU. If all rays agree, the device skips the work without asking the host.
 
 #include "vulkan/stages/winding_harmonic.h"
 
@@ -91,7 +91,7 @@ void WindingHarmonicStage::solve(Commands& commands, const WindingFields& fields
   improve(commands, fields, level, values, jumps);
 }
 
-/// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it has
+/// V-cycle: the error that remains after relaxing is smooth, so the coarser lattice resolves it, and it has
 /// no jumps.
 void WindingHarmonicStage::improve(Commands& commands, const WindingFields& fields, uint32_t level,
                                    VkDeviceAddress values, VkDeviceAddress rightHandSide) {

@@ -1,4 +1,4 @@
-// What the kernels of the harmonic solve share (src/lattice_box.h says which lattices there are).
+// Declarations shared by the kernels of the harmonic solve (lattices: method/winding_harmonic_lattices.h).
 
 #include "vulkan/stages/winding_harmonic_push.h"
 #include "vulkan/stages/ray_map.glsl"
@@ -36,8 +36,8 @@ bool isInner(ivec3 s, ivec3 dims) {
   return all(greaterThan(s, ivec3(0))) && all(lessThan(s, dims - 1));
 }
 
-// What w at a sample of the lattice is to exceed its two neighbours along an axis by, added up (Eq. 5). A lattice edge is
-// a chain of the grid's, and its count the sum of theirs.
+// Returns the sum of the amounts by which w at a sample should exceed its two neighbours along an axis (Eq.
+// 5). An edge of the lattice is a chain of the grid's edges, and its count is the sum of theirs.
 int jumpAlong(uint axis, ivec3 s) {
   const ivec3 dims = gridDims();
   const ivec3 at = (s + boxLow(push.level)) << int(push.level);
@@ -56,7 +56,7 @@ float rightHandSide(ivec3 s, ivec3 dims) {
   return float(jumpAlong(0, s) + jumpAlong(1, s) + jumpAlong(2, s));
 }
 
-// What the six neighbours and the right-hand side ask of six times an inner sample.
+// Returns six times the value of an inner sample that its neighbours and the right-hand side require.
 float asked(ivec3 s, ivec3 dims) {
   const uint i = indexOf(s, dims);
   const uint row = uint(dims.x), plane = row * uint(dims.y);
@@ -66,7 +66,7 @@ float asked(ivec3 s, ivec3 dims) {
   return (alongX + alongY) + (alongZ + rightHandSide(s, dims));
 }
 
-// Where the sample of the next coarser lattice at or before a sample lies.
+// Returns the place of the sample of the next coarser lattice at or before a sample.
 ivec3 coarseBelow(ivec3 s) {
   return (s >> 1) + boxLow(push.level) / 2 - boxLow(push.level + 1);
 }

@@ -10,26 +10,26 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as possible, in
-/// the least-squares sense, and vanishes far away.
+/// GPU twin of cpu/sign/winding_harmonic.h. Computes the field that meets w(i) - w(i + 1) = w_l(i) on all
+/// lattice edges best in the least-squares sense, and vanishes far away.
 class WindingHarmonicStage {
  public:
   explicit WindingHarmonicStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for grids of these dims. Nothing recorded before may still have to run.
+  /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// For the grid of the last `reserve`.
+  /// Works on the grid of the last `reserve`.
   void record(Commands& commands, const WindingFields& fields);
 
  private:
-  /// One lattice of the hierarchy. Its values and what its equations ask for: first of the solution and of
-  /// the jumps; once the next finer one has started from that, of a correction and of the residual it is to
-  /// mend. The finest one's values are the result, and what it asks for is not kept.
+  /// One lattice of the hierarchy, with values and right-hand side. At first these are the solution and the
+  /// jumps. After the next finer lattice has started from the solution, they are a correction and the
+  /// residual that it reduces. The finest lattice's values are the result; its right-hand side is not stored.
   struct Level {
     LatticeBox box;
     DeviceBuffer values, rightHandSide;
   };
-  /// Where the arguments of a level's dispatches lie.
+  /// Sizes of dispatches, which index a level's arguments.
   enum class Extent : uint32_t { Samples, HalfSamples, RestrictGroups, OneGroup };
   static constexpr uint32_t kExtents = 4;
   static constexpr uint32_t kGroup = 128;

@@ -1,4 +1,4 @@
-// Solves the coarsest lattice from nothing, by over-relaxation (Young 1954) in one work group.
+// Solves the coarsest lattice, starting from zero, by over-relaxation (Young 1954) in one work group.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

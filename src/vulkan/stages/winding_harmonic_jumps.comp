@@ -1,4 +1,4 @@
-// The right-hand side of a lattice's equations, from the ray map (Krayer & Müller 2019, §3.5, Eq. 5).
+// Computes the right-hand side of a lattice's equations from the ray map (Krayer & Müller 2019, §3.5, Eq. 5).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -1,5 +1,5 @@
-// Carries a field to the next finer lattice: a new sample between two old ones is the mean of what both ask of it over
-// the lattice edges between, so that the field keeps its jumps where the crossings are.
+// Prolongs a field to the next finer lattice. A new sample between two old ones is the mean of the values
+// that both require over the lattice edges between. The field thus keeps its jumps where the crossings are.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,7 +9,7 @@ float halfJump(uint axis, ivec3 s) {
   return 0.5 * float(jumpAlong(axis, s));
 }
 
-// In a row with even y and z, which may lie just beyond the box.
+// Returns the value in a row with even y and z, which may lie just beyond the box.
 float alongX(ivec3 s, ivec3 dims, ivec3 coarse) {
   const ivec3 low = coarseBelow(s);
   if ((s.x & 1) == 0) return coarseAt(low, coarse);
@@ -17,7 +17,7 @@ float alongX(ivec3 s, ivec3 dims, ivec3 coarse) {
   return s.y < dims.y && s.z < dims.z ? mean + halfJump(0, s) : mean;
 }
 
-// In a plane with even z, which may lie just beyond the box.
+// Returns the value in a plane with even z, which may lie just beyond the box.
 float alongXY(ivec3 s, ivec3 dims, ivec3 coarse) {
   if ((s.y & 1) == 0) return alongX(s, dims, coarse);
   const float mean = 0.5 * (alongX(s - ivec3(0, 1, 0), dims, coarse) + alongX(s + ivec3(0, 1, 0), dims, coarse));

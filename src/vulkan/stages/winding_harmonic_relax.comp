@@ -1,4 +1,5 @@
-// Red-black relaxation: half of the inner samples become the mean of what their neighbours ask of them.
+// Red-black relaxation: sets half of the inner samples to the mean of the values that their neighbours
+// require.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

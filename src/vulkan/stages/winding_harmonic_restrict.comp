@@ -1,5 +1,5 @@
-// Gathers on the next coarser lattice what a lattice's values still miss of their right-hand side: full weighting, in
-// the units of the coarser equations, whose cells are twice as wide.
+// Restricts the residual of a lattice to the next coarser one: full weighting, in the units of the coarser
+// equations, whose cells are twice as wide.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -10,7 +10,7 @@ const ivec3 kHalo = 2 * kTile + 1;
 
 shared float residual[kHalo.x * kHalo.y * kHalo.z];
 
-// The residuals of all samples that some coarse sample of the group sees; zero outside and on the rim.
+// Loads the residuals of all samples that the group's coarse samples depend on; zero outside and on the rim.
 void loadResiduals(ivec3 first, ivec3 dims) {
   const uint count = sampleCount(kHalo);
   for (uint i = gl_LocalInvocationIndex; i < count; i += gl_WorkGroupSize.x) {

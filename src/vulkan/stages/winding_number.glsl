@@ -1,9 +1,10 @@
-// Barill et al. 2018: the winding number of the triangles of a surface tree, whose moments are there.
+// Barill et al. 2018: the winding number of the triangles of a surface tree, from its moments.
 
-const uint kStack = 7 * 11 + 1;  // Children of a node leave seven others behind, on each of at most eleven levels.
+// Capacity in nodes: a node's children leave seven others behind, on each of at most eleven levels.
+const uint kStack = 7 * 11 + 1;
 const float kPi = 3.14159265358979;
 
-// Devices may give the arc tangent with an error of 4096 units in the last place.
+// Devices may compute the arc tangent with an error of 4096 units in the last place.
 float arcTangent(float y, float x) {
   const float low = min(abs(x), abs(y)), high = max(abs(x), abs(y));
   if (high == 0) return 0;
@@ -15,7 +16,7 @@ float arcTangent(float y, float x) {
   return y < 0 ? -angle : angle;
 }
 
-// Half of what the triangle takes of the view from p; zero in its plane (Van Oosterom & Strackee 1983).
+// Returns half the solid angle of the triangle seen from p; zero in its plane (Van Oosterom & Strackee 1983).
 float halfSolidAngle(Triangle t, vec3 p) {
   const vec3 q = p - t.a;
   const float u = dot(q, t.x), v = dot(q, t.y), w = dot(q, t.z);
@@ -41,7 +42,7 @@ float leafAngle(uint leaf, vec3 p) {
   return sum;
 }
 
-// The winding number of the triangles around p; `whole` is false if that was too much work.
+// Returns the winding number of the triangles around p. `whole` is false if that took too much work.
 float windingNumber(vec3 p, float distant, out bool whole) {
   uint stack[kStack];
   uint size = 1;

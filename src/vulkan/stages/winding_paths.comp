@@ -1,4 +1,4 @@
-// Adds the curves by way of some offset points to what each sample has already.
+// Adds the curves by way of some offset points to each sample's sum.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -7,34 +7,34 @@
 
 layout(push_constant, scalar) uniform Push { WindingPathsPush push; };
 
-const float kPathsPerPoint = 6.0;  // xyz, xzy, yxz, yzx, zxy, zyx
+const float kPathsPerPoint = 6.0;  // xyz, xzy, yxz, yzx, zxy, zyx.
 
 bool isInside(ivec3 s, ivec3 dims) {
   return all(greaterThanEqual(s, ivec3(0))) && all(lessThan(s, dims));
 }
 
-// Eq. 7: beside the grid's lines a ray meets nothing.
+// Eq. 7: a ray beside the grid's lines meets nothing.
 int ray(uint axis, ivec3 s, ivec3 dims) {
   ivec3 across = s;
   across[axis] = 0;
   return isInside(across, dims) ? rayFrom(push.rays[axis], axis, dims, s) : 0;
 }
 
-// The signed crossings of the six paths from a sample to its offset point, added up.
+// Returns the sum of the signed crossings of the six paths from a sample to its offset point.
 int countPaths(ivec3 s, ivec3 offset, ivec3 dims) {
   int count = 0;
   [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
     const uint u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     [[unroll]] for (uint side = 0; side < 4; ++side) {
-      // The edge along `axis` where the axes u and v have, or have not, been walked yet: it belongs to two of the
-      // six paths if it comes first or last, and to one if it comes second.
+      // Edge along `axis` after or before the steps along u and v. It belongs to two of the six paths if it
+      // comes first or last, and to one if it comes second.
       ivec3 from = s;
       if ((side & 1) != 0) from[u] += offset[u];
       if ((side & 2) != 0) from[v] += offset[v];
       ivec3 to = from;
       to[axis] += offset[axis];
       const int paths = side == 0 || side == 3 ? 2 : 1;
-      count += paths * (ray(axis, from, dims) - ray(axis, to, dims));  // Eq. 6
+      count += paths * (ray(axis, from, dims) - ray(axis, to, dims));  // Eq. 6.
     }
   }
   return count;
@@ -50,10 +50,12 @@ void main() {
   for (uint point = 0; point < push.pointCount; ++point) {
     const ivec3 offset = ivec3(push.offsets[3 * point], push.offsets[3 * point + 1], push.offsets[3 * point + 2]);
     const ivec3 end = s + offset;
-    // Paper: six rays there too. Here: 0 outside the grid, because no surface lies there.
+    // Paper: offset points outside the grid get six rays, too. Here: they get 0, because no surface lies
+    // there.
     const float there = isInside(end, dims) ? push.values.at[(end.z * dims.y + end.y) * dims.x + end.x] : 0.0;
     sum += push.pointScale * (float(countPaths(s, offset, dims)) + kPathsPerPoint * there);
   }
-  // Rounds like a division: no quotient of two floats lies as close to the middle between two as a double errs.
+  // Rounds like a division: no quotient of two floats is as close to the middle between two floats as the
+  // error of a double.
   push.result.at[index] = float(double(sum) * push.factor);
 }

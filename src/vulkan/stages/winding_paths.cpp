@@ -1,5 +1,5 @@
-// Krayer & Müller 2019, §3.5, Eq. 9-11: curves that go elsewhere first; nothing runs where all rays agree,
-// and the host need not know.
+// Krayer & Müller 2019, §3.5, Eq. 9-11: curves by way of other points. If all rays agree, the device skips
+// the work without asking the host.
 
 #include "vulkan/stages/winding_paths.h"
 
@@ -32,7 +32,7 @@ void WindingPathsStage::recordAverage(Commands& commands, const WindingFields& f
   WindingPathsPush some = push(fields);
   some.sumScale = some.pointScale = kRays;
   int64_t pass = 0;
-  do {  // Once even for no passes at all: six times the average, divided by six, is the CPU's average.
+  do {  // Runs once even for no passes: six times the average, divided by six, is the CPU's average.
     const int64_t end = std::min<int64_t>(pass + kPointsPerDispatch, options.passes);
     if (end == options.passes) some.factor = 1.0 / double(kRays * (1.0f + kPathsPerPoint * float(end)));
     add(commands, some, options, pass, end);

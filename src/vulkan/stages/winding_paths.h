@@ -10,21 +10,22 @@
 
 namespace raymap::vulkan {
 
-/// The CPU's twin: curves that go elsewhere first. Both start from the six-ray average and replace it, where
-/// any rays disagree.
+/// GPU twin of cpu/sign/winding_paths.h: curves by way of other points. Both functions start from the six-ray
+/// average and replace it if any rays disagree.
 class WindingPathsStage {
  public:
   explicit WindingPathsStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Makes room for grids of these dims. Nothing recorded before may still have to run.
+  /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// §3.5, Eq. 9: `options.passes` offset points. For the grid of the last `reserve`.
+  /// §3.5, Eq. 9: uses `options.passes` offset points, on the grid of the last `reserve`.
   void recordAverage(Commands& commands, const WindingFields& fields, const Options& options);
-  /// §3.5, Eq. 10-11: `options.passes` steps with four offset points each. Likewise.
+  /// §3.5, Eq. 10-11: takes `options.passes` steps with four offset points each, on the grid of the last
+  /// `reserve`.
   void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
 
  private:
-  /// Sets the points of passes `first` to `end`, and dispatches.
+  /// Sets the points of passes [first, end) and dispatches.
   void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
   WindingPathsPush push(const WindingFields& fields) const;
 

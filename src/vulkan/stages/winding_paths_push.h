@@ -7,16 +7,16 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kWindingPathsGroup = 128;
-RAYMAP_CONSTANT uint kPointsPerDispatch = 4;  // Offset points: what fits into the parameters.
+RAYMAP_CONSTANT uint kPointsPerDispatch = 4;  // Offset points that fit into the parameters.
 
 struct WindingPathsPush {
   RAYMAP_ADDRESS(Ints) rays[3];   // The ray map, by axis.
-  RAYMAP_ADDRESS(Floats) values;  // What the samples at the offset points have.
-  RAYMAP_ADDRESS(Floats) sums;    // What each sample starts from,
-  RAYMAP_ADDRESS(Floats) result;  // and where its new sum goes.
-  double factor;                  // Of the new sum.
-  float sumScale;                 // Of what samples start from,
-  float pointScale;               // and of what each point adds.
+  RAYMAP_ADDRESS(Floats) values;  // Values read at the offset points.
+  RAYMAP_ADDRESS(Floats) sums;    // Initial sum of each sample.
+  RAYMAP_ADDRESS(Floats) result;  // New sum of each sample, times `factor`.
+  double factor;                  // Factor of the new sum.
+  float sumScale;                 // Factor of the initial sum.
+  float pointScale;               // Factor of each point's contribution.
   uint dims[3];
   uint pointCount;
   int offsets[3 * kPointsPerDispatch];

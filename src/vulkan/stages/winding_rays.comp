@@ -1,4 +1,4 @@
-// The average of the six rays of each sample.
+// Computes the average of the six rays of each sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,9 +9,9 @@ layout(push_constant, scalar) uniform Push { WindingRaysPush push; };
 
 shared uint doubtfulOfGroup;
 
-// sum / 6, correctly rounded; GLSL's division need not be. For |sum| < 2^24: 4 and 2 times the estimate are each
-// within a factor of two of what they are taken from, so that the remainder is exact, and no quotient comes so
-// close to the middle between two floats that the last rounding could go wrong.
+// Returns sum / 6, correctly rounded, which GLSL's division does not guarantee. Holds for |sum| < 2^24: 4 and
+// 2 times the estimate are within a factor of two of their minuends, so the remainder is exact. No quotient
+// is so close to the middle between two floats that the last rounding could go wrong.
 float sixth(int sum) {
   const float kSixth = 1.0 / 6.0;
   const float estimate = float(sum) * kSixth;
@@ -20,8 +20,9 @@ float sixth(int sum) {
   return result;
 }
 
-// Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus infinity
-// (with our sign: what leaves through a face counts +1 both ways). Counts the sample if its rays disagree.
+// Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the ray to minus
+// infinity. With our sign, leaving through a face counts +1 both ways. Counts the sample if its rays
+// disagree.
 float averageOfRays(uint index, inout uint doubtful) {
   const uint nx = push.dims[0], ny = push.dims[1];
   const uint i = index % nx, row = index / nx, k = row / ny;
@@ -41,7 +42,7 @@ void main() {
   barrier();
   uint doubtful = 0;
   float winding[kWindingRaysRows];
-  // All reads come before any write, so that they can be under way together.
+  // All reads precede all writes, so that they can overlap.
   [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
     if (sampleIndex(row) < push.sampleCount) winding[row] = averageOfRays(sampleIndex(row), doubtful);
   [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)

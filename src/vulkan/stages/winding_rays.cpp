@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.5: the six rays, averaged.
+// Krayer & Müller 2019, §3.5: the average of the six rays.
 
 #include "vulkan/stages/winding_rays.h"
 

@@ -5,22 +5,22 @@
 
 namespace raymap::vulkan {
 
-/// What stages that know better than the six rays read and write.
+/// Input and output of the stages that improve on the six rays.
 struct WindingFields {
-  std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (shaders/ray_map.glsl).
-  VkDeviceAddress winding = 0;            ///< Of every sample; left alone where all rays agree.
+  std::array<VkDeviceAddress, 3> rays{};  ///< The ray map, by axis (vulkan/stages/ray_map.glsl).
+  VkDeviceAddress winding = 0;            ///< One value per sample; unchanged if all rays agree.
   VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
 };
 
-/// The average of the six rays of each sample.
+/// Averages the six rays of each sample.
 class WindingRaysStage {
  public:
   explicit WindingRaysStage(Device& device);
 
-  /// Writes a float for each sample to `winding`, from a ray map.
+  /// Writes a float per sample to `winding`, from a ray map.
   void record(Commands& commands, const LatticeLines& rays, VkDeviceAddress winding);
-  /// How many samples' rays disagree, one 32-bit number: where none do, the average is the solution of every
-  /// mode.
+  /// Number of samples whose rays disagree, one 32-bit number. If it is 0, the average is the solution of
+  /// every mode.
   const DeviceBuffer& doubtful() const { return doubtful_; }
 
  private:

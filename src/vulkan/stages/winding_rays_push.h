@@ -7,12 +7,12 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kWindingRaysGroup = 256;
-RAYMAP_CONSTANT uint kWindingRaysRows = 4;  // Samples of an invocation.
+RAYMAP_CONSTANT uint kWindingRaysRows = 4;  // Samples per invocation.
 
 struct WindingRaysPush {
-  RAYMAP_ADDRESS(Ints) rays[3];    // A ray map.
-  RAYMAP_ADDRESS(Floats) winding;  // Of each sample.
-  RAYMAP_ADDRESS(Uints) doubtful;  // One number, to be added to.
+  RAYMAP_ADDRESS(Ints) rays[3];    // The ray map, by axis.
+  RAYMAP_ADDRESS(Floats) winding;  // One value per sample.
+  RAYMAP_ADDRESS(Uints) doubtful;  // Counter of doubtful samples.
   uint dims[3];
   uint sampleCount;
 };
