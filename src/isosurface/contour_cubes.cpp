@@ -74,8 +74,8 @@ ContourCube ContourCubes::makeCube(const glm::ivec3& place, unsigned corners) co
           0};
 }
 
-/// Whether the inside corners of an ambiguous face belong together: as the bilinear value between them has
-/// it (Nielson & Hamann 1991). Both cubes at the face see the same.
+/// Returns whether the inside corners of an ambiguous face are joined. The bilinear value between them
+/// decides (Nielson & Hamann 1991), so both cubes at the face agree.
 bool ContourCubes::isJoined(const glm::ivec3& place, unsigned corners, const CubeFace& face) const {
   const auto at = [&](int i) { return value(place - 1 + cornerOffset(face.corners[i])); };
   const double even = at(0) * at(2), odd = at(1) * at(3);
@@ -92,7 +92,7 @@ size_t ContourCubes::find(const glm::ivec3& place) const {
   return size_t(found - cubes_.begin());
 }
 
-/// The last cube that does not begin after the number.
+/// Returns the last cube whose first vertex or quad is not above the number.
 ContourCubes::Found ContourCubes::last(uint32_t ContourCube::*first, uint32_t number) const {
   const auto cube = std::upper_bound(cubes_.begin(), cubes_.end(), number,
                                      [&](uint32_t n, const ContourCube& c) { return n < c.*first; }) -
@@ -102,9 +102,9 @@ ContourCubes::Found ContourCubes::last(uint32_t ContourCube::*first, uint32_t nu
   return {*cube, {cube->x, r % dims_.y, r / dims_.y}};
 }
 
-/// Where one sheet passes the face between two cubes twice on both sides of it, their two vertices would
-/// be joined by two edges at the same place. Joining the face's other corners makes it two sheets in either
-/// cube. Rare, so in order and on one thread.
+/// Splits a sheet that passes the face between two cubes twice, in both cubes. Its two vertices would
+/// otherwise be joined by two edges at the same place. Joining the face's other corners makes two sheets in
+/// each cube. This is rare, so it runs in order on one thread.
 void ContourCubes::splitDoubledEdges() {
   for (size_t row = 0; row + 1 < rowBegin_.size(); ++row)
     for (size_t c = rowBegin_[row]; c < rowBegin_[row + 1]; ++c)

@@ -12,7 +12,7 @@
 
 namespace raymap {
 
-/// A step along an axis, counted round.
+/// Returns a unit step along an axis; axes count modulo 3.
 inline glm::ivec3 along(int axis) {
   glm::ivec3 step(0);
   step[axis % 3] = 1;
@@ -23,32 +23,33 @@ inline glm::ivec3 cornerOffset(int corner) {
   return {corner & 1, corner >> 1 & 1, corner >> 2};
 }
 
-/// A cube of eight samples that the surface passes. Its lowest corner is sample (x - 1, y - 1, z - 1), where
-/// y and z are those of its row.
+/// A cube between eight samples that the surface passes. Its lowest corner is sample (x - 1, y - 1, z - 1);
+/// its row gives y and z.
 struct ContourCube {
   int32_t x;
-  uint8_t corners;    // Bits of those inside.
-  uint8_t ambiguous;  // Bits of faces,
-  uint8_t joined;     // and how each is settled, as `CubeCycles` takes it.
+  uint8_t corners;    // Bits of the corners that are inside.
+  uint8_t ambiguous;  // Bits of the ambiguous faces.
+  uint8_t joined;     // Bits of the ambiguous faces whose inside corners are joined.
   CubeCycles cycles;
-  uint32_t firstVertex;  // A vertex for each sheet,
-  uint32_t firstQuad;    // and a quad for each of its own edges that the surface crosses.
+  uint32_t firstVertex;  // First of its vertices, one per sheet.
+  uint32_t firstQuad;    // First of its quads, one per own edge that the surface crosses.
 
-  /// An edge of the lattice belongs to the cube that it leaves at the lowest corner.
+  /// Returns whether the surface crosses the cube's own edge along an axis. A cube owns the lattice edges
+  /// that start at its lowest corner.
   bool isCrossed(int axis) const { return ((corners ^ corners >> (1 << axis)) & 1) != 0; }
   bool startsInside() const { return (corners & 1) != 0; }
 };
 
-/// All such cubes, in rows along x. What lies outside of the grid is outside.
+/// All cubes that the surface passes, in rows along x. Everything beyond the grid is outside.
 class ContourCubes {
  public:
-  /// Reports to `progress`, as all that goes through them does.
+  /// Finds the cubes and reports to `progress`, as `forEach` does.
   ContourCubes(const Field& field, double iso, Progress& progress);
 
   size_t vertexCount() const { return vertexCount_; }
   size_t quadCount() const { return quadCount_; }
 
-  /// Calls `work(cube, place)` for each, from any thread.
+  /// Calls `work(cube, place)` for each cube, on any thread.
   template <class Work>
   void forEach(Work&& work) const {
     forEachRow([&](size_t row, int y, int z) {
@@ -92,7 +93,7 @@ class ContourCubes {
   const Field& field_;
   double iso_;
   Progress& progress_;
-  glm::ivec3 dims_;  // Of the cubes: one more than the samples.
+  glm::ivec3 dims_;  // Number of cubes per axis, one more than samples.
   std::vector<size_t> rowBegin_;
   std::vector<ContourCube> cubes_;
   size_t vertexCount_ = 0, quadCount_ = 0;

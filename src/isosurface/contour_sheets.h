@@ -8,19 +8,20 @@
 
 namespace raymap {
 
-/// Tells a fit, in samples, how the surface lies where it crosses the lattice edge between two samples: at
-/// least one `addCrossing`. Called by any thread. `outside` may lie a step outside of the grid.
+/// Function that adds to `fit`, in samples, where and how the surface crosses the lattice edge between two
+/// samples. It calls `addCrossing` at least once and may run on any thread. `outside` may lie one step beyond
+/// the grid.
 using AddPlanes = std::function<void(const glm::ivec3& inside, const glm::ivec3& outside, PlaneFit& fit)>;
 
-/// Where the sheets of surface lie that pass the cubes.
+/// Positions of the surface's sheets in the cubes.
 class ContourSheets {
  public:
   ContourSheets(const ContourCubes& cubes, const AddPlanes& addPlanes)
       : cubes_(cubes), addPlanes_(addPlanes) {}
 
-  /// Of the sheets of a cube.
+  /// Returns a fit for each sheet of a cube.
   std::vector<PlaneFit> fit(const ContourCube& cube, const glm::ivec3& place) const;
-  /// Where the surface crosses a quad's edge of the lattice: never where such edges meet.
+  /// Returns the point where the surface crosses a quad's lattice edge. It is never an end of the edge.
   glm::dvec3 crossing(uint32_t quad) const;
 
  private:

@@ -10,7 +10,7 @@ bool isAmbiguous(unsigned corners, const CubeFace& face) {
   return std::ranges::all_of(face.edges, [&](int edge) { return isEdgeCrossed(corners, edge); });
 }
 
-/// The edges in sets that grow together.
+/// Disjoint sets of edges.
 class EdgeSets {
  public:
   void join(int a, int b) {
@@ -23,7 +23,7 @@ class EdgeSets {
   std::array<int, kCubeEdges> of_{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 };
 
-/// The surface leaves each face that it enters: what the face crosses is joined in pairs.
+/// Joins a face's crossed edges in pairs, because the surface leaves each face that it enters.
 void joinAcross(const CubeFace& face, unsigned corners, bool joined, EdgeSets& sets) {
   if (isAmbiguous(corners, face)) {
     // Cuts off corners 1 and 3, or else 0 and 2.

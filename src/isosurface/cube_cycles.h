@@ -5,9 +5,9 @@
 
 namespace raymap {
 
-// A cube of the lattice between eight samples. Corner c lies at (c & 1, c >> 1 & 1, c >> 2). Edge 4a + k runs
-// along axis a; k & 1 and k >> 1 say where it lies along the next axis and the one after. Face 2a + s lies
-// across axis a, at its low (0) or high (1) end.
+// A lattice cube between eight samples. Corner c lies at (c & 1, c >> 1 & 1, c >> 2). Edge 4a + k runs along
+// axis a; k & 1 and k >> 1 are its positions along the next axis and the one after. Face 2a + s is
+// perpendicular to axis a, at the low (s = 0) or high (s = 1) end.
 
 inline constexpr int kCubeEdges = 12;
 inline constexpr int kCubeFaces = 6;
@@ -16,7 +16,7 @@ constexpr int edgeAt(int axis, int corner) {
   return 4 * axis + (corner >> (axis + 1) % 3 & 1) + 2 * (corner >> (axis + 2) % 3 & 1);
 }
 
-/// The lower end of an edge, and the other.
+/// Returns the corner at the lower end of an edge; `edgeEnd` returns the other one.
 constexpr int edgeStart(int edge) {
   const int axis = edge / 4;
   return (edge & 1) << (axis + 1) % 3 | (edge >> 1 & 1) << (axis + 2) % 3;
@@ -26,7 +26,7 @@ constexpr int edgeEnd(int edge) {
   return edgeStart(edge) + (1 << edge / 4);
 }
 
-// `corners`: bits of those inside.
+// `corners` has the bits of the corners inside.
 
 constexpr bool isCornerInside(unsigned corners, int corner) {
   return (corners >> corner & 1) != 0;
@@ -35,7 +35,7 @@ constexpr bool isEdgeCrossed(unsigned corners, int edge) {
   return isCornerInside(corners, edgeStart(edge)) != isCornerInside(corners, edgeEnd(edge));
 }
 
-/// A face's corners on its way round, and its edges: edge i joins corners i and i + 1.
+/// Corners of a face in cyclic order, and its edges: edge i joins corners i and i + 1.
 struct CubeFace {
   std::array<int, 4> corners, edges;
 };
@@ -50,27 +50,27 @@ constexpr CubeFace cubeFace(int face) {
 inline constexpr std::array<CubeFace, kCubeFaces> kCubeFaceTable{cubeFace(0), cubeFace(1), cubeFace(2),
                                                                  cubeFace(3), cubeFace(4), cubeFace(5)};
 
-/// The faces, as bits, whose corners are inside and outside by turns: there the surface may pass between
-/// the two inside corners or between the two outside ones.
+/// Returns the bits of the faces whose corners alternate between inside and outside. There the surface may
+/// pass between the two inside corners or between the two outside ones.
 unsigned ambiguousFaces(unsigned corners);
 
-/// How the surface goes through a cube: the edges that it crosses, in closed cycles around it, one for each
-/// sheet.
+/// The edges of a cube that the surface crosses, in closed cycles around the cube, one for each sheet.
 class CubeCycles {
  public:
   CubeCycles() = default;
-  /// `joined`: bits of the ambiguous faces on which the inside corners belong together, not the outside ones.
+  /// Finds the cycles. `joined` has the bits of the ambiguous faces whose inside corners are joined, instead
+  /// of the outside ones.
   CubeCycles(unsigned corners, unsigned joined);
 
   int count() const { return static_cast<int>(bits_ >> kCountShift); }
-  /// The cycle that a crossed edge belongs to.
+  /// Returns the cycle of a crossed edge.
   int of(int edge) const { return static_cast<int>(bits_ >> 2 * edge & 3); }
-  /// Whether all four edges of an ambiguous face are in one cycle, which then passes it twice.
+  /// Returns whether all four edges of an ambiguous face are in one cycle, which then passes the face twice.
   bool passTwice(int face) const;
 
  private:
   static constexpr int kCountShift = 2 * kCubeEdges;
-  uint32_t bits_ = 0;  // Two for each edge: a cube has at most four cycles.
+  uint32_t bits_ = 0;  // Two bits per edge for its cycle, one of at most four; then their number.
 };
 
 }  // namespace raymap

@@ -1,5 +1,5 @@
-// Dual contouring (Ju et al. 2002) with a vertex for each sheet that passes a cube (Nielson 2004), and
-// without faces that cross (Ju & Udeshi 2006).
+// Dual contouring (Ju et al. 2002), with one vertex for each sheet that passes a cube (Nielson 2004) and
+// without crossing faces (Ju & Udeshi 2006).
 
 #include "isosurface/dual_contour.h"
 
@@ -18,12 +18,12 @@ namespace raymap {
 namespace {
 
 constexpr size_t kVerticesPerTask = size_t{1} << 14;
-constexpr double kApart = 0.01;  // Least distance of two vertices in a cube.
-constexpr double kFold = 10.0;   // Cost of a triangle turned over,
-constexpr double kShape = 1e-4;  // and of an edge over a triangle's height.
-constexpr double kLeave = 1e-3;  // Of a diagonal with which triangles may cross others.
+constexpr double kApart = 0.01;  // Least distance of two vertices in a cube, in samples.
+constexpr double kFold = 10.0;   // Cost of a triangle with reversed winding order.
+constexpr double kShape = 1e-4;  // Cost of a triangle's shape, divided by `shapeOf`.
+constexpr double kLeave = 1e-3;  // Cost of a diagonal whose triangles may cross others.
 
-/// The height over the longest edge, as a share of it.
+/// Returns a triangle's height above its longest edge, as a share of that edge.
 double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const auto square = [](const glm::dvec3& v) { return glm::dot(v, v); };
   return glm::length(glm::cross(b - a, c - a)) / std::max({square(b - a), square(c - b), square(a - c)});
@@ -76,7 +76,7 @@ class Contour {
         vertices[s] = glm::vec3(sheets[s].solve() - middle_);
         quadrics_[cube.firstVertex + s] = sheets[s].quadric();
       }
-      // Sheets must not meet: the means of their crossings do not.
+      // Sheets must not meet. The means of their crossings never do.
       for (size_t s = 1; s < sheets.size(); ++s)
         for (size_t t = 0; t < s; ++t)
           if (glm::distance(vertices[s], vertices[t]) < kApart)
@@ -86,7 +86,7 @@ class Contour {
 
   // Triangles.
 
-  /// A quad across each lattice edge that the surface crosses joins the vertices of the four cubes around.
+  /// Joins the vertices of the four cubes around each lattice edge that the surface crosses.
   void joinVertices() {
     cubes_.forEach([&](const ContourCube& cube, const glm::ivec3& place) {
       uint32_t quad = cube.firstQuad;
@@ -107,7 +107,7 @@ class Contour {
     });
   }
 
-  /// Around the edge that a cube owns, counter-clockwise seen against the axis.
+  /// Returns the cubes around an edge that `cube` owns, counter-clockwise as seen against the axis.
   CubeRing cubesAround(const ContourCube& cube, const glm::ivec3& place, int axis) const {
     const glm::ivec3 u = along(axis + 1), v = along(axis + 2);
     return {&cubes_.at(place - u - v), &cubes_.at(place - v), &cube, &cubes_.at(place - u)};
@@ -126,8 +126,9 @@ class Contour {
     return corners;
   }
 
-  /// The diagonal from a quad's corner `first` should lie in the surface's planes, above all else turn no
-  /// triangle over, and where the surface is flat stay where it crosses nothing and make good triangles.
+  /// Returns the cost of the diagonal from a quad's corner `first`. Reversed triangles cost most, then
+  /// distance from the surface's planes. On a flat surface, triangles that may cross others and badly shaped
+  /// ones decide.
   double diagonalCost(const Quad& quad, int first, const glm::ivec3& place, int axis) const {
     const Corners p = cornersOf(quad, first);
     double cost = leaves(p, place, axis) ? kLeave : 0.0;
@@ -141,9 +142,9 @@ class Contour {
     return cost;
   }
 
-  /// Whether the triangles of a quad leave the tetrahedra between its sides and its edge of the lattice.
-  /// Their diagonal passes that edge on the side of another corner: it must do so in the triangle from there
-  /// to the edge.
+  /// Returns whether the triangles of a quad leave the tetrahedra between its sides and its lattice edge. The
+  /// diagonal passes that edge on the side of one of the other two corners. It must do so inside the triangle
+  /// from that corner to the edge.
   bool leaves(const Corners& p, const glm::ivec3& place, int axis) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const glm::dvec3 start = glm::dvec3(place - 1) - middle_, from = p[0] - start, to = p[2] - start;
@@ -169,13 +170,13 @@ class Contour {
   glm::vec3 scaled(const glm::vec3& samples) const { return glm::vec3(grid_.spacing * glm::dvec3(samples)); }
 
   const Grid& grid_;
-  glm::dvec3 middle_;  // Of the grid, in samples: what vertices are counted from.
+  glm::dvec3 middle_;  // Middle of the grid, in samples; vertices are relative to it.
   Progress& progress_;
   ContourCubes cubes_;
   ContourSheets sheets_;
-  std::vector<Quadric> quadrics_;   // Of each vertex.
-  Mesh mesh_;                       // In samples, until it is scaled.
-  std::vector<uint8_t> isSuspect_;  // Of each quad: whether its triangles may cross others.
+  std::vector<Quadric> quadrics_;   // One per vertex.
+  Mesh mesh_;                       // In samples until `scale`.
+  std::vector<uint8_t> isSuspect_;  // Per quad: whether its triangles may cross others.
 };
 
 }  // namespace

@@ -7,10 +7,10 @@
 
 namespace raymap {
 
-/// The surface of the solid whose samples are below `iso`; what lies outside of the grid is outside. Every
-/// edge has exactly two faces, which agree in orientation, and the faces around each vertex make one disc,
-/// whatever the samples. Faces cross only where two sheets pass a cube too close to each other. Throws
-/// `Error(Memory)` or `Error(Unsupported)` if it has too many vertices.
+/// Returns the surface of the solid whose samples are below `iso`. Everything beyond the grid is outside.
+/// Whatever the samples, each edge has exactly two faces with consistent winding order, and the faces around
+/// a vertex form one disc. Faces cross only where two sheets pass a cube too close to each other. Throws
+/// `Error(Memory)` or `Error(Unsupported)` if the surface has too many vertices.
 Mesh dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress);
 
 }  // namespace raymap

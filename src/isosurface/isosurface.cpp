@@ -16,15 +16,21 @@ namespace raymap {
 
 namespace {
 
-constexpr double kSmooth = 0.1;      // Between differences to either side, where the surface has no edge.
-constexpr double kExact = 0.004;     // Error of a gradient's length that tells nothing,
-constexpr double kCurved = 0.045;    // that curvature makes, of a radius of 3 samples,
-constexpr double kPlanar = 0.05;     // and share of such a one that is left beside an edge between planes.
-constexpr double kCrossing = 0.02;   // Weight of what crossings say, where samples say nothing.
-constexpr double kMinLength = 1e-6;  // Of a gradient that points anywhere.
+// Largest change between the differences to both sides where the surface has no edge.
+constexpr double kSmooth = 0.1;
+// Errors of the gradient's length below this are noise.
+constexpr double kExact = 0.004;
+// Error of the length that curvature with a radius of 3 samples causes.
+constexpr double kCurved = 0.045;
+// Share of a smaller error that one-sided differences leave beside an edge between planes.
+constexpr double kPlanar = 0.05;
+// Weight of planes at crossings, which decide where samples have no gradient.
+constexpr double kCrossing = 0.02;
+// Least length of a gradient with a direction.
+constexpr double kMinLength = 1e-6;
 
-/// Reads planes of the surface off the samples of a distance field: each sample knows how far the surface is,
-/// and the gradient where.
+/// Derives planes of the surface from the samples of a distance field. A sample's value gives the plane's
+/// distance, its gradient the direction.
 class SamplePlanes {
  public:
   SamplePlanes(const Field& field, double iso)
@@ -52,9 +58,10 @@ class SamplePlanes {
     return scale_ * (double(field_.distance[field_.grid.index(s)]) - iso_);
   }
 
-  /// A distance has a gradient of length 1. Where central differences reach across an edge of the surface
-  /// they come out shorter, and differences to one side are taken that do not. Curvature makes them a little
-  /// shorter too: then those of one side are worse, or only better by chance.
+  /// Returns the gradient at a sample, at length 1 like that of any distance. Central differences across an
+  /// edge of the surface are shorter than 1; one-sided differences that do not cross it replace them.
+  /// Curvature shortens central differences a little too, but then one-sided ones are worse, or better only
+  /// by chance.
   glm::dvec3 gradient(const glm::ivec3& s) const {
     glm::dvec3 low(0.0), high(0.0);
     for (int a = 0; a < 3; ++a) {
@@ -73,7 +80,7 @@ class SamplePlanes {
     glm::dvec3 best = 0.5 * (low + high);
     const double central = std::abs(glm::length(best) - 1.0);
     double least = central > kCurved ? central : kPlanar * central;
-    // Each axis has two choices, or one where both are much the same.
+    // Each axis has two choices, or one if both are nearly the same.
     glm::dvec3 first = low, second = high;
     for (int a = 0; a < 3; ++a)
       if (std::abs(high[a] - low[a]) <= kSmooth) first[a] = second[a] = best[a];
@@ -96,7 +103,7 @@ struct Range {
   float low = INFINITY, high = -INFINITY;
 };
 
-/// Throws `Error(Input)` for the first sample that is not finite.
+/// Returns the range of the values. Throws `Error(Input)` if a sample is not finite.
 Range rangeOf(const Field& field) {
   const glm::ivec3 dims = field.grid.dims;
   const size_t sheet = size_t(dims.x) * size_t(dims.y);
@@ -118,7 +125,7 @@ Range rangeOf(const Field& field) {
   return all;
 }
 
-/// Whether a sample on the sides of the grid is inside.
+/// Returns whether a sample on the sides of the grid is inside.
 bool reachesBox(const Field& field, double iso) {
   const glm::ivec3 last = field.grid.dims - 1;
   for (int k = 0; k <= last.z; ++k)

@@ -9,13 +9,16 @@ namespace raymap {
 
 namespace {
 
-constexpr double kPull = 0.01;         // Towards the crossings' mean, beside planes of weight 1 each.
-constexpr double kLeastSpread = 1e-3;  // Of what a line is fitted over.
-constexpr double kEdge = 0.88,
-                 kSmooth = 0.94;  // Mean normals are so long where normals are 57 or 40 degrees apart.
-constexpr double kReach = 0.5;  // A plane known from a point that far outside of the cube counts for nothing.
+// Weight of the pull towards the crossings' mean, as a share of the planes' total weight.
+constexpr double kPull = 0.01;
+// Added to the variance that a line is fitted over, which must not be 0.
+constexpr double kLeastSpread = 1e-3;
+// Lengths of the mean of unit normals that are 57 and 40 degrees apart.
+constexpr double kEdge = 0.88, kSmooth = 0.94;
+// Distance outside the cube, in samples, at which a plane's weight reaches 0.
+constexpr double kReach = 0.5;
 
-/// By how much the worst coordinate lies outside of the cube, and which it is.
+/// Largest distance of a coordinate outside the cube, less its margin, and the coordinate's axis.
 struct Excess {
   explicit Excess(const glm::dvec3& p) {
     for (int a = 0; a < 3; ++a)
@@ -26,7 +29,7 @@ struct Excess {
   int axis = 0;
 };
 
-/// Fitted to weighted points.
+/// Line fitted to weighted points.
 class Line {
  public:
   void add(double x, double y, double weight) {
@@ -68,7 +71,7 @@ glm::dvec3 PlaneFit::closest() const {
   glm::dmat3 matrix = matrix_ + glm::dmat3(pull);
   glm::dvec3 right = right_ + pull / count_ * sum_;
   glm::dvec3 p = glm::inverse(matrix) * right;
-  // What lies outside is held at the cube's side, the worst first, and the rest fitted anew.
+  // Fixes coordinates outside the cube at its side, the farthest first, and fits the others anew.
   for (int held = 0; held < 3; ++held) {
     const Excess excess(p);
     if (!(excess.amount > 0.0)) break;
@@ -82,14 +85,16 @@ glm::dvec3 PlaneFit::closest() const {
   return glm::clamp(p, kCubeMargin, 1.0 - kCubeMargin);
 }
 
-/// From the point closest to all planes to where a vertex should be.
+/// Returns the offset from the point closest to all planes to the vertex.
 ///
-/// Planes that touch a curved surface leave it by half the curvature times the square of the way from there,
-/// so the point lies outside of a round solid. A line fitted to the planes' distances over these squares
-/// shows the curvature by its slope, and at 0 the distance of the surface itself. Flat faces lie inside of a
-/// round solid if their vertices lie on it, by a twelfth of both curvatures times their area on average: so
-/// much the vertices are put outside. That area is the area of a cube's side, seen along the normal. Where
-/// the surface has an edge, the point stays on it.
+/// A tangent plane of a curved surface leaves the surface by half the curvature times the squared distance
+/// from the point of contact. The closest point therefore lies outside a round solid. A line is fitted to the
+/// planes' distances over these squares. Its slope gives the curvature, its value at 0 the distance of the
+/// surface itself.
+///
+/// Flat faces lie inside a round solid if their vertices lie on it. On average they lie inside by a twelfth
+/// of both curvatures times the faces' area. The vertices are moved outside by this amount. The area is that
+/// of a cube's side, seen along the normal. At an edge of the surface the point stays on the edge.
 glm::dvec3 PlaneFit::offset(const glm::dvec3& p) const {
   Line line;
   glm::dvec3 normal(0.0);

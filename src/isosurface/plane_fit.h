@@ -5,10 +5,11 @@
 
 namespace raymap {
 
-/// Share of a cube that vertices keep to its sides: those of two cubes never coincide.
+/// Distance that vertices keep from the sides of their cube, in samples. Vertices of two cubes therefore
+/// never coincide.
 inline constexpr double kCubeMargin = 1e-3;
 
-/// A symmetric matrix that tells how far an offset leads from a set of planes.
+/// Symmetric matrix of a quadratic form: the mean squared distance of an offset from a set of planes.
 struct Quadric {
   float xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
 
@@ -18,26 +19,28 @@ struct Quadric {
   }
 };
 
-/// Finds the point of a cube that lies closest to the planes of the surface in it: in a corner or on an edge
-/// of the surface if there is one (Ju et al. 2002). Positions are in samples.
+/// Finds the point of a cube closest to the planes of the surface in the cube (Ju et al. 2002). If the
+/// surface has a corner or an edge there, the point lies on it. Positions are in samples.
 class PlaneFit {
  public:
   /// `low`: the cube's lowest corner.
   explicit PlaneFit(const glm::ivec3& low) : low_(low) {}
 
-  /// A point where the surface crosses an edge of the cube: the vertex stays near them along the surface.
+  /// Adds a point where the surface crosses an edge of the cube. The vertex stays near these points along the
+  /// surface.
   void addCrossing(const glm::dvec3& point) {
     sum_ += point - low_;
     ++count_;
   }
-  /// The tangent plane at a point of the surface. It counts the less the farther the point lies outside.
+  /// Adds the tangent plane at a point of the surface. Its weight falls with the point's distance outside the
+  /// cube.
   void addPlane(const glm::dvec3& point, const glm::dvec3& normal, double weight = 1.0);
 
-  /// Inside the cube, and never on its sides.
+  /// Returns the vertex's position, inside the cube and never on its sides.
   glm::dvec3 solve() const;
-  /// Of the crossings, as far inside.
+  /// Returns the mean of the crossings, kept off the cube's sides likewise.
   glm::dvec3 mean() const { return low_ + glm::clamp(sum_ / double(count_), kCubeMargin, 1.0 - kCubeMargin); }
-  /// Of the planes alone, as their mean.
+  /// Returns the mean quadric of the planes, without the crossings.
   Quadric quadric() const;
 
  private:

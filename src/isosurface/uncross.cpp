@@ -1,4 +1,4 @@
-// Intersection-free contouring (Ju & Udeshi 2006), where faces do cross.
+// Intersection-free contouring (Ju & Udeshi 2006), applied only where faces cross.
 
 #include "isosurface/uncross.h"
 
@@ -14,9 +14,10 @@ namespace raymap {
 
 namespace {
 
-constexpr int kRings = 3;  // Of quads around suspects: those they may cross, and others if these move.
+// Rings of quads around suspects: quads that these may cross, and more in case those move.
+constexpr int kRings = 3;
 constexpr int kMostRounds = 16;
-constexpr size_t kSearchBytes = 128;  // That looking for crossings takes for each face.
+constexpr size_t kSearchBytes = 128;  // Memory per face to search for crossings, in bytes.
 
 class Uncrosser {
  public:
@@ -42,7 +43,7 @@ class Uncrosser {
   }
 
  private:
-  /// Adds the quads in whose cubes those chosen have a vertex.
+  /// Adds the quads that have a vertex in the same cubes as the chosen ones.
   void grow(std::vector<uint8_t>& chosen) const {
     std::vector<bool> isNear(cubes_.vertexCount());
     for (uint32_t quad = 0; quad < chosen.size(); ++quad)
@@ -57,7 +58,7 @@ class Uncrosser {
           std::ranges::any_of(cornersOf(quad), [&](uint32_t vertex) { return isNear[vertex]; }) ? 1 : 0;
   }
 
-  /// Before it became a fan.
+  /// Returns the corners of a quad that is not a fan.
   std::array<uint32_t, 4> cornersOf(uint32_t quad) const {
     const glm::uvec3 &first = mesh_.triangles[2 * quad], &second = mesh_.triangles[2 * quad + 1];
     return {first.x, first.y, first.z, second.z};
@@ -73,7 +74,7 @@ class Uncrosser {
     return faces;
   }
 
-  /// Whether it could do anything.
+  /// Makes fans and levels vertices at the crossed faces. Returns whether anything changed.
   bool mend(const std::vector<uint32_t>& faces) {
     const size_t fans = fans_.size(), levelled = levelled_.size();
     const std::vector<bool> wasFan = isFan_;
@@ -106,7 +107,7 @@ class Uncrosser {
     fans_.push_back(quad);
   }
 
-  /// Puts the sheets of the cubes at a fan's face into the means of their crossings.
+  /// Moves the vertices of the cubes at a fan's face to the means of their crossings.
   void level(uint32_t face) {
     for (const uint32_t vertex : {mesh_.triangles[face].x, mesh_.triangles[face].y}) {
       const auto [cube, place] = cubes_.ofVertex(vertex);
@@ -123,10 +124,10 @@ class Uncrosser {
   double spacing_;
   glm::dvec3 middle_;
   Mesh& mesh_;
-  std::vector<uint32_t> searched_;  // Faces.
-  std::vector<bool> isFan_;         // Of each quad.
-  std::vector<uint32_t> fans_;      // The quad of each two triangles beyond those of all quads.
-  std::set<uint32_t> levelled_;     // First vertices of cubes.
+  std::vector<uint32_t> searched_;  // Faces that are searched for crossings.
+  std::vector<bool> isFan_;         // One per quad.
+  std::vector<uint32_t> fans_;      // Quads of the triangle pairs appended after those of all quads.
+  std::set<uint32_t> levelled_;     // First vertices of the cubes that `level` has moved.
 };
 
 }  // namespace
