@@ -35,7 +35,8 @@ size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& o
   if (options.sign == SignMode::Evolution) perSample += sizeof(float);
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  // While patches are found: three half edges a face, the patches, the turns; a key and a place a vertex.
+  // Bytes while patches are found. A triangle has three half edges, its patch and its turn; a vertex has a
+  // key and an id.
   constexpr size_t kTurningTriangle = 80, kTurningVertex = 20;
   const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
@@ -131,7 +132,7 @@ void Backend::turnFaces(const Turns& turns) {
   });
   mesh_.triangles = turnedTriangles_;
   turns_ = turns;
-  isSurfaceTreeStale_ = hasSurfaceTree_;  // The pipeline asks for the tree only after the last turns.
+  isSurfaceTreeStale_ = hasSurfaceTree_;  // The pipeline uses the tree only after the last reversal.
 }
 
 double Backend::misfit() const {
@@ -151,7 +152,7 @@ std::span<const float> Backend::parityRises() {
   return measureRises(0.0f);
 }
 
-/// Along the normals of the faces as given.
+/// Measures the rises along the normals of the faces as given.
 std::span<const float> Backend::measureRises(float farSides) {
   const std::span<const glm::uvec3> turned = std::exchange(mesh_.triangles, mesh().triangles);
   cpu::measureRises(mesh_, windingBuffer(), farSides, progress(), rises_);

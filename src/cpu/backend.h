@@ -14,10 +14,10 @@
 
 namespace raymap::cpu {
 
-/// The CPU's twin of every stage of method/pipeline.h. Keeps its memory between runs.
+/// CPU backend: runs every stage of method/pipeline.h. Keeps its memory between runs.
 class Backend {
  public:
-  /// Sets what the next run works on.
+  /// Sets the job of the next run.
   void take(const Job& job) { job_.emplace(job); }
 
   const Options& options() const { return job_->options; }
@@ -40,12 +40,12 @@ class Backend {
   void windingDipoles();
   void sign();
   void finish();
-  /// True: memory grows as the stages need it.
+  /// Returns true: memory grows as the stages need it.
   static bool complete() { return true; }
 
   const Mesh& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
-  /// Share of samples whose six rays disagree.
+  /// Returns the share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }
 
   FaceSides& faceSides() { return faceSides_; }
@@ -63,16 +63,16 @@ class Backend {
   static constexpr size_t kTreeBytesPerTriangle = 108;
   void addPatch();
 
-  /// Bytes held, without the field.
+  /// Returns the number of bytes held, without the field.
   size_t bytes() const;
-  /// Upper bound of the bytes that a run holds, with the field, from sizes alone.
+  /// Returns an upper bound on the bytes that a run holds, with the field, from sizes alone.
   static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
 
  private:
-  /// Builds the tree on first use; brings it up to date with reversed faces.
+  /// Returns the tree. Builds it on first use and updates it after faces are reversed.
   const SurfaceTree& surfaceTree();
   std::span<const float> measureRises(float farSides);
-  /// The closest triangles, or null if not asked for.
+  /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
   Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }
   const Buffer<float>& windingBuffer() const { return options().winding ? job_->field.winding : winding_; }
@@ -82,7 +82,7 @@ class Backend {
 
   CellMesh mesh_;
   Buffer<glm::uvec3> turnedTriangles_;
-  std::vector<CellLevel> levels_;  // of the paper's distance stages
+  std::vector<CellLevel> levels_;  // lattices of the paper's distance stages
   SurfaceTree surfaceTree_;
   bool hasSurfaceTree_ = false, isSurfaceTreeStale_ = false;
   Crossings crossings_;

@@ -4,8 +4,8 @@
 
 namespace raymap::cpu {
 
-/// The squared distance, in units of the lattice's cells, from each occupied cell's centre to the triangles
-/// in it; `emptyCell` in all others.
+/// Computes the squared distance from each occupied cell's centre to the triangles in it, in units of the
+/// lattice's cells. All other cells get `emptyCell`.
 void computeCellDistance(const CellMesh& mesh, const VoxelGrid& grid, Progress& progress,
                          Buffer<float>& squared);
 

@@ -4,14 +4,14 @@
 
 namespace raymap::cpu {
 
-/// What the stages before `refine` leave for one of the lattices of `coverMesh`.
+/// Results of the stages before `refine`, for one of the lattices of `coverMesh`.
 struct CellLevel {
-  VoxelGrid grid;  ///< For `raster` only its lattice.
+  VoxelGrid grid;  ///< For `raster` only its lattice is set.
   Buffer<float> squared;
   Buffer<uint32_t> nearestCell;
 };
 
-/// Where a sample lies in a lattice: in units of its cells, and in which.
+/// Position of a sample in a lattice, in units of its cells, and the cell that holds the sample.
 struct CellPoint {
   glm::vec3 at;
   glm::ivec3 cell;

@@ -3,9 +3,9 @@
 // Krayer & Müller 2019, §3.1.
 //
 // Paper: conservative rasterization along the dominant axis, then a triangle-box test in each cell along z.
-// Here: rows of cells along x; each separating axis bounds the cell centre by a slab, so that the cells of a
-// row that touch the triangle are one interval, found without testing cells: because a large triangle then
-// costs no more than the cells it touches.
+// Here: rows of cells along x. Each separating axis bounds the cell centre by a slab, so the cells of a row
+// that touch the triangle form one interval. It is found without testing cells, because a large triangle then
+// costs no more than the cells that it touches.
 
 #include <algorithm>
 #include <array>
@@ -16,14 +16,14 @@
 
 namespace raymap::cpu {
 
-// Cells grow by this share of the triangle's reach, to make up for rounding in double precision.
+// Share of the triangle's reach by which cells are enlarged, to make up for rounding in double precision.
 inline constexpr double kSlack = 1e-12;
 
 struct Interval {
   double low;
   double high;
 
-  /// Keeps x with low <= factor * x <= high.
+  /// Keeps the x with from <= factor * x <= to.
   void clip(double factor, double from, double to) {
     if (factor == 0.0) {
       if (from > 0.0 || to < 0.0) high = -INFINITY;
@@ -38,12 +38,12 @@ struct Interval {
   int last() const { return static_cast<int>(std::floor(high)); }
 };
 
-/// A triangle relative to the lowest cell that its bounds touch, in cells.
+/// Triangle relative to the lowest cell that its bounds touch, in cells.
 struct LocalTriangle {
   std::array<glm::dvec3, 3> corner;
   glm::ivec3 base;
-  glm::ivec3 last;  ///< Highest cell that its bounds touch; below `base` if outside the lattice.
-  bool isCut;       ///< Some of its bounds lies outside the lattice.
+  glm::ivec3 last;  ///< Highest cell that its bounds touch; below `base` if they lie outside the lattice.
+  bool isCut;       ///< Whether part of its bounds lies outside the lattice.
 
   double reach() const {
     const glm::dvec3 far = glm::max(glm::max(glm::abs(corner[0]), glm::abs(corner[1])), glm::abs(corner[2]));
@@ -76,7 +76,7 @@ void forEachRun(const CellMesh& mesh, const CellLattice& cells, size_t triangle,
     const size_t row = cells.index(local.base + glm::ivec3(0, j, k));
     if (first <= last) visit(row + first, row + last + 1);
   };
-  // Within one line of cells the bounds decide.
+  // A triangle whose bounds lie in one line of cells touches all cells of its bounds.
   if (!local.isCut && (extent.x > 0) + (extent.y > 0) + (extent.z > 0) <= 1) {
     for (int k = 0; k <= extent.z; ++k)
       for (int j = 0; j <= extent.y; ++j) run(0, extent.x, j, k);
@@ -85,8 +85,8 @@ void forEachRun(const CellMesh& mesh, const CellLattice& cells, size_t triangle,
   const std::array<Slab, 10> slabs = triangleBoxSlabs(local.corner, kSlack * (1.0 + local.reach()));
   const Slab& plane = slabs[0];
   for (int k = 0; k <= extent.z; ++k) {
-    Interval rows{0.0, double(extent.y)};  // Edges seen along x bound j,
-    Interval slice{0.0, double(extent.x)};
+    Interval rows{0.0, double(extent.y)};   // Bounds on j from the edges seen along x.
+    Interval slice{0.0, double(extent.x)};  // Bounds on i from the edges seen along y.
     for (int e = 1; e <= 3; ++e) {
       const Slab &alongX = slabs[e], &alongY = slabs[3 + e];
       rows.clip(alongX.axis.y, alongX.low - alongX.axis.z * k, alongX.high - alongX.axis.z * k);
@@ -94,7 +94,7 @@ void forEachRun(const CellMesh& mesh, const CellLattice& cells, size_t triangle,
     }
     if (rows.isEmpty() || slice.isEmpty()) continue;
     for (int j = rows.first(); j <= rows.last(); ++j) {
-      Interval row = slice;  // seen along y and z, and the plane, i.
+      Interval row = slice;  // Adds the bounds on i from the plane and the edges seen along z.
       const double offset = plane.axis.y * j + plane.axis.z * k;
       row.clip(plane.axis.x, plane.low - offset, plane.high - offset);
       for (int e = 7; e <= 9; ++e)

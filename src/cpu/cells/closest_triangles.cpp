@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/cells/closest_triangles.cpp"
 #include <hwy/foreach_target.h>
-// Highway's order of includes matters.
+// Must come after foreach_target.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -29,13 +29,13 @@ struct Vector {
   static HWY_INLINE Float all(float value) { return hn::Set(Tag(), value); }
 };
 
-/// An edge with 1 / length^2, or 0 where it is a point.
+/// Edge with 1 / length^2, or 0 if it is a point.
 struct Edge {
   explicit Edge(const glm::vec3& v) : vector(v) {
     const float length2 = glm::dot(v, v);
     inverse = length2 > 0.0f ? 1.0f / length2 : 0.0f;
   }
-  /// Squared distance from the origin to the edge that starts at `start`.
+  /// Returns the squared distance from the origin to the edge that starts at `start`.
   HWY_INLINE Float squaredDistance(const Vector& start) const {
     const Float along = hn::Mul(start.dot(vector), Vector::all(-inverse));
     const Float clamped = hn::Min(hn::Max(along, hn::Zero(Tag())), Vector::all(1.0f));
@@ -46,7 +46,7 @@ struct Edge {
   float inverse;
 };
 
-/// A triangle ready to be measured from many points.
+/// Triangle prepared for measuring its distance from many points.
 struct MeasuredTriangle {
   MeasuredTriangle(const glm::vec3& corner, const glm::vec3& b, const glm::vec3& c)
       : a(corner), ab(b - corner), ac(c - corner), bc(c - b) {

@@ -7,7 +7,7 @@
 
 namespace raymap::cpu {
 
-/// Some points and the closest triangle of each so far.
+/// Points, and the closest triangle of each so far.
 struct PointBatch {
   static constexpr size_t kCapacity = 512;
 
@@ -18,7 +18,7 @@ struct PointBatch {
   alignas(64) std::array<float, kCapacity> squared;
   alignas(64) std::array<uint32_t, kCapacity> triangle;
 
-  /// What lies beyond `count` in the last vector is measured too, and must be a number.
+  /// Sets all coordinates to 0: those beyond `count` in the last vector are used too, and must be numbers.
   PointBatch() {
     x.fill(0.0f);
     y.fill(0.0f);
@@ -26,8 +26,8 @@ struct PointBatch {
   }
 };
 
-/// Replaces the batch's triangles wherever one of `triangles` is closer. As `triangleSquaredDistance`, for
-/// all points at once.
+/// Replaces a point's closest triangle if one of `triangles` is closer. Measures like
+/// `triangleSquaredDistance`, from all points at once.
 void findClosestTriangles(const CellMesh& mesh, std::span<const uint32_t> triangles, PointBatch& batch);
 
 }  // namespace raymap::cpu

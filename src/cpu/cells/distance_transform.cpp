@@ -1,8 +1,8 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
 //
-// Paper: one line per work item, in shared memory, which leaves ever fewer lines in flight as they grow.
-// Here: x-adjacent lines go through a small tile of whole cache lines, because memory then moves as fast
-// along y and z as along x, whatever the resolution.
+// Paper: one line per work item, in shared memory; the longer the lines, the fewer are in flight. Here: lines
+// adjacent along x go through a small tile of whole cache lines, because memory throughput along y and z then
+// equals that along x at any resolution.
 
 #include "cpu/cells/distance_transform.h"
 
@@ -16,10 +16,10 @@ namespace raymap::cpu {
 
 namespace {
 
-// Two cache lines of floats, which processors fetch in pairs.
+// Two cache lines of floats; processors fetch cache lines in pairs.
 constexpr int kLanes = 32;
 
-/// The lower envelope, at whole p, of the parabolas (p - q)^2 + f(q) of one line's occupied cells.
+/// Lower envelope, at whole p, of the parabolas (p - q)^2 + f(q) of one line's occupied cells.
 class Envelope {
  public:
   explicit Envelope(int length) : length_(length), parabolas_(length), halfInverse_(length) {
@@ -28,9 +28,9 @@ class Envelope {
   void clear() { count_ = 0; }
   bool isEmpty() const { return count_ == 0; }
 
-  /// Algorithm 2, lines 28-44, for ascending q. Paper: borders between parabolas are real numbers. Here: the
-  /// last whole p before them, exactly, because ties are common and shall go to the lower q; and a parabola
-  /// goes where no whole p is left to it.
+  /// Adds a parabola (Algorithm 2, lines 28-44); q must ascend. Paper: borders between parabolas are real
+  /// numbers. Here: a border is the last whole p before it, found exactly, because ties are common and must
+  /// go to the lower q. A parabola is dropped if no whole p is left to it.
   void push(int q, float value, uint32_t cell) {
     int from = 0;
     while (count_ > 0) {
@@ -43,7 +43,7 @@ class Envelope {
     if (from < length_) parabolas_[count_++] = {from, q, value, cell};
   }
 
-  /// Lines 45-54: calls write(p, squared, cell) for each p of the line; of equals, the lower q.
+  /// Calls write(p, squared, cell) for each p of the line (lines 45-54). Of equal values the lower q wins.
   template <class Write>
   void sample(Write&& write) const {
     int p = 0;
@@ -59,15 +59,15 @@ class Envelope {
 
  private:
   struct Parabola {
-    int from;  ///< Lowest of all from here on.
+    int from;  ///< First p at which this parabola is the lowest.
     int q;
     float value;
     uint32_t cell;
   };
 
-  /// The last p, at least -1, where a is no higher than the parabola of q > a.q.
+  /// Returns the last p, at least -1, at which `a` is no higher than the parabola of q > a.q.
   int lastOf(const Parabola& a, int q, float value) const {
-    constexpr double kDoubt = 1e-6;  // More than rounding moves a border.
+    constexpr double kDoubt = 1e-6;  // Larger than the rounding error of a border.
     const double difference = double(value) - double(a.value);
     const double border = difference * halfInverse_[q - a.q] + 0.5 * (a.q + q);
     const double clamped = std::min(std::max(border, -0.5), double(length_)) + kDoubt;
@@ -79,7 +79,7 @@ class Envelope {
     const double asked = double(q - a.q) * (2.0 * p - a.q - q);
     const double high = value, low = a.value, difference = high - low;
     if (difference != asked) return difference > asked;
-    const double taken = difference - high;  // What rounding added, exactly (Knuth 1969).
+    const double taken = difference - high;  // For the exact rounding error of `difference` (Knuth 1969).
     return (high - (difference - taken)) - (low + taken) >= 0.0;
   }
 
@@ -103,7 +103,7 @@ class Transform {
     });
   }
 
-  /// Lines along y (axis 1) or z (axis 2), kLanes at a time.
+  /// Transforms the lines along y (axis 1) or z (axis 2), kLanes at a time.
   void along(int axis) {
     const int length = dims_[axis];
     const size_t stride = axis == 1 ? dims_.x : size_t(dims_.x) * dims_.y;

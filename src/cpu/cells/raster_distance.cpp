@@ -14,9 +14,10 @@ namespace raymap::cpu {
 
 namespace {
 
-/// Paper: an atomic minimum on integers, through a bijection from floats. Here: compare and exchange on the
-/// float itself, because processors have that; where only integers have an atomic minimum, a float that is
-/// not negative orders as its bits do. The minimum is the same in whatever order threads come.
+/// Lowers `target` to `value` atomically; the order of the threads does not matter. Paper: an atomic minimum
+/// on integers, through a bijection from floats. Here: compare and exchange on the float itself, because
+/// processors have that. If only integers have an atomic minimum, the bits of a non-negative float serve:
+/// they have the same order.
 void atomicMin(float& target, float value) {
   const std::atomic_ref<float> shared(target);
   float current = shared.load(std::memory_order_relaxed);
@@ -24,7 +25,8 @@ void atomicMin(float& target, float value) {
   }
 }
 
-/// The transform's value in `p`'s cell c belongs to the centre of c; the same parabola, taken at p.
+/// Returns the squared distance at `p`, in cells. The transform's value in the cell of `p` holds for the
+/// cell's centre, so the same parabola is evaluated at `p`.
 float squaredDistance(const CellLevel& level, const CellPoint& p) {
   const CellLattice& cells = level.grid.cells;
   const size_t c = cells.index(p.cell);
@@ -57,7 +59,7 @@ void rasterizeDistance(const CellMesh& mesh, const CellLattice& cells, Progress&
                     perCell2 * triangleSquaredDistance(glm::vec3(cells.centre(cells.cell(cell))), a, b, c));
       });
       if (touched < kCellGrain) continue;
-      progress.poll();  // Large triangles.
+      progress.poll();  // Large triangles take long.
       touched = 0;
     }
   });

@@ -1,8 +1,8 @@
 // Krayer & Müller 2019, §3.3, end.
 //
-// Paper: each sample by itself. Here: samples by blocks, those with the same nearest cell together, because
-// they share their triangles: collected once, without duplicates, and measured from several samples at a
-// time.
+// Paper: each sample by itself. Here: the samples of a block that have the same nearest cell go together,
+// because they share their triangles. These are collected once, without duplicates, and measured from several
+// samples at a time.
 
 #include "cpu/cells/refine.h"
 
@@ -65,7 +65,8 @@ class BlockRefiner {
     }
   }
 
-  /// The triangles of a nearest cell and its neighbours, in ascending order, but for those of crowded cells.
+  /// Collects the triangles of a nearest cell and its neighbours, in ascending order. Crowded cells are only
+  /// listed.
   void collect(const VoxelGrid& grid, const glm::ivec3& nearest) {
     candidates_.clear();
     crowded_.clear();
@@ -110,7 +111,7 @@ class BlockRefiner {
   std::span<const CellTrees> trees_;
   int reach_;
   std::array<Closest, kBlock> closest_;
-  std::vector<uint64_t> byCell_;  ///< Nearest cell * kBlock + place in the block.
+  std::vector<uint64_t> byCell_;  ///< Nearest cell * kBlock + index in the block.
   std::vector<uint32_t> candidates_;
   std::vector<size_t> crowded_;
   PointBatch batch_;

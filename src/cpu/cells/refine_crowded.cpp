@@ -10,8 +10,8 @@ namespace raymap::cpu {
 
 namespace {
 constexpr uint32_t kLeaf = 8;
-// Bounds and distances round differently: what misses by less than this may still tie. Of boxes, and of the
-// squared distance to a disc's centre.
+// Bounds and distances round differently, so a bound that is too large by less than this may still tie.
+// `kBoxRounding` is a factor, `kDiscRounding` a share of the squared distance to a disc's centre.
 constexpr float kBoxRounding = 0.99999f;
 constexpr float kDiscRounding = 3e-6f;
 
@@ -45,7 +45,7 @@ float CellTrees::Disc::squaredDistance(const glm::vec3& p) const {
   return over * over + beside * beside - kDiscRounding * q2;
 }
 
-/// Across the mean normal of triangles whose box has that centre.
+/// Returns the disc around triangles, across their mean normal. `centre` is the centre of their box.
 CellTrees::Disc CellTrees::discAround(std::span<const uint32_t> triangles, const glm::vec3& centre) const {
   glm::vec3 normal(0.0f);
   for (const uint32_t t : triangles) {

@@ -4,7 +4,7 @@
 
 namespace raymap::cpu {
 
-/// The closest triangle so far; of equally close ones the lowest.
+/// Closest triangle so far; of equally close ones, the lowest.
 struct Closest {
   float squared = INFINITY;
   uint32_t triangle = 0xffffffffu;
@@ -14,21 +14,21 @@ struct Closest {
   }
 };
 
-/// Search trees over the triangles of crowded cells, so that a cell with a million triangles costs a sample
+/// Search trees over the triangles of crowded cells. With them a cell with a million triangles costs a sample
 /// little more than one with ten (the paper's spike at low resolutions).
 class CellTrees {
  public:
-  /// Lists up to this long are searched as they are.
+  /// Length of the longest list that is searched without a tree.
   static constexpr size_t kCrowd = 64;
 
   CellTrees(const CellMesh& mesh, const VoxelGrid& grid, Progress& progress);
 
-  /// Takes every triangle of a crowded cell that can be as close to p as `closest`.
+  /// Updates `closest` with the triangles of a crowded cell.
   void search(size_t cell, const glm::vec3& p, Closest& closest) const;
 
  private:
-  /// Around a leaf's triangles, from `back` to `front` along its normal: far tighter than a box where a
-  /// surface runs askew, which decides how many are looked at from far away.
+  /// Disc around a leaf's triangles, from `back` to `front` along its normal. Around an oblique surface it is
+  /// far tighter than a box, which decides how many triangles a far sample measures.
   struct Disc {
     glm::vec3 centre;
     glm::vec3 normal;
@@ -36,16 +36,16 @@ class CellTrees {
     float front;
     float back;
 
-    /// Of the closest point that there may be, less what distances are rounded by.
+    /// Returns a conservative lower bound on the squared distance, reduced by the rounding error.
     float squaredDistance(const glm::vec3& p) const;
   };
   struct Node {
     glm::vec3 low{INFINITY};
     glm::vec3 high{-INFINITY};
-    uint32_t begin;
-    uint32_t end;    ///< Of the leaf's triangles;
-    uint32_t right;  ///< or, if not 0, the second child, the first comes next.
-    Disc disc{};     ///< Of a leaf.
+    uint32_t begin;  ///< First of the node's triangles.
+    uint32_t end;    ///< End of the node's triangles.
+    uint32_t right;  ///< Second child, or 0 for a leaf. The first child is the next node.
+    Disc disc{};     ///< Set for a leaf only.
 
     float squaredDistance(const glm::vec3& p) const;
   };

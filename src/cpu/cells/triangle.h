@@ -1,6 +1,6 @@
 #pragma once
 
-// Geometry leaf functions; a GPU twin has the same names.
+// Geometry of triangles. GPU twin: vulkan/stages/triangle.glsl, with the same names.
 
 #include <algorithm>
 #include <array>
@@ -12,16 +12,16 @@ inline float squaredLength(const glm::vec3& v) {
   return glm::dot(v, v);
 }
 
-/// Squared distance from the origin to the segment from a to a + e, which may be a point.
+/// Returns the squared distance from the origin to the segment from a to a + e, which may be a point.
 inline float segmentSquaredDistance(const glm::vec3& a, const glm::vec3& e) {
   const float length2 = squaredLength(e);
   const float t = length2 > 0.0f ? std::clamp(-glm::dot(a, e) / length2, 0.0f, 1.0f) : 0.0f;
   return squaredLength(a + t * e);
 }
 
-/// Squared distance from p to the triangle abc, which may be a segment or a point. Every candidate is the
-/// distance to a point of the triangle, never to its plane: a sliver whose normal is mostly rounding cannot
-/// come out too close, and its edges keep it from coming out too far.
+/// Returns the squared distance from p to the triangle abc, which may be a segment or a point. Every
+/// candidate is the distance to a point of the triangle, never to its plane. A sliver whose normal is mostly
+/// rounding error is therefore never too close. Its edges keep it from being too far.
 inline float triangleSquaredDistance(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b,
                                      const glm::vec3& c) {
   const glm::vec3 pa = a - p, ab = b - a, ac = c - a;
@@ -32,7 +32,7 @@ inline float triangleSquaredDistance(const glm::vec3& p, const glm::vec3& a, con
   const float w = glm::dot(glm::cross(pa, ab), n);
   if (v >= 0.0f && w >= 0.0f && v + w <= area2 && area2 > 0.0f) {
     const float inside = squaredLength(pa + (v / area2) * ab + (w / area2) * ac);
-    // Short of slivers the projection is the answer: the edges lie farther away.
+    // Except for slivers the projection is the closest point: the edges lie farther away.
     if (area2 > 1e-6f * squaredLength(ab) * squaredLength(ac)) return inside;
     return std::min({inside, segmentSquaredDistance(pa, ab), segmentSquaredDistance(pa, ac),
                      segmentSquaredDistance(b - p, c - b)});
@@ -41,16 +41,17 @@ inline float triangleSquaredDistance(const glm::vec3& p, const glm::vec3& a, con
       {segmentSquaredDistance(pa, ab), segmentSquaredDistance(pa, ac), segmentSquaredDistance(b - p, c - b)});
 }
 
-/// low <= dot(axis, centre) <= high wherever a unit cube's shadow on `axis` meets the triangle's.
+/// Bounds on a unit cube's centre: low <= dot(axis, centre) <= high if its projection on `axis` meets that of
+/// the triangle.
 struct Slab {
   glm::dvec3 axis;
   double low;
   double high;
 };
 
-/// The separating axes of a triangle and a unit cube (Akenine-Möller 2001) but for the cube's own normals, as
-/// slabs that the cube's centre must lie in: the plane first, then three edges by each of x, y, z. `slack`
-/// widens the cube against rounding.
+/// Returns the separating axes of a triangle and a unit cube (Akenine-Möller 2001), except the cube's own
+/// normals, as slabs that the cube's centre must lie in. The plane comes first, then the three edges for each
+/// of x, y, z. `slack` enlarges the cube against rounding.
 inline std::array<Slab, 10> triangleBoxSlabs(const std::array<glm::dvec3, 3>& corner, double slack) {
   const auto slab = [slack](const glm::dvec3& axis, double m0, double m1) {
     const double reach = (0.5 + slack) * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z));

@@ -19,7 +19,8 @@ namespace {
 
 constexpr size_t kTriangleGrain = 2048;
 constexpr size_t kCellGrain = size_t{1} << 16;
-/// Replaces each count, which starts at index 1, by the sum of those before it; returns the sum of all.
+
+/// Replaces each count, from index 1 on, by the sum of the counts before it. Returns the sum of all counts.
 uint64_t prefixSum(Buffer<uint64_t>& starts) {
   const size_t blocks = (starts.size() - 1 + kCellGrain - 1) / kCellGrain;
   const auto block = [&](size_t b) {
@@ -62,7 +63,7 @@ void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxLi
           for (; c < last; ++c) work(t, std::atomic_ref(grid.starts[c + 1]));
         });
         if (touched < kCellGrain) continue;
-        progress.poll();  // Large triangles.
+        progress.poll();  // Large triangles take long.
         touched = 0;
       }
     });
@@ -76,11 +77,11 @@ void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxLi
   const uint64_t total = prefixSum(grid.starts);
   checkListBytes(total, maxListBytes);
   grid.triangles.resize(total);
-  // Each start moves to its cell's end, which is where the next cell's list starts.
+  // Each start advances to the end of its cell's list, which is where the next cell's list starts.
   forEachTriangle(0.4, [&](size_t t, auto cursor) {
     grid.triangles[cursor.fetch_add(1, std::memory_order_relaxed)] = static_cast<uint32_t>(t);
   });
-  // Threads filled the lists in no certain order.
+  // The threads filled the lists in an undefined order.
   parallelFor(cells.count(), kCellGrain, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c)
       std::sort(grid.triangles.data() + grid.starts[c], grid.triangles.data() + grid.starts[c + 1]);

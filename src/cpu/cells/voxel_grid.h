@@ -7,8 +7,8 @@
 
 namespace raymap::cpu {
 
-/// Which triangles touch which cell (§3.1, Fig. 2): cell c holds `triangles[starts[c] .. starts[c + 1])`, in
-/// ascending order, as count, exclusive prefix sum and fill left them.
+/// Triangles that touch each cell (§3.1, Fig. 2): cell c holds `triangles[starts[c] .. starts[c + 1])`, in
+/// ascending order.
 struct VoxelGrid {
   CellLattice cells;
   Buffer<uint64_t> starts;
@@ -19,7 +19,8 @@ struct VoxelGrid {
   }
 };
 
-/// Lists more than `maxListBytes` long are `Error(Memory)`.
+/// Builds the lists by counting, an exclusive prefix sum and filling. Throws `Error(Memory)` if they need
+/// more than `maxListBytes`.
 void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxListBytes, Progress& progress,
                     VoxelGrid& grid);
 
