@@ -25,7 +25,7 @@ CellMesh toSamples(const Mesh& mesh, const Grid& grid) {
   return cells;
 }
 
-/// Into how many parts a triangle's sides are cut.
+/// Returns the number of parts that each of a triangle's sides is cut into.
 int partsOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
   const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   return static_cast<int>(std::clamp(std::ceil(longest / step), 1.0, kMostPerSide));
@@ -40,7 +40,7 @@ double countPoints(const CellMesh& mesh, double step) {
   return count;
 }
 
-/// The middles of the parts of a triangle that is cut evenly.
+/// Visits the centres of the parts of an evenly cut triangle.
 template <class Visit>
 void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
   const glm::vec3 a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;

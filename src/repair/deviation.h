@@ -10,15 +10,16 @@
 
 namespace raymap {
 
-/// Points all over a mesh, in samples of the grid: its vertices, and on its triangles so densely that no
-/// point of them is farther than about `step` from one; more sparsely if they would be too many.
+/// Returns points of a mesh, in samples of the grid: its vertices and points on its triangles. Every point of
+/// a triangle is within about `step` samples of one. The points are sparser if there would be too many.
 std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double step);
 
-/// The exact distance of points to a mesh, all in samples of the grid.
+/// Returns the exact distances of points to a mesh, all in samples of the grid.
 std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress);
 
-/// Of deviations in samples, which it puts into another order.
+/// Returns statistics of `deviations`, multiplied by `spacing`. The deviations are in samples and get
+/// reordered.
 Deviation summarize(std::vector<float>& deviations, double spacing);
 
 }  // namespace raymap

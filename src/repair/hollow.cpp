@@ -17,7 +17,7 @@ glm::ivec3 placeOf(const Grid& grid, size_t sample) {
   return {sample % x, sample / x % y, sample / (x * y)};
 }
 
-/// Follows one hollow from sample to sample.
+/// Flood fill of one hollow at a time.
 class Flood {
  public:
   Flood(const Field& solid, double wall, const glm::dvec3& down)
@@ -36,7 +36,7 @@ class Flood {
       const glm::ivec3 place = placeOf(solid_.grid, sample);
       const double room = -wall_ - double(solid_.distance[sample]);
       hollow.deepest = std::max(hollow.deepest, room);
-      // A ball around the sample is free.
+      // A ball of radius `room` around the sample is free.
       const glm::dvec3 lowest = glm::dvec3(place) + room / solid_.grid.spacing * down_;
       if (const double d = glm::dot(lowest, down_); d > depth) depth = d, hollow.lowest = lowest;
       visitNeighbours(place);
@@ -69,7 +69,7 @@ class Flood {
   double wall_;
   glm::dvec3 down_;
   std::vector<bool> isSeen_;
-  std::vector<uint32_t> samples_;  // Of the last hollow, in the order in which they were reached.
+  std::vector<uint32_t> samples_;  // Samples of the last hollow, in the order of the fill.
 };
 
 }  // namespace
@@ -109,7 +109,8 @@ DrainHole placeHole(const Field& solid, const Hollow& hollow, double radius, con
   const FieldSampler sampler(solid);
   const double reach = radius / grid.spacing;
   const glm::dvec3 direction = glm::normalize(down), &lowest = hollow.lowest;
-  // Wide enough outside that the whole of its end is free; at most as long as the grid.
+  // The hole ends where the solid is farther than its radius, so the whole of its end is free. It is at most
+  // as long as the grid's diagonal.
   glm::dvec3 end = lowest;
   for (const double last = glm::length(sampler.last()); glm::distance(end, lowest) <= last;) {
     end += 0.5 * direction;
@@ -119,7 +120,7 @@ DrainHole placeHole(const Field& solid, const Hollow& hollow, double radius, con
 }
 
 void drill(Field& solid, const DrainHole& hole) {
-  constexpr double kMargin = 3.0;  // Samples around it that the surface may look at.
+  constexpr double kMargin = 3.0;  // Samples around the hole that the isosurface may read.
   const Grid& grid = solid.grid;
   const auto place = [&](const glm::dvec3& p) { return (p - grid.origin) / grid.spacing; };
   const glm::dvec3 reach(hole.radius / grid.spacing + kMargin);

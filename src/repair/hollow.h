@@ -11,23 +11,23 @@ struct DrainHole {
   glm::dvec3 start, end;
   double radius;
 
-  /// Negative in the hole.
+  /// Returns a lower bound on the distance to the hole, negative inside it.
   double distance(const glm::dvec3& p) const;
 };
 
-/// A part of the space inside a wall that hangs together.
+/// A connected part of the space inside the walls.
 struct Hollow {
-  glm::dvec3 lowest;  ///< Its point farthest down, in samples.
-  double deepest;     ///< How far it reaches from the wall.
+  glm::dvec3 lowest;  ///< Lowest point, in samples.
+  double deepest;     ///< Largest distance from the walls, in the field's units.
 };
 
-/// Finds the hollows that a solid of walls `wall` thick has. Those not even `least` deep it makes solid.
+/// Returns the hollows of a solid with walls `wall` thick. Fills hollows less than `least` deep.
 std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down);
 
-/// Takes away what is deeper inside the solid than its walls.
+/// Removes everything deeper inside the solid than `wall`.
 void hollowOut(Field& solid, double wall);
 
-/// A hole from the lowest point of a hollow straight down until it has left the solid.
+/// Returns a hole from the lowest point of a hollow straight down, until it has left the solid.
 DrainHole placeHole(const Field& solid, const Hollow& hollow, double radius, const glm::dvec3& down);
 void drill(Field& solid, const DrainHole& hole);
 
