@@ -1,4 +1,4 @@
-// Where two fields differ; the picture follows Krayer & Müller 2019, Fig. 11.
+// Comparison of two fields. The picture follows Krayer & Müller 2019, Fig. 11.
 
 #include <raymap/error.h>
 #include <raymap/render.h>
@@ -51,7 +51,7 @@ class FieldPair {
       if (band > 0.0) band_ = std::min(band_, band);
   }
   bool isFinite(size_t n) const { return std::isfinite(a_.distance[n]) && std::isfinite(b_.distance[n]); }
-  /// In samples.
+  /// Returns the difference of the distances, in samples.
   double error(size_t n) const {
     return std::abs(clamped(a_.distance[n]) - clamped(b_.distance[n])) / a_.grid.spacing;
   }
@@ -65,7 +65,7 @@ class FieldPair {
   double band_ = INFINITY;
 };
 
-/// The sums are means times `samples` until `finish`.
+/// Result of one sheet, with the sums for the means.
 struct Tally {
   Comparison result;
   double sum = 0.0;
@@ -116,7 +116,7 @@ Comparison joinSheets(const std::vector<Tally>& sheets) {
   return all;
 }
 
-/// The slice to show: {axis, index}.
+/// Returns the slice with the most samples that differ in sign, as {axis, index}.
 glm::ivec2 mostDifferentSlice(const FieldPair& pair, const Grid& grid) {
   std::array<std::vector<size_t>, 3> counts;
   for (int a = 0; a < 3; ++a) counts[a].resize(size_t(grid.dims[a]));
@@ -163,7 +163,7 @@ Comparison compareFields(const Field& a, const Field& b) {
 
 Picture renderComparison(const Field& a, const Field& b, int width) {
   const Comparison comparison = compareFields(a, b);
-  makePicture(width, 1);  // refuses the width before it divides
+  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
   const FieldPair pair(a, b);
   const bool showsSigns = comparison.signDifferences > 0;
   const glm::ivec2 slice =

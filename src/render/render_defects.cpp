@@ -1,4 +1,4 @@
-// The mesh itself, not its field, with what is wrong with it in colour.
+// Picture of a mesh, not of its field, with its defects in colour.
 
 #include <raymap/render.h>
 
@@ -17,10 +17,10 @@ namespace {
 const Colour kFront = srgb(206, 208, 212), kBack = srgb(120, 128, 142);
 const Colour kFlipped = srgb(70, 120, 220), kCrossed = srgb(240, 150, 40), kDuplicate = srgb(230, 205, 60);
 const Colour kBoundary = srgb(214, 30, 40), kNonManifold = srgb(160, 40, 190);
-constexpr int kFineness = 2;        // sub-pixels along a pixel
-constexpr double kLineWidth = 2.5;  // pixels
+constexpr int kFineness = 2;        // Sub-pixels along a pixel's side.
+constexpr double kLineWidth = 2.5;  // In pixels.
 
-/// What is seen so far, in sub-pixels: colours and depths.
+/// Colours and depths drawn so far, in sub-pixels.
 class Canvas {
  public:
   Canvas(int width, int height)
@@ -58,7 +58,7 @@ class Canvas {
   std::vector<glm::vec3> colour_;
 };
 
-/// A point as the picture shows it, in sub-pixels, and how far in front of the camera it lies.
+/// A point's position in the picture, in sub-pixels, and its distance in front of the camera.
 struct Seen {
   double x, y, depth;
 };
@@ -133,7 +133,7 @@ class Drawing {
       }
   }
 
-  /// Before the faces beside it.
+  /// Draws a line in front of the faces beside it.
   void drawLine(const Seen& from, const Seen& to, const Colour& colour) {
     constexpr double kRadius = 0.5 * kLineWidth * kFineness, kBefore = 0.998;
     const int steps = 1 + int(std::min(std::hypot(to.x - from.x, to.y - from.y), 1e6));

@@ -1,4 +1,4 @@
-// A picture of a field, sphere traced by the CPU or by a device.
+// Picture of a field, sphere traced on the CPU or a GPU.
 
 #include <raymap/generate.h>
 #include <raymap/render.h>

@@ -14,11 +14,11 @@ struct Range {
   double outside = 0.0;
 };
 
-// Iso-lines stand at least this many pixels apart.
+// Least distance of iso-lines, in pixels.
 constexpr double kLeastGap = 8.0;
 
-/// The largest finite distances of either side in the slice. The plateau of a band keeps to the middle of the
-/// ramp: it says "far" only.
+/// Returns the largest finite distances inside and outside in the slice. With a band it returns twice the
+/// band's width. The band's plateau, which only means "far", then gets the middle of the colour ramp.
 Range findRange(const Field& field, const SliceView& view) {
   Range range;
   for (int y = 0; y < view.size().y; ++y)
@@ -36,10 +36,10 @@ Range findRange(const Field& field, const SliceView& view) {
 
 Picture renderSlice(const Field& field, int axis, int index, int width) {
   validateField(field);
-  makePicture(width, 1);  // refuses the width before it divides
+  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
   const SliceView view(field.grid, axis, index);
   const double pixel = view.pixelSize(width);
-  const double plain = 0.1 * pixel * field.grid.spacing;  // flatter than this is a plateau, not a line
+  const double plain = 0.1 * pixel * field.grid.spacing;  // A smaller slope is a plateau, not a line.
   const Range range = findRange(field, view);
   const double step = roundedUp(
       std::max(std::max(range.inside, range.outside) / 25.0, kLeastGap * pixel * field.grid.spacing));

@@ -8,11 +8,11 @@ namespace raymap {
 
 namespace {
 
-// Where in a pixel the four samples of antialiasing lie: a rotated square, so that near-horizontal and
-// near-vertical edges get all four levels.
+// Positions of the four antialiasing samples in a pixel: a rotated square. Near-horizontal and near-vertical
+// edges get all four levels with it.
 constexpr glm::dvec2 kSubPixels[] = {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}};
 
-/// What the shape leaves of the light on the floor, seen along a ray that misses the shape.
+/// Returns the share of light that the shape leaves on the floor, for a ray that misses the shape.
 double floorShade(const Scene& scene, const Ray& ray) {
   const double down = -glm::dot(ray.direction, scene.up);
   const double t = (glm::dot(ray.origin, scene.up) - scene.camera.floor()) / down;
@@ -23,7 +23,8 @@ double floorShade(const Scene& scene, const Ray& ray) {
   return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
 }
 
-/// The cut face is a drawing, not a thing: the colours of a slice, unlit but for what stands on it.
+/// Returns the colour of the cut face. It is drawn like a slice, without lights, and is only darkened by
+/// occlusion.
 Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(std::min(d, -1e-9), scene.shape.depth());
@@ -46,10 +47,10 @@ Colour surface(const Scene& scene, const Ray& ray, double t) {
       std::pow(std::max(glm::dot(n, glm::normalize(scene.toLight - ray.direction)), 0.0), 50.0) *
       (sun > 0.0 ? sun : 0.0);
   const Colour lit = 0.5 * kClay * incoming + 0.25 * grazing * open * kSky + 0.12 * shine * kSun;
-  return lit * (1.0 + lit / 4.0) / (1.0 + lit);  // highlights bend instead of clipping
+  return lit * (1.0 + lit / 4.0) / (1.0 + lit);  // Compresses highlights instead of clipping them.
 }
 
-/// `y` is the height in the picture.
+/// Returns the light along a ray. `y` is the ray's row in the picture.
 Colour light(const Scene& scene, const Ray& ray, double y) {
   if (const std::optional<double> t = trace(scene.shape, ray)) return surface(scene, ray, *t);
   return glm::mix(kBackgroundTop, kBackgroundBottom, y / scene.camera.height()) * floorShade(scene, ray);

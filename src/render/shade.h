@@ -4,7 +4,7 @@
 
 namespace raymap {
 
-/// What a pixel shows.
+/// Returns the colour of a pixel.
 Colour pixelColour(const Scene& scene, int x, int y);
 
 }  // namespace raymap

@@ -26,7 +26,7 @@ SliceView::SliceView(const Grid& grid, int axis, int index) {
 
 int SliceView::height(int width) const {
   const double rows = std::round(double(width) * columns_.y / columns_.x);
-  return int(std::clamp(rows, 1.0, 2.0 * kMaxPictureSide));  // makePicture refuses what is too large
+  return int(std::clamp(rows, 1.0, 2.0 * kMaxPictureSide));  // `makePicture` refuses larger heights.
 }
 
 double SliceView::value(const Buffer<float>& samples, glm::dvec2 at) const {

@@ -13,10 +13,11 @@ namespace raymap {
 /// samples: (right, up).
 class SliceView {
  public:
-  /// `index` -1 is the middle. Throws `Error(Usage)` for an axis or index that does not exist.
+  /// Selects a slice; `index` -1 is the middle. Throws `Error(Usage)` for an axis or index that does not
+  /// exist.
   SliceView(const Grid& grid, int axis, int index);
 
-  /// A picture with as many rows as squares ask for, each pixel `colour(position)`.
+  /// Returns a picture of square pixels with the colours `colour(position)`.
   template <class Paint>
   Picture paint(int width, Paint&& colour) const {
     Picture picture = makePicture(width, height(width));
@@ -28,26 +29,26 @@ class SliceView {
     return picture;
   }
 
-  /// Side of a pixel, in samples.
+  /// Returns the side of a pixel, in samples.
   double pixelSize(int width) const { return double(columns_.x) / width; }
   glm::ivec2 size() const { return columns_; }
-  /// Index in the field's arrays of the sample in a column and row of the slice.
+  /// Returns the index in the field's arrays of the sample in a column and row of the slice.
   size_t index(glm::ivec2 at) const {
     return first_ + size_t(at.x) * strides_[0] + size_t(at.y) * strides_[1];
   }
-  /// The sample whose square holds a position.
+  /// Returns the index of the sample whose square holds a position.
   size_t nearest(glm::dvec2 at) const {
     return index(glm::clamp(glm::ivec2(glm::floor(at + 0.5)), glm::ivec2(0), columns_ - 1));
   }
-  /// Bilinear between samples; constant beyond the outermost ones.
+  /// Returns the bilinear value between samples; constant beyond the outermost ones.
   double value(const Buffer<float>& samples, glm::dvec2 at) const;
-  /// How much the value changes across a pixel.
+  /// Returns the change of the value across a pixel.
   double slope(const Buffer<float>& samples, glm::dvec2 at, double pixel) const;
 
  private:
   int height(int width) const;
 
-  glm::ivec2 columns_;  // samples right and up
+  glm::ivec2 columns_;  // Number of samples right and up.
   size_t strides_[2];
   size_t first_;
 };

@@ -1,9 +1,9 @@
 // Sphere tracing: J. C. Hart, "Sphere tracing: a geometric method for the antialiased ray tracing of implicit
-// surfaces", The Visual Computer 12 (1996). A distance says how far a ray may go without meeting a surface.
+// surfaces", The Visual Computer 12 (1996). A distance is how far a ray may go without meeting a surface.
 //
-// Occlusion reads the same distances, after ideas of Í. Quílez: where the field a little above a surface is
-// smaller than the height, something is near; and the narrowest angle by which a ray to the light passes
-// everything tells how much of a round light is covered.
+// Shadows and occlusion use the same distances, after ideas of Í. Quílez. Where the distance a little above a
+// surface is less than the height, something is near. The narrowest angle by which a ray to the light passes
+// everything gives the covered share of a round light.
 
 #include "render/sphere_trace.h"
 
@@ -13,14 +13,15 @@ namespace raymap {
 
 namespace {
 
-// The trilinear value of an exact distance changes by up to sqrt(3) a sample across creases: go less far.
+// Share of the distance that a step takes. Across creases the trilinear value of an exact distance changes by
+// up to sqrt(3) per sample.
 constexpr double kCaution = 0.9;
-// In samples; keeps the loop bounded. Nothing thinner than this exists between samples.
+// Least step, in samples. It bounds the loop. Nothing thinner exists between samples.
 constexpr double kLeastStep = 0.05;
-// A light of this angular radius' tangent.
+// Tangent of the light's angular radius.
 constexpr double kLightSize = 0.11;
 
-/// The part of the ray that a ball around the shape holds: {first, last}, empty if last < first.
+/// Returns the part of the ray inside a ball around the shape: {first, last}, empty if last < first.
 glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
   const glm::dvec3 toCentre = shape.centre() - ray.origin;
   const double radius = shape.radius() + 2.0;
@@ -31,8 +32,8 @@ glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
   return {std::max(middle - half, 0.0), middle + half};
 }
 
-/// The surface between `outside` and `inside` along the ray; secant and bisection in turn, so that neither a
-/// bent nor a jumping value keeps it from closing in.
+/// Returns the position of the surface between `outside` and `inside` along the ray. Secant and bisection
+/// steps alternate, so the search converges even if the value bends or jumps.
 double refineHit(const Shape& shape, const Ray& ray, double outside, double inside, double dOut, double dIn) {
   for (int i = 0; i < 24 && inside - outside > 1e-4; ++i) {
     const double share = i % 2 == 0 ? std::clamp(dOut / (dOut - dIn), 0.01, 0.99) : 0.5;
@@ -63,14 +64,14 @@ std::optional<double> trace(const Shape& shape, const Ray& ray) {
 double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3& toLight) {
   const Ray ray{point, toLight};
   const glm::dvec2 part = clipToBall(shape, ray);
-  double clear = 1.0;                   // narrowest angle passed so far, over the light's
-  double dBefore = 1e9, stepped = 1.0;  // as if nothing had been near
+  double clear = 1.0;                   // Narrowest angle so far, divided by the light's.
+  double dBefore = 1e9, stepped = 1.0;  // As if nothing had been near.
   for (double t = std::max(part.x, 0.5); t <= part.y;) {
     const glm::dvec3 p = point + t * toLight;
     const double d = shape.distance(p);
     if (d <= 0.0) return 0.0;
-    // The steps straddle the narrowest place at random. Two distances a step apart tell where between them
-    // it was and how narrow, if what they saw was flat: that leaves no ripples.
+    // Steps straddle the narrowest place at random, which would leave ripples. Two distances a step apart
+    // give its position and width between them if the surface there is flat.
     const double back = (stepped * stepped + d * d - dBefore * dBefore) / (2.0 * stepped);
     const bool isBetween = back > 0.0 && back < std::min(stepped, d);
     const double narrowest =

@@ -7,13 +7,13 @@
 
 namespace raymap {
 
-/// Where a ray first enters the shape, as the distance along it.
+/// Returns the distance along a ray to where it first enters the shape, or nothing.
 std::optional<double> trace(const Shape& shape, const Ray& ray);
 
-/// The share of a far, round light that reaches a point along `toLight`, 0 to 1.
+/// Returns the share of a far, round light that reaches a point along `toLight`, 0 to 1.
 double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3& toLight);
 
-/// How open the surroundings of a surface point are, 0 to 1.
+/// Returns the openness of a surface point's surroundings, from 0 (closed) to 1 (open).
 double ambientOpenness(const Shape& shape, const glm::dvec3& point, const glm::dvec3& normal);
 
 }  // namespace raymap
