@@ -10,10 +10,10 @@ namespace raymap {
 
 namespace {
 
-// How much of the picture's width or height the shape fills; its shadow wants some room too.
+// Share of the picture's width or height that the shape fills. The rest is for its shadow.
 constexpr double kFilled = 0.86;
 
-/// A direction that is not parallel to `forward`: up, if that will do.
+/// Returns a direction that is not parallel to `forward`, `up` if possible.
 glm::dvec3 sideReference(const glm::dvec3& up, const glm::dvec3& forward) {
   for (const glm::dvec3& v : {up, glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0)})
     if (glm::length(glm::cross(forward, v)) > 1e-6) return v;
@@ -45,9 +45,10 @@ Camera::Camera(const RenderOptions& options, const Reach& reach)
   frame(reach, up);
 }
 
-/// Every side plane of the view, tilted inward a little, touches what is shown. With its normal n = c*side -
-/// s*forward and the shape's reach r along n, the eye e must have dot(n, e) = r; two opposite sides give both
-/// the eye's place across and how far back it must stand.
+/// Places the eye so that the view's side planes, tilted inward a little, enclose and touch the shape. With a
+/// plane's normal n = c*side - s*forward and the shape's reach r along n, the plane touches if dot(n, e) = r
+/// for the eye e. Two opposite sides give the eye's position across and its distance; the larger of both
+/// distances is used.
 void Camera::frame(const Reach& reachOf, const glm::dvec3& floorNormal) {
   const double tall = std::atan(kFilled * tangent_);
   const double wide = std::atan(kFilled * tangent_ * width_ / height_);

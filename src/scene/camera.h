@@ -12,27 +12,27 @@ namespace raymap {
 
 struct Ray {
   glm::dvec3 origin;
-  glm::dvec3 direction;  // unit
+  glm::dvec3 direction;  // Unit vector.
 };
 
 /// A pinhole camera that frames what it shows, a shape in sample coordinates or anything else.
 class Camera {
  public:
-  /// How far it reaches along each unit direction.
+  /// Function that returns how far the shown object reaches along each unit direction.
   using Reach = std::function<std::vector<double>(std::span<const glm::dvec3> directions)>;
 
-  /// Throws `Error(Usage)` if a direction or the angle makes no sense.
+  /// Throws `Error(Usage)` if a direction has no length or the field of view is not 1 to 150 degrees.
   Camera(const RenderOptions& options, const Reach& reach);
   Camera(const RenderOptions& options, const Shape& shape)
       : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {}
 
-  /// The ray through a point of the picture; pixel (0,0) covers 0 to 1, rows from the top.
+  /// Returns the ray through a point of the picture. Pixel (0,0) covers 0 to 1; rows count from the top.
   Ray ray(double x, double y) const;
-  /// Where the floor under the shape lies: its height along `RenderOptions::up`.
+  /// Returns the height of the floor under the shape, along `RenderOptions::up`.
   double floor() const { return floor_; }
-  /// Of the picture, in pixels.
+  /// Returns the height of the picture, in pixels.
   double height() const { return height_; }
-  /// Width of a pixel at distance 1.
+  /// Returns the width of a pixel at distance 1.
   double pixelAngle() const { return 2.0 * tangent_ / height_; }
 
   const glm::dvec3& eye() const { return eye_; }
@@ -49,7 +49,7 @@ class Camera {
   double width_, height_;
 };
 
-/// `v` at length 1; throws `Error(Usage)` that calls it `name` if it has none.
+/// Returns `v` at length 1. Throws `Error(Usage)`, which calls it `name`, if it has no length.
 glm::dvec3 unitVector(const glm::dvec3& v, const char* name);
 
 }  // namespace raymap

@@ -39,7 +39,7 @@ Colour drawContour(const Colour& ground, double value, double slope, const Colou
 }
 
 Colour drawIsoLines(const Colour& ground, double value, double slope, double step) {
-  // Lines closer than a few pixels would turn into a grey carpet: they fade out.
+  // Lines fade out where they are closer than a few pixels: they would merge into grey.
   const double strength = 0.45 * std::clamp(step / slope / 3.0 - 1.0, 0.0, 1.0);
   const double toLine = std::abs(value - step * std::round(value / step)) / slope;
   return ground * (1.0 - strength * lineCoverage(toLine, 1.2));

@@ -15,7 +15,7 @@ inline double encodeSrgb(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-/// A colour given as people write it: sRGB, 0 to 255.
+/// Returns a colour from sRGB components, 0 to 255.
 inline Colour srgb(int red, int green, int blue) {
   const auto decode = [](int value) {
     const double s = value / 255.0;
@@ -30,34 +30,35 @@ inline void setPixel(Picture& picture, int x, int y, const Colour& colour) {
     pixel[c] = static_cast<uint8_t>(std::lround(255.0 * encodeSrgb(std::clamp(colour[c], 0.0, 1.0))));
 }
 
-/// Throws `Error(Usage)` unless both sides are within 1 and `kMaxPictureSide`.
+/// Throws `Error(Usage)` unless both sides are 1 to `kMaxPictureSide`.
 void checkPictureSize(int width, int height);
-/// An empty picture of a size that is checked.
+/// Returns a black picture. Throws as `checkPictureSize` does.
 Picture makePicture(int width, int height);
 
-/// 1, 2 or 5 times a power of ten, nearest to `length` from above.
+/// Returns the least number that is at least `length` and 1, 2 or 5 times a power of ten.
 double roundedUp(double length);
 
-/// How much of a pixel a line of `width` pixels covers whose middle is `distance` pixels away.
+/// Returns the share of a pixel that a line covers. The line is `width` pixels wide, its middle `distance`
+/// pixels away.
 inline double lineCoverage(double distance, double width) {
   return std::clamp(0.5 * width + 0.5 - distance, 0.0, 1.0);
 }
 
-/// Of distances at the surface, half way and deepest.
+/// Colours at the surface, half way and deepest.
 inline const Colour kOutside[] = {srgb(255, 246, 232), srgb(247, 190, 120), srgb(206, 104, 52)};
 inline const Colour kInside[] = {srgb(228, 241, 250), srgb(116, 173, 214), srgb(38, 84, 148)};
 
-/// The colour of a slice where the distance is `value`: warm outside, cool inside, palest at zero and deepest
-/// at +-`range`.
+/// Returns the colour of a slice where the distance is `value`: warm outside, cool inside, palest at zero and
+/// deepest at +-`range`.
 Colour distanceColour(double value, double range);
 
 inline const Colour kNotFinite = srgb(140, 60, 160);
 inline const Colour kContour = srgb(24, 26, 32);
 
-/// Lays a thick line of the colour where the value is zero; `slope` as below.
+/// Draws a thick line over `ground` where the value is zero; `slope` as below.
 Colour drawContour(const Colour& ground, double value, double slope, const Colour& line);
 
-/// Lays lines at multiples of `step` over `ground`; `slope` is the change of the value across a pixel.
+/// Draws lines over `ground` at multiples of `step`. `slope` is the change of the value across a pixel.
 Colour drawIsoLines(const Colour& ground, double value, double slope, double step);
 
 }  // namespace raymap

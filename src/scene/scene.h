@@ -13,10 +13,10 @@ inline const Colour kClay = srgb(226, 158, 104);
 inline const Colour kBackgroundTop = srgb(250, 251, 252);
 inline const Colour kBackgroundBottom = srgb(222, 226, 231);
 
-/// What a picture shows, ready to be drawn by whatever device: one round light and a sky, on a bright floor
-/// that shows nothing but the shadow.
+/// Contents of a picture, to be drawn on any device: the shape, one round light and a sky, on a bright floor
+/// that shows only the shadow.
 struct Scene {
-  /// Refers to the field. Throws as `renderField` does.
+  /// Keeps a reference to the field. Throws as `renderField` does.
   Scene(const Field& field, const RenderOptions& options)
       : up(unitVector(options.up, "up vector")),
         shape(field, options),
@@ -28,7 +28,7 @@ struct Scene {
   Shape shape;
   Camera camera;
   glm::dvec3 toLight;
-  double lineStep;  ///< Between the lines on the cut face, in samples.
+  double lineStep;  ///< Distance between the lines on the cut face, in samples.
 };
 
 }  // namespace raymap

@@ -12,8 +12,8 @@ namespace raymap {
 
 namespace {
 
-/// Values up to this one, in samples, are inside if no sample is negative. A plane between samples leaves
-/// trilinear values of up to 0.5 on itself.
+/// Values up to this one, in samples, are inside if no sample is negative. On a plane between samples,
+/// trilinear values are up to 0.5.
 constexpr double kSkin = 0.7;
 
 [[noreturn]] void refuseSample(glm::ivec3 sample, float value) {
@@ -23,8 +23,8 @@ constexpr double kSkin = 0.7;
                   ": a field to draw must be finite, in samples too; make it again or replace the value");
 }
 
-/// Calls `visit(position, d)` for every sample of a sheet with d <= 0, a ball of radius -d that the solid
-/// contains; returns the least value. The grid's box cuts the solid off, and so the balls.
+/// Calls `visit(position, d)` for every sample of a sheet with d <= 0. The solid contains a ball of radius -d
+/// around it. Returns the least value. The grid's box cuts the solid off, and so the balls.
 template <class Visit>
 double visitInside(const Field& field, int k, double level, Visit&& visit) {
   double least = INFINITY;
@@ -62,7 +62,7 @@ Extent findExtent(const Field& field, double level) {
   return all;
 }
 
-/// What the camera frames, in samples; as deep as its shortest side lets it be.
+/// Returns the extent that the camera frames, in samples. Its depth is half its shortest side.
 Extent frameExtent(const Box& frame, const Grid& grid) {
   const glm::dvec3 size = frame.size();
   if (frame.isEmpty() || !std::isfinite(size.x + size.y + size.z) || size == glm::dvec3(0.0))
@@ -72,7 +72,7 @@ Extent frameExtent(const Box& frame, const Grid& grid) {
           .deepest = -0.5 * std::min({size.x, size.y, size.z}) / grid.spacing};
 }
 
-/// The horizontal grid axis that points most to the camera.
+/// Returns the horizontal grid axis that points most to the camera, as the cut's normal.
 glm::dvec3 cutAxis(const glm::dvec3& direction, const glm::dvec3& up) {
   int axis = -1;
   int vertical = 0;
@@ -105,7 +105,7 @@ Shape::Shape(const Field& field, const RenderOptions& options)
     extent_ = findExtent(field, level_);
   }
   if (isFramed_) extent_ = frameExtent(*options.frame, field.grid);
-  if (glm::any(glm::greaterThan(extent_.min, extent_.max))) {  // nothing inside: frame the grid
+  if (glm::any(glm::greaterThan(extent_.min, extent_.max))) {  // Nothing is inside: frame the grid.
     extent_.min = glm::dvec3(0.0);
     extent_.max = sampler_.last();
   }
@@ -128,7 +128,7 @@ std::vector<double> Shape::reach(std::span<const glm::dvec3> directions) const {
   std::vector<double> all(directions.size(), -INFINITY);
   for (size_t n = 0; n < all.size(); ++n) {
     for (const std::vector<double>& sheet : sheets) all[n] = std::max(all[n], sheet[n]);
-    if (all[n] == -INFINITY)  // nothing inside
+    if (all[n] == -INFINITY)  // Nothing is inside.
       all[n] = glm::dot(directions[n], centre()) + radius();
   }
   return all;
@@ -149,7 +149,7 @@ glm::dvec3 Shape::normal(const glm::dvec3& p) const {
   if (isOnCutFace(p)) return cutNormal_;
   const glm::dvec3 gradient = sampler_.gradient(p);
   const double length = glm::length(gradient);
-  if (!(length > 0.0)) return {0.0, 0.0, 1.0};  // a plateau has no side: any will do
+  if (!(length > 0.0)) return {0.0, 0.0, 1.0};  // On a plateau any normal will do.
   const double d = fieldDistance(p);
   const bool isInnerWall = wall_ > 0.0 && -(d + wall_) > d;
   return (isInnerWall ? -1.0 : 1.0) / length * gradient;

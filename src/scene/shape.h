@@ -10,19 +10,20 @@
 
 namespace raymap {
 
-/// Where a solid lies, in sample coordinates.
+/// Bounds of a solid, in sample coordinates.
 struct Extent {
   glm::dvec3 min{INFINITY};
   glm::dvec3 max{-INFINITY};
   double deepest = INFINITY;  ///< Smallest value, in samples.
 };
 
-/// The solid that a field bounds, with the modifiers of the paper's Fig. 1 (hollowed out, cut in half), as a
-/// signed distance bound of its own: maximum for intersection. Units as in `FieldSampler`.
+/// The solid that a field bounds, with the modifiers of Krayer & Müller 2019, Fig. 1 (hollowed out, cut in
+/// half). It is a signed distance bound of its own; intersections are maxima. Units as in `FieldSampler`.
 class Shape {
  public:
-  /// Refers to the field. Throws `Error(Usage)`, and `Error(Input)` if a sample is not finite. A field whose
-  /// samples lie on a device has none here: it must be signed, and the options must say what to frame.
+  /// Keeps a reference to the field. Throws `Error(Usage)`, and `Error(Input)` if a sample is not finite. If
+  /// a field's samples are on a device, `Field::distance` is empty: the field must be signed and the options
+  /// must give the frame.
   Shape(const Field& field, const RenderOptions& options);
 
   double distance(const glm::dvec3& p) const {
@@ -31,31 +32,31 @@ class Shape {
     if (cut_) d = std::max(d, cutDistance(p));
     return d;
   }
-  /// The distance, stretched to infinity where a banded field only says "far": what occlusion wants to know.
+  /// Returns the distance for occlusion, stretched to infinity where a banded field only means "far".
   double openDistance(const glm::dvec3& p) const {
     const double d = distance(p);
     return band_ > 0.0 && d > 0.0 ? d / std::max(1.0 - d / band_, 1e-6) : d;
   }
-  /// Distance in the field itself, before any modifier.
+  /// Returns the distance in the field itself, before any modifier.
   double fieldDistance(const glm::dvec3& p) const { return sampler_.value(p) - level_; }
 
-  /// Outward unit normal at a point of the surface.
+  /// Returns the outward unit normal at a point of the surface.
   glm::dvec3 normal(const glm::dvec3& p) const;
   bool isOnCutFace(const glm::dvec3& p) const { return cut_ && std::abs(cutDistance(p)) < 1e-2; }
 
-  /// How far the shape reaches along each unit direction, from sample (0,0,0).
+  /// Returns how far the shape reaches along each unit direction, from sample (0,0,0).
   std::vector<double> reach(std::span<const glm::dvec3> directions) const;
 
-  /// How deep the material is where it is deepest; never 0.
+  /// Returns the largest depth of the material, in samples; never 0.
   double depth() const {
     const double solid = std::max(level_ - extent_.deepest, 1e-9);
     return wall_ > 0.0 ? std::min(wall_, solid) : solid;
   }
   const Field& field() const { return field_; }
-  double level() const { return level_; }  ///< The field's value that is drawn as surface.
-  double wall() const { return wall_; }    ///< 0: solid.
-  double band() const { return band_; }    ///< 0: none.
-  /// What lies above `cutOffset` along `cutNormal` is cut away, if `isCut`.
+  double level() const { return level_; }  ///< Value of the field that is drawn as the surface, in samples.
+  double wall() const { return wall_; }    ///< Thickness of the wall, in samples; 0 for a solid.
+  double band() const { return band_; }    ///< Width of the band, in samples; 0 for none.
+  /// Returns whether everything above `cutOffset` along `cutNormal` is cut away.
   bool isCut() const { return cut_; }
   const glm::dvec3& cutNormal() const { return cutNormal_; }
   double cutOffset() const { return cutOffset_; }
@@ -68,7 +69,7 @@ class Shape {
 
   const Field& field_;
   FieldSampler sampler_;
-  double level_;  // the value drawn as surface
+  double level_;
   double wall_;
   double band_;
   Extent extent_;
