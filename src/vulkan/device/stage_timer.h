@@ -23,7 +23,7 @@ class StageTimer {
   explicit StageTimer(Device& device);
 
   void reset(VkCommandBuffer buffer);
-  /// `name` must live until the times are read.
+  /// Starts a stage. `name` must live until the times are read.
   void start(VkCommandBuffer buffer, const char* name);
   void stop(VkCommandBuffer buffer);
   /// Returns the times of the stages recorded since `reset`, in order. The device must have completed them.

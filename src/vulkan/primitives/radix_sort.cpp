@@ -1,6 +1,6 @@
 // Sorts by the least significant digit first, 8 bits per pass: count by digit and group, sum, scatter. A
-// subgroup ranks its own elements by ballots, row by row, so the result depends neither on the subgroup's
-// size nor on the order of groups.
+// subgroup ranks its own elements by ballots, row by row, so neither the subgroup's size nor
+// the order of groups changes the result.
 
 #include "vulkan/primitives/radix_sort.h"
 

@@ -183,7 +183,7 @@ std::span<const float> Backend::parityRises() {
   return risesOfGivenFaces();
 }
 
-/// The device holds the faces reversed, so their values change sign.
+/// Negates the values of reversed faces, because the host counts them as given.
 std::span<const float> Backend::risesOfGivenFaces() {
   run();
   const std::span<const float> rises = orientationStage().rises();

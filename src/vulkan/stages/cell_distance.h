@@ -13,7 +13,8 @@ class CellDistanceStage {
 
   /// Reserves memory for lattices of this many cells. All previously recorded work must have completed.
   void reserve(size_t cells);
-  /// The grid must have as many cells as were reserved, and `mesh` must be the mesh it was built from.
+  /// Records the stage. The grid must have as many cells as were reserved, and `mesh` must be the mesh it was
+  /// built from.
   void record(Commands& commands, const DeviceMesh& mesh, const VoxelGridStage& grid);
 
   const DeviceBuffer& squared() const { return squared_; }

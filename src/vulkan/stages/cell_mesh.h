@@ -28,7 +28,7 @@ class CellMeshStage {
 
   /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
   void reserve(uint32_t vertices, uint32_t triangles);
-  /// Also counts the triangles that reach more than `outside` samples beyond the grid.
+  /// Records the conversion. Counts the triangles that reach more than `outside` samples beyond the grid.
   void record(Commands& commands, const Source& source, const Grid& grid, double outside);
 
   /// Buffers of the mesh of the last `record`.

@@ -27,7 +27,7 @@ class CellRunsStage {
   /// All previously recorded work must have completed. Throws `Error(Memory)` if the rows are too many to be
   /// numbered.
   void reserve(uint32_t triangles, uint64_t rows = 0);
-  /// The mesh must have at most as many triangles as were reserved.
+  /// Records the stage. The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells);
 
   bool fits(const ListSizes& sizes) const { return sizes.rows <= mostRows_; }

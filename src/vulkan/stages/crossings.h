@@ -36,7 +36,7 @@ class CrossingsStage {
   /// Reserves memory for grids of these dims and this many triangles. All previously recorded work must have
   /// completed. Throws `Error(Unsupported)` if the edges or corners are too many to be numbered.
   void reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed = false);
-  /// The mesh must have at most as many triangles as were reserved.
+  /// Records the stage. The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   LatticeLines lines() const;

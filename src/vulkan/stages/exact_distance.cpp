@@ -92,8 +92,8 @@ void ExactDistanceStage::recordBlocks(Commands& commands, ExactDistancePush push
   if (hasShortLoops_) recordRest(commands, push);
 }
 
-/// Some drivers end loops too early, which leaves blocks unfinished. Those blocks test all leaves, some in
-/// each pass.
+/// Finishes blocks that are unfinished because some drivers end loops too early. Those blocks test all
+/// leaves, some in each pass.
 void ExactDistanceStage::recordRest(Commands& commands, ExactDistancePush push) {
   const auto most = static_cast<uint32_t>(blocks(kSmallest));
   arguments_.record(commands, 0,

@@ -1,5 +1,5 @@
-// Finds for each block the triangle closest to its centre, and lists nodes that hold every triangle that may
-// be closest to some sample in it. The nodes come from the list of the block above.
+// Finds for each block the triangle closest to its centre, and lists nodes with every triangle that may be
+// closest to some sample in it. The nodes come from the list of the block above.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -1,7 +1,7 @@
 // Krayer & Müller 2019, §3.3, end.
 //
-// Paper: one invocation per sample. Here: the same, but a group per sample with many triangles, because a
-// single invocation would take too long over crowded cells (fine meshes on coarse grids).
+// Paper: one invocation per sample. Here: the same, but a group per sample with many triangles. A single
+// invocation would take too long over crowded cells (fine meshes on coarse grids).
 
 #include "vulkan/stages/refine.h"
 
@@ -39,8 +39,7 @@ void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Field
                         .nz = dims_.z,
                         .levelCount = levels_.count(),
                         .reach = static_cast<uint32_t>(reach),
-                        // With many samples the device stays busy even if some take long; with few it does
-                        // not.
+                        // Many samples keep the device busy even if some take long; few do not.
                         .mostAlone = std::clamp(samples >> 8, 16U, 512U)};
   levels_.record(commands);
   commands.fill(crowdedCount_, 0);

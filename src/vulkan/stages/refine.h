@@ -5,9 +5,9 @@
 
 namespace raymap::vulkan {
 
-/// GPU twin of cpu/cells/refine.h. Computes the distance, in sample units, of every sample to the triangles
-/// of its nearest occupied cell and, with `reach` 1, of that cell's neighbours, over all levels. Also finds
-/// the closest of these triangles; among several, the lowest index.
+/// GPU twin of cpu/cells/refine.h. Computes every sample's distance, in sample units, to the triangles of its
+/// nearest occupied cell, over all levels. With `reach` 1 that cell's neighbours count, too. Also finds the
+/// closest of these triangles; among several, the lowest index.
 class RefineStage {
  public:
   struct Fields {

@@ -1,5 +1,5 @@
 // Triangles and discs of the surface tree. GPU twin of cpu/distance/surface_shapes-inl.h. Nodes are numbered
-// from the root on, level by level. Node n has the children 8 n + 1 to 8 n + 8, leaf n has the triangles 8 n
+// from the root on, level by level. Node n has the children 8 n + 1 to 8 n + 8. Leaf n has the triangles 8 n
 // to 8 n + 7. Include after surface_tree_push.h.
 
 // Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. In this

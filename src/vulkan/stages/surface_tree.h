@@ -27,7 +27,7 @@ class SurfaceTreeStage {
   /// Reserves memory for meshes of up to this many triangles, at least one. All previously recorded work must
   /// have completed.
   void reserve(uint32_t triangles);
-  /// The mesh must have at most as many triangles as were reserved.
+  /// Records the stage. The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims);
 
   /// Tree of the mesh of the last `record`.

@@ -76,8 +76,8 @@ void WindingHarmonicStage::record(Commands& commands, const WindingFields& field
   for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
 }
 
-/// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves an
-/// error below that of the lattice itself (docs/signs.md).
+/// Solves by full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then
+/// leaves an error below that of the lattice itself (docs/signs.md).
 void WindingHarmonicStage::solve(Commands& commands, const WindingFields& fields, uint32_t level) {
   const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
   const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].rightHandSide.address();
@@ -91,8 +91,8 @@ void WindingHarmonicStage::solve(Commands& commands, const WindingFields& fields
   improve(commands, fields, level, values, jumps);
 }
 
-/// V-cycle: the error that remains after relaxing is smooth, so the coarser lattice resolves it, and it has
-/// no jumps.
+/// Runs a V-cycle: the error that remains after relaxing is smooth, so the coarser lattice resolves it, and
+/// it has no jumps.
 void WindingHarmonicStage::improve(Commands& commands, const WindingFields& fields, uint32_t level,
                                    VkDeviceAddress values, VkDeviceAddress rightHandSide) {
   const Level& coarse = levels_[level + 1];

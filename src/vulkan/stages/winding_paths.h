@@ -18,9 +18,9 @@ class WindingPathsStage {
 
   /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// §3.5, Eq. 9: uses `options.passes` offset points, on the grid of the last `reserve`.
+  /// Averages over `options.passes` offset points (§3.5, Eq. 9), on the grid of the last `reserve`.
   void recordAverage(Commands& commands, const WindingFields& fields, const Options& options);
-  /// §3.5, Eq. 10-11: takes `options.passes` steps with four offset points each, on the grid of the last
+  /// Takes `options.passes` steps with four offset points each (§3.5, Eq. 10-11), on the grid of the last
   /// `reserve`.
   void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
 
