@@ -23,7 +23,7 @@ class CloseHolesStage {
   /// Replaces distances by those to the patch where these are shorter.
   void recordDistance(Commands& commands, const HolePatch& patch, const ExactDistanceStage::Fields& fields);
 
-  // To be called when the work is done:
+  // Valid when the work is done:
   /// Reserves memory for all edges if the capacity did not suffice. Returns whether it did so.
   bool growIfFull();
   /// Returns the edges in the order of their samples and axes.

@@ -27,7 +27,7 @@ class OrientationStage {
   /// Steps along the normals are `farSides` times the root of twice a face's area, and at least one cell.
   void recordRises(Commands& commands, const Fields& fields, float farSides);
 
-  // To be called when the work is done:
+  // Valid when the work is done:
   double misfit() const;
   /// Returns whether any sign contradicted the parity of all six rays in the last measurement of the misfit.
   bool contradictsParity() const;
