@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds everything in Release, runs the benchmarks and prints the tables of docs/performance.md:
 #   scripts/bench.sh [--rounds N] [--only TEXT]
-# Python peers (libigl, Open3D, mesh2sdf) are installed into build/bench/venv; one that does not install is left out.
+# Installs the Python peers (libigl, Open3D, mesh2sdf) into build/bench/venv and leaves out those that do not install.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=build/bench

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds in Release, measures a GPU beside the CPU, prints the tables of docs/performance.md and writes them and two
-# pictures to out/bench_gpu:
+# Builds in Release and measures a GPU beside the CPU. Prints the tables of docs/performance.md and writes them, with
+# two pictures, to out/bench_gpu:
 #   scripts/bench_gpu.sh [--quick] [--device vulkan:K] [FOLDER of meshes]
-# --quick takes small grids and few meshes, as for a driver in software. Without a folder the built-in meshes do.
+# --quick uses small grids and few meshes, for a software driver. Without a folder it uses the built-in meshes.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build/bench

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From a fresh machine to a field and pictures: installs what is missing, builds, and turns an example mesh, whole and
-# torn, into signed distance fields. Results in out/demo/.
+# Installs missing packages, builds, and makes signed distance fields and pictures of an example mesh, whole and torn.
+# Results are in out/demo/.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh
@@ -12,7 +12,7 @@ out=out/demo
 mkdir -p "$out"
 "$raymap" example -o "$out/globe.ply"
 "$raymap" example -o "$out/torn.ply" --holes
-# One box for both, so that their fields can be compared.
+# Both fields get the same box, so they can be compared.
 box=(--resolution 256 --bounds -1.8 -2.65 -1.4 1.8 2.35 1.4)
 
 echo

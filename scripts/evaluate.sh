@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Builds in Release and measures how right signs, turned faces, closed holes and repaired meshes are; prints the tables
-# of docs/evaluation.md, docs/signs.md and closed holes in docs/distances.md and leaves them, with pictures, in out/evaluation:
+# Builds in Release and measures the errors of signs, face orientation, closed holes and repaired meshes. Prints the
+# tables of docs/evaluation.md and docs/signs.md, and the table of closed holes in docs/distances.md. Leaves them, with
+# pictures, in out/evaluation:
 #   scripts/evaluate.sh FOLDER [PART...]
-# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about half an
-# hour. Python packages go into build/bench/evaluation.
+# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about half
+# an hour. Python packages go into build/bench/evaluation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=${1:?a folder of meshes}

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats every C++ file; with --check, only says which ones differ.
+# Formats every C++ file. With --check, it only reports those that differ.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 mode=(-i)

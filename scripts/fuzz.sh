@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs every reader of meshes and fields on damaged files for SECONDS each (default 20), with AddressSanitizer and
-# UndefinedBehaviorSanitizer. Needs clang. What it learns stays in build/fuzz/corpus.
+# UndefinedBehaviorSanitizer. Needs clang. The corpus stays in build/fuzz/corpus.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-20}

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test. Arguments go to ctest: scripts/test.sh -R sign
+# Installs missing packages, builds, and runs every test. Arguments go to ctest: scripts/test.sh -R sign
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh

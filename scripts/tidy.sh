@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# clang-tidy over our own sources, in parallel; arguments choose files: scripts/tidy.sh apps/main.cpp
+# Runs clang-tidy on our own sources in parallel. Arguments choose files: scripts/tidy.sh apps/main.cpp
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 cmake --preset release >/dev/null
