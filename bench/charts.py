@@ -1,15 +1,15 @@
-"""Charts with two logarithmic axes, side by side, as one SVG picture."""
+"""Draws charts with two logarithmic axes, side by side, as one SVG picture."""
 
 import html
 import math
 
-WIDTH, HEIGHT = 420, 340  # of a chart,
-LEFT, RIGHT, TOP, BOTTOM = 58, 20, 34, 44  # and what its frame leaves free
+WIDTH, HEIGHT = 420, 340  # Size of a chart.
+LEFT, RIGHT, TOP, BOTTOM = 58, 20, 34, 44  # Margins around its frame.
 COLOURS = ("#1f5fbf", "#56b4e9", "#c44e00", "#e6a23c")
 
 
 def bounds(values):
-    """The powers of ten around all values."""
+    """Returns the powers of ten around all values."""
     return 10.0 ** math.floor(math.log10(min(values))), 10.0 ** math.ceil(math.log10(max(values) * 1.0001))
 
 
@@ -26,7 +26,7 @@ def text(x, y, what, anchor="middle", extra=""):
 
 
 def chart(title, axes, series, x_range, y_range, x_ticks, is_line):
-    """`series`: {name: [(x, y)]}, colours in that order."""
+    """Returns a chart as SVG. `series` is {name: [(x, y)]}; colours follow its order."""
     def place(value, span, start, length):
         return start + length * (math.log(value / span[0]) / math.log(span[1] / span[0]))
 
@@ -54,7 +54,7 @@ def chart(title, axes, series, x_range, y_range, x_ticks, is_line):
 
 
 def draw(path, axes, charts, x_ticks=None, is_line=False):
-    """`charts`: {title: series}, all with the same names and the same scales."""
+    """Writes charts as a picture. `charts` is {title: series}, all with the same names; they share their scales."""
     points = [point for series in charts.values() for values in series.values() for point in values]
     if not points:
         return

@@ -1,7 +1,7 @@
 """Runs our methods and the peers in turn on the same samples and prints markdown tables.
 
-Every run is a process of its own (see peers.cpp, peers.py); the table gives medians of several rounds, in each of
-which all methods of a case run once, ours last.
+Every run is a process of its own (see peers.cpp, peers.py). The table gives medians of several rounds. In each round all
+methods of a case run once, ours last.
 """
 
 import argparse
@@ -37,14 +37,14 @@ class Runner:
         self.program = program
         self.folder = pathlib.Path(folder)
         self.script = pathlib.Path(__file__).with_name("peers.py")
-        self.programs = {}  # method -> how to start it
+        self.programs = {}  # Method -> command that starts it.
         self.missing = set()
         for start in ([program], [sys.executable, str(self.script)]):
             listed = subprocess.run([*start, "list"], capture_output=True, text=True, check=True)
             self.programs.update({method: start for method in listed.stdout.split()})
 
     def run(self, method, mesh, resolution, threads, band=0):
-        """What the run cost; its samples are read back from the file it wrote."""
+        """Returns the cost of a run and its samples, read from the file that it wrote."""
         output = self.folder / "samples"
         command = [*self.programs[method], method, "--threads", str(threads), "--output", str(output)]
         if self.programs[method][0] == self.program:
@@ -63,7 +63,7 @@ class Runner:
 
 
 def difference(kind, ours, theirs, spacing):
-    """Largest difference (distances without their sign, in samples) and the share of samples with another sign."""
+    """Returns the largest difference (distances without their sign, in samples) and the share of other signs."""
     if kind == "raymap_winding":
         return abs(ours - theirs).max(), ((abs(ours) > 0.5) != (abs(theirs) > 0.5)).mean()
     return abs(abs(ours) - abs(theirs)).max() / spacing, ((ours < 0) != (theirs < 0)).mean()
@@ -72,7 +72,7 @@ def difference(kind, ours, theirs, spacing):
 def run_case(runner, case, threads, rounds):
     title, our_method, mesh, resolution, band, peers = case
     report, ours = runner.run(our_method, mesh, resolution, threads, band)
-    # What OpenVDB needs to reach the farthest sample.
+    # Band that OpenVDB needs to reach the farthest sample.
     wide = band or math.ceil(abs(ours).max() / report["spacing"]) + 1
     costs = {our_method: []}
     differences = {}

@@ -1,5 +1,7 @@
-"""How often the sign is wrong on broken meshes, and pictures of why: the sections "Winding fields" and "Deficient
-meshes" of docs/evaluation.md, redrawing figures 7, 10 and 11 of Krayer & Müller 2019 from our own runs.
+"""Measures how often the sign is wrong on broken meshes and draws pictures of why.
+
+The results are the sections "Winding fields" and "Deficient meshes" of docs/evaluation.md. They redraw figures 7, 10 and
+11 of Krayer & Müller 2019 from our own runs.
 
     evaluate.py RAYMAP FOLDER OUT [--only TEXT]
 
@@ -19,23 +21,23 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 MODES = ("rays", "paths", "evolution", "harmonic")
-SOLID_ANGLES = 4e8  # so many triangles times samples for the exact number of one mesh
-SCANS = (  # name, file, axis that the slices are across
+SOLID_ANGLES = 4e8  # Budget of one mesh's exact numbers: triangles times samples.
+SCANS = (  # Name, file, axis that the slices are across.
     ("bust, scanned, open below", "odedstein__demosthenes-low-res.obj", 0),
     ("body of five parts, open", "geogram__SaraPezzini.obj", 2),
 )
-CELL = 300  # pixels of one picture in a row of pictures
+CELL = 300  # Width of one picture in a row of pictures, in pixels.
 
 
 class Case:
-    """One mesh: what the program makes of it, and what is true."""
+    """One mesh and the program's results for it."""
 
     def __init__(self, raymap, mesh, resolution, folder):
         self.raymap, self.mesh, self.resolution, self.folder = raymap, pathlib.Path(mesh), resolution, folder
         self.runs = {}
 
     def run(self, mode):
-        """Winding numbers [i, j, k] and statistics of one sign mode; nothing turns the faces."""
+        """Returns winding numbers [i, j, k] and statistics of one sign mode, with the faces as given."""
         if mode not in self.runs:
             self.runs[mode] = self.run_anew(mode)
         return self.runs[mode]
@@ -50,7 +52,7 @@ class Case:
         return np.load(out["w.npy"]), json.loads(out["s.json"].read_text())
 
     def milliseconds(self, mode):
-        """From triangles in memory to the finished field: the least of three runs, for other programs disturb them."""
+        """Returns the time from triangles in memory to the finished field, the least of three runs."""
         runs = [self.run(mode), self.run_anew(mode), self.run_anew(mode)]
         return min(stats["total_ms"] for _, stats in runs)
 
@@ -63,7 +65,7 @@ class Case:
 
 
 def read_mesh(args, path, folder):
-    """Vertices and triangles as the program reads them."""
+    """Returns vertices and triangles as the program reads them."""
     ply = folder / "as_read.ply"
     subprocess.run([args.raymap, "convert", path, ply], check=True, capture_output=True, text=True)
     return igl.read_triangle_mesh(str(ply))
@@ -77,7 +79,7 @@ def write_off(path, vertices, triangles):
 
 
 def shatter(vertices, triangles, reach, where=None, seed=1):
-    """Every face (or those `where`) with corners of its own, each moved by up to `reach`."""
+    """Gives every face corners of its own and moves those of all faces (or those `where`) by up to `reach`."""
     random = np.random.default_rng(seed)
     chosen = np.ones(len(triangles), bool) if where is None else where
     corners = vertices[triangles]
@@ -92,7 +94,7 @@ def inside(w):
 
 
 def exact_numbers(vertices, triangles, case, budget=SOLID_ANGLES):
-    """Indices [n, 3] of random samples, as many as the budget pays for, and their exact winding numbers."""
+    """Returns indices [n, 3] of random samples, as many as the budget allows, and their exact winding numbers."""
     dims = np.asarray(case.grid()["dims"])
     total = int(np.prod(dims))
     count = min(total, max(2000, int(budget / len(triangles))))
@@ -109,7 +111,7 @@ def share_wrong(w, index, exact):
 
 
 def heat(values):
-    """|w| from 0 (black) over 0.5 (a white line's place) to 1 and more."""
+    """Returns the colours of |w|, from dark at 0 to bright at 1.5. `contour` adds a white line at 0.5."""
     stops = np.array([0, 0.25, 0.5, 0.75, 1.0, 1.5])
     colours = np.array([[12, 14, 40], [52, 60, 140], [120, 90, 170], [235, 130, 90], [250, 215, 120], [255, 255, 240]])
     v = np.clip(np.abs(values), 0, 1.5)
@@ -117,7 +119,7 @@ def heat(values):
 
 
 def contour(picture, values):
-    """Draws where a sample is inside and its neighbour is not."""
+    """Draws a white line where a sample is inside and its neighbour is not."""
     now = inside(values)
     edge = np.zeros_like(now)
     edge[1:] |= now[1:] != now[:-1]
@@ -127,7 +129,7 @@ def contour(picture, values):
 
 
 def differences(ours, theirs):
-    """Fig. 11: grey where both agree, red where only we say inside, green where only they do."""
+    """Draws Fig. 11: grey where both agree, red where only ours is inside, green where only theirs is."""
     a, b = inside(ours), inside(theirs)
     picture = np.full(a.shape + (3,), 235, np.uint8)
     picture[a & b] = 150
@@ -137,12 +139,12 @@ def differences(ours, theirs):
 
 
 def upright(image):
-    """[right, up] to rows from the top."""
+    """Returns an image [right, up] as rows from the top."""
     return Image.fromarray(np.ascontiguousarray(np.swapaxes(image, 0, 1)[::-1]))
 
 
 def sheet(rows, labels, path):
-    """Rows of pictures [right, up, 3], each row of one size, with a line of text under each picture."""
+    """Saves rows of pictures [right, up, 3], each row of one size, with a line of text under each picture."""
     line = 18
     heights = [int((CELL - 6) * row[0].shape[1] / row[0].shape[0]) for row in rows]
     canvas = Image.new("RGB", (CELL * len(rows[0]), sum(heights) + line * len(rows)), "white")
@@ -173,7 +175,7 @@ def take(field, index):
 
 
 def winding_fields(args, folder):
-    """Fig. 7, 10 and 11: a bunny, clean, broken in one region, shattered; and scans, open, with inner parts."""
+    """Redraws Fig. 7, 10 and 11 with a bunny (clean, broken in one region, shattered) and open scans with inner parts."""
     vertices, triangles = read_mesh(args, args.folder / "libigl__bunny.off", folder)
     side = np.ptp(vertices, axis=0).max()
     middles = vertices[triangles].mean(axis=1)
@@ -200,7 +202,7 @@ def winding_fields(args, folder):
         cells = [f"{share_wrong(w[mode], index, exact):.3f} %" for mode in MODES]
         cells.append(f"{100 * np.mean(inside(w['harmonic']) != inside(fast)):.3f} %")
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
-        # Fig. 7: the middle slice; Fig. 11: the slice with most differences, as there.
+        # Fig. 7 shows the middle slice, Fig. 11 the slice with most differences, as in the paper.
         plane, flat = slice_positions(case, axis, w["rays"].shape[axis] // 2)
         truth = igl.winding_number(v, t, case.positions(flat)).reshape(plane.shape[:2])
         shown = {"exact": truth, **{mode: take(w[mode], plane) for mode in ("rays", "evolution", "harmonic")}}
@@ -220,7 +222,7 @@ def winding_fields(args, folder):
 
 
 def deficient_meshes(args, folder):
-    """Every deficient mesh: wrong signs of each mode against the exact number, and what each mode took."""
+    """Tabulates each mode's wrong signs against the exact number, and its time, for every deficient mesh."""
     with open(args.folder / "MESHES.tsv") as file:
         names = [row["file"] for row in csv.DictReader(file, delimiter="\t") if row["kind"] == "defect"]
     lines = ["| mesh | triangles | " + " | ".join(MODES) + " | ms: " + " | ".join(MODES) + " |",

@@ -1,11 +1,14 @@
-"""How often signs are wrong where faces were flipped at random, ours beside the peers': the section "Turned faces" of
-docs/evaluation.md.
+"""Measures how often signs are wrong where faces were flipped at random, ours beside the peers'.
+
+The results are the section "Turned faces" of docs/evaluation.md.
 
     evaluate_orientation.py ORIENTATION_CASES FOLDER OUT
 
 ORIENTATION_CASES is the program, FOLDER holds meshes, OUT gets tables (.md): orientation.md, mesh by mesh, and
-orientation_summary.md. What each calls inside: ours and libigl's fast winding number |w| > 1/2, Open3D what most of
-11 rays leave through an odd number of faces, OpenVDB's meshToVolume what has a negative distance.
+orientation_summary.md. A sample is inside
+- for ours and libigl's fast winding number, if |w| > 1/2;
+- for Open3D, if most of 11 rays leave through an odd number of faces;
+- for OpenVDB's meshToVolume, if its distance is negative.
 """
 
 import argparse
@@ -35,7 +38,7 @@ def is_inside_open3d(vertices, triangles, samples):
 
 
 def add_peers(case):
-    """Those that the program does not run itself, on the mesh that it left."""
+    """Adds results of the peers that the program does not run itself, on the mesh that it left."""
     vertices, triangles = peers.read_mesh(case["name"])
     truth = np.fromfile(case["name"] + ".inside", np.uint8) != 0
     samples = peers.sample_positions(case, "float64")[:: case["stride"]]
@@ -72,7 +75,7 @@ def row(case):
 
 
 def summary(cases):
-    """Of every way to break a mesh the mean and the worst of all meshes."""
+    """Returns, for every way to break a mesh, the mean and the worst of all meshes."""
     kinds = {}
     for case in cases:
         kinds.setdefault((case["broken"], case["flipped"]), []).append(case)

@@ -3,8 +3,8 @@
 
 Usage: bench/evaluate_repair.py RAYMAP FOLDER [--resolution 256] [--work FOLDER]
 
-The folder has a table MESHES.tsv with the columns file and kind; those called malformed are left out. The work folder
-gets the statistics of each as .json."""
+The folder has a table MESHES.tsv with the columns file and kind. Meshes of the kind malformed are left out. The work
+folder gets each mesh's statistics as .json."""
 import argparse
 import csv
 import json
@@ -15,7 +15,7 @@ import sys
 
 
 def repair(raymap, mesh, work, resolution):
-    """The statistics, or why there are none."""
+    """Returns the statistics, or None and the reason."""
     file = work / (mesh.name + ".json")
     before = cpu_seconds()
     run = subprocess.run([raymap, "repair", mesh, "-o", work / "result.stl", "--resolution", str(resolution), "--device", "cpu",
@@ -26,7 +26,7 @@ def repair(raymap, mesh, work, resolution):
 
 
 def cpu_seconds():
-    """Of all programs that ended."""
+    """Returns the CPU time of all programs that ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 
@@ -58,7 +58,7 @@ def print_crossing(rows):
 
 
 def print_far(rows):
-    """Those whose result leaves the mesh by more than a sample somewhere, or loses a hundredth of it."""
+    """Prints meshes whose result is more than a sample away somewhere, or loses a hundredth of the mesh."""
     print("\n| mesh | wrong with it | result from mesh: largest, samples | mesh from result: largest | inside | outside |")
     print("|---|---|---|---|---|---|")
     for name, stats in rows:

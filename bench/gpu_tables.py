@@ -1,4 +1,4 @@
-"""Asks gpu_bench for every figure of docs/performance.md's section "On a GPU": prints tables, draws two charts."""
+"""Runs gpu_bench for all figures of the section "On a GPU" of docs/performance.md: prints tables, draws two charts."""
 
 import argparse
 import json
@@ -11,28 +11,29 @@ import sys
 
 import charts
 
-SETTINGS = {"exact+harmonic": ("exact", "harmonic"), "cell+rays": ("cell", "rays")}  # The second is the paper's quick one.
+SETTINGS = {"exact+harmonic": ("exact", "harmonic"), "cell+rays": ("cell", "rays")}  # The second is the paper's fast one.
 EXTENSIONS = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", ".dae"}
 
-# Milliseconds at most on an NVIDIA H200, by setting, whether the mesh is the million, and resolution.
+# Most milliseconds allowed on an NVIDIA H200, by setting, whether the mesh is `million`, and resolution.
 AIMS = {
     ("exact+harmonic", False): {50: 0.5, 128: 1.5, 256: 8, 512: 60},
     ("cell+rays", False): {50: 0.2, 128: 0.3, 256: 1, 512: 6},
     ("exact+harmonic", True): {256: 12},
     ("cell+rays", True): {256: 2},
 }
-SOLVE_AIM = {256: 1.0}  # What the harmonic solve may add where the mesh is broken.
+SOLVE_AIM = {256: 1.0}  # Milliseconds that the harmonic solve may add on a broken mesh.
 BYTES_A_SAMPLE = 24
 BYTES_A_TRIANGLE = 200
 
-# The least bytes that a stage moves: input read once, output written once, by sample, cell of the lattices that cover
-# the mesh, triangle and vertex. "begin" and "read_back" cross the bus and are not part of the totals.
+# Least number of bytes that a stage moves, with input read once and output written once: per sample, per cell of the
+# lattices that cover the mesh, per triangle and per vertex. "begin" and "read_back" cross the bus and are not part of
+# the totals.
 MESH = (12, 12)
 TRAFFIC = {
     "exact_distance": (4, 0, *MESH),
-    "voxel_grid": (0, 0, 8 + MESH[0], MESH[1]),         # A pair of cell and triangle at least for each.
+    "voxel_grid": (0, 0, 8 + MESH[0], MESH[1]),         # At least one pair of cell and triangle per triangle.
     "cell_distance": (0, 4, 8 + MESH[0], MESH[1]),
-    "distance_transform": (0, 8 + 12 + 12, 0, 0),       # Values, and places but in the first of three passes; places.
+    "distance_transform": (0, 8 + 12 + 12, 0, 0),       # Three passes: values and (but in the first) places in, places out.
     "refine": (4, 4, *MESH),
     "crossings": (12, 0, *MESH),
     "ray_map": (24, 0, 0, 0),
@@ -43,7 +44,7 @@ TRAFFIC = {
 
 
 class Bench:
-    """The program, started again if it dies. Each case runs once."""
+    """The program `gpu_bench`, restarted if it dies. Each case runs once."""
 
     def __init__(self, program, device, log):
         self.command = [program, *(["--device", device] if device else [])]
@@ -82,7 +83,7 @@ class Bench:
         return json.loads(line) if line else {"error": f"gpu_bench ended with {self.process.wait()}"}
 
     def moved(self, stage, answer):
-        """None where it depends on other things."""
+        """Returns the bytes that a stage moves at least, or None where they depend on other things."""
         counts = [answer[name] for name in ("samples", "cells", "triangles", "vertices")]
         return sum(a * b for a, b in zip(TRAFFIC[stage], counts)) if stage in TRAFFIC else None
 
@@ -90,7 +91,7 @@ class Bench:
         return 1e3 * (self.moved(stage, answer) or 0) / self.machine["copy_bytes_per_second"]
 
     def verdict(self, value, aim):
-        """The aims are a card's, so a driver in software gets no verdict."""
+        """Returns the aim and whether it is met. The aims are a GPU's, so a software driver gets no verdict."""
         if aim is None:
             return ""
         return f"{aim:.3g}" if self.machine["is_software"] else f"{aim:.3g} {'met' if value <= aim else 'MISSED'}"
@@ -145,7 +146,7 @@ def table_of_stages(bench, meshes, resolutions):
 
 
 def table_of_solves(bench, meshes, resolutions):
-    """The six rays alone are part of both settings' stage."""
+    """Tabulates what the harmonic solve adds. Both settings' stages include the six rays."""
     rows = []
     for mesh in meshes:
         for n in resolutions:
@@ -170,7 +171,7 @@ def table_of_coarse(bench, mesh, coarse, fine):
 
 
 def series_of(bench, cases, x_of):
-    """{name: [(x, ms)]} for the device and the CPU and both settings; `cases`: (mesh, resolution)."""
+    """Returns {name: [(x, ms)]} for the device, the CPU and both settings. `cases` are (mesh, resolution)."""
     series = {}
     for device in ("vulkan", "cpu"):
         for setting in SETTINGS:
@@ -181,11 +182,11 @@ def series_of(bench, cases, x_of):
 
 
 def runtime_over_meshes(bench, meshes, resolutions, folder):
-    """The paper's Fig. 8."""
+    """Draws Fig. 8 of Krayer & Müller 2019 and returns its table."""
     shown = {f"{n} samples": {} for n in resolutions}
-    for mesh in meshes:  # One after the other, so that each is read once.
+    for mesh in meshes:  # One mesh after the other, so each is read once.
         if "error" in bench.run("vulkan", mesh, resolutions[0], "exact+harmonic"):
-            continue  # No mesh, as a rule.
+            continue  # Usually the file is no mesh.
         for n in resolutions:
             for name, points in series_of(bench, [(mesh, n)], lambda case, answer: answer["triangles"]).items():
                 shown[f"{n} samples"].setdefault(name, []).extend(points)
@@ -196,7 +197,7 @@ def runtime_over_meshes(bench, meshes, resolutions, folder):
 
 
 def runtime_over_resolutions(bench, meshes, resolutions, folder):
-    """The paper's Fig. 9."""
+    """Draws Fig. 9 of Krayer & Müller 2019 and returns its table."""
     shown = {pathlib.Path(mesh).name: series_of(bench, [(mesh, n) for n in resolutions], lambda case, answer: case[1])
              for mesh in meshes}
     charts.draw(folder / "runtime_over_resolutions.svg", ("samples along the longest side", "milliseconds"), shown,
@@ -215,7 +216,7 @@ def meshes_of(folder, is_quick):
 
 
 def small_mesh(bench, meshes, resolution):
-    """About a tenth of the bunny's triangles, or what comes closest."""
+    """Returns the mesh that comes closest to a tenth of the bunny's triangles."""
     def distance(mesh):
         return abs(bench.run("vulkan", mesh, resolution, "exact+harmonic").get("triangles", math.inf) - 7000)
     return min(meshes, key=distance)
@@ -248,13 +249,13 @@ def main():
     parser.add_argument("meshes", nargs="?", type=pathlib.Path, help="a folder of meshes to go through")
     parser.add_argument("--device", help="vulkan:K; the best if not given")
     parser.add_argument("--quick", action="store_true", help="small grids and few meshes")
-    arguments = parser.parse_intermixed_args()  # The folder may come after options.
+    arguments = parser.parse_intermixed_args()  # Lets the folder follow options.
     if arguments.meshes:
         if not arguments.meshes.is_dir():
             parser.error(f"{arguments.meshes} is no folder")
         if not meshes_of(arguments.meshes, arguments.quick):
             parser.error(f"{arguments.meshes} holds no meshes")
-        os.environ["RAYMAP_MESHES"] = str(arguments.meshes)  # Where the bunny's scan may be.
+        os.environ["RAYMAP_MESHES"] = str(arguments.meshes)  # The bunny's scan may be there.
     meshes = meshes_of(arguments.meshes, arguments.quick)
     arguments.output.mkdir(parents=True, exist_ok=True)
     with open(arguments.output / "runs.jsonl", "w") as log, open(arguments.output / "tables.md", "w") as tables:

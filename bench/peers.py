@@ -15,13 +15,13 @@ import time
 
 def usage():
     u = resource.getrusage(resource.RUSAGE_SELF)
-    # Not ru_maxrss: that one remembers the peak of the program that started this one.
+    # Not ru_maxrss, which includes the peak of the parent process.
     peak = re.search(r"VmHWM:\s*(\d+)", pathlib.Path("/proc/self/status").read_text())
     return time.monotonic(), u.ru_utime + u.ru_stime, int(peak[1]) / 1024
 
 
 def read_mesh(name):
-    """What `exportMesh` wrote."""
+    """Reads the files that `exportMesh` wrote."""
     import numpy as np
 
     vertices = np.fromfile(name + ".vertices", np.float64).reshape(-1, 3)
@@ -29,7 +29,7 @@ def read_mesh(name):
 
 
 def sample_positions(case, dtype):
-    """All samples, x fastest; not part of any peer's time."""
+    """Returns the positions of all samples, x fastest; not part of any peer's time."""
     import numpy as np
 
     axes = [case["origin"][a] + case["spacing"] * np.arange(case["dims"][a]) for a in range(3)]
@@ -69,7 +69,7 @@ def open3d(vertices, triangles, case, threads):
 
 
 def mesh2sdf(vertices, triangles, case, threads):
-    """Its grid is always a cube of size^3 samples, from -1 in steps of 2 / size."""
+    """Prepares mesh2sdf, whose grid is always a cube of size^3 samples, from -1 in steps of 2 / size."""
     import mesh2sdf.core
     import numpy as np
 
@@ -88,7 +88,7 @@ def available(name):
     try:
         __import__({"open3d": "open3d", "mesh2sdf": "mesh2sdf"}.get(name, "igl"))
         return True
-    except Exception:  # A wheel may be there and still not load.
+    except Exception:  # An installed wheel may still fail to load.
         return False
 
 
@@ -109,7 +109,7 @@ def main():
 
     vertices, triangles = read_mesh(arguments.mesh)
     run = METHODS[arguments.method](vertices, triangles, arguments.case, arguments.threads)
-    pathlib.Path("/proc/self/clear_refs").write_text("5")  # The peak starts anew.
+    pathlib.Path("/proc/self/clear_refs").write_text("5")  # Resets the peak.
     before = usage()
     values = run()
     after = usage()
