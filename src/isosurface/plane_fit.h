@@ -23,7 +23,7 @@ struct Quadric {
 /// surface has a corner or an edge there, the point lies on it. Positions are in samples.
 class PlaneFit {
  public:
-  /// `low`: the cube's lowest corner.
+  /// `low` is the cube's lowest corner.
   explicit PlaneFit(const glm::ivec3& low) : low_(low) {}
 
   /// Adds a point where the surface crosses an edge of the cube. The vertex stays near these points along the

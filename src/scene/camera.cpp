@@ -45,10 +45,10 @@ Camera::Camera(const RenderOptions& options, const Reach& reach)
   frame(reach, up);
 }
 
-/// Places the eye so that the view's side planes, tilted inward a little, enclose and touch the shape. With a
-/// plane's normal n = c*side - s*forward and the shape's reach r along n, the plane touches if dot(n, e) = r
-/// for the eye e. Two opposite sides give the eye's position across and its distance; the larger of both
-/// distances is used.
+/// Places the eye so that the view's side planes, tilted inward a little, enclose and touch the shape. A
+/// plane's normal is n = c*side - s*forward, and the shape reaches r along n. The plane touches the shape if
+/// dot(n, e) = r for the eye e. Two opposite sides give the eye's position across and its distance; the
+/// larger of both distances is used.
 void Camera::frame(const Reach& reachOf, const glm::dvec3& floorNormal) {
   const double tall = std::atan(kFilled * tangent_);
   const double wide = std::atan(kFilled * tangent_ * width_ / height_);

@@ -13,8 +13,8 @@ inline const Colour kClay = srgb(226, 158, 104);
 inline const Colour kBackgroundTop = srgb(250, 251, 252);
 inline const Colour kBackgroundBottom = srgb(222, 226, 231);
 
-/// Contents of a picture, to be drawn on any device: the shape, one round light and a sky, on a bright floor
-/// that shows only the shadow.
+/// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
+/// floor shows only the shadow.
 struct Scene {
   /// Keeps a reference to the field. Throws as `renderField` does.
   Scene(const Field& field, const RenderOptions& options)

@@ -11,10 +11,10 @@ namespace raymap {
 ReadBytes base64Decoded(const std::filesystem::path& path, std::string_view text);
 /// Function that returns the next integer of a header.
 using ReadCount = std::function<uint64_t()>;
-/// Returns a reader of VTK's compressed data. The header gives the number of blocks, the size of a block, the
-/// size of the last block (0 if it is like the others) and the packed size of each block. The blocks follow
-/// in zlib's format. Throws `Error(Input)` unless they hold `bytes` bytes. `available` bounds the number and
-/// the packed sizes of the blocks.
+/// Returns a reader of VTK's compressed data. The header gives the number of blocks, the size of a block and
+/// of the last block (0 if like the others), and each block's packed size. The blocks follow in zlib's
+/// format. Throws `Error(Input)` unless they hold `bytes` bytes. `available` bounds the number and the packed
+/// sizes of the blocks.
 ReadBytes blocksInflated(const std::filesystem::path& path, const ReadBytes& read, const ReadCount& count,
                          uint64_t bytes, uint64_t available);
 /// Returns a reader of decimal numbers as binary ones: uint32 if `isWhole`, else double.
