@@ -22,7 +22,7 @@ void checkOptions(const Grid& grid, const Options& options) {
   require(options.thickness == 0.0 || !(options.winding || options.confidence || options.closeHoles),
           "a thickness takes the place of the sign: leave out winding, confidence and closing holes");
   require(!options.triangleIds || options.distance != DistanceMode::Raster,
-          "the raster distance knows no closest triangles; use another distance");
+          "the raster distance does not find closest triangles; use another distance");
   require(grid.sampleCount() < kNoTriangle,
           "the grid has " + std::to_string(grid.sampleCount()) +
               " samples; at most 4294967294 can be numbered, use a lower resolution");

@@ -23,14 +23,14 @@ void check(VkResult result, std::string_view what) {
   const std::string failed(what);
   switch (result) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-      throw Error(ErrorCode::Memory, failed + ": the driver found no memory; use a lower resolution");
+      throw Error(ErrorCode::Memory, failed + ": the host has no memory left; use a lower resolution");
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
       throw Error(ErrorCode::Memory, failed + ": the device has no memory left; use a lower resolution");
     case VK_ERROR_DEVICE_LOST:
       throw Error(ErrorCode::DeviceLost,
                   failed +
                       ": the device stopped answering; it was reset, taken away, or the work took longer "
-                      "than the system allows. Start anew, with a lower resolution or on the CPU");
+                      "than the system allows. Restart with a lower resolution or on the CPU");
     default:
       throw Error(ErrorCode::Unsupported, failed + ": the driver answers with VkResult " +
                                               std::to_string(result) + "; update it or use another device");

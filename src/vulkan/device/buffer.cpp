@@ -16,7 +16,7 @@ constexpr VkBufferUsageFlags kUsage =
 [[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, uint64_t limit) {
   throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + mebibytes(bytes) +
                                      ", but only " + mebibytes(limit) +
-                                     " can be had; use a lower resolution or another device");
+                                     " is available; use a lower resolution or another device");
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {
   for (const VkMemoryPropertyFlags wish : wishes)
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
       if ((allowed >> i & 1U) != 0 && (memory_.memoryTypes[i].propertyFlags & wish) == wish) return i;
-  throw Error(ErrorCode::Unsupported, info_.name + " has no memory that suits; use another device");
+  throw Error(ErrorCode::Unsupported, info_.name + " has no suitable memory type; use another device");
 }
 
 bool Device::isShared(uint32_t memoryType) const {

@@ -33,7 +33,7 @@ std::string versionText(uint32_t version) {
 std::string problemOf(VkPhysicalDevice device, uint32_t version) {
   if (version < VK_API_VERSION_1_3)
     return "it has Vulkan " + versionText(version) + ", 1.3 is needed; update its driver";
-  if (!computeFamily(device)) return "it has no queue that computes";
+  if (!computeFamily(device)) return "it has no compute queue";
   const std::string missing = missingFeatures(device);
   return missing.empty() ? "" : "it lacks " + missing;
 }

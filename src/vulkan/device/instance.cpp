@@ -22,7 +22,7 @@ void requireLayer() {
   if (std::none_of(layers.begin(), layers.end(),
                    [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, kLayer) == 0; }))
     throw Error(ErrorCode::Unsupported,
-                "validation was asked for, but its layer is not there; install vulkan-validationlayers");
+                "the requested validation layer is not installed; install vulkan-validationlayers");
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL passMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,

@@ -21,8 +21,8 @@ void checkRoom(const Room& room) {
   constexpr uint32_t kMostVertices = uint32_t{1} << 29, kMostTriangles = uint32_t{1} << 29;
   const auto outOf = [](uint32_t count, uint32_t most) { return count == 0 || count > most; };
   require(!outOf(room.vertices, kMostVertices) && !outOf(room.triangles, kMostTriangles),
-          "room for " + std::to_string(room.vertices) + " vertices and " + std::to_string(room.triangles) +
-              " triangles was asked for; there must be some, and at most 2^29 of each");
+          "cannot reserve " + std::to_string(room.vertices) + " vertices and " +
+              std::to_string(room.triangles) + " triangles; each number must be 1 to 2^29");
   const glm::dvec3 dims(room.dims);
   require(room.dims.x > 0 && room.dims.y > 0 && room.dims.z > 0, "the grid has no samples");
   require(dims.x * dims.y * dims.z < double(kNoTriangle),
@@ -36,7 +36,7 @@ void checkMesh(const MeshBuffers& mesh, const Room& room) {
   require(mesh.vertexCount > 0 && mesh.triangleCount > 0, "the mesh has no vertices or triangles");
   require(mesh.vertexCount <= room.vertices && mesh.triangleCount <= room.triangles,
           "the mesh has " + std::to_string(mesh.vertexCount) + " vertices and " +
-              std::to_string(mesh.triangleCount) + " triangles, there is room for " +
+              std::to_string(mesh.triangleCount) + " triangles, the capacity is " +
               std::to_string(room.vertices) + " and " + std::to_string(room.triangles) + "; reserve more");
   require(mesh.vertexStride >= sizeof(glm::vec3) && mesh.vertexStride % sizeof(float) == 0,
           "vertices are " + std::to_string(mesh.vertexStride) +
@@ -49,10 +49,11 @@ void checkTarget(const Target& target, const Room& room) {
   const bool hasImage = room.image != VK_FORMAT_UNDEFINED;
   require(
       (target.image != VK_NULL_HANDLE) == hasImage && (target.distance.buffer != VK_NULL_HANDLE) != hasImage,
-      hasImage ? "room was made for images, so the target must be one, and no buffer of distances"
-               : "room was made for buffers of distances, so the target must be one, and no image");
+      hasImage
+          ? "the capacity was reserved for images: the target must be an image, not a buffer of distances"
+          : "the capacity was reserved for buffers of distances: the target must be a buffer, not an image");
   require(!target.triangle.buffer || room.distance != DistanceMode::Raster,
-          "the raster distance knows no closest triangles; use another distance");
+          "the raster distance does not find closest triangles; use another distance");
   require(room.sign != SignMode::None || (!target.winding.buffer && !target.confidence.buffer),
           "without a sign there are no winding numbers and confidences");
   require(target.status.offset % sizeof(uint32_t) == 0, "the status must lie at a multiple of 4 bytes");
@@ -145,12 +146,12 @@ void Generator::reserve(const Room& room) {
 
 void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid,
                        const Options& options, const Target& target) {
-  require(impl_->room.has_value(), "there is no room yet; call reserve first");
+  require(impl_->room.has_value(), "no capacity is reserved; call reserve first");
   const Room& room = *impl_->room;
   checkOptions(grid, options);
-  require(grid.dims == room.dims, "the grid's dims are not those that room was made for");
+  require(grid.dims == room.dims, "the grid's dims are not the reserved ones");
   require(options.distance == room.distance && options.sign == room.sign,
-          "the distance or the sign is not the one that room was made for");
+          "the distance or the sign is not the reserved one");
   if (options.closeHoles)
     throw Error(ErrorCode::Unsupported, "holes of a mesh that only the device sees cannot be closed");
   if (options.orientation == Orientation::Repair)
@@ -177,7 +178,7 @@ Status Generator::status() const {
 }
 
 Status Generator::status(std::span<const uint32_t, kStatusWords> words) const {
-  require(impl_->room.has_value(), "there is no room yet, so no frame either");
+  require(impl_->room.has_value(), "no capacity is reserved, so there is no frame; call reserve first");
   Findings findings;
   std::memcpy(&findings, words.data(), sizeof findings);
   return impl_->backend.status(findings);

@@ -20,8 +20,7 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   validateGrid(field.grid);
   checkPictureSize(options.width, options.height);
   if (!options.frame)
-    throw Error(ErrorCode::Usage,
-                "where the shape is in a field on a device is not known; give a box to frame");
+    throw Error(ErrorCode::Usage, "the box of a shape on the device is unknown; give a box to frame");
   if (!field.distance.buffer || !pixels.buffer)
     throw Error(ErrorCode::Usage, "drawing needs buffers of distances and pixels");
   const RenderFieldStage::Samples samples{

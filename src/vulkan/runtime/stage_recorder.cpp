@@ -179,8 +179,9 @@ Status StageRecorder::describe(const Findings& findings) const {
 std::optional<Error> StageRecorder::errorOf(const Findings& findings) const {
   const CellMeshStatus& mesh = findings.mesh;
   if (!fits(findings))
-    return Error(ErrorCode::Memory,
-                 "the lists of the cells' triangles outgrew their room; reserve as much as the status says");
+    return Error(
+        ErrorCode::Memory,
+        "the lists of the cells' triangles exceeded their capacity; reserve the sizes in the status");
   if (hasSign())
     if (std::optional<Error> error = failureOf(findings.crossings)) return error;
   if (mesh.badTriangles > 0)
@@ -192,7 +193,7 @@ std::optional<Error> StageRecorder::errorOf(const Findings& findings) const {
     return Error(ErrorCode::Input,
                  std::to_string(mesh.outside) + " triangles reach more than " +
                      std::to_string(extent_.outside) +
-                     " samples beyond the grid, where they were not looked for; reserve for more outside");
+                     " samples beyond the grid, outside the searched range; reserve a larger `outside`");
   return std::nullopt;
 }
 
