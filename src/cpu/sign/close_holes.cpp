@@ -1,4 +1,5 @@
-// Krayer & Müller 2019, §4, end: surface where the sign changes and no triangle is (hole_patch.cpp).
+// Krayer & Müller 2019, §4, end: finds where the sign changes without a triangle. The surface that closes
+// these holes is made in method/close_holes_patch.cpp.
 
 #include "cpu/sign/close_holes.h"
 
@@ -10,7 +11,7 @@ namespace raymap::cpu {
 
 namespace {
 
-/// The signs of all samples, and where triangles account for their changes.
+/// Signs of all samples, and the lattice edges that triangles cross.
 class SignLattice {
  public:
   SignLattice(const RayMap& map, const Buffer<float>& winding, double threshold)
@@ -27,8 +28,8 @@ class SignLattice {
     ++next[axis];
     return map_.unsignedRay(axis, sample) != map_.unsignedRay(axis, next);
   }
-  /// Whether triangles cross an edge of the cube at which the sign changes. Never of one that reaches beyond
-  /// the grid.
+  /// Returns whether triangles cross an edge of the cube at which the sign changes. Returns false for a cube
+  /// that reaches beyond the grid.
   bool hasCrossedChange(const glm::ivec3& cube) const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace raymap::cpu {
 
-/// All lattice edges at which surface is missing, in the order of their samples and axes.
+/// Returns all lattice edges at which surface is missing, sorted by sample, then by axis.
 std::vector<MissingEdge> findMissingEdges(const RayMap& map, const Buffer<float>& winding, double threshold,
                                           Progress& progress);
 

@@ -1,9 +1,9 @@
 // Krayer & Müller 2019, §3.5: the local intersection counts w_l.
 //
 // Paper: each cell intersects the triangles it holds, in eight passes, in floating point. Here: each triangle
-// is scanned over the lattice lines in its projection, in exact integers with simulation of simplicity
-// (Edelsbrunner & Mücke 1990), because then neighbouring triangles never disagree about a line, and the cost
-// is that of the crossings and not of the cells.
+// is scanned over the lattice lines in its projection, because the cost is then that of the crossings, not of
+// the cells. It is scanned in exact integers with simulation of simplicity (Edelsbrunner & Mücke 1990),
+// because neighbouring triangles then never disagree about a line.
 
 #include "cpu/sign/crossings.h"
 
@@ -24,28 +24,28 @@ namespace raymap::cpu {
 namespace {
 
 constexpr size_t kTrianglesPerChunk = 4096;
-// All chunks together stop for a fold into the lines when they have so many: memory stays bounded by the
-// samples even where millions of triangles cover the whole grid.
+// Number of records of all chunks at which they are merged into the lines. It keeps memory bounded by the
+// samples even if millions of triangles cover the whole grid.
 constexpr size_t kRecordsPerRound = size_t{1} << 22;
 constexpr size_t kRecordsPerReport = size_t{1} << 12;
 constexpr int kMaxFractionBits = 20;
 constexpr int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits
-constexpr int64_t kNarrowExtent = int64_t{1} << 30;  // up to here orient2d fits into 64 bits
+constexpr int64_t kNarrowExtent = int64_t{1} << 30;  // below this extent, orient2d fits into 64 bits
 
-/// Some of the triangles: those before `next` have been scanned.
+/// Range of triangles. Those before `next` have been scanned.
 struct Chunk {
   size_t next, end;
 };
 
-/// The lattice that triangles are scanned over, in units of 2^-fractionBits cells.
+/// Lattice over which triangles are scanned, in units of 2^-fractionBits cells.
 struct Lattice {
   glm::ivec3 dims;
   int fractionBits;
 
   double scale() const { return std::ldexp(1.0, fractionBits); }
 
-  /// The first line at or after the coordinate. Lines are displaced by a positive infinitesimal, so this is
-  /// both the first line that a range reaches and the first that it no longer reaches.
+  /// Returns the first line at or after the coordinate. Lines are displaced by a positive infinitesimal. So
+  /// this is both the first line of a range that begins there and the first line after one that ends there.
   int64_t lineFrom(int64_t coordinate) const {
     return (coordinate + (int64_t{1} << fractionBits) - 1) >> fractionBits;
   }
@@ -55,7 +55,7 @@ size_t chunkCount(const CellMesh& mesh) {
   return (mesh.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
 }
 
-/// The coordinate farthest from zero.
+/// Returns the largest magnitude of a point's coordinates.
 float reach(const glm::vec3& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
@@ -74,7 +74,7 @@ float reach(const glm::vec3& p) {
   throw Error(ErrorCode::Input, "a vertex lies too far from the grid");
 }
 
-/// Calls `work(chunk, triangle)` for all triangles, chunks in parallel and each in order.
+/// Calls `work(chunk, triangle)` for all triangles. Chunks run in parallel, each of them in order.
 template <class Work>
 void forEachTriangle(const CellMesh& mesh, Work&& work) {
   const size_t count = mesh.triangles.size();
@@ -84,7 +84,7 @@ void forEachTriangle(const CellMesh& mesh, Work&& work) {
   });
 }
 
-/// The largest coordinate of all triangles, a part of them at a time.
+/// Returns the largest magnitude of all triangles' coordinates, at least 1.
 float furthestCoordinate(const CellMesh& mesh) {
   std::vector<float> reaches(chunkCount(mesh), 1.0f);
   forEachTriangle(mesh, [&](size_t chunk, size_t t) {
@@ -93,14 +93,15 @@ float furthestCoordinate(const CellMesh& mesh) {
   return reaches.empty() ? 1.0f : *std::max_element(reaches.begin(), reaches.end());
 }
 
-/// As many fraction bits, up to 20, as leave every coordinate below 2^40.
+/// Returns the number of fraction bits: the most, up to 20, that leave every coordinate below 2^40. Throws
+/// `Error(Input)` if none do.
 int chooseFractionBits(const CellMesh& mesh) {
   const float near = std::ldexp(1.0f, kCoordinateBits - kMaxFractionBits),
               far = std::ldexp(1.0f, kCoordinateBits);
   if (std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
                   [near](const glm::vec3& v) { return reach(v) < near; }))
     return kMaxFractionBits;
-  // Vertices of no triangle do not count.
+  // Vertices that no triangle uses do not count.
   const float furthest = furthestCoordinate(mesh);
   if (!(furthest < far)) throwTooFar(mesh, far);
   return std::clamp(kCoordinateBits - 1 - std::ilogb(furthest), 0, kMaxFractionBits);
@@ -131,7 +132,7 @@ void scanTriangle(std::array<FixedVertex, 3> p, int axis, LineRange us, LineRang
   const LineAxes axes(axis);
   const Wide area = Wide(p[1][axes.u] - p[0][axes.u]) * (p[2][axes.v] - p[0][axes.v]) -
                     Wide(p[1][axes.v] - p[0][axes.v]) * (p[2][axes.u] - p[0][axes.u]);
-  if (area == 0) return;  // Projects to a line: the displaced lattice lines miss it.
+  if (area == 0) return;  // The displaced lattice lines miss a triangle that projects to a line.
   if (area < 0) std::swap(p[1], p[2]);
   // (u, v, axis) is a left-handed frame for the y axis.
   const int32_t sign = (area > 0) == (axis != 1) ? 1 : -1;
@@ -177,8 +178,9 @@ void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, L
   }
 }
 
-/// Whether a triangle surely crosses no line, before its corners are snapped: most triangles of a mesh finer
-/// than the grid. Lines along an axis need a range across each of the other two.
+/// Tests whether a triangle surely crosses no line, before its corners are snapped. Most triangles of a mesh
+/// finer than the grid cross none. To cross a line along an axis, a triangle must reach a line number along
+/// each of the other two axes.
 class MissTest {
  public:
   explicit MissTest(const Lattice& lattice)
@@ -196,10 +198,10 @@ class MissTest {
 
  private:
   glm::vec3 limit_;
-  float margin_;  // more than snapping and rounding may move a corner by
+  float margin_;  // more than snapping and rounding may move a corner
 };
 
-/// Scans triangles of the chunk until it is done or all chunks together have found enough.
+/// Scans triangles until the chunk is done or all chunks together have `kRecordsPerRound` records.
 void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress, std::atomic<size_t>& found,
                Chunk& chunk, LineRecords& records) {
   const auto report = [&] { progress.report(double(chunk.next) / double(mesh.triangles.size())); };

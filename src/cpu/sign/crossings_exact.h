@@ -1,6 +1,6 @@
 #pragma once
 
-// Krayer & Müller 2019, §3.5. Which lattice lines a triangle crosses and where, decided without rounding:
+// Krayer & Müller 2019, §3.5. Decides without rounding which lattice lines a triangle crosses, and where:
 // simulation of simplicity (Edelsbrunner & Mücke 1990) on integers.
 
 #include "cpu/sign/crossings.h"
@@ -12,7 +12,7 @@ namespace raymap::cpu {
 
 __extension__ using Int128 = __int128;
 
-/// A vertex in units of 2^-bits cells.
+/// Vertex in units of 2^-bits cells.
 using FixedVertex = glm::i64vec3;
 
 template <class Wide>
@@ -21,7 +21,7 @@ Wide floorDivide(Wide numerator, Wide positiveDenominator) {
   return quotient - (numerator % positiveDenominator < 0);
 }
 
-/// orient2d of a directed edge and the displaced lattice line, positive to the edge's left.
+/// Computes orient2d of a directed edge and the displaced lattice line.
 template <class Wide>
 class EdgeFunction {
  public:
@@ -34,7 +34,7 @@ class EdgeFunction {
         // The displacement adds du * e_v - dv * e_u, and e_u is infinitely larger than e_v.
         tie_(dv_ < 0 || (dv_ == 0 && du_ > 0) ? 1 : 0) {}
 
-  /// Positive for lines to the left of the edge; the tie rule is added in.
+  /// Returns a positive value for lines to the left of the edge. The tie rule is included.
   Wide at(int64_t u, int64_t v) const {
     return Wide(du_) * ((v << bits_) - v_) - Wide(dv_) * ((u << bits_) - u_) + tie_;
   }
@@ -57,7 +57,7 @@ class EdgeFunction {
   int tie_;
 };
 
-/// The plane of a triangle, normal towards plus `axis`, for finding the lattice edge that a line crosses.
+/// Plane of a triangle, its normal towards plus `axis`. Finds the lattice edge at which a line crosses it.
 template <class Wide>
 class DepthFunction {
  public:
@@ -68,12 +68,12 @@ class DepthFunction {
                Wide(a.x) * b.y - Wide(a.y) * b.x};
     if (normal_[axis] < 0)
       for (Wide& n : normal_) n = -n;
-    // The displacement adds n . (e, e^2, e^3): its first component that is not zero decides.
+    // The displacement adds n . (e, e^2, e^3): the first component of n that is not zero decides.
     const Wide first = normal_[0] != 0 ? normal_[0] : normal_[1] != 0 ? normal_[1] : normal_[2];
     tie_ = first > 0 ? 1 : 0;
   }
 
-  /// The last sample of line (u, v) below the plane: the largest i with n . (sample - origin) < 0.
+  /// Returns the last sample of line (u, v) below the plane: the largest i with n . (sample - origin) < 0.
   int64_t lastBelow(int64_t u, int64_t v) const {
     const Int128 across = Int128(normal_[axes_.u]) * ((u << bits_) - origin_[axes_.u]) +
                           Int128(normal_[axes_.v]) * ((v << bits_) - origin_[axes_.v]);

@@ -24,7 +24,7 @@ uint64_t addOne(uint64_t& count) {
   return std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed);
 }
 
-/// Counting sort by line, after what is there. The order within a line depends on the threads.
+/// Appends the records to their lines with a counting sort. The order within a line depends on the threads.
 void appendRecords(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings) {
   const size_t lines = crossings.starts.size() - 1;
   const AxisCrossings old{crossings.starts.clone(), crossings.entries.clone()};
@@ -46,7 +46,7 @@ void appendRecords(const std::vector<LineRecords>& lists, int axis, AxisCrossing
   });
 }
 
-/// Sorts a line's crossings by index and adds up those with the same one; returns how many are left.
+/// Sorts a line's crossings by index and adds up those with the same index. Returns how many are left.
 size_t mergeLine(Crossing* begin, Crossing* end) {
   if (begin == end) return 0;
   std::sort(begin, end, [](const Crossing& a, const Crossing& b) { return a.index < b.index; });

@@ -6,21 +6,21 @@
 
 namespace raymap::cpu {
 
-/// One triangle that crosses one lattice line.
+/// Record of one triangle that crosses one lattice line.
 struct LineRecord {
   uint32_t line;
   int32_t index;
   int32_t sign;
 };
-/// One list per axis, in any order.
+/// Records of each axis, in any order.
 using LineRecords = std::array<std::vector<LineRecord>, 3>;
 
-/// The number of lattice lines along an axis.
+/// Returns the number of lattice lines along an axis.
 size_t lineCount(const glm::ivec3& dims, int axis);
 
 void clearLines(size_t lines, AxisCrossings& axis);
 
-/// Sorts the records of one axis by line and index, and adds them to the crossings that are there.
+/// Sorts the records of one axis by line and index, and adds them to the existing crossings.
 void addToLines(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings);
 
 }  // namespace raymap::cpu

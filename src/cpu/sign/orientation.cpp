@@ -21,8 +21,8 @@ struct Misfit {
   double squares = 0.0, jumps = 0.0;
 };
 
-/// Where the field fits as well as it can, the residual is orthogonal to all differences of fields: its
-/// square is its product with the jumps, so that only crossed edges count.
+/// Adds the misfit of one line. The field fits as well as possible, so the residual is orthogonal to all
+/// differences of fields. Its square is then its product with the jumps, and only crossed edges count.
 void addLine(std::span<const Crossing> line, const float* field, size_t stride, int samples, Misfit& sum) {
   for (const Crossing& crossing : line) {
     if (crossing.signedCount == 0 || crossing.index < 0 || crossing.index + 1 >= samples) continue;
@@ -33,7 +33,7 @@ void addLine(std::span<const Crossing> line, const float* field, size_t stride, 
   }
 }
 
-/// A field between its samples.
+/// Interpolates a field between its samples.
 class Interpolator {
  public:
   Interpolator(const glm::ivec3& dims, const Buffer<float>& field) : dims_(dims), field_(field) {}
@@ -64,8 +64,8 @@ class Interpolator {
   const Buffer<float>& field_;
 };
 
-/// The rise along the normal of one face. Large faces are looked at in several places, the
-/// centres of the triangles that they are cut into; places at the grid's rim do not count.
+/// Returns the mean rise along the normal of one face. A large face is cut into triangles, and the field is
+/// read at their centres. Centres too close to the grid's border do not add to the sum.
 float riseOf(const Interpolator& field, float farSides, const glm::vec3& a, const glm::vec3& b,
              const glm::vec3& c) {
   constexpr float kPartLength = 2.0f;
@@ -90,8 +90,8 @@ float riseOf(const Interpolator& field, float farSides, const glm::vec3& a, cons
   return sum / float(parts * parts);
 }
 
-/// How many of a sample's six rays cross an odd number of faces: a sum of +1 and -1 is as odd as their
-/// number.
+/// Returns the number of a sample's six rays that cross an odd number of faces. A sum of +1 and -1 is odd
+/// exactly if their number is odd.
 int oddRays(const RayRow& row, size_t i) {
   const auto odd = [](int32_t ray) { return ray & 1; };
   return odd(row.x[i]) + odd(row.x[i] - row.totalX) + odd(row.y[i]) + odd(row.y[i] - row.totalY[i]) +
@@ -108,7 +108,7 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
     const LineAxes across(axis);
     const AxisCrossings& lines = crossings[size_t(axis)];
     const size_t count = lines.starts.size() - 1, width = size_t(dims[across.u]);
-    // Each part has a sum of its own, so that the order of all additions is always the same.
+    // Each part has its own sum, so that the order of all additions is always the same.
     std::vector<Misfit> parts((count + kLinesPerPart - 1) / kLinesPerPart);
     parallelFor(parts.size(), 1, [&](size_t part, size_t) {
       for (size_t line = part * kLinesPerPart; line < std::min((part + 1) * kLinesPerPart, count); ++line) {
@@ -145,7 +145,7 @@ bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double t
     if (does) return;
     const float* const w = winding.data() + row.first;
     int32_t found = 0;
-    for (size_t i = 0; i < sweep.rowLength(); ++i) {  // No branches: the compiler makes it SIMD.
+    for (size_t i = 0; i < sweep.rowLength(); ++i) {  // Without branches the compiler vectorizes the loop.
       const int32_t a = row.x[i], b = a - row.totalX, c = row.y[i], d = c - row.totalY[i], e = row.z[i],
                     f = e - row.totalZ[i];
       const int32_t allOdd = a & b & c & d & e & f & 1, allEven = ~(a | b | c | d | e | f) & 1;

@@ -6,20 +6,22 @@
 
 namespace raymap::cpu {
 
-/// How badly a field fits the crossings: the squares of what w(i) - w(i + 1) misses of w_l (Eq. 5), summed
-/// over all lattice edges, over the sum of |w_l|. 0 where nothing is crossed.
+/// Returns how badly the harmonic field fits the crossings: the squared differences between w(i) - w(i + 1)
+/// and w_l (Eq. 5), summed over all lattice edges, over the sum of |w_l|. Returns 0 if nothing is crossed.
+/// Any other field than the best fit gives a wrong result.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding);
 
-/// Whether any sample's sign contradicts the parity of all six of its rays, where the winding number is
-/// farther from the threshold than the lattice's error.
+/// Returns whether any sample's sign contradicts the parity of all six of its rays. Only samples count whose
+/// winding number is farther from the threshold than the lattice's error.
 bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold);
 
-/// For every face how much a field rises along its normal, from a cell behind it to a cell before it, in the
-/// mean over the face. With `farSides` the steps are as long as so many times the root of twice its area.
+/// Measures how much a field rises along the normal of every face, in the mean over the face. The rise is
+/// taken from a step behind the face to a step before it. The step is one cell, or `farSides` times the
+/// square root of twice the face's area if that is longer.
 void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSides, Progress& progress,
                   Buffer<float>& rises);
 
-/// The share of the six rays of each sample that cross an odd number of faces.
+/// Computes the share of each sample's six rays that cross an odd number of faces.
 void averageParity(const RayMap& map, Buffer<float>& parity);
 
 }  // namespace raymap::cpu

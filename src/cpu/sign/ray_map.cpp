@@ -11,7 +11,8 @@ namespace raymap::cpu {
 namespace {
 constexpr size_t kLinesPerTask = 4096;
 
-/// Eq. 4-5: r(m) = w_l(m), r(i) = r(i + 1) + w_l(i), stored where w_l is not zero.
+/// Sums the crossings of a line (Eq. 4-5): r(m) = w_l(m), r(i) = r(i + 1) + w_l(i). Each crossing gets a
+/// step.
 void sumLine(const Crossing* crossings, size_t count, RayStep* steps) {
   RayStep sum;
   for (size_t e = count; e-- > 0;) {
@@ -26,7 +27,7 @@ void sumLine(const Crossing* crossings, size_t count, RayStep* steps) {
 const RayStep* RayMap::find(int axis, const glm::ivec3& sample) const {
   const LineAxes a(axis);
   if (sample[a.u] < 0 || sample[a.u] >= dims[a.u] || sample[a.v] < 0 || sample[a.v] >= dims[a.v])
-    return nullptr;  // No line of the lattice: nothing lies there.
+    return nullptr;  // There is no line of the lattice, so nothing is crossed.
   const int index = std::max(sample[axis], -1);
   const auto steps = axes[axis].line(size_t(sample[a.v]) * dims[a.u] + sample[a.u]);
   const auto step =

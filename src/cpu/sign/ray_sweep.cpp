@@ -13,7 +13,8 @@ RaySweep::RaySweep(const RayMap& map)
   for (size_t line = 0; line < totalZ_.size(); ++line) totalZ_[line] = map.total(2, line);
 }
 
-/// A counting sort by row. Lines with the same v write to rows of their own, so v runs in parallel.
+/// Collects the changes with a counting sort by row. Lines with different v write to different rows, so v
+/// runs in parallel.
 RaySweep::Changes RaySweep::collectChanges(const RayMap& map, int axis) {
   const int nx = map.dims.x, ny = map.dims.y, nz = map.dims.z;
   const auto forEachChange = [&](auto&& work) {
@@ -49,7 +50,7 @@ void RaySweep::startSlab(int k, State& state) const {
   state.y.resize(size_t(nx));
   state.totalY.resize(size_t(nx));
   state.z.resize(size_t(nx) * size_t(ny));
-  // The changes of plane k are still to come: they lead from here to r at k.
+  // The values belong to plane k - 1: the changes of plane k then lead to r at k.
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) state.z[size_t(j) * nx + i] = map_.ray(2, {i, j, k - 1});
 }

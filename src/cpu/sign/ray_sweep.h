@@ -7,16 +7,16 @@
 
 namespace raymap::cpu {
 
-/// The rays of one row of samples (j, k), x running: what Eq. 7 gives for each of them.
+/// Rays of one row of samples (j, k), x running, as in Eq. 7.
 struct RayRow {
   int j, k;
-  size_t first;              ///< Grid index of the row's first sample.
-  const int32_t *x, *y, *z;  ///< r along the three axes.
-  int32_t totalX;            ///< r from before the first sample: totals of the lines through each sample.
-  const int32_t *totalY, *totalZ;
+  size_t first;                    ///< Grid index of the row's first sample.
+  const int32_t *x, *y, *z;        ///< r along the three axes.
+  int32_t totalX;                  ///< Total of the line along x: r from before its first sample.
+  const int32_t *totalY, *totalZ;  ///< Totals of the lines along y and z through each sample.
 };
 
-/// Streams a ray map row by row: the dense grid of r that the map stands for, without storing it.
+/// Streams the dense grid of r that a ray map stands for, row by row, without storing it.
 class RaySweep {
  public:
   explicit RaySweep(const RayMap& map);
@@ -25,22 +25,22 @@ class RaySweep {
   size_t rowLength() const { return size_t(map_.dims.x); }
   size_t sampleCount() const { return size_t(map_.dims.x) * size_t(map_.dims.y) * size_t(map_.dims.z); }
 
-  /// Calls `work(const RayRow&)` for all rows, slabs of planes in parallel, each slab in order.
+  /// Calls `work(const RayRow&)` for all rows. Slabs of planes run in parallel, each slab in order.
   template <class Work>
   void run(Work&& work) const;
 
  private:
-  /// r changes by `delta` at sample x of a row, against the sample before it along the axis.
+  /// Change of r by `delta` at sample x of a row, against the previous sample along the axis.
   struct Change {
     int32_t x;
     int32_t delta;
   };
-  /// The changes along y or z, sorted by the row where they take effect.
+  /// Changes along y or z, sorted by the row in which they take effect.
   struct Changes {
     std::vector<uint32_t> starts;
     std::vector<Change> changes;
   };
-  /// r of the rows of one slab.
+  /// Values of r in one slab.
   struct State {
     std::vector<int32_t> x, y, totalY, z;
   };

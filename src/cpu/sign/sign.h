@@ -4,11 +4,12 @@
 
 namespace raymap::cpu {
 
-/// §3.5, end: negates the distance where |winding| > threshold, or everywhere else if `invert`.
+/// Negates the distance where |winding| > threshold, or everywhere else if `invert` (§3.5, end).
 void applySign(const Buffer<float>& winding, double threshold, bool invert, Buffer<float>& distance);
 
-/// How sure the sign of each sample is, 0 to 1: m (1 + a) / 2. m says how far |w| lies from the threshold, 1
-/// at 0 and from 1 on; a is the share of the six rays that, each for itself, give the same sign.
+/// Computes how sure the sign of each sample is, 0 to 1: m (1 + a) / 2. m grows with the distance of |w| from
+/// the threshold and is 1 at |w| = 0 and from |w| = 1 on. a is the share of the six rays that alone give the
+/// same sign.
 void computeConfidence(const RayMap& map, const Buffer<float>& winding, double threshold,
                        Buffer<float>& confidence);
 

@@ -24,7 +24,7 @@ double Winding::compute(const RayMap& map, SignMode mode, const Options& options
                         Buffer<float>& winding) {
   const RaySweep sweep(map);
   const size_t doubtful = averageRays(sweep, winding);
-  // Where the six rays agree everywhere they are the answer of every mode: all paths meet the same counts.
+  // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
     if (mode == SignMode::Paths)
       averagePaths(sweep, options, progress, impl_->paths, winding);

@@ -7,13 +7,14 @@
 
 namespace raymap::cpu {
 
-/// §3.5, Eq. 9-11, and the harmonic solve: the winding number of every sample, +1 inside an outward-oriented
-/// closed surface.
+/// Winding number of every sample, by §3.5, Eq. 9-11, or by the harmonic solve. It is +1 inside an
+/// outward-oriented closed surface.
 class Winding {
  public:
   Winding();
   ~Winding();
-  /// Returns the share of samples whose six rays disagree. The options say how many passes and which offsets.
+  /// Computes the winding number, with the passes and offsets of `options`. Returns the share of samples
+  /// whose six rays disagree.
   double compute(const RayMap& map, SignMode mode, const Options& options, Progress& progress,
                  Buffer<float>& winding);
   size_t bytes() const;

@@ -1,8 +1,8 @@
 // Barill et al. 2018, "Fast winding numbers for soups and clouds", where Krayer & Müller 2019, §3.5, only
 // sample.
 //
-// A distant group of triangles is seen as a dipole with a first correction, a close one triangle by triangle
-// (Van Oosterom & Strackee 1983).
+// A distant group of triangles counts as a dipole with a first correction. A close group is summed triangle
+// by triangle (Van Oosterom & Strackee 1983).
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/sign/winding_dipoles.cpp"
@@ -28,7 +28,7 @@ namespace HWY_NAMESPACE {
 
 using Moments = WindingDipoles::Moments;
 
-/// Half the solid angle of eight triangles, seen from p; zero in their planes.
+/// Returns half the solid angle of each triangle of a packet, seen from p. It is zero in a triangle's plane.
 HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
   const Tag d;
   const Local q = toLocal(t, hn::Set(d, p.x), hn::Set(d, p.y), hn::Set(d, p.z));
@@ -51,7 +51,7 @@ HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
   return hn::IfThenElseZero(hn::Ne(volume, zero), full);
 }
 
-/// The lanes from `i` on whose number is below `count`.
+/// Returns the lanes from `i` on whose index is below `count`.
 HWY_INLINE Mask below(size_t i, uint32_t count) {
   const hn::RebindToSigned<Tag> d;
   return hn::RebindMask(
@@ -80,7 +80,7 @@ class DipoleSums {
     }
   }
 
-  /// Nodes of the level below, in the lanes that hold any.
+  /// Adds the first `count` nodes of a packet of the level below.
   void addNodes(const Moments& moments, const DiscPacket& discs, uint32_t count) {
     const Tag d;
     for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
@@ -120,12 +120,12 @@ class DipoleSums {
   Float xx_ = nx_, yy_ = nx_, zz_ = nx_, xy_ = nx_, yz_ = nx_, zx_ = nx_;
 };
 
-/// Looks at the tree from one point after another; each thread has its own.
+/// Sums the tree's solid angles at one point after another. Each thread has its own instance.
 class SolidAngles {
  public:
   SolidAngles(const SurfaceTree& tree, const Moments* moments) : tree_(tree), moments_(moments) {}
 
-  /// The winding number of the triangles around p, groups being distant from so many radii on.
+  /// Returns the winding number of the triangles around p. Groups are distant from `distant` radii on.
   float windingNumber(const glm::vec3& p, float distant) {
     distant2_ = distant * distant;
     sum_ = hn::Zero(Tag());
@@ -198,7 +198,7 @@ glm::vec3 discCentre(const DiscPacket& discs, uint32_t lane) {
   return {discs.cx[lane], discs.cy[lane], discs.cz[lane]};
 }
 
-/// The moments of a level's nodes, from their triangles or from the nodes of the level below.
+/// Computes the moments of a level's nodes, from their triangles or from the nodes of the level below.
 void buildMoments(const SurfaceTree& tree, size_t level, Moments* moments) {
   constexpr size_t kGrain = 64;
   const SurfaceTree::Level nodes = tree.levels()[level];
@@ -220,7 +220,7 @@ void buildMoments(const SurfaceTree& tree, size_t level, Moments* moments) {
   });
 }
 
-/// To 0.00001 in the mean, for both backends to give the same.
+/// Computes the winding numbers at points. The mean error is 0.00001, so that all backends give the same.
 void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
           float* winding) {
   SolidAngles solidAngles(tree, moments);
@@ -257,7 +257,7 @@ float latticeError(float distance) {
   return std::max(kMostError * std::min(1.0f, kMostErrorWithin / distance), kLeastError);
 }
 
-/// The samples of each chunk that the lattice may have put on the wrong side of the threshold.
+/// Returns the samples of each chunk that the lattice may have put on the wrong side of the threshold.
 std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer<float>& distance,
                                                    const Buffer<float>& winding) {
   constexpr size_t kChunk = 4096;

@@ -1,6 +1,6 @@
-// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea,
-// the field whose differences along all lattice edges come as close as possible to their crossing counts (Eq.
-// 5).
+// Krayer & Müller 2019, §3.5. Paper: the mean over sampled curves (Eq. 9-11). Here: the limit of that idea
+// (docs/signs.md). The field's differences along all lattice edges come as close as possible to their
+// crossing counts (Eq. 5).
 
 #include "cpu/sign/winding_harmonic.h"
 
@@ -17,8 +17,8 @@ class Hierarchy {
   Hierarchy(std::vector<HarmonicLevel>& levels, Progress& progress, Buffer<float>& winding)
       : levels_(levels), progress_(progress), winding_(winding) {}
 
-  /// Full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then leaves
-  /// an error below that of the lattice itself (docs/signs.md), and costs less than anything that needs more.
+  /// Solves lattice `l` by full multigrid, starting from the solution on the next coarser one. One V-cycle
+  /// then leaves an error below that of the lattice itself (docs/signs.md). More cycles would only cost more.
   void solve(size_t l) {
     HarmonicLevel& level = levels_[l];
     float* values = l == 0 ? winding_.data() : level.values.data();
@@ -35,8 +35,8 @@ class Hierarchy {
  private:
   bool isCoarsest(size_t l) const { return l + 1 == levels_.size(); }
 
-  /// A V-cycle: what is left of the error after relaxing is smooth, so the coarser lattice sees it, and it
-  /// has no jumps.
+  /// Runs a V-cycle. The error that is left after relaxing is smooth and has no jumps, so the coarser lattice
+  /// can correct it.
   void improve(size_t l, const RightHandSide& rightHandSide, float* values) {
     const LatticeBox& box = levels_[l].box;
     HarmonicLevel& coarse = levels_[l + 1];

@@ -5,12 +5,13 @@
 
 namespace raymap::cpu {
 
-/// One lattice of the hierarchy: the field on it, what its edges ask for, and the correction that it computes
-/// for the next finer one.
+/// One lattice of the hierarchy: its field, the jumps at its edges, and the correction that it computes for
+/// the next finer lattice.
 struct HarmonicLevel {
   LatticeBox box;
   std::array<JumpRows, 3> jumps;
-  Buffer<float> values;  ///< Empty on the finest level, whose field is the result; so are the next two.
+  // Empty on the finest level, whose field is the result.
+  Buffer<float> values;
   Buffer<float> correction;
   Buffer<float> residual;
 };
@@ -22,7 +23,7 @@ struct HarmonicScratch {
 };
 
 /// Fills `winding` with the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as
-/// possible, in the least-squares sense, and vanishes far away.
+/// possible, in the least-squares sense. The field vanishes far away.
 void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding);
 
 }  // namespace raymap::cpu

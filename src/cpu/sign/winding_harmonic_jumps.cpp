@@ -8,8 +8,8 @@ namespace raymap::cpu {
 
 namespace {
 
-/// Calls `work(row, jump)` for both ends of each crossing. Lines with the same v write to rows of their own,
-/// so v runs in parallel.
+/// Calls `work(row, jump)` for both ends of each crossing. Lines with different v write to different rows, so
+/// v runs in parallel.
 template <class Work>
 void forEachJump(const RayMap& map, const LatticeBox& box, int axis, Work&& work) {
   const LineAxes across(axis);
@@ -39,7 +39,7 @@ void forEachJump(const RayMap& map, const LatticeBox& box, int axis, Work&& work
 }  // namespace
 
 void JumpRows::collect(const RayMap& map, const LatticeBox& box, int axis) {
-  // starts_[row + 1] counts, then runs from the row's begin to its end.
+  // starts_[row + 2] counts the row's jumps. Then starts_[row + 1] advances from the row's begin to its end.
   starts_.assign(size_t(box.dims.y) * size_t(box.dims.z) + 2, 0);
   forEachJump(map, box, axis, [&](size_t row, const Jump&) { ++starts_[row + 2]; });
   for (size_t row = 2; row < starts_.size(); ++row) starts_[row] += starts_[row - 1];

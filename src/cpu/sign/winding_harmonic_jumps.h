@@ -7,9 +7,9 @@
 
 namespace raymap::cpu {
 
-/// The right-hand side of the least-squares fit along one axis, kept where it is not zero and sorted by row:
-/// at each sample, what w is to exceed its two neighbours along the axis by, added up. From Eq. 5, w(i) - w(i
-/// + 1) = w_l(i), that is w_l(i) - w_l(i - 1).
+/// Right-hand side of the least-squares fit along one axis, kept where it is not zero and sorted by row. At
+/// each sample it is the sum of the amounts by which w should exceed its two neighbours along the axis. With
+/// Eq. 5, w(i) - w(i + 1) = w_l(i), that is w_l(i) - w_l(i - 1).
 class JumpRows {
  public:
   struct Jump {
@@ -17,8 +17,8 @@ class JumpRows {
     float height;
   };
 
-  /// A lattice edge of a coarser level is a chain of finer ones, and its count the sum of theirs: the steps
-  /// of the same lines with their index shifted.
+  /// Collects the jumps of a lattice. A lattice edge of a coarser level is a chain of finer ones, and its
+  /// count is the sum of theirs. So the steps of the same lines serve, with their index shifted.
   void collect(const RayMap& map, const LatticeBox& box, int axis);
 
   std::span<const Jump> row(size_t row) const {

@@ -42,7 +42,7 @@ void RightHandSide::clear(const LatticeBox& box, int j, int k, std::vector<float
 void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress,
                 float* values) {
   const size_t slabs = (size_t(box.dims.z) + kPlanesPerSlab - 1) / kPlanesPerSlab;
-  // Every second slab at a time: then no slab is read while a neighbour is being written.
+  // Every second slab runs at a time, so that no slab reads a neighbour that is being written.
   for (const int colour : {0, 1})
     for (const size_t parity : {0, 1})
       parallelFor((slabs + 1 - parity) / 2, 1, [&](size_t task, size_t) {

@@ -1,4 +1,4 @@
-// The inner loops of the harmonic winding number, for every instruction set at once.
+// Inner loop of the harmonic winding number, compiled for every instruction set.
 
 #include "cpu/sign/winding_harmonic_rows.h"
 
@@ -18,7 +18,7 @@ void relaxRow(const RowStencil& around, size_t first, size_t count, float* row) 
   const auto sixth = hn::Set(d, 1.0f / 6.0f);
   size_t i = first;
   if (lanes >= 2) {
-    // Every second lane; the others keep their value.
+    // Changes every second lane; the others keep their value.
     const hn::RebindToSigned<decltype(d)> di;
     const auto chosen = hn::MaskFromVec(
         hn::BitCast(d, hn::VecFromMask(di, hn::Eq(hn::And(hn::Iota(di, 0), hn::Set(di, 1)), hn::Zero(di)))));

@@ -1,4 +1,4 @@
-// Between the lattices of the harmonic winding number.
+// Transfers fields between the lattices of the harmonic winding number.
 
 #include "cpu/sign/winding_harmonic_transfer.h"
 
@@ -20,7 +20,8 @@ class Interpolation {
                 const std::array<JumpRows, 3>* jumps)
       : coarse_(coarse), from_(from), fine_(fine), jumps_(jumps), shift_(fine.low / 2 - coarse.low) {}
 
-  /// Calls `write(before, after, j, k)` for all rows: those of odd planes are the mean of two.
+  /// Calls `write(before, after, j, k)` for all rows. Row (j, k) is the mean of both rows, which are equal in
+  /// even planes.
   template <class Write>
   void run(Write&& write) const {
     parallelFor((size_t(fine_.dims.z) + 1) / 2, kPairsPerTask, [&](size_t begin, size_t end) {
@@ -42,7 +43,7 @@ class Interpolation {
   }
 
  private:
-  /// Plane k, an even one. It may lie just beyond the box, and so may its last row.
+  /// Fills plane k, which is even. The plane and its last row may lie just beyond the box.
   void fillPlane(int k, float* plane) const {
     for (int j = 0; j <= fine_.dims.y; j += 2) fillRow(j, k, fine_.row(plane, j, 0));
     for (int j = 1; j < fine_.dims.y; j += 2) {
@@ -73,7 +74,7 @@ class Interpolation {
   glm::ivec3 shift_;
 };
 
-/// Restricts planes of residuals, with weights 1/4, 1/2, 1/4 along each axis.
+/// Restricts planes of residuals, with weights 1/4, 1/2, 1/4 along x and y.
 class ResidualPlanes {
  public:
   ResidualPlanes(const LatticeBox& fine, const RightHandSide& rightHandSide, const float* values)
@@ -86,7 +87,7 @@ class ResidualPlanes {
 
   const glm::ivec3& size() const { return size_; }
 
-  /// Plane k restricted along x and y; outside the box and on its rim the residual counts as zero.
+  /// Restricts plane k along x and y. The residual counts as zero outside the box and on its border.
   void restrictPlane(int k, float* plane) {
     std::fill_n(plane, size_t(size_.x) * size_t(size_.y), 0.0f);
     if (k < 1 || k + 1 >= fine_.dims.z) return;
@@ -102,7 +103,7 @@ class ResidualPlanes {
   }
 
  private:
-  /// residual_[1 + i] is sample i's, with a zero before the first and after the last.
+  /// Fills `residual_`: element 1 + i is sample i's, with a zero before the first and after the last.
   void computeRow(int j, int k) {
     const RowStencil around{.jBefore = fine_.row(values_, j - 1, k),
                             .jAfter = fine_.row(values_, j + 1, k),
@@ -163,7 +164,7 @@ void restrictResidual(const LatticeBox& fine, const RightHandSide& rightHandSide
       for (int j = 0; j < size.y; ++j) {
         float* row = coarse.row(residual, j + shift.y, k + shift.z) + shift.x;
         const size_t first = size_t(j) * size_t(size.x);
-        // The coarse equations are four times the fine ones: their cells are twice as wide.
+        // The coarse equations are four times the fine ones, because their cells are twice as wide.
         for (int i = 0; i < size.x; ++i)
           row[i] = 2.0f * at[first + i] + (before[first + i] + after[first + i]);
       }

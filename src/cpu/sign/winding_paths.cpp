@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.5, Eq. 9-11: curves that go elsewhere first.
+// Krayer & Müller 2019, §3.5, Eq. 9-11: curves through offset points.
 
 #include "cpu/sign/winding_paths.h"
 
@@ -15,8 +15,8 @@ namespace {
 /// Counts the rows walked, once for each offset point.
 struct Walked {
   Progress& progress;
-  double total;          ///< How many there will be.
-  size_t rowsPerReport;  ///< About a millisecond of work, however many points each row has.
+  double total;          ///< Number of rows to walk.
+  size_t rowsPerReport;  ///< About a millisecond of work, for any number of points per row.
   std::atomic<uint64_t> done{0};
 };
 
@@ -31,13 +31,13 @@ class PathRow {
         to_(from_.size()),
         sum_(from_.size()) {}
 
-  /// The signed crossings of the six paths from each sample of row (j, k) to its offset point, added up.
+  /// Returns the total signed crossings of the six paths from each sample of row (j, k) to its offset point.
   const std::vector<int32_t>& countPaths(int j, int k, const glm::ivec3& offset) {
     std::fill(sum_.begin(), sum_.end(), 0);
     for (int axis = 0; axis < 3; ++axis)
       for (int side = 0; side < 4; ++side) {
-        // The edge along `axis` where the axes u and v have, or have not, been walked yet: it belongs to two
-        // of the six paths if it comes first or last, and to one if it comes second.
+        // The bits of `side` tell whether the axes u and v have been walked before this edge along `axis`.
+        // The edge belongs to two of the six paths if it comes first or last, and to one if it comes second.
         const LineAxes across(axis);
         glm::ivec3 start(0);
         start[across.u] = side & 1 ? offset[across.u] : 0;
@@ -59,11 +59,11 @@ class PathRow {
   }
 
  private:
-  /// Eq. 7: r along `axis` at the samples (i + shift, j, k).
+  /// Fetches r along `axis` at the samples (i + shift, j, k) (Eq. 7).
   void fetch(int axis, int shift, int j, int k, int32_t* row) const {
     const glm::ivec3 dims = map_.dims;
     const int begin = std::clamp(-shift, 0, dims.x), end = std::clamp(dims.x - shift, begin, dims.x);
-    int32_t before = 0;  // at samples before the row: only a ray along it sees anything
+    int32_t before = 0;  // r at samples before the row; only a ray along the row crosses anything
     const bool jInside = j >= 0 && j < dims.y, kInside = k >= 0 && k < dims.z;
     if (jInside && kInside) {
       const size_t first = (size_t(k) * dims.y + j) * dims.x;
@@ -87,8 +87,8 @@ class PathRow {
   std::vector<int32_t> from_, to_, sum_;
 };
 
-/// The values at the offset points of row (j, k). Paper: six rays there too. Here: 0 outside the grid,
-/// because no surface lies there and every ray that misses the grid knows it.
+/// Fetches the values at the offset points of row (j, k). Paper: six rays there too. Here: 0 outside the
+/// grid, because a point there counts as outside the surface: a ray that misses the grid crosses nothing.
 void fetchValues(const glm::ivec3& dims, const glm::ivec3& offset, int j, int k, const Buffer<float>& values,
                  std::vector<float>& row) {
   std::fill(row.begin(), row.end(), 0.0f);
@@ -110,7 +110,7 @@ void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
   });
 }
 
-/// Calls `work(paths, j, k, first)` for every row.
+/// Calls `work(paths, j, k, first)` for every row; `first` is the grid index of its first sample.
 template <class Work>
 void forEachRow(const RayMap& map, const PathScratch& scratch, Walked& walked, Work&& work) {
   parallelFor(size_t(map.dims.z), 4, [&](size_t begin, size_t end) {
@@ -172,8 +172,8 @@ void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progre
         fetchValues(map.dims, offset, j, k, winding, there);
         for (size_t i = 0; i < sum.size(); ++i) sum[i] += float(counts[i]) + kPathsPerPoint * there[i];
       }
-      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n is the same at every sample, 6 * 25^t,
-      // so that it cancels and no count grows with the steps.
+      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n = 6 * 25^t is the same at every sample
+      // and cancels. Then no count grows with the steps.
       for (size_t i = 0; i < sum.size(); ++i)
         scratch.next[first + i] = sum[i] / float(1 + kPathsPerPoint * kPointsPerStep);
     });

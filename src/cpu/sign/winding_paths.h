@@ -7,8 +7,9 @@
 
 namespace raymap::cpu {
 
-// Both start from the six-ray average in `winding` and replace it. `scratch` keeps their memory.
+// `averagePaths` and `evolvePaths` start from the six-ray average in `winding` and replace it.
 
+/// Memory that both keep between runs.
 struct PathScratch {
   std::array<Buffer<int32_t>, 3> rays;  ///< r of every sample.
   Buffer<float> next;
@@ -16,12 +17,13 @@ struct PathScratch {
   size_t bytes() const;
 };
 
-/// §3.5, Eq. 9, the paper's simpler technique: P passes, each with one offset point q, the six paths to it
-/// along the axes, and its six rays.
+/// Averages over P passes (§3.5, Eq. 9), the paper's simpler technique. Each pass has one offset point q, the
+/// six paths to it along the axes, and its six rays.
 void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
                   Buffer<float>& winding);
 
-/// §3.5, Eq. 10-11: P steps, each with four offset points, on the field that the step before left.
+/// Evolves the field in P steps (§3.5, Eq. 10-11). Each step has four offset points and starts from the field
+/// of the previous step.
 void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
                  Buffer<float>& winding);
 

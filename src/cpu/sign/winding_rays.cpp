@@ -8,8 +8,9 @@ namespace raymap::cpu {
 
 namespace {
 
-/// Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the one to minus
-/// infinity (with our sign: what leaves through a face counts +1 both ways).
+/// Averages the rays of a row (Eq. 7). Returns the number of samples whose rays disagree. Along each axis, r
+/// is the ray to plus infinity; r minus the line's total is the ray to minus infinity. Our sign counts +1 for
+/// leaving through a face in either direction.
 size_t averageRow(const RayRow& row, size_t count, float* winding) {
   uint32_t doubtful = 0;
   for (size_t i = 0; i < count; ++i) {

@@ -5,8 +5,8 @@
 
 namespace raymap::cpu {
 
-/// Fills `winding` with the average of the six rays of each sample; returns how many samples' rays disagree.
-/// Where they agree the value is exactly their whole number.
+/// Fills `winding` with the average of the six rays of each sample. Returns the number of samples whose rays
+/// disagree. If they agree, the value is exactly their whole number.
 size_t averageRays(const RaySweep& sweep, Buffer<float>& winding);
 
 }  // namespace raymap::cpu
