@@ -1,12 +1,12 @@
 // Ours (Krayer & Müller 2019 keep the nearest cell's triangles, §3.3): the true closest triangle of every
 // sample.
 //
-// Blocks of samples are halved again and again, each with the list of triangles and tree nodes that may hold
-// the closest triangle of some sample in it. The eight halves lie in SIMD lanes. Let t be the triangle
-// closest to a half's centre. The distance to a candidate is convex, so its tangent plane at the centre
-// bounds it from below over the whole half; the distance to t is convex too, so where it stays below that
-// plane at the eight corners, it does so everywhere between, and the candidate cannot matter. Lists shrink to
-// a handful before single samples look at them.
+// A block of samples is halved along every axis, again and again. The eight blocks that result, its halves,
+// lie in SIMD lanes. Each has a list of the triangles and tree nodes that may hold the closest triangle of
+// some sample in it. Let t be the triangle closest to a half's centre. The distance to a candidate is convex,
+// so its tangent plane at the centre bounds it from below over the whole half. The distance to t is convex
+// too. If it stays below that plane at the eight corners, it does so everywhere between. Then the candidate
+// cannot matter. Lists shrink to a handful before single samples use them.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/distance/exact_distance.cpp"
@@ -33,7 +33,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kLargeSide = 32;
-/// Halves one block after another; each thread has its own.
+
+/// Halves one block after another. Each thread has its own instance.
 class BlockRefiner {
  public:
   explicit BlockRefiner(const ExactDistanceJob& job)
@@ -52,7 +53,7 @@ class BlockRefiner {
   }
 
  private:
-  /// Fills the eight halves of a block of `side` samples.
+  /// Fills the eight halves of a block with `side` samples along each axis.
   void refine(glm::ivec3 low, int side, const Candidates& candidates, int depth) {
     Level& level = levels_[depth];
     const int half = side / 2;
@@ -120,7 +121,8 @@ class BlockRefiner {
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) level.distance.store(i, hn::Sqrt(squared.load(i)));
   }
 
-  /// Distances of the lane's closest triangle at the corners of its half; returns their squares.
+  /// Measures the distances from the corners of a lane's half to its closest triangle. Stores their squares
+  /// in `squares` if that is not null.
   void measureCorners(size_t lane, float reach, Level& level, Lanes* squares = nullptr) const {
     const Tag tag;
     const Triangle<One> t = triangleOf(tree_, level.closest[lane]);
@@ -158,8 +160,8 @@ class BlockRefiner {
     });
   }
 
-  /// Looks below the nodes left to a half, each sample for itself: their triangles are small beside the
-  /// spacing.
+  /// Searches below the nodes left to a half, for each sample by itself: their triangles are small compared
+  /// to the spacing.
   void finishNodes(size_t half, uint32_t samples, Level& level) {
     const Tag tag;
     const Float reach = hn::Set(tag, 0.5f);
@@ -176,7 +178,7 @@ class BlockRefiner {
                    });
   }
 
-  /// Takes the triangle as the closest of the samples where it is.
+  /// Updates the closest triangle of every sample of these halves with one triangle.
   HWY_INLINE void finishTriangle(uint32_t id, uint32_t halves, const Level& level) {
     const Tag tag;
     const Triangle<One> t = triangleOf(tree_, id);
@@ -204,13 +206,14 @@ class BlockRefiner {
   const SurfaceTree& tree_;
   SampleGrid grid_;
   Pruner pruner_;
-  Lanes signX_, signY_, signZ_;  // of the eight corners of a half
+  Lanes signX_, signY_, signZ_;  // signs of the offsets from a half's centre to its eight corners
   Level levels_[4];
   NearestOfLanes samples_;
   NearestSearch search_;
 };
 
-/// Large blocks share more work, small ones keep every thread busy.
+/// Returns the side of the largest blocks, in samples. Large blocks share more work; small ones keep every
+/// thread busy.
 int topSide(glm::ivec3 dims) {
   constexpr size_t kEnough = 64;
   const glm::ivec3 large = (dims + kLargeSide - 1) / kLargeSide;

@@ -1,5 +1,5 @@
-// The candidates of a block of samples, and which of them may win where (exact_distance.cpp). Compiled once
-// per instruction set.
+// Candidates for the closest triangles of a block of samples, and their pruning (exact_distance.cpp).
+// Compiled once per instruction set.
 
 #include <utility>
 #include <vector>
@@ -16,14 +16,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 
-/// A node stays whole in the list of a block if its radius is at most this share of half the block's side, or
-/// so many cells: measured best from coarse to fine meshes.
+/// Largest radius of an unopened node in the list of a block: this share of half the block's side, or this
+/// number of cells if that is more. The values measured best from coarse to fine meshes.
 constexpr float kNodeShare = 0.6f, kSmallNode = 0.8f;
 
-/// What may hold the closest triangle of some sample of a block.
+/// Tree nodes and triangles that may hold the closest triangle of some sample of a block.
 struct Candidates {
   std::vector<uint32_t> nodes, triangles;
-  uint32_t closest = 0;  // the triangle closest to the middle of the block that this one is a half of
+  uint32_t closest = 0;  // triangle closest to the block's centre; any triangle for the largest blocks
 
   void reset(uint32_t newClosest) {
     nodes.clear();
@@ -32,6 +32,7 @@ struct Candidates {
   }
 };
 
+/// Tangents of one candidate at the centres of all halves.
 struct StoredTangent {
   Lanes d, gx, gy, gz;
   HWY_INLINE Tangent load(size_t i) const { return {d.load(i), gx.load(i), gy.load(i), gz.load(i)}; }
@@ -40,6 +41,7 @@ struct StoredTangent {
   }
 };
 
+/// Returns the side of a block's centre, 0 or 1 along each axis, on which the half in this lane lies.
 HWY_INLINE glm::ivec3 octant(size_t lane) {
   return {lane & 1, lane >> 1 & 1, lane >> 2};
 }
@@ -51,28 +53,27 @@ HWY_INLINE Disc<One> discOf(const SurfaceTree& tree, uint32_t node) {
   return {tree.discs(node / kPacket), {node % kPacket}};
 }
 
-/// The eight halves of a block.
+/// The eight halves of a block, one per lane.
 struct Level {
   Candidates candidates[kLanes];
-  Lanes x, y, z;                         // their centres
-  Lanes distance;                        // of the closest triangle to the centres
+  Lanes x, y, z;                         // centre
+  Lanes distance;                        // from the centre to the triangle closest to it
   alignas(64) uint32_t closest[kLanes];  // that triangle
-  Lanes corners[8];                      // its distance at the corners, minus the tolerance
+  Lanes corners[8];                      // distance from each corner to that triangle, minus the tolerance
   std::vector<StoredTangent> triangles, nodes;
 };
 
-/// Hands on the candidates that may be closest to some sample.
+/// Selects the candidates that may be closest to some sample.
 class Pruner {
  public:
   explicit Pruner(const SurfaceTree& tree) : tree_(tree) {}
 
-  /// Hands on the triangles and nodes that may matter, and to which halves. Nodes too wide for the halves are
-  /// opened.
+  /// Calls `keepTriangle` or `keepNode` with each candidate that may be closest, and with the lanes of the
+  /// halves in which it may be. Opens nodes that are too wide for the halves.
   template <class KeepTriangle, class KeepNode>
   HWY_INLINE void prune(const Candidates& candidates, float reach, uint32_t active, const Level& level,
                         KeepTriangle&& keepTriangle, KeepNode&& keepNode) {
     const Float reachLanes = hn::Set(Tag(), reach);
-    // Each half already has its closest triangle.
     const auto offer = [&](uint32_t t, uint32_t lanes) {
       if (lanes) keepTriangle(t, lanes);
     };
@@ -112,8 +113,8 @@ class Pruner {
   }
 
  private:
-  /// Where a candidate may be closest to some sample of a half: its tangent plane lies below the closest
-  /// triangle's distance at some corner.
+  /// Returns where a candidate may be closest to some sample of a half: where its tangent plane lies below
+  /// the closest triangle's distance at some corner.
   template <class Corner>
   static HWY_INLINE Mask mayWin(const Tangent& t, Float reach, Corner&& corner) {
     const Float x = hn::Mul(t.gx, reach), y = hn::Mul(t.gy, reach), z = hn::Mul(t.gz, reach);
@@ -127,12 +128,12 @@ class Pruner {
     return hn::Lt(hn::Min(hn::Min(a, b), hn::Min(c, d)), hn::Zero(Tag()));
   }
 
-  /// The halves in which one candidate may win.
+  /// Returns the halves in which one candidate may be closest.
   HWY_INLINE uint32_t survivors(const Tangent& t, size_t i, Float reach, const Level& level) const {
     return bits(mayWin(t, reach, [&](size_t c) { return level.corners[c].load(i); })) << i;
   }
 
-  /// Of the halves in `lanes`, those in which each of a packet's eight may win.
+  /// Finds, for each of a packet's eight candidates, the halves among `lanes` in which it may be closest.
   template <class Shape>
   HWY_INLINE void survivors(const Shape& packet, uint32_t lanes, Float reach, const Level& level,
                             uint32_t (&halves)[kPacket]) const {

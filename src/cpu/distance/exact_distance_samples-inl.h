@@ -1,4 +1,4 @@
-// The samples that a run of exact_distance.cpp reads and writes. Compiled once per instruction set.
+// Samples that a run of exact_distance.cpp reads and writes. Compiled once per instruction set.
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +17,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 
-/// The grid's samples.
+/// Access to the grid's samples.
 class SampleGrid {
  public:
   explicit SampleGrid(const ExactDistanceJob& job) : job_(job) {}
 
-  /// The eight positions `step` apart from `low` on, those that are samples of the grid.
+  /// Returns which of the eight positions from `low` on, `step` apart, are samples of the grid.
   HWY_INLINE uint32_t from(glm::ivec3 low, int step) const {
     const glm::ivec3 high = low + step;
     if (high.x < job_.dims.x && high.y < job_.dims.y && high.z < job_.dims.z) return 0xff;
@@ -31,7 +31,7 @@ class SampleGrid {
     return x & y & z;
   }
 
-  /// Leaves out the halves that are closer to what was there before.
+  /// Returns the active halves without those whose samples are all as close to earlier triangles.
   uint32_t skipClose(glm::ivec3 low, int half, float reach, uint32_t active, const Level& level) const {
     uint32_t rest = active;
     forEachLane(active, [&](size_t lane) {
@@ -41,7 +41,7 @@ class SampleGrid {
     return rest;
   }
 
-  /// Fills the halves that the band does not reach; returns the rest.
+  /// Fills the active halves that the band does not reach. Returns the others.
   uint32_t skipFar(glm::ivec3 low, int half, float reach, uint32_t active, const Level& level) const {
     uint32_t rest = active;
     forEachLane(active, [&](size_t lane) {

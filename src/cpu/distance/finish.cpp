@@ -1,4 +1,4 @@
-// The last stage: distances in the mesh's units.
+// Last stage: converts distances to the mesh's units.
 
 #include "cpu/distance/finish.h"
 

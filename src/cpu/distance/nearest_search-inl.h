@@ -1,4 +1,5 @@
-// The closest triangle to points in SIMD lanes, by descending the surface tree. Included once per target.
+// Finds the closest triangles to points in SIMD lanes by descending the surface tree. Compiled once per
+// instruction set.
 
 #if defined(RAYMAP_NEAREST_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYMAP_NEAREST_SEARCH_INL_H
@@ -22,7 +23,7 @@ namespace raymap::cpu {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The smallest value so far in each lane, and whose it is.
+/// Smallest value so far in each lane, and the id that it belongs to.
 struct Nearest {
   using IntTag = hn::Rebind<int32_t, Tag>;
   Float distance;
@@ -47,7 +48,7 @@ struct Nearest {
   }
 };
 
-/// Points in some of the lanes, and what is closest to them so far.
+/// Points in some of the lanes, and the closest triangles so far.
 struct Points {
   uint32_t lanes;
   const Lanes &x, &y, &z;
@@ -55,21 +56,22 @@ struct Points {
   uint32_t* closest;
 };
 
-/// The closest triangles to eight points in each of eight halves of a block: by half, then by point. Or, for
-/// eight points, in each lane of the packets looked at: by point, then by lane.
+/// Table of 8 x 8 closest triangles. It holds those of eight points in each of the eight halves of a block,
+/// by half, then by point. Or it holds those of eight points among each lane of the searched packets, by
+/// point, then by lane.
 struct NearestOfLanes {
   Lanes squared[kLanes];
   alignas(64) uint32_t closest[kLanes][kLanes];
 };
 
-/// Holds scratch memory: each thread has its own.
+/// Search with its scratch memory. Each thread has its own instance.
 class NearestSearch {
  public:
   explicit NearestSearch(const SurfaceTree& tree) : tree_(tree) {}
 
-  /// Looks for closer triangles below nodes whose squared distances are at least `bound(node, lane)`: first
-  /// in the node that may come closest to each point, which nearly settles its distance, then in all that may
-  /// win.
+  /// Searches for closer triangles below nodes whose squared distances are at least `bound(node, lane)`. The
+  /// node that may be closest to each point comes first: it nearly settles the point's distance. Then come
+  /// all other nodes that may still be closer.
   template <class Bound>
   HWY_INLINE void search(const std::vector<uint32_t>& nodes, const Points& points, Bound&& bound) {
     alignas(64) uint32_t first[kLanes];
@@ -85,7 +87,7 @@ class NearestSearch {
     settle(lanes, points);
   }
 
-  /// The squared distance of one point, or `known` if that is less.
+  /// Returns the squared distance of one point, or `known` if that is less.
   float lookAround(const glm::vec3& p, float known) const {
     Closest closest{known, 0};
     searchBelow(tree_.root(), p, closest);
@@ -99,7 +101,7 @@ class NearestSearch {
       hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
   }
 
-  /// The lanes in which a value is lower than another.
+  /// Returns the lanes in which `value` is lower than `than`.
   static HWY_INLINE uint32_t lower(const Lanes& value, const Lanes& than) {
     uint32_t lanes = 0;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
@@ -107,8 +109,8 @@ class NearestSearch {
     return lanes;
   }
 
-  /// Keeps all bounds, and finds the node with the lowest for each point. Returns the points to which some
-  /// node may come closer than what is known.
+  /// Stores all bounds and finds the node with the lowest bound for each point. Returns the points to which
+  /// some node may be closer than the closest triangle so far.
   template <class Bound>
   HWY_INLINE uint32_t boundNodes(size_t count, const Points& points, Bound&& bound, uint32_t* first) {
     bounds_.resize(count);
@@ -125,7 +127,7 @@ class NearestSearch {
     return lower(least, points.squared);
   }
 
-  /// The closest triangle so far to a point.
+  /// Closest triangle so far to a point.
   struct Closest {
     float squared;
     uint32_t triangle;
@@ -153,7 +155,7 @@ class NearestSearch {
     });
   }
 
-  /// Looks below the first node of each point, once for all points that share it.
+  /// Searches below the first node of each point, once for all points that share it.
   HWY_INLINE void searchFirst(const std::vector<uint32_t>& nodes, const uint32_t* first, uint32_t lanes,
                               const Points& points) {
     while (lanes) {
@@ -162,7 +164,7 @@ class NearestSearch {
       forEachLane(lanes, [&](size_t lane) {
         if (first[lane] != k) return;
         sharing |= 1u << lane;
-        bounds_[k].v[lane] = INFINITY;  // not again
+        bounds_[k].v[lane] = INFINITY;  // This node is not searched again.
       });
       lanes &= ~sharing;
       if (tree_.isLeaf(nodes[k]))
@@ -177,9 +179,9 @@ class NearestSearch {
     }
   }
 
-  /// Looks for closer triangles below the nodes on the stack, each for the points in its lanes. No answer
-  /// waits for another: the closest in each lane of the packets is kept, and the closest of these taken at
-  /// the end.
+  /// Searches for closer triangles below the nodes on the stack, each for the points in its lanes. No result
+  /// waits for another: each lane of the packets keeps its closest triangle, and `settle` takes the closest
+  /// of these at the end.
   HWY_NOINLINE void searchStack(const Points& points) {
     while (!stack_.empty()) {
       const auto [node, lanes] = stack_.back();
@@ -220,7 +222,7 @@ class NearestSearch {
       if (open[child]) push(packet * kPacket + child, open[child]);
   }
 
-  /// Looks for a triangle below the node that is closer to p, nearer children first, a packet at a time.
+  /// Searches for a closer triangle to p below the node, nearer children first, a packet at a time.
   void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
     const uint32_t packet = tree_.childPacket(node);
     const Tag tag;

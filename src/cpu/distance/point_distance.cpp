@@ -1,4 +1,4 @@
-// The exact distance of any points, by the tree that the grid's samples use.
+// Exact distance of arbitrary points, with the tree that the grid's samples use.
 
 #include "cpu/distance/point_distance.h"
 
@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/distance/point_distance.cpp"
 #include <hwy/foreach_target.h>
-// Highway's order of includes matters.
+// Must come after foreach_target.h.
 #include <hwy/highway.h>
 
 #include "cpu/distance/nearest_search-inl.h"
@@ -16,8 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 
 void measurePoints(const SurfaceTree& tree, std::span<const glm::vec3> points, std::span<float> distances) {
-  constexpr float kSlack =
-      1.001f;  // More than rounding can take away from what bounds a distance from above.
+  // Keeps the upper bound of the next distance above it in spite of rounding.
+  constexpr float kSlack = 1.001f;
   const NearestSearch search(tree);
   float known = INFINITY;
   for (size_t i = 0; i < points.size(); ++i) {

@@ -4,8 +4,8 @@
 
 namespace raymap::cpu {
 
-/// The distance, in cell units, of each point to the closest of the tree's triangles. Fastest where
-/// successive points are close to each other.
+/// Computes the distance of each point to the closest of the tree's triangles, in cell units. It is fastest
+/// if successive points are close to each other.
 void computePointDistances(const SurfaceTree& tree, std::span<const glm::vec3> points,
                            std::span<float> distances);
 

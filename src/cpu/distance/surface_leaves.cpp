@@ -1,11 +1,11 @@
-// Ours: the lowest levels of the tree behind exact_distance, in SIMD lanes.
+// Ours: builds the lowest levels of the tree behind exact_distance, in SIMD lanes.
 
 #include "cpu/distance/surface_leaves.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/distance/surface_leaves.cpp"
 #include <hwy/foreach_target.h>
-// Highway's order of includes matters.
+// Must come after foreach_target.h.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Vectors {
   using Value = hn::Vec<D>;
   Value x, y, z;
 
-  /// Every lane the same.
+  /// Returns the same vector in every lane.
   static HWY_INLINE Vectors all(const glm::vec3& v) {
     return {hn::Set(D(), v.x), hn::Set(D(), v.y), hn::Set(D(), v.z)};
   }
@@ -57,7 +57,7 @@ using Tag = hn::CappedTag<float, kPacket>;
 using Float = hn::Vec<Tag>;
 using Float3 = Vectors<Tag>;
 
-/// One corner of so many triangles as there are lanes.
+/// Loads one corner of as many triangles as there are lanes.
 HWY_INLINE Float3 loadFloats(const float (&corner)[3][kPacket], size_t i) {
   return {hn::Load(Tag(), corner[0] + i), hn::Load(Tag(), corner[1] + i), hn::Load(Tag(), corner[2] + i)};
 }
@@ -74,8 +74,8 @@ HWY_INLINE void store(const Double3& v, float* toX, float* toY, float* toZ) {
   store(v.x, toX), store(v.y, toY), store(v.z, toZ);
 }
 
-/// Unit vectors across the unit vectors `x` and across `e`. Where the cross product is mostly rounding, which
-/// may point along `x`, any direction across `x` will do: `e` lies along it.
+/// Returns unit vectors across the unit vectors `x` and across `e`. If the cross product is mostly rounding
+/// error, it may point along `x`. Then any direction across `x` will do, because `e` lies along `x`.
 HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
   const DoubleTag d;
   const Double3 v = x.cross(e);
@@ -88,8 +88,8 @@ HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
   return across * hn::Div(one, hn::Sqrt(across.dot(across)));
 }
 
-/// Puts triangles into frames. The longest edge becomes ab, so that c lies over it and slivers keep a sound
-/// frame.
+/// Converts triangles to their own frames. The longest edge becomes ab, so that c lies over it and slivers
+/// keep a sound frame.
 HWY_INLINE void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
   const DoubleTag d;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);

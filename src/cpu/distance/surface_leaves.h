@@ -4,23 +4,22 @@
 
 namespace raymap::cpu {
 
-/// The corners of eight triangles: corner, axis, lane.
+/// Corners of eight triangles, by corner, axis and lane.
 struct alignas(64) CornerPacket {
   float v[3][3][kPacket];
 };
 
-/// Where a triangle lies: x, y and z of its centroid in 16 bits each, from the highest on, and an index in
-/// the lowest.
+/// Position of a triangle: x, y and z of its centroid in 16 bits each, from the highest on. The lowest 16
+/// bits are an index.
 using Place = uint64_t;
 
-/// The triangles of a run of the curve: so many as an index of 16 bits and the cache of a core take.
+/// Number of triangles in a run of the curve: few enough for an index of 16 bits and for the cache of a core.
 inline constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket * kPacket;
 
-/// Puts `count` <= kRun places into an order in which each aligned power of two of them is compact, from
-/// eight on.
+/// Sorts `count` <= kRun places so that each aligned power of two of them, from eight on, is compact.
 void sortRun(Place* places, size_t count);
 
-/// Writes a leaf's triangles in frames of their own, and the disc around them into a lane of `discs`.
+/// Writes a leaf's triangles in their own frames, and the disc around them to a lane of `discs`.
 void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs);
 
 }  // namespace raymap::cpu

@@ -1,11 +1,11 @@
-// Ours: the order of triangles behind exact_distance, a run of the curve at a time.
+// Ours: orders the triangles of the tree behind exact_distance, a run of the curve at a time.
 
 #include "cpu/distance/surface_leaves.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/distance/surface_order.cpp"
 #include <hwy/foreach_target.h>
-// Highway's order of includes matters.
+// Must come after foreach_target.h.
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -16,19 +16,19 @@ HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Its fields of 16 bits, from the lowest on; field 0 is the index.
+/// Fields of a place, 16 bits each, from the lowest on. Field 0 is the index.
 constexpr int kZ = 1, kY = 2, kX = 3, kFields = 4;
 
-/// So few are sorted fastest by comparing all with all.
+/// Largest number of places that comparing all with all sorts fastest.
 constexpr size_t kRankSorted = 64;
 
-/// The extent of each field. `count` is at least 8.
+/// Measures the extent of each field. `count` must be at least 8.
 HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kFields]) {
   constexpr size_t kAtOnce = kFields * kPacket;
   uint16_t low[kAtOnce], high[kAtOnce] = {}, fields[kAtOnce];
   std::fill_n(low, kAtOnce, UINT16_MAX);
   for (size_t t = 0; t < count; t += kPacket) {
-    // The last eight overlap those before rather than reach beyond the end.
+    // The last eight places overlap those before rather than reach beyond the end.
     std::memcpy(fields, places + std::min(t, count - kPacket), sizeof(fields));
     for (size_t i = 0; i < kAtOnce; ++i) {
       low[i] = std::min(low[i], fields[i]);
@@ -44,7 +44,7 @@ HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kF
   }
 }
 
-/// Sorts a few by counting for each how many are smaller.
+/// Sorts a few places by counting for each how many are smaller.
 HWY_INLINE void sortByRank(Place* places, size_t count) {
   const hn::CappedTag<uint64_t, kPacket> d;
   Place sorted[kRankSorted], padded[kRankSorted + kPacket];
@@ -59,7 +59,7 @@ HWY_INLINE void sortByRank(Place* places, size_t count) {
   std::copy_n(sorted, count, places);
 }
 
-/// A place that about as many are smaller than as `middle` asks for, from a sample.
+/// Returns a place from a sample, such that about `middle - begin` places are smaller.
 HWY_INLINE Place guessMiddle(const Place* begin, const Place* middle, const Place* end) {
   constexpr size_t kSample = 16;
   const auto count = static_cast<size_t>(end - begin);
@@ -69,7 +69,7 @@ HWY_INLINE Place guessMiddle(const Place* begin, const Place* middle, const Plac
   return sample[static_cast<size_t>(middle - begin) * kSample / count];
 }
 
-/// Brings the smallest to the front of `middle`: quickselect, without a branch on what is compared.
+/// Moves the smallest places before `middle`: quickselect, without a branch on the result of a comparison.
 HWY_INLINE void selectMiddle(Place* begin, const Place* middle, Place* end) {
   while (end - begin > ptrdiff_t{kRankSorted}) {
     const Place pivot = guessMiddle(begin, middle, end);
@@ -82,7 +82,7 @@ HWY_INLINE void selectMiddle(Place* begin, const Place* middle, Place* end) {
     }
     if (smaller == middle) return;
     if (smaller == begin) {
-      // The pivot is the smallest of all: it goes to the front, so that each round leaves fewer.
+      // The pivot is the smallest of all. It moves to the front, so that each round leaves fewer places.
       std::swap(*begin, *std::find(begin, end, pivot));
       ++begin;
     } else if (smaller < middle) {
@@ -94,7 +94,8 @@ HWY_INLINE void selectMiddle(Place* begin, const Place* middle, Place* end) {
   sortByRank(begin, static_cast<size_t>(end - begin));
 }
 
-/// Halves the run across its longest side until leaves are left, each power of two a run of its own.
+/// Halves the run across its longest side until only leaves are left. Each half becomes a run of its own; the
+/// first has a power of two of places.
 void sortRun(Place* places, size_t count) {
   if (count <= kPacket) return;
   uint16_t extent[kFields];

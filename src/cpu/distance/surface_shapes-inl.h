@@ -1,4 +1,4 @@
-// Triangles and discs of the surface tree in SIMD lanes. Included once per target.
+// Triangles and discs of the surface tree in SIMD lanes. Compiled once per instruction set.
 
 #if defined(RAYMAP_SURFACE_SHAPES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYMAP_SURFACE_SHAPES_INL_H
@@ -22,7 +22,7 @@ using Mask = hn::Mask<Tag>;
 
 constexpr size_t kLanes = kPacket;
 
-/// One value per lane, whatever the width of the machine's vectors.
+/// One value per lane, for any width of the machine's vectors.
 struct Lanes {
   alignas(64) float v[kLanes];
   HWY_INLINE Float load(size_t i) const { return hn::Load(Tag(), v + i); }
@@ -35,11 +35,12 @@ HWY_INLINE uint32_t bits(Mask mask) {
   return out[0];
 }
 
-/// How a packet is read: one of its eight for all lanes, or each lane its own.
+/// Reads one element of a packet into all lanes.
 struct One {
   uint32_t lane;
   HWY_INLINE Float operator()(const float* field) const { return hn::Set(Tag(), field[lane]); }
 };
+/// Reads each element of a packet into its own lane.
 struct Each {
   size_t i;
   HWY_INLINE Float operator()(const float* field) const { return hn::Load(Tag(), field + i); }
@@ -57,7 +58,7 @@ struct Disc {
   Read read;
 };
 
-/// A point, or an offset, in a triangle's frame.
+/// Point or offset in a triangle's frame.
 struct Local {
   Float u, v, w;
 };
@@ -74,16 +75,16 @@ HWY_INLINE Local toLocal(const Triangle<Read>& t, Float px, Float py, Float pz) 
   return rotate(t, hn::Sub(px, t.read(t.p.ax)), hn::Sub(py, t.read(t.p.ay)), hn::Sub(pz, t.read(t.p.az)));
 }
 
-/// The least of the three edge functions: positive where (u, v) lies inside the triangle, never so if
-/// it has no area.
+/// Returns the least of the three edge functions. It is positive if (u, v) lies inside the triangle, and
+/// never positive if the triangle has no area.
 template <class Read>
 HWY_INLINE Float insideness(const Triangle<Read>& t, Float u, Float v, Float ub, Float ex) {
   return hn::Min(v, hn::Min(hn::MulSub(ex, v, hn::Mul(t.read(t.p.cy), ub)),
                             hn::MulSub(t.read(t.p.cy), u, hn::Mul(t.read(t.p.cx), v))));
 }
 
-/// Offsets to a point from the closest points of the three edges, in the plane, with their squares; and
-/// whether the point lies beside the face rather than over it.
+/// Offsets to a point from the closest points of the three edges, in the plane, and their squares. `outside`
+/// tells whether the point lies beside the face rather than over it.
 struct EdgeOffsets {
   Float abU, abV, ab2, bcU, bcV, bc2, caU, caV, ca2;
   Mask outside;
@@ -114,7 +115,7 @@ HWY_INLINE EdgeOffsets edgeOffsets(const Triangle<Read>& t, Float u, Float v) {
           hn::Le(insideness(t, u, v, ub, ex), zero)};
 }
 
-/// The offset to a point from the closest point of the triangle.
+/// Returns the offset to a point from the closest point of the triangle.
 template <class Read>
 HWY_INLINE Local offsetFrom(const Triangle<Read>& t, const Local& p) {
   const EdgeOffsets e = edgeOffsets(t, p.u, p.v);
@@ -129,7 +130,7 @@ HWY_INLINE Float squared(const Local& o) {
   return hn::MulAdd(o.u, o.u, hn::MulAdd(o.v, o.v, hn::Mul(o.w, o.w)));
 }
 
-/// The squared distance alone: no need to know which edge is closest.
+/// Returns the squared distance alone, which does not depend on which edge is closest.
 template <class Read>
 HWY_INLINE Float squaredDistance(const Triangle<Read>& t, const Local& p) {
   const EdgeOffsets e = edgeOffsets(t, p.u, p.v);
@@ -142,14 +143,14 @@ HWY_INLINE Float squaredDistance(const Triangle<Read>& t, Float px, Float py, Fl
   return squaredDistance(t, toLocal(t, px, py, pz));
 }
 
-/// 1 / sqrt(x) to nearly full precision, and much cheaper. Only what prunes uses it, not what is written.
+/// Returns 1 / sqrt(x) to nearly full precision, and much faster. Only pruning uses it, no written result.
 HWY_INLINE Float inverseSqrt(Float x) {
   const Tag tag;
   const Float y = hn::ApproximateReciprocalSqrt(x);
   return hn::Mul(y, hn::NegMulAdd(hn::Mul(hn::Mul(x, hn::Set(tag, 0.5f)), y), y, hn::Set(tag, 1.5f)));
 }
 
-/// Distance and its gradient at the lanes' centres: the tangent plane.
+/// Tangent plane: the distance and its gradient at the lanes' points.
 struct Tangent {
   Float d, gx, gy, gz;
 };
@@ -167,7 +168,7 @@ HWY_INLINE Tangent tangent(const Triangle<Read>& t, Float px, Float py, Float pz
           hn::MulAdd(u, t.read(t.p.xz), hn::MulAdd(v, t.read(t.p.yz), hn::Mul(w, t.read(t.p.zz))))};
 }
 
-/// The tangent plane of the distance to a disc with thickness; zero inside it.
+/// Returns the tangent plane of the distance to a disc with thickness. The distance is zero inside the disc.
 template <class Read>
 HWY_INLINE Tangent tangent(const Disc<Read>& disc, Float px, Float py, Float pz) {
   const Tag tag;
@@ -190,7 +191,7 @@ HWY_INLINE Tangent tangent(const Disc<Read>& disc, Float px, Float py, Float pz)
           hn::MulAdd(axial, nz, hn::Mul(radial, qz))};
 }
 
-/// The squared distance to a disc with thickness.
+/// Returns the squared distance to a disc with thickness.
 template <class Read>
 HWY_INLINE Float squaredDistance(const Disc<Read>& disc, Float px, Float py, Float pz) {
   const Tag tag;

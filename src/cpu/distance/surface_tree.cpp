@@ -12,7 +12,7 @@
 
 namespace raymap::cpu {
 
-/// The lattice on which centroids get their places.
+/// Lattice on which centroids get their places.
 class PlaceLattice {
  public:
   explicit PlaceLattice(const CellMesh& mesh) {
@@ -21,7 +21,7 @@ class PlaceLattice {
       low = glm::min(low, v);
       high = glm::max(high, v);
     }
-    // What lies far from the grid needs no fine order.
+    // Triangles far from the grid need no fine order.
     const glm::vec3 dims(mesh.dims), nearLow = glm::max(low, -dims), nearHigh = glm::min(high, 2.0f * dims);
     if (glm::all(glm::lessThan(nearLow, nearHigh))) low = nearLow, high = nearHigh;
     const glm::vec3 size = high - low;
@@ -46,7 +46,7 @@ namespace {
 constexpr size_t kGrain = 2048;
 constexpr size_t kRunLeaves = kRun / kPacket;
 
-/// Position along the Morton curve of a place, 10 bits of each axis.
+/// Returns the position of a place along the Morton curve, with 10 bits of each axis.
 uint32_t mortonIndex(Place place) {
   const auto spread = [place](int shift) {
     auto v = static_cast<uint32_t>(place >> (shift + 6)) & 0x3ffu;
@@ -77,10 +77,10 @@ Disc readDisc(const DiscPacket& packet, uint32_t lane) {
           packet.halfThickness[lane]};
 }
 
-/// No point comes near: fills the lanes of a packet that hold no node.
+/// Disc that no point comes near. It fills the lanes of a packet that hold no node.
 const Disc kNowhere{glm::vec3(1e15f), {0, 0, 1}, 0.0f, 0.0f};
 
-/// The corners of a leaf's triangles.
+/// Reads the corners of a leaf's triangles.
 void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corners) {
   for (uint32_t lane = 0; lane < kPacket; ++lane) {
     const glm::uvec3 triangle = mesh.triangles[static_cast<uint32_t>(keys[lane])];
@@ -91,7 +91,7 @@ void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corne
   }
 }
 
-/// Puts the keys of a run into the order of its leaves.
+/// Sorts the keys of a run into the order of its leaves.
 void orderRun(const CellMesh& mesh, const PlaceLattice& lattice, uint64_t* keys, size_t count) {
   Place run[kRun];
   uint64_t before[kRun];
@@ -103,7 +103,7 @@ void orderRun(const CellMesh& mesh, const PlaceLattice& lattice, uint64_t* keys,
   for (size_t t = 0; t < count; ++t) keys[t] = before[run[t] % kRun];
 }
 
-/// The disc around points, across a direction.
+/// Returns the disc around points, with its normal along `normalSum`.
 Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalSum) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (size_t p = 0; p < count; ++p) {
@@ -192,7 +192,7 @@ void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice)
 
 namespace {
 
-/// The disc around the discs of a packet.
+/// Returns the disc around the discs of a packet.
 Disc boundDiscs(const DiscPacket& packet, uint32_t count) {
   glm::vec3 centres[kPacket], normal(0.0f);
   for (uint32_t lane = 0; lane < count; ++lane) {
