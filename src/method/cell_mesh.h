@@ -8,8 +8,8 @@
 
 namespace raymap {
 
-/// Mesh in cell units over a grid: sample (i, j, k) lies at (i, j, k), and the cell around it reaches half a
-/// unit to every side (§3.5). All stages start from these single-precision positions, so they see the same
+/// Mesh in cell units over a grid: sample (i, j, k) lies at (i, j, k). The cell around it reaches half a unit
+/// to every side (§3.5). All stages start from these single-precision positions, so they see the same
 /// surface.
 struct CellMesh {
   Buffer<glm::vec3> vertices;

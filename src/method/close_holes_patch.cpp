@@ -153,8 +153,8 @@ class Polygonizer {
     }
   }
 
-  /// Moves the vertices at the patch's ends to the rim in their cubes, or else to the rim in a neighbouring
-  /// cube: between lattice lines the mesh may end a little farther on.
+  /// Moves the vertices at the patch's ends to the rim in their cubes. If a cube has none, its vertex moves
+  /// to the rim in a neighbouring cube: between lattice lines the mesh may end a little farther away.
   void moveToRims(Progress& progress) {
     std::vector<uint64_t> cubes;
     for (const RimVertex& v : rimVertices_) cubes.push_back(v.cube);

@@ -29,7 +29,7 @@ constexpr double kByFar = 0.33, kClearly = 0.9, kFall = 0.05, kManyFaces = 0.02;
 /// any further reversals are kept that lower the misfit to less than the share `kLower`.
 constexpr double kScattered = 0.4, kLower = 0.99;
 
-/// Reversed faces, and how badly the crossings agree with them.
+/// Reversed faces, and the misfit of the field with them.
 struct State {
   Turns turns;
   double misfit = INFINITY;

@@ -15,8 +15,8 @@ namespace raymap {
 /// one cell: closer to such a face the field falls whichever way the face points.
 inline constexpr float kFarSides = 0.7f;
 
-/// Faces to reverse, and how badly the crossings agree before and after. A misfit is the sum of squares by
-/// which the field misses the jumps along the lattice edges, over the sum of the jumps' magnitudes.
+/// Faces to reverse, and the misfits before and after. A misfit is the sum of squares by which the field
+/// misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
 struct FaceSides {
   Turns turns;  ///< Empty if no face was examined.
   double misfitGiven = 0.0, misfit = 0.0;

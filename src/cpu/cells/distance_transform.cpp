@@ -1,8 +1,8 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
 //
 // Paper: one line per work item, in shared memory; the longer the lines, the fewer are in flight. Here: lines
-// adjacent along x go through a small tile of whole cache lines, because memory throughput along y and z then
-// equals that along x at any resolution.
+// adjacent along x go through a small tile of whole cache lines, because the memory throughput is then the
+// same along x, y and z.
 
 #include "cpu/cells/distance_transform.h"
 

@@ -11,10 +11,10 @@
 
 namespace raymap::cpu {
 
-/// Replaces the squared value of every cell p by the minimum over all occupied cells q of |p - q|^2 + f(q):
-/// along x, then y, then z (§3.3, Algorithms 1 and 2; Felzenszwalb & Huttenlocher 2012). `nearestCell` gets
-/// the index of that q; of several, the one with the lowest z, then y, then x. If all cells are empty, they
-/// keep `emptyCell` and get `kNoCell`.
+/// Transforms squared distances by §3.3, Algorithms 1 and 2 (Felzenszwalb & Huttenlocher 2012). The value of
+/// a cell p becomes the minimum of |p - q|^2 + f(q) over all occupied cells q, along x, then y, then z.
+/// `nearestCell` gets the index of that q; of several, the one with the lowest z, then y, then x. If all
+/// cells are empty, they keep `emptyCell` and get `kNoCell`.
 void transformDistance(glm::ivec3 dims, Progress& progress, Buffer<float>& squared,
                        Buffer<uint32_t>& nearestCell);
 

@@ -49,9 +49,9 @@ struct Slab {
   double high;
 };
 
-/// Returns the separating axes of a triangle and a unit cube (Akenine-Möller 2001), except the cube's own
-/// normals, as slabs that the cube's centre must lie in. The plane comes first, then the three edges for each
-/// of x, y, z. `slack` enlarges the cube against rounding.
+/// Returns the separating axes of a triangle and a unit cube (Akenine-Möller 2001) as slabs that the cube's
+/// centre must lie in. The cube's own normals are left out. The plane comes first, then the three edges for
+/// each of x, y, z. `slack` enlarges the cube against rounding.
 inline std::array<Slab, 10> triangleBoxSlabs(const std::array<glm::dvec3, 3>& corner, double slack) {
   const auto slab = [slack](const glm::dvec3& axis, double m0, double m1) {
     const double reach = (0.5 + slack) * (std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z));

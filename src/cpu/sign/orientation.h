@@ -6,9 +6,9 @@
 
 namespace raymap::cpu {
 
-/// Returns how badly the harmonic field fits the crossings: the squared differences between w(i) - w(i + 1)
-/// and w_l (Eq. 5), summed over all lattice edges, over the sum of |w_l|. Returns 0 if nothing is crossed.
-/// Any other field than the best fit gives a wrong result.
+/// Returns the misfit between the harmonic field and the crossings. It is the sum over all lattice edges of
+/// the squared differences between w(i) - w(i + 1) and w_l (Eq. 5), divided by the sum of |w_l|. Returns 0 if
+/// nothing is crossed. Any other field than the best fit gives a wrong result.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding);
 
 /// Returns whether any sample's sign contradicts the parity of all six of its rays. Only samples count whose

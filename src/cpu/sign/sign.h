@@ -7,9 +7,9 @@ namespace raymap::cpu {
 /// Negates the distance where |winding| > threshold, or everywhere else if `invert` (§3.5, end).
 void applySign(const Buffer<float>& winding, double threshold, bool invert, Buffer<float>& distance);
 
-/// Computes how sure the sign of each sample is, 0 to 1: m (1 + a) / 2. m grows with the distance of |w| from
-/// the threshold and is 1 at |w| = 0 and from |w| = 1 on. a is the share of the six rays that alone give the
-/// same sign.
+/// Computes the confidence m (1 + a) / 2 of each sample's sign, 0 to 1. The margin m grows with the distance
+/// of |w| from the threshold; it is 1 at |w| = 0 and from |w| = 1 on. The agreement a is the share of the six
+/// rays that alone give the same sign.
 void computeConfidence(const RayMap& map, const Buffer<float>& winding, double threshold,
                        Buffer<float>& confidence);
 
