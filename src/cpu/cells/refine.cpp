@@ -22,9 +22,9 @@ constexpr int kSide = 8;
 constexpr uint32_t kBlock = kSide * kSide * kSide;
 static_assert(kBlock <= PointBatch::kCapacity);
 
-class BlockRefiner {
+class NearestCellRefiner {
  public:
-  BlockRefiner(const CellMesh& mesh, std::span<const CellLevel> levels, std::span<const CellTrees> trees,
+  NearestCellRefiner(const CellMesh& mesh, std::span<const CellLevel> levels, std::span<const CellTrees> trees,
                int reach)
       : mesh_(mesh), levels_(levels), trees_(trees), reach_(reach) {}
 
@@ -128,7 +128,7 @@ void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int
   distance.resize(CellLattice{mesh.dims}.count());
   if (triangle) triangle->resize(distance.size());
   parallelFor(blocks.count(), kBlocksAtOnce, [&](size_t begin, size_t end) {
-    BlockRefiner refiner(mesh, levels, trees, reach);
+    NearestCellRefiner refiner(mesh, levels, trees, reach);
     for (size_t b = begin; b < end; ++b) {
       progress.report(double(b) / double(blocks.count()));
       refiner.refine(kSide * blocks.cell(b), distance, triangle);
