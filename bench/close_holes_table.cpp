@@ -176,11 +176,11 @@ Mesh lidOf(const Holed& holed) {
 void printRow(const std::string& name, const char* method, const Field& field, const Holed& holed) {
   Options plain;
   plain.device = "cpu";
-  const Field toLid = generate(holed.closed, field.grid, plain),
-              toWhole = generate(holed.whole, field.grid, plain);
+  const Field toLid = generate(holed.closed, field.grid, plain).field,
+              toWhole = generate(holed.whole, field.grid, plain).field;
   Options unsignedOptions = plain;
   unsignedOptions.sign = SignMode::None;
-  const Field lid = generate(lidOf(holed), field.grid, unsignedOptions);
+  const Field lid = generate(lidOf(holed), field.grid, unsignedOptions).field;
   double largestToLid = 0.0, largestToWhole = 0.0;
   const double meanToLid = errorsOf(field, toLid, largestToLid),
                meanToWhole = errorsOf(field, toWhole, largestToWhole);
@@ -197,12 +197,12 @@ void printRows(const std::string& name, const Mesh& mesh, const glm::dvec3& norm
     const std::string row = name + ", " + std::to_string(int(degrees)) + "°";
     Options options;
     options.device = "cpu";
-    const Field plain = generate(holed.open, grid, options);
+    const Field plain = generate(holed.open, grid, options).field;
     options.closeHoles = true;
-    printRow(row, "`--close-holes`", generate(holed.open, grid, options), holed);
+    printRow(row, "`--close-holes`", generate(holed.open, grid, options).field, holed);
     printRow(row, "plain", plain, holed);
 #ifdef RAYMAP_BENCH_OPENVDB
-    Field vdb = generate(holed.open, grid, options);
+    Field vdb = generate(holed.open, grid, options).field;
     bench::runOpenvdb({.mesh = holed.open, .grid = grid, .band = kBand}, vdb.distance);
     printRow(row, "OpenVDB", vdb, holed);
 #endif

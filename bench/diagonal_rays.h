@@ -26,9 +26,7 @@ inline void addDiagonalRays(const CellMesh& mesh, const glm::ivec3& diagonal, st
   for (size_t v = 0; v < mesh.vertices.size(); ++v)
     sheared.vertices[v] = mesh.vertices[v] + glm::vec3(shift) - glm::vec3(across) * mesh.vertices[v][axis];
 
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
+  Progress progress;
   Crossings crossings;
   countCrossings(sheared, progress, crossings);
   RayMap map;

@@ -43,7 +43,7 @@ Field unsignedField(const Mesh& mesh, const Grid& grid, DistanceMode distance) {
   Options options;
   options.distance = distance;
   options.sign = SignMode::None;
-  return generate(mesh, grid, options);
+  return generate(mesh, grid, options).field;
 }
 
 void printRows(const std::string& name, const Mesh& mesh, int resolution) {

@@ -18,7 +18,7 @@
 #include "meshes.h"
 #include "method/pipeline.h"
 #include "program.h"
-#include "vulkan/runtime/host_backend.h"
+#include "vulkan/runtime/backend.h"
 
 namespace raymap::bench {
 
@@ -79,9 +79,10 @@ Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, con
   vulkan::Backend backend(device);
   Field field;
   Json report = measure([&]() -> Run {
-    Stats stats;
-    Progress progress(options, stats);
-    runPipeline(backend, mesh, grid, options, progress, field);
+    Progress progress;
+    backend.take({mesh, grid, options, progress, field});
+    runPipeline(backend);
+    backend.readResults();
     return {backend.milliseconds(), backend.stages()};
   });
   report["bytes"] = device.heldMemory();
@@ -93,8 +94,8 @@ Json runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options) {
   Generator generator;
   Field field;
   return measure([&]() -> Run {
-    generator.generate(mesh, grid, options, field);
-    return {generator.stats().totalMilliseconds, generator.stats().stages};
+    Stats stats = generator.generate(mesh, grid, options, field);
+    return {stats.totalMilliseconds, std::move(stats.stages)};
   });
 }
 
@@ -166,8 +167,8 @@ int run(int argc, char** argv) {
          {"driver", device.info().driver},
          {"is_software", device.info().type == vulkan::DeviceType::Software},
          {"copy_bytes_per_second", copyRate(device)},
-         {"cpu", listDevices().devices.front().name},
-         {"threads", listDevices().devices.front().threads}});
+         {"cpu", devices().devices.front().name},
+         {"threads", devices().devices.front().threads}});
   for (std::string line; std::getline(std::cin, line);) {
     try {
       print(runCase(device, Json::parse(line)));

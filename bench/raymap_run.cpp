@@ -19,18 +19,18 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   Options options;
   options.threads = input.threads;
   options.winding = true;
-  Stats stats;
-  Progress progress(options, stats);
+  Progress progress;
   Field field;
   withThreads(input.threads, [&] {
     cpu::Backend backend;
-    backend.begin(input.mesh, input.grid, options, progress, field);
+    backend.take({input.mesh, input.grid, options, progress, field});
+    backend.begin();
     // Without distances every sample counts as close to the surface, and more are looked at twice.
     std::fill(field.distance.begin(), field.distance.end(), 0.0f);
     backend.crossings();
     backend.rayMap();
-    backend.winding();
-    backend.orientation();
+    backend.winding(options.sign);
+    orientFaces(backend);
     backend.windingDipoles();
   });
   values = std::move(field.winding);

@@ -15,7 +15,17 @@ namespace raymap::bench {
 
 namespace {
 
-using Run = void (cpu::Backend::*)();
+using B = cpu::Backend;
+using Run = void (*)(B&);
+
+template <void (B::*kStage)()>
+void run(B& backend) {
+  (backend.*kStage)();
+}
+
+void winding(B& backend) {
+  backend.winding(backend.options().sign);
+}
 
 /// The least bytes that a stage moves, per sample and per triangle; none if it depends on other things.
 struct Traffic {
@@ -37,65 +47,64 @@ constexpr int kFloat = sizeof(float);
 constexpr int kIndex = sizeof(uint32_t);
 
 std::vector<Stage> stages() {
-  using B = cpu::Backend;
   const auto distance = [](DistanceMode mode) { return Options{.distance = mode, .sign = SignMode::None}; };
   const auto sign = [](SignMode mode) { return Options{.sign = mode}; };
-  const std::vector<Run> rays{&B::crossings, &B::rayMap};
+  const std::vector<Run> rays{run<&B::crossings>, run<&B::rayMap>};
   const Options exact = distance(DistanceMode::Exact), cell = distance(DistanceMode::Cell);
   const Options neighbours = distance(DistanceMode::Neighbours), raster = distance(DistanceMode::Raster);
   Options band = exact;
   band.band = 3.0;
   return {
-      {"exact_distance", &B::exactDistance, exact, {}, {}, {kFloat, kTriangle}},
-      {"exact_distance_band_3", &B::exactDistance, band, {}, {}, {kFloat, kTriangle}},
-      {"voxel_grid", &B::voxelGrid, cell, {}, {}, {0, kTriangle + kIndex}},
-      {"cell_distance", &B::cellDistance, cell, {&B::voxelGrid}, {}, {0, kTriangle + kIndex}},
+      {"exact_distance", run<&B::exactDistance>, exact, {}, {}, {kFloat, kTriangle}},
+      {"exact_distance_band_3", run<&B::exactDistance>, band, {}, {}, {kFloat, kTriangle}},
+      {"voxel_grid", run<&B::voxelGrid>, cell, {}, {}, {0, kTriangle + kIndex}},
+      {"cell_distance", run<&B::cellDistance>, cell, {run<&B::voxelGrid>}, {}, {0, kTriangle + kIndex}},
       {"distance_transform",
-       &B::distanceTransform,
+       run<&B::distanceTransform>,
        cell,
-       {&B::voxelGrid},
-       {&B::cellDistance},
+       {run<&B::voxelGrid>},
+       {run<&B::cellDistance>},
        {3 * 2 * (kFloat + kIndex), 0}},
       {"refine_cell",
-       &B::refine,
+       run<&B::refine>,
        cell,
-       {&B::voxelGrid, &B::cellDistance, &B::distanceTransform},
+       {run<&B::voxelGrid>, run<&B::cellDistance>, run<&B::distanceTransform>},
        {},
        {kIndex + kFloat, kTriangle}},
       {"refine_neighbours",
-       &B::refine,
+       run<&B::refine>,
        neighbours,
-       {&B::voxelGrid, &B::cellDistance, &B::distanceTransform},
+       {run<&B::voxelGrid>, run<&B::cellDistance>, run<&B::distanceTransform>},
        {},
        {kIndex + kFloat, kTriangle}},
-      {"raster_distance", &B::rasterDistance, raster, {}, {}, {kFloat, kTriangle}},
-      {"crossings", &B::crossings, sign(SignMode::Rays), {}, {}, {0, kTriangle}},
-      {"ray_map", &B::rayMap, sign(SignMode::Rays), {&B::crossings}, {}, {}},
-      {"winding_rays", &B::winding, sign(SignMode::Rays), rays, {}, {kFloat, 0}},
-      {"winding_paths", &B::winding, sign(SignMode::Paths), rays, {}, {kFloat, 0}},
-      {"winding_evolution", &B::winding, sign(SignMode::Evolution), rays, {}, {kFloat, 0}},
+      {"raster_distance", run<&B::rasterDistance>, raster, {}, {}, {kFloat, kTriangle}},
+      {"crossings", run<&B::crossings>, sign(SignMode::Rays), {}, {}, {0, kTriangle}},
+      {"ray_map", run<&B::rayMap>, sign(SignMode::Rays), {run<&B::crossings>}, {}, {}},
+      {"winding_rays", winding, sign(SignMode::Rays), rays, {}, {kFloat, 0}},
+      {"winding_paths", winding, sign(SignMode::Paths), rays, {}, {kFloat, 0}},
+      {"winding_evolution", winding, sign(SignMode::Evolution), rays, {}, {kFloat, 0}},
       {"winding_harmonic",
-       &B::winding,
+       winding,
        sign(SignMode::Harmonic),
-       {&B::exactDistance, &B::crossings, &B::rayMap},
+       {run<&B::exactDistance>, run<&B::crossings>, run<&B::rayMap>},
        {},
        {kFloat, 0}},
       {"winding_orientation",
-       &B::orientation,
+       orientFaces<B>,
        sign(SignMode::Harmonic),
-       {&B::exactDistance, &B::crossings, &B::rayMap},
-       {&B::winding},
+       {run<&B::exactDistance>, run<&B::crossings>, run<&B::rayMap>},
+       {winding},
        {kFloat, kTriangle}},
       {"winding_dipoles",
-       &B::windingDipoles,
+       run<&B::windingDipoles>,
        sign(SignMode::Harmonic),
-       {&B::exactDistance, &B::crossings, &B::rayMap},
-       {&B::winding},
+       {run<&B::exactDistance>, run<&B::crossings>, run<&B::rayMap>},
+       {winding},
        {kFloat, 0}},
       {"sign",
-       &B::sign,
+       run<&B::sign>,
        sign(SignMode::Rays),
-       {&B::exactDistance, &B::crossings, &B::rayMap, &B::winding},
+       {run<&B::exactDistance>, run<&B::crossings>, run<&B::rayMap>, winding},
        {},
        {3 * kFloat, 0}},
   };
@@ -111,18 +120,18 @@ const Mesh& cachedMesh(const std::string& name) {
 void runStage(benchmark::State& state, const Stage& stage, const std::string& meshName) {
   const Mesh& mesh = cachedMesh(meshName);
   const Grid grid = fitGrid(mesh, {.resolution = int(state.range(0))});
-  Stats stats;
-  Progress progress(stage.options, stats);
+  Progress progress(stage.options.progress);
   Field field;
   cpu::Backend backend;
   withThreads(stage.options.threads, [&] {
-    backend.begin(mesh, grid, stage.options, progress, field);
-    for (const Run before : stage.once) (backend.*before)();
+    backend.take({mesh, grid, stage.options, progress, field});
+    backend.begin();
+    for (const Run before : stage.once) before(backend);
     for (auto unused : state) {
       if (!stage.always.empty()) state.PauseTiming();
-      for (const Run before : stage.always) (backend.*before)();
+      for (const Run before : stage.always) before(backend);
       if (!stage.always.empty()) state.ResumeTiming();
-      (backend.*stage.run)();
+      stage.run(backend);
     }
   });
   const size_t bytes =

@@ -48,7 +48,7 @@ class AnimatedExample : public vulkan::VulkanTest {
     const Box box = reach(mesh, kFrames);
     for (const int frame : {0, 2}) {
       const Mesh moved = posed(mesh, secondsOf(frame, kFrames, mesh));
-      const Field field = generate(moved, gridOver(mesh, box, kResolution), {.device = "cpu"});
+      const Field field = generate(moved, gridOver(mesh, box, kResolution), {.device = "cpu"}).field;
       expectClose(readPng(folder.path() / ("out/frame_0000" + std::to_string(frame) + ".png")),
                   renderField(field, {.width = kSide, .height = kSide, .frame = box, .device = "cpu"}));
     }

@@ -18,10 +18,10 @@ namespace {
 class Backends : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (listDevices().devices.size() > 1) return;
+    if (devices().devices.size() > 1) return;
     const char* required = std::getenv("RAYMAP_REQUIRE_VULKAN");
-    if (required && std::string(required) == "1") FAIL() << listDevices().note;
-    GTEST_SKIP() << listDevices().note;
+    if (required && std::string(required) == "1") FAIL() << devices().note;
+    GTEST_SKIP() << devices().note;
   }
 
   static Options everything(const std::string& device) {
@@ -35,8 +35,8 @@ class Backends : public ::testing::Test {
     options.device = device;
     Generator generator;
     Field field;
-    generator.generate(mesh, grid, options, field);
-    EXPECT_TRUE(generator.stats().device.starts_with(device)) << generator.stats().device;
+    const Stats stats = generator.generate(mesh, grid, options, field);
+    EXPECT_TRUE(stats.device.starts_with(device)) << stats.device;
     return field;
   }
 
@@ -114,15 +114,14 @@ TEST_F(Backends, TurnTheSameFaces) {
     options.orientation = orientation;
     Generator generator;
     Field cpu, gpu;
-    generator.generate(mesh, grid, options, cpu);
-    const Stats stats = generator.stats();
-    EXPECT_FALSE(stats.turnedFaces.empty());
+    const Stats onCpu = generator.generate(mesh, grid, options, cpu);
+    EXPECT_FALSE(onCpu.turnedFaces.empty());
     options.device = "vulkan";
-    generator.generate(mesh, grid, options, gpu);
-    EXPECT_EQ(stats.turnedFaces, generator.stats().turnedFaces);
-    EXPECT_EQ(stats.doubtfulShare, generator.stats().doubtfulShare);
-    EXPECT_NEAR(stats.misfitGiven, generator.stats().misfitGiven, 1e-4);
-    EXPECT_NEAR(stats.misfit, generator.stats().misfit, 1e-4);
+    const Stats onGpu = generator.generate(mesh, grid, options, gpu);
+    EXPECT_EQ(onCpu.turnedFaces, onGpu.turnedFaces);
+    EXPECT_EQ(onCpu.doubtfulShare, onGpu.doubtfulShare);
+    EXPECT_NEAR(onCpu.misfitGiven, onGpu.misfitGiven, 1e-4);
+    EXPECT_NEAR(onCpu.misfit, onGpu.misfit, 1e-4);
     expectSame(cpu, gpu, mesh);
   }
 }
@@ -159,13 +158,12 @@ TEST_F(Backends, CloseTheSameHoles) {
     Generator generator;
     Field cpu, gpu;
     all.device = "cpu";
-    generator.generate(mesh, grid, all, cpu);
-    const Stats stats = generator.stats();
+    const Stats onCpu = generator.generate(mesh, grid, all, cpu);
     all.device = "vulkan";
-    generator.generate(mesh, grid, all, gpu);
-    EXPECT_GT(stats.patchTriangles, 0u);
-    EXPECT_EQ(stats.patchTriangles, generator.stats().patchTriangles);
-    EXPECT_NEAR(stats.patchArea, generator.stats().patchArea, 1e-4 * stats.patchArea);
+    const Stats onGpu = generator.generate(mesh, grid, all, gpu);
+    EXPECT_GT(onCpu.patchTriangles, 0u);
+    EXPECT_EQ(onCpu.patchTriangles, onGpu.patchTriangles);
+    EXPECT_NEAR(onCpu.patchArea, onGpu.patchArea, 1e-4 * onCpu.patchArea);
     size_t otherTriangles = 0;
     for (size_t i = 0; i < cpu.distance.size(); ++i) {
       const double difference = std::abs(cpu.distance[i]) - std::abs(gpu.distance[i]);
@@ -289,8 +287,7 @@ TEST_F(Backends, HoldLittleMemory) {
   const auto bytesPerSample = [&] {
     Generator generator;
     Field field;
-    generator.generate(mesh, grid, options, field);
-    return double(generator.stats().bytes) / double(grid.sampleCount());
+    return double(generator.generate(mesh, grid, options, field).bytes) / double(grid.sampleCount());
   };
   EXPECT_LE(bytesPerSample(), 24.0);
   options.distance = DistanceMode::Cell;
@@ -317,8 +314,7 @@ TEST_F(Backends, RefuseWhatTheCpuRefuses) {
   options.memoryLimit = 0;
   Generator generator;
   Field field;
-  generator.generate(far, grid, options, field);
-  options.memoryLimit = generator.stats().bytes - 1;
+  options.memoryLimit = generator.generate(far, grid, options, field).bytes - 1;
   EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory) << "what it held before";
   options.memoryLimit = 0;
   far.vertices[far.triangles[3].y] = glm::vec3(1e15f);

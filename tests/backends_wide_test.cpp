@@ -20,13 +20,13 @@ Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {
   options.device = device;
   options.winding = true;
   options.closeHoles = closesHoles;
-  return generate(mesh, fitGrid(mesh, {.resolution = closesHoles ? 32 : 48}), options);
+  return generate(mesh, fitGrid(mesh, {.resolution = closesHoles ? 32 : 48}), options).field;
 }
 
 TEST(Backends, GiveTheSameFieldOfEveryMesh) {
   const std::vector<std::string> names = wellFormedMeshes();
   if (names.empty()) GTEST_SKIP() << "no folder of meshes";
-  if (listDevices().devices.size() < 2) GTEST_SKIP() << listDevices().note;
+  if (devices().devices.size() < 2) GTEST_SKIP() << devices().note;
   for (const std::string& name : names) {
     SCOPED_TRACE(name);
     const Mesh mesh = readMesh(meshFolder() / name);
@@ -48,7 +48,7 @@ TEST(Backends, GiveTheSameFieldOfEveryMesh) {
 
 TEST(Backends, CloseTheSameHolesOfEveryMesh) {
   if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
-  if (listDevices().devices.size() < 2) GTEST_SKIP() << listDevices().note;
+  if (devices().devices.size() < 2) GTEST_SKIP() << devices().note;
   for (const MeshRow& row : meshRows()) {
     if (row.at("kind") == "malformed" || row.at("boundary_edges") == "0") continue;
     SCOPED_TRACE(row.at("file"));

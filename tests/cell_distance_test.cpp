@@ -68,9 +68,9 @@ class CellDistanceTwins : public TwinTest {
 #ifdef RAYMAP_TEST_VULKAN
     if (!isOnCpu()) return vulkan::CellStages::cellDistance(mesh, grid.cells);
 #endif
-    Silent silent;
+    Progress progress;
     Buffer<float> squared;
-    computeCellDistance(mesh, grid, silent.progress, squared);
+    computeCellDistance(mesh, grid, progress, squared);
     return squared;
   }
 };
@@ -80,9 +80,9 @@ TEST_P(CellDistanceTwins, IsTheDistanceFromTheCentreToTheTrianglesOfTheCell) {
   const OwnCellMesh mesh = cellSoup(300, {11, 7, 9}, 6);
   for (const CellLattice& cells :
        {CellLattice{mesh.dims, glm::dvec3(0.0), 1.0}, CellLattice{{4, 3, 5}, glm::dvec3(-1.0), 4.0}}) {
-    Silent silent;
+    Progress progress;
     VoxelGrid grid;
-    buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, grid);
+    buildVoxelGrid(mesh, cells, SIZE_MAX, progress, grid);
     const Buffer<float> squared = compute(mesh, grid);
     ASSERT_EQ(squared.size(), cells.count());
     for (size_t c = 0; c < cells.count(); ++c) {

@@ -33,13 +33,6 @@ struct OwnCellMesh : CellMesh {
   Mesh asMesh() const { return {{vertices.begin(), vertices.end()}, own, glm::dvec3(0.0)}; }
 };
 
-/// A progress that reports to nobody.
-struct Silent {
-  Options options;
-  Stats stats;
-  Progress progress{options, stats};
-};
-
 /// Triangles of many sizes, 0.02 to 20 cells, all around a grid of these dims and a little beyond.
 inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
   std::mt19937 random(seed);
@@ -70,13 +63,13 @@ inline Buffer<float> randomCells(glm::ivec3 dims, double share, unsigned seed, b
 
 /// The stages from the voxel grid to the distance transform.
 inline std::vector<CellLevel> nearestCells(const CellMesh& mesh) {
-  Silent silent;
+  Progress progress;
   std::vector<CellLevel> levels;
   for (const CellLattice& cells : coverMesh(mesh)) {
     CellLevel& level = levels.emplace_back();
-    buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, level.grid);
-    computeCellDistance(mesh, level.grid, silent.progress, level.squared);
-    transformDistance(cells.dims, silent.progress, level.squared, level.nearestCell);
+    buildVoxelGrid(mesh, cells, SIZE_MAX, progress, level.grid);
+    computeCellDistance(mesh, level.grid, progress, level.squared);
+    transformDistance(cells.dims, progress, level.squared, level.nearestCell);
   }
   return levels;
 }

@@ -98,9 +98,9 @@ TEST(CloseHoles, LeavesClosedMeshesAlone) {
     options.winding = options.confidence = options.triangleIds = true;
     Generator generator;
     Field closed, plain;
-    generator.generate(mesh, grid, options, closed);
-    EXPECT_EQ(generator.stats().patchTriangles, 0u);
-    EXPECT_EQ(generator.stats().patchArea, 0.0);
+    const Stats stats = generator.generate(mesh, grid, options, closed);
+    EXPECT_EQ(stats.patchTriangles, 0u);
+    EXPECT_EQ(stats.patchArea, 0.0);
     options.closeHoles = false;
     generator.generate(mesh, grid, options, plain);
     EXPECT_TRUE(sameBits(closed.distance, plain.distance));
@@ -115,7 +115,8 @@ TEST(CloseHoles, PutsAFlatLidOnAFlatHole) {
     SCOPED_TRACE(degrees);
     const Holed holed = openSphere(degrees);
     const Grid grid = fitGrid(holed.closed, {.resolution = 48});
-    const Field field = generate(holed.open, grid, closing()), truth = generate(holed.closed, grid);
+    const Field field = generate(holed.open, grid, closing()).field,
+                truth = generate(holed.closed, grid).field;
     EXPECT_LT(largestError(field, truth), 0.2);
     EXPECT_LT(steepest(field), 1.001);
   }
@@ -125,7 +126,8 @@ TEST(CloseHoles, ClosesABox) {
   const Holed holed = openBox();
   for (const int resolution : {20, 33}) {
     const Grid grid = fitGrid(holed.closed, {.resolution = resolution});
-    const Field field = generate(holed.open, grid, closing()), truth = generate(holed.closed, grid);
+    const Field field = generate(holed.open, grid, closing()).field,
+                truth = generate(holed.closed, grid).field;
     EXPECT_LT(largestError(field, truth), 0.1);
     EXPECT_LT(steepest(field), 1.05);
   }
@@ -133,11 +135,9 @@ TEST(CloseHoles, ClosesABox) {
 
 TEST(CloseHoles, MeasuresWhatItAdds) {
   const Holed holed = openSphere(30.0);
-  Generator generator;
-  Field field;
-  generator.generate(holed.open, fitGrid(holed.closed, {.resolution = 64}), closing(), field);
-  EXPECT_NEAR(generator.stats().patchArea, std::numbers::pi * 0.25, 0.01);
-  EXPECT_GT(generator.stats().patchTriangles, 500u);
+  const Stats stats = generate(holed.open, fitGrid(holed.closed, {.resolution = 64}), closing()).stats;
+  EXPECT_NEAR(stats.patchArea, std::numbers::pi * 0.25, 0.01);
+  EXPECT_GT(stats.patchTriangles, 500u);
 }
 
 TEST(CloseHoles, KeepsSignsAndAddsSurfaceOnly) {
@@ -145,9 +145,9 @@ TEST(CloseHoles, KeepsSignsAndAddsSurfaceOnly) {
   const Grid grid = fitGrid(holed.closed, {.resolution = 32});
   Options options = closing();
   options.triangleIds = true;
-  const Field closed = generate(holed.open, grid, options);
+  const Field closed = generate(holed.open, grid, options).field;
   options.closeHoles = false;
-  const Field plain = generate(holed.open, grid, options);
+  const Field plain = generate(holed.open, grid, options).field;
   size_t ofPatch = 0;
   for (size_t s = 0; s < plain.distance.size(); ++s) {
     ASSERT_EQ(std::signbit(closed.distance[s]), std::signbit(plain.distance[s])) << s;
@@ -172,9 +172,9 @@ TEST(CloseHoles, WorksWithEveryDistanceAndSign) {
       Options options = closing();
       options.distance = distance;
       options.sign = sign;
-      const Field field = generate(holed.open, grid, options);
+      const Field field = generate(holed.open, grid, options).field;
       options.closeHoles = false;
-      const Field truth = generate(holed.closed, grid, options);
+      const Field truth = generate(holed.closed, grid, options).field;
       // The paper's distances are not exact even where the mesh is whole.
       EXPECT_LT(steepest(field), std::max(1.2, 1.05 * steepest(truth)));
       if (sign == SignMode::Harmonic) {
@@ -188,9 +188,9 @@ TEST(CloseHoles, KeepsToTheBand) {
   const Grid grid = fitGrid(holed.closed, {.resolution = 40});
   Options options = closing();
   options.band = 3.0;
-  const Field field = generate(holed.open, grid, options);
+  const Field field = generate(holed.open, grid, options).field;
   options.closeHoles = false;
-  EXPECT_LT(largestError(field, generate(holed.closed, grid, options)), 0.1);
+  EXPECT_LT(largestError(field, generate(holed.closed, grid, options).field), 0.1);
 }
 
 TEST(CloseHoles, TurnsWithTheThreshold) {
@@ -199,7 +199,7 @@ TEST(CloseHoles, TurnsWithTheThreshold) {
   for (const double threshold : {0.3, 0.7}) {
     Options options = closing();
     options.threshold = threshold;
-    EXPECT_LT(steepest(generate(holed.open, grid, options)), 1.05) << threshold;
+    EXPECT_LT(steepest(generate(holed.open, grid, options).field), 1.05) << threshold;
   }
 }
 
@@ -209,12 +209,12 @@ TEST(CloseHoles, TakesWhatIsNoSurface) {
     Grid part = whole;
     part.dims /= 2;
     for (const Grid& grid : {whole, part}) {
-      const Field field = generate(mesh, grid, closing());
+      const Field field = generate(mesh, grid, closing()).field;
       for (const float d : field.distance) ASSERT_TRUE(std::isfinite(d));
     }
     Grid one = whole;
     one.dims = {1, 1, 1};
-    EXPECT_EQ(generate(mesh, one, closing()).distance.size(), 1u);
+    EXPECT_EQ(generate(mesh, one, closing()).field.distance.size(), 1u);
   }
 }
 
@@ -261,9 +261,7 @@ TEST(CloseHoles, NeedsASign) {
 
 /// The patch alone, made by the stages before it.
 HolePatch patchOf(const Mesh& mesh, const Grid& grid) {
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
+  Progress progress;
   const Buffer<float> winding = windingOf(mesh, grid, SignMode::Harmonic).winding;
   const RayMap map = rayMapOf(mesh, grid);
   HolePatch patch;
@@ -307,8 +305,8 @@ TEST(CloseHoles, MakesDistanceFieldsOfRealMeshes) {
     SCOPED_TRACE(row.at("file"));
     const Mesh mesh = readMesh(meshFolder() / row.at("file"));
     const Grid grid = fitGrid(mesh, {.resolution = 40});
-    if (steepest(generate(mesh, grid, {.device = "cpu"})) < 1.01) continue;
-    const double after = steepest(generate(mesh, grid, closing()));
+    if (steepest(generate(mesh, grid, {.device = "cpu"}).field) < 1.01) continue;
+    const double after = steepest(generate(mesh, grid, closing()).field);
     EXPECT_LT(after, 2.0);
     ++holed;
     closed += after < 1.01 ? 1 : 0;

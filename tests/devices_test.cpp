@@ -1,4 +1,4 @@
-// What is run where, and what happens when a GPU fails.
+// Which device a run uses, and what happens when a GPU fails.
 
 #include "api/devices.h"
 
@@ -6,56 +6,114 @@
 
 #include <string>
 
+#include "counting_gpu.h"
+
 namespace raymap {
 namespace {
 
-struct Outcome {
+struct Attempt {
   int onGpu = 0, onCpu = 0;
   std::string warning;
 };
 
-/// Runs on device 3, which fails with `code`.
-Outcome runFailing(ErrorCode code, bool mayFallBack) {
-  Outcome run;
-  runOnChosen(
-      3, mayFallBack, [&](std::string_view text) { run.warning = text; },
-      [&](size_t index) {
-        EXPECT_EQ(index, 3u);
-        ++run.onGpu;
+/// Runs on the usable device, where the work throws an error with this code.
+Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name) {
+  Attempt attempt;
+  device.run(
+      name, [&](std::string_view text) { attempt.warning = text; },
+      [&](GpuDevice&, size_t index) {
+        EXPECT_EQ(index, CountingGpu::kUsable);
+        ++attempt.onGpu;
         throw Error(code, "the reason");
       },
-      [&] { ++run.onCpu; });
-  return run;
+      [&] { ++attempt.onCpu; });
+  return attempt;
+}
+
+/// Runs on the device without an error.
+void runWell(ChosenDevice& device, const std::string& name) {
+  int onGpu = 0;
+  device.run(
+      name, {}, [&](GpuDevice&, size_t) { ++onGpu; }, [] { ADD_FAILURE() << "on the CPU"; });
+  EXPECT_EQ(onGpu, 1);
 }
 
 TEST(Devices, FallBackToTheCpuAndSayWhy) {
+  const CountingGpu gpu;
   for (const ErrorCode code : {ErrorCode::DeviceLost, ErrorCode::Memory, ErrorCode::Unsupported}) {
-    const Outcome run = runFailing(code, true);
-    EXPECT_EQ(run.onGpu, 1);
-    EXPECT_EQ(run.onCpu, 1);
-    EXPECT_NE(run.warning.find("the reason"), std::string::npos) << run.warning;
+    ChosenDevice device;
+    const Attempt attempt = runFailing(device, code, "auto");
+    EXPECT_EQ(attempt.onGpu, 1);
+    EXPECT_EQ(attempt.onCpu, 1);
+    EXPECT_NE(attempt.warning.find("the reason"), std::string::npos) << attempt.warning;
   }
 }
 
-TEST(Devices, PassOnWhatTheCpuCouldNotMend) {
+TEST(Devices, PassOnErrorsThatTheCpuWouldHaveToo) {
+  const CountingGpu gpu;
+  ChosenDevice device;
   for (const ErrorCode code : {ErrorCode::Input, ErrorCode::Usage, ErrorCode::Cancelled})
-    EXPECT_THROW(runFailing(code, true), Error);
+    EXPECT_THROW(runFailing(device, code, "auto"), Error);
 }
 
-TEST(Devices, PassOnWhatADeviceNamedCannotDo) {
-  EXPECT_THROW(runFailing(ErrorCode::DeviceLost, false), Error);
+TEST(Devices, PassOnErrorsOfADeviceThatWasNamed) {
+  const CountingGpu gpu;
+  ChosenDevice device;
+  EXPECT_THROW(runFailing(device, ErrorCode::DeviceLost, "vulkan:3"), Error);
+}
+
+TEST(Devices, StayOpenAfterErrorsOfTheCall) {
+  const CountingGpu gpu;
+  for (const ErrorCode code : {ErrorCode::Input, ErrorCode::Usage, ErrorCode::Cancelled})
+    for (const char* name : {"auto", "vulkan", "vulkan:3"}) {
+      SCOPED_TRACE(testing::Message() << name << ", error " << int(code));
+      ChosenDevice device;
+      CountingGpu::lists = CountingGpu::opens = 0;
+      EXPECT_THROW(runFailing(device, code, name), Error);
+      runWell(device, name);
+      EXPECT_EQ(CountingGpu::lists, 1);
+      EXPECT_EQ(CountingGpu::opens, 1);
+    }
+}
+
+TEST(Devices, AreClosedAfterErrorsOfTheDevice) {
+  const CountingGpu gpu;
+  for (const ErrorCode code : {ErrorCode::DeviceLost, ErrorCode::Memory, ErrorCode::Unsupported}) {
+    SCOPED_TRACE(testing::Message() << "error " << int(code));
+    ChosenDevice device;
+    CountingGpu::opens = 0;
+    EXPECT_THROW(runFailing(device, code, "vulkan:3"), Error);
+    runWell(device, "vulkan:3");
+    EXPECT_EQ(CountingGpu::opens, 2);
+  }
 }
 
 TEST(Devices, TakeTheCpuWhereNoneIsChosen) {
+  const CountingGpu gpu;
+  ChosenDevice device;
   int onCpu = 0;
-  runOnDevice(
-      "cpu", nullptr, [](size_t) { ADD_FAILURE(); }, [&] { ++onCpu; });
+  device.run(
+      "cpu", nullptr, [](GpuDevice&, size_t) { ADD_FAILURE(); }, [&] { ++onCpu; });
   EXPECT_EQ(onCpu, 1);
+  EXPECT_EQ(CountingGpu::lists, 0);
 }
 
-TEST(Devices, RefuseNamesThatAreNone) {
+TEST(Devices, RefuseUnknownNames) {
   for (const char* name : {"gpu", "vulkan:", "vulkan:x", "vulkan:0x", ""})
     EXPECT_THROW(chooseDevice(name), Error);
+}
+
+TEST(Devices, SayWhyOneCannotBeUsed) {
+  const CountingGpu gpu;
+  for (const auto& [name, reason] : {std::pair("vulkan:1", "made for a test"), {"vulkan:4", "no device"}}) {
+    try {
+      chooseDevice(name);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Unsupported);
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  }
 }
 
 }  // namespace

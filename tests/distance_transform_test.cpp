@@ -22,9 +22,9 @@ struct Result {
 };
 
 Result transformOnCpu(glm::ivec3 dims, const Buffer<float>& squared, int threads = 0) {
-  Silent silent;
+  Progress progress;
   Result result{squared.clone(), {}};
-  withThreads(threads, [&] { transformDistance(dims, silent.progress, result.squared, result.cells); });
+  withThreads(threads, [&] { transformDistance(dims, progress, result.squared, result.cells); });
   return result;
 }
 

@@ -81,7 +81,7 @@ std::vector<glm::ivec3> pickSamples(const Mesh& mesh, const Grid& grid, size_t c
 
 /// The largest error at the samples picked, over the diagonal of the bounds.
 double largestError(const Mesh& mesh, const Grid& grid, size_t count) {
-  const Field field = generate(mesh, grid);
+  const Field field = generate(mesh, grid).field;
   const std::vector<glm::ivec3> samples = pickSamples(mesh, grid, count);
   const BruteForce truth(mesh);
   std::vector<double> errors(samples.size());

@@ -135,10 +135,12 @@ TEST(Isosurface, HasNoFacesThatCross) {
 TEST(Isosurface, TellsHowFarItIsAndStops) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.7));
   double most = 0.0;
-  isosurface(field, {.progress = [&](double done) { return most = std::max(most, done), true; }});
+  isosurface(field,
+             {.progress = [&](std::string_view, double done) { return most = std::max(most, done), true; }});
   EXPECT_GT(most, 0.5);
   EXPECT_LE(most, 1.0);
-  EXPECT_THROW(isosurface(field, {.progress = [](double done) { return done < 0.5; }}), Error);
+  EXPECT_THROW(isosurface(field, {.progress = [](std::string_view, double done) { return done < 0.5; }}),
+               Error);
 }
 
 TEST(Isosurface, LiesWhereAsked) {

@@ -42,7 +42,7 @@ TEST(IsosurfaceWide, HasNoFacesThatCross) {
     const std::filesystem::path path = meshFolder() / name;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
     const Mesh mesh = readMesh(path);
-    const Mesh surface = isosurface(generate(mesh, fitGrid(mesh, {.resolution = 256})));
+    const Mesh surface = isosurface(generate(mesh, fitGrid(mesh, {.resolution = 256})).field);
     EXPECT_TRUE(isClosed(surface));
     EXPECT_EQ(findSelfIntersections(surface).pairs, 0u);
   }

@@ -25,7 +25,7 @@ std::string wholeFile(const std::string& extension) {
   Options options;
   options.band = 2.0;
   const Mesh mesh = shapes::torus(1.0, 0.4, 12, 8);
-  writeField(file.path(), generate(mesh, fitGrid(mesh, {.resolution = 12}), options));
+  writeField(file.path(), generate(mesh, fitGrid(mesh, {.resolution = 12}), options).field);
   return readBytes(file.path());
 }
 

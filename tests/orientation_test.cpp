@@ -63,7 +63,8 @@ std::vector<Mesh> rightMeshes() {
 TEST(Orientation, AutoKeepsWhatIsRight) {
   for (const Mesh& mesh : rightMeshes()) {
     const Grid grid = fitGrid(mesh, {.resolution = 40});
-    const Outcome kept = runOf(mesh, grid, Orientation::Keep), chosen = runOf(mesh, grid, Orientation::Auto);
+    const Generated kept = runOf(mesh, grid, Orientation::Keep),
+                    chosen = runOf(mesh, grid, Orientation::Auto);
     EXPECT_GT(kept.stats.doubtfulShare, 0.0);
     EXPECT_TRUE(areSame(kept, chosen))
         << mesh.triangles.size() << " faces, " << chosen.stats.turnedFaces.size() << " turned";
@@ -75,11 +76,11 @@ TEST(Orientation, AutoKeepsWhatIsRight) {
 TEST(Orientation, TurnsFacesBack) {
   for (const Mesh& mesh : rightMeshes()) {
     const Grid grid = fitGrid(mesh, {.resolution = 40});
-    const Outcome right = runOf(mesh, grid, Orientation::Keep);
+    const Generated right = runOf(mesh, grid, Orientation::Keep);
     const double most = 0.0005 * double(grid.sampleCount());
     for (const double share : {0.1, 0.3}) {
       const Mesh broken = flipped(mesh, share);
-      const Outcome run = runOf(broken, grid, Orientation::Auto);
+      const Generated run = runOf(broken, grid, Orientation::Auto);
       EXPECT_LE(double(countUnlike(right, run)), most) << mesh.triangles.size() << " faces, " << share;
       EXPECT_LT(run.stats.misfit, 0.5 * run.stats.misfitGiven);
       EXPECT_GT(double(countUnlike(right, runOf(broken, grid, Orientation::Keep))), most);
@@ -114,7 +115,7 @@ TEST(Orientation, TurnsHalvesThatShareNoVertex) {
   const Mesh ball = shapes::sphere(1.0, 4), top = half(ball, 1.0), bottom = half(ball, -1.0);
   const Mesh right = shapes::joined(top, bottom), broken = shapes::joined(top, insideOut(bottom));
   const Grid grid = fitGrid(right, {.resolution = 40});
-  const Outcome run = runOf(right, grid, Orientation::Keep);
+  const Generated run = runOf(right, grid, Orientation::Keep);
   EXPECT_EQ(0u, countUnlike(run, runOf(broken, grid, Orientation::Auto)));
   EXPECT_LT(1000u, countUnlike(run, runOf(broken, grid, Orientation::Keep)));
 }
@@ -123,7 +124,7 @@ TEST(Orientation, RepairWorksWithEveryMode) {
   const Mesh mesh = withoutCap(shapes::sphere(1.0, 4), 0.9), broken = flipped(mesh, 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 32});
   for (const SignMode sign : {SignMode::Rays, SignMode::Paths, SignMode::Evolution}) {
-    const Outcome right = runOf(mesh, grid, Orientation::Keep, sign);
+    const Generated right = runOf(mesh, grid, Orientation::Keep, sign);
     EXPECT_EQ(0u, countUnlike(right, runOf(broken, grid, Orientation::Repair, sign)));
     EXPECT_TRUE(
         areSame(runOf(broken, grid, Orientation::Keep, sign), runOf(broken, grid, Orientation::Auto, sign)));
@@ -133,7 +134,7 @@ TEST(Orientation, RepairWorksWithEveryMode) {
 TEST(Orientation, ConfidenceSeesTheTurnedFaces) {
   const Mesh mesh = shapes::sphere(1.0, 4);
   const Grid grid = fitGrid(mesh, {.resolution = 32});
-  const Outcome run = runOf(flipped(mesh, 0.3), grid, {.confidence = true});
+  const Generated run = runOf(flipped(mesh, 0.3), grid, {.confidence = true});
   EXPECT_EQ(run.field.confidence.size(), grid.sampleCount());
   for (const float confidence : run.field.confidence) ASSERT_EQ(confidence, 1.0f);
 }
@@ -142,7 +143,7 @@ TEST(Orientation, SameForAnyNumberOfThreads) {
   const Mesh mesh = flipped(soupOf(withoutCap(shapes::sphere(1.0, 4), 0.7)), 0.4);
   const Grid grid = fitGrid(mesh, {.resolution = 48});
   const auto run = [&](int threads) { return runOf(mesh, grid, {.threads = threads}); };
-  const Outcome first = run(1);
+  const Generated first = run(1);
   EXPECT_FALSE(first.stats.turnedFaces.empty());
   EXPECT_TRUE(areSame(first, run(2)));
   EXPECT_TRUE(areSame(first, run(8)));
@@ -174,11 +175,9 @@ TEST(Orientation, AGeneratorForgetsTheLastMesh) {
   options.device = "cpu";
   options.winding = true;
   Generator generator;
-  Outcome again;
-  generator.generate(broken, grid, options, again.field);
-  EXPECT_FALSE(generator.stats().turnedFaces.empty());
-  generator.generate(mesh, grid, options, again.field);
-  again.stats = generator.stats();
+  Generated again;
+  EXPECT_FALSE(generator.generate(broken, grid, options, again.field).turnedFaces.empty());
+  again.stats = generator.generate(mesh, grid, options, again.field);
   EXPECT_TRUE(areSame(again, runOf(mesh, grid, Orientation::Keep)));
 }
 
@@ -206,12 +205,12 @@ TEST(Patches, SetDegenerateAndDoubledFacesApart) {
 TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 6), 0.95);
   const Grid grid = fitGrid(ball, {.resolution = 20});
-  const Outcome right = runOf(ball, grid, Orientation::Auto);
+  const Generated right = runOf(ball, grid, Orientation::Auto);
   EXPECT_TRUE(right.stats.turnedFaces.empty());
   EXPECT_GT(right.stats.misfit, 0.0);
   EXPECT_TRUE(areSame(right, runOf(ball, grid, Orientation::Keep)));
   for (const double share : {0.3, 0.5}) {
-    const Outcome turned = runOf(flipped(ball, share), grid, Orientation::Auto);
+    const Generated turned = runOf(flipped(ball, share), grid, Orientation::Auto);
     EXPECT_FALSE(turned.stats.turnedFaces.empty());
     EXPECT_EQ(countUnlike(turned, right), 0u);
   }
@@ -222,7 +221,7 @@ TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
   Mesh rest = ball;
   std::erase_if(rest.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x >= 0.7; });
   const Mesh apart = shapes::joined(rest, insideOut(soupOf(cap)));
-  const Outcome turned = runOf(apart, grid, Orientation::Auto);
+  const Generated turned = runOf(apart, grid, Orientation::Auto);
   EXPECT_FALSE(turned.stats.turnedFaces.empty());
   EXPECT_EQ(countUnlike(turned, right), 0u);
   EXPECT_GT(countUnlike(runOf(apart, grid, Orientation::Keep), right), 20u);
@@ -231,7 +230,7 @@ TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
 TEST(Misfit, IsNothingWhereAllRaysAgree) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
-  const Outcome right = runOf(mesh, grid, Orientation::Keep);
+  const Generated right = runOf(mesh, grid, Orientation::Keep);
   EXPECT_NEAR(measureMisfit(grid.dims, crossingsOf(mesh, grid), right.field.winding), 0.0, 1e-12);
   Buffer<float> nothing(grid.sampleCount());
   std::fill(nothing.begin(), nothing.end(), 0.0f);

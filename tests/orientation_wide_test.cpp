@@ -22,7 +22,7 @@ TEST(OrientationWide, AutoKeepsEveryConsistentMesh) {
     const Mesh mesh = readMesh(meshFolder() / row["file"]);
     if (mesh.triangles.size() > kMostTriangles) continue;
     const Grid grid = fitGrid(mesh, {.resolution = 48});
-    const Outcome chosen = runOf(mesh, grid, Orientation::Auto);
+    const Generated chosen = runOf(mesh, grid, Orientation::Auto);
     EXPECT_EQ(chosen.stats.turnedFaces.size(), 0u);
     EXPECT_EQ(countUnlike(chosen, runOf(mesh, grid, Orientation::Keep)), 0u);
     ++tried;
@@ -37,7 +37,7 @@ TEST(OrientationWide, AutoNeverFitsWorse) {
     if (row["kind"] == "malformed" || row["consistently_oriented"] == "yes") continue;
     SCOPED_TRACE(row["file"]);
     const Mesh mesh = readMesh(meshFolder() / row["file"]);
-    const Outcome chosen = runOf(mesh, fitGrid(mesh, {.resolution = 48}), Orientation::Auto);
+    const Generated chosen = runOf(mesh, fitGrid(mesh, {.resolution = 48}), Orientation::Auto);
     EXPECT_LE(chosen.stats.misfit, chosen.stats.misfitGiven);
     turned += chosen.stats.turnedFaces.empty() ? 0 : 1;
   }
@@ -52,7 +52,7 @@ TEST(OrientationWide, TurnsRandomFacesBack) {
     // With this draw most of a large patch of the last one happens to be flipped.
     const Mesh mesh = withMissingFaces(withHoles(readMesh(meshFolder() / name), 5, 0.06, 15), 0.1, 15);
     const Grid grid = fitGrid(mesh, {.resolution = 64});
-    const Outcome right = runOf(mesh, grid, Orientation::Keep);
+    const Generated right = runOf(mesh, grid, Orientation::Keep);
     for (const double share : {0.1, 0.3, 0.5})
       EXPECT_LE(double(countUnlike(right, runOf(withFlippedFaces(mesh, share, 15), grid, Orientation::Auto))),
                 0.0005 * double(grid.sampleCount()))

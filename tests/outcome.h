@@ -10,37 +10,28 @@
 
 namespace raymap {
 
-struct Outcome {
-  Field field;
-  Stats stats;
-};
-
 /// A run on the CPU, winding numbers included.
-inline Outcome runOf(const Mesh& mesh, const Grid& grid, Options options) {
+inline Generated runOf(const Mesh& mesh, const Grid& grid, Options options) {
   options.device = "cpu";
   options.winding = true;
-  Generator generator;
-  Outcome run;
-  generator.generate(mesh, grid, options, run.field);
-  run.stats = generator.stats();
-  return run;
+  return generate(mesh, grid, options);
 }
 
-inline Outcome runOf(const Mesh& mesh, const Grid& grid, Orientation orientation,
-                     SignMode sign = SignMode::Harmonic) {
+inline Generated runOf(const Mesh& mesh, const Grid& grid, Orientation orientation,
+                       SignMode sign = SignMode::Harmonic) {
   return runOf(mesh, grid, {.sign = sign, .orientation = orientation});
 }
 
 /// How many samples of two fields differ in sign.
-inline size_t countUnlike(const Outcome& a, const Outcome& b) {
+inline size_t countUnlike(const Generated& a, const Generated& b) {
   size_t unlike = 0;
   for (size_t s = 0; s < a.field.distance.size(); ++s)
     unlike += std::signbit(a.field.distance[s]) != std::signbit(b.field.distance[s]);
   return unlike;
 }
 
-inline bool areSame(const Outcome& a, const Outcome& b) {
-  const auto bytes = [](const Outcome& run) { return run.field.winding.size() * sizeof(float); };
+inline bool areSame(const Generated& a, const Generated& b) {
+  const auto bytes = [](const Generated& run) { return run.field.winding.size() * sizeof(float); };
   return bytes(a) == bytes(b) && a.stats.turnedFaces == b.stats.turnedFaces &&
          std::memcmp(a.field.winding.data(), b.field.winding.data(), bytes(a)) == 0 &&
          std::memcmp(a.field.distance.data(), b.field.distance.data(), bytes(a)) == 0;

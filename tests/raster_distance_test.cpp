@@ -17,25 +17,25 @@ using namespace cpu;
 namespace {
 
 std::vector<CellLevel> rasterizeOnCpu(const CellMesh& mesh, int threads = 0) {
-  Silent silent;
+  Progress progress;
   std::vector<CellLevel> levels;
   withThreads(threads, [&] {
     for (const CellLattice& cells : coverMesh(mesh)) {
       CellLevel& level = levels.emplace_back();
       level.grid.cells = cells;
-      rasterizeDistance(mesh, cells, silent.progress, level.squared);
+      rasterizeDistance(mesh, cells, progress, level.squared);
     }
   });
   return levels;
 }
 
 Buffer<float> rasterDistanceOnCpu(const CellMesh& mesh) {
-  Silent silent;
+  Progress progress;
   std::vector<CellLevel> levels = rasterizeOnCpu(mesh);
   for (CellLevel& level : levels)
-    transformDistance(level.grid.cells.dims, silent.progress, level.squared, level.nearestCell);
+    transformDistance(level.grid.cells.dims, progress, level.squared, level.nearestCell);
   Buffer<float> distance;
-  sampleRasterDistance(mesh.dims, levels, silent.progress, distance);
+  sampleRasterDistance(mesh.dims, levels, progress, distance);
   return distance;
 }
 
@@ -74,15 +74,15 @@ class RasterDistanceTwins : public TwinTest {
 INSTANTIATE_TEST_SUITE_P(Twins, RasterDistanceTwins, allTwins(), twinName);
 
 TEST_P(RasterDistanceTwins, IsWhatTheListsGive) {
-  Silent silent;
+  Progress progress;
   const OwnCellMesh mesh = cellSoup(2000, {33, 20, 27}, 3);
   std::vector<CellLevel> levels = rasterize(mesh);
   ASSERT_EQ(levels.size(), 2u);
   for (const CellLevel& level : levels) {
     VoxelGrid grid;
-    buildVoxelGrid(mesh, level.grid.cells, SIZE_MAX, silent.progress, grid);
+    buildVoxelGrid(mesh, level.grid.cells, SIZE_MAX, progress, grid);
     Buffer<float> expected;
-    computeCellDistance(mesh, grid, silent.progress, expected);
+    computeCellDistance(mesh, grid, progress, expected);
     EXPECT_TRUE(std::ranges::equal(level.squared, expected));
   }
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <raymap/animation.h>
+#include <raymap/io.h>
 
 #include <limits>
 

@@ -27,11 +27,11 @@ struct Result {
 };
 
 Result refineOnCpu(const CellMesh& mesh, int reach, int threads = 0) {
-  Silent silent;
+  Progress progress;
   Result result;
   withThreads(threads, [&] {
     result.levels = nearestCells(mesh);
-    refineDistance(mesh, result.levels, reach, silent.progress, result.distance, &result.triangle);
+    refineDistance(mesh, result.levels, reach, progress, result.distance, &result.triangle);
   });
   return result;
 }
@@ -204,11 +204,11 @@ TEST_P(RefineTwins, MovesByWholeSamplesWithTheMesh) {
 TEST(Refine, StopsWhenCancelled) {
   const OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 2), 16);
   const std::vector<CellLevel> levels = nearestCells(mesh);
-  Silent silent;
+  Progress progress;
   silent.options.progress = [](std::string_view, double) { return false; };
   Buffer<float> distance;
   Buffer<uint32_t> triangle;
-  EXPECT_THROW(refineDistance(mesh, levels, 1, silent.progress, distance, &triangle), Error);
+  EXPECT_THROW(refineDistance(mesh, levels, 1, progress, distance, &triangle), Error);
 }
 
 }  // namespace

@@ -236,14 +236,14 @@ TEST(Render, ReportsProgressAndStops) {
   const Field field = ball(16, 0.7);
   std::atomic<int> calls{0};
   RenderOptions options{.width = 32, .height = 24};
-  options.progress = [&](double done) {
+  options.progress = [&](std::string_view, double done) {
     EXPECT_GE(done, 0.0);
     EXPECT_LE(done, 1.0);
     return ++calls > 0;
   };
   renderField(field, options);
   EXPECT_GT(calls.load(), 1);
-  options.progress = [](double) { return false; };
+  options.progress = [](std::string_view, double) { return false; };
   EXPECT_EQ(refusal(field, options), ErrorCode::Cancelled);
 }
 

@@ -28,9 +28,7 @@ inline CellMesh cellMesh(const Mesh& mesh, const Grid& grid) {
 }
 
 inline Crossings crossingsOf(const Mesh& mesh, const Grid& grid) {
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
+  Progress progress;
   Crossings crossings;
   countCrossings(cellMesh(mesh, grid), progress, crossings);
   return crossings;
@@ -50,10 +48,8 @@ struct WindingResult {
 /// The winding numbers of a whole run.
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, Options options) {
   options.winding = true;
-  Generator generator;
-  Field field;
-  generator.generate(mesh, grid, options, field);
-  return {std::move(field.winding), generator.stats().doubtfulShare};
+  Generated run = generate(mesh, grid, options);
+  return {std::move(run.field.winding), run.stats.doubtfulShare};
 }
 
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, SignMode mode) {

@@ -25,9 +25,9 @@ CellLattice unitCells(const CellMesh& mesh) {
 }
 
 VoxelGrid buildOnCpu(const CellMesh& mesh, const CellLattice& cells, int threads = 0) {
-  Silent silent;
+  Progress progress;
   VoxelGrid grid;
-  withThreads(threads, [&] { buildVoxelGrid(mesh, cells, kNoLimit, silent.progress, grid); });
+  withThreads(threads, [&] { buildVoxelGrid(mesh, cells, kNoLimit, progress, grid); });
   return grid;
 }
 
@@ -165,10 +165,10 @@ TEST_P(VoxelGridTwins, DoesNotCareHowTheAxesAreCalled) {
 
 TEST(VoxelGrid, RefusesListsBeyondTheLimit) {
   const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
-  Silent silent;
+  Progress progress;
   VoxelGrid grid;
   try {
-    buildVoxelGrid(mesh, coverMesh(mesh)[0], 1000, silent.progress, grid);
+    buildVoxelGrid(mesh, coverMesh(mesh)[0], 1000, progress, grid);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory) << error.what();
@@ -177,10 +177,10 @@ TEST(VoxelGrid, RefusesListsBeyondTheLimit) {
 
 TEST(VoxelGrid, StopsWhenCancelled) {
   const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
-  Silent silent;
+  Progress progress;
   silent.options.progress = [](std::string_view, double) { return false; };
   VoxelGrid grid;
-  EXPECT_THROW(buildVoxelGrid(mesh, coverMesh(mesh)[0], kNoLimit, silent.progress, grid), Error);
+  EXPECT_THROW(buildVoxelGrid(mesh, coverMesh(mesh)[0], kNoLimit, progress, grid), Error);
 }
 
 TEST(CoverMesh, NeedsOnlyTheSamplesCellsInsideTheBox) {

@@ -30,7 +30,7 @@ struct TransformResult {
 };
 
 struct RefineResult {
-  std::vector<raymap::CellLevel> levels;
+  std::vector<cpu::CellLevel> levels;
   Buffer<float> distance;
   Buffer<uint32_t> triangle;
 };
@@ -38,7 +38,7 @@ struct RefineResult {
 /// Runs the stages on the device of the tests; stages are kept from one mesh to the next.
 class CellStages : public VulkanTest {
  public:
-  static raymap::VoxelGrid voxelGrid(const raymap::CellMesh& mesh, const CellLattice& cells) {
+  static cpu::VoxelGrid voxelGrid(const CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     VoxelGridStage& grid = stages().levels[0].grid;
     const auto reserve = [&](const ListSizes& lists) {
@@ -48,7 +48,7 @@ class CellStages : public VulkanTest {
     return toLists(grid);
   }
 
-  static Buffer<float> cellDistance(const raymap::CellMesh& mesh, const CellLattice& cells) {
+  static Buffer<float> cellDistance(const CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     Level& level = stages().levels[0];
     const auto reserve = [&](const ListSizes& lists) {
@@ -70,7 +70,7 @@ class CellStages : public VulkanTest {
     return transformed(dims, squared, transform);
   }
 
-  static RefineResult refine(const raymap::CellMesh& mesh, int reach) {
+  static RefineResult refine(const CellMesh& mesh, int reach) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     const auto triangles = uploaded.addresses();
     const std::vector<CellLattice> lattices = coverMesh(mesh);
@@ -105,9 +105,9 @@ class CellStages : public VulkanTest {
   }
 
   /// The levels before the transform.
-  static std::vector<raymap::CellLevel> rasterize(const raymap::CellMesh& mesh) {
+  static std::vector<cpu::CellLevel> rasterize(const CellMesh& mesh) {
     const UploadedMesh uploaded = uploadMesh(mesh);
-    std::vector<raymap::CellLevel> result;
+    std::vector<cpu::CellLevel> result;
     for (const CellLattice& cells : coverMesh(mesh)) {
       Level& level = stages().levels.at(result.size());
       const auto reserve = [&](const ListSizes& lists) {
@@ -121,9 +121,9 @@ class CellStages : public VulkanTest {
     return result;
   }
 
-  static Buffer<float> rasterDistance(const raymap::CellMesh& mesh) {
+  static Buffer<float> rasterDistance(const CellMesh& mesh) {
     std::vector<CellLevelData> data;
-    for (const raymap::CellLevel& rasterized : rasterize(mesh)) {
+    for (const cpu::CellLevel& rasterized : rasterize(mesh)) {
       Level& level = stages().levels.at(data.size());
       level.transform.reserve(rasterized.grid.cells.dims);
       data.push_back(level.raster.level(level.transform));
@@ -138,7 +138,7 @@ class CellStages : public VulkanTest {
     return downloadBuffer<float>(distance);
   }
 
-  static UploadedMesh uploadMesh(const raymap::CellMesh& mesh) {
+  static UploadedMesh uploadMesh(const CellMesh& mesh) {
     return {upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
             upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles")};
   }
@@ -163,12 +163,12 @@ class CellStages : public VulkanTest {
     return sizesOf(download<CellRunsTotals>(stage.totals()).at(0));
   }
 
-  static raymap::VoxelGrid toLists(const VoxelGridStage& grid) {
+  static cpu::VoxelGrid toLists(const VoxelGridStage& grid) {
     const auto begins = download<uint32_t>(grid.begins());
     const auto cells = download<uint32_t>(grid.cells()), triangles = download<uint32_t>(grid.triangles());
     const uint64_t entries = sizes(grid).entries;
     std::vector<uint32_t> listed;
-    raymap::VoxelGrid lists{.cells = grid.lattice()};
+    cpu::VoxelGrid lists{.cells = grid.lattice()};
     lists.starts.resize(begins.size() + 1);
     for (uint32_t c = 0; c < begins.size(); ++c) {
       lists.starts[c] = listed.size();
@@ -219,7 +219,7 @@ class CellStages : public VulkanTest {
       transform.reserve(cells.dims);
     }
     CellLevelData data() const { return levelOf(grid, distance, transform); }
-    raymap::CellLevel onTheCpu() const {
+    cpu::CellLevel onTheCpu() const {
       TransformResult result =
           transformed(grid.lattice().dims, downloadBuffer<float>(distance.squared()), transform);
       return {toLists(grid), std::move(result.squared), std::move(result.cells)};

@@ -24,8 +24,7 @@ void expectNear(const Buffer<float>& ours, const Buffer<float>& theirs, const gl
   }
 }
 
-void expectSameLevels(const std::vector<raymap::CellLevel>& ours,
-                      const std::vector<raymap::CellLevel>& theirs) {
+void expectSameLevels(const std::vector<cpu::CellLevel>& ours, const std::vector<cpu::CellLevel>& theirs) {
   ASSERT_EQ(ours.size(), theirs.size());
   for (size_t l = 0; l < ours.size(); ++l) {
     ASSERT_TRUE(std::ranges::equal(ours[l].grid.starts, theirs[l].grid.starts));
@@ -36,7 +35,7 @@ void expectSameLevels(const std::vector<raymap::CellLevel>& ours,
 }
 
 /// The triangles may differ where they are equally far away but for rounding.
-void expectClosest(const raymap::CellMesh& mesh, const RefineResult& result) {
+void expectClosest(const CellMesh& mesh, const RefineResult& result) {
   const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(mesh.dims)));
   for (size_t s = 0; s < result.distance.size(); ++s) {
     const uint32_t t = result.triangle[s];
@@ -48,19 +47,19 @@ void expectClosest(const raymap::CellMesh& mesh, const RefineResult& result) {
   }
 }
 
-void expectAsOnTheCpu(const raymap::CellMesh& mesh) {
-  Silent silent;
-  const std::vector<raymap::CellLevel> levels = nearestCells(mesh);
+void expectAsOnTheCpu(const CellMesh& mesh) {
+  Progress progress;
+  const std::vector<cpu::CellLevel> levels = nearestCells(mesh);
   for (const int reach : {0, 1}) {
     Buffer<float> distance;
-    refineDistance(mesh, levels, reach, silent.progress, distance, nullptr);
+    refineDistance(mesh, levels, reach, progress, distance, nullptr);
     const RefineResult result = CellStages::refine(mesh, reach);
     expectSameLevels(result.levels, levels);
     expectNear(result.distance, distance, mesh.dims);
     expectClosest(mesh, result);
   }
   Buffer<float> distance;
-  sampleRasterDistance(mesh.dims, levels, silent.progress, distance);
+  sampleRasterDistance(mesh.dims, levels, progress, distance);
   expectNear(CellStages::rasterDistance(mesh), distance, mesh.dims);
 }
 
@@ -107,11 +106,11 @@ TEST_F(VulkanCells, MakeRoomForLargeTriangles) {
   const glm::vec3 corners[6] = {{1, -900, -900}, {3, 900, -900}, {2, 0, 900},
                                 {4, -900, 0},    {4, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, mesh.vertices.data());
-  Silent silent;
-  const std::vector<raymap::CellLevel> levels = CellStages::rasterize(mesh);
-  for (const raymap::CellLevel& level : levels) {
+  Progress progress;
+  const std::vector<cpu::CellLevel> levels = CellStages::rasterize(mesh);
+  for (const cpu::CellLevel& level : levels) {
     Buffer<float> squared;
-    rasterizeDistance(mesh, level.grid.cells, silent.progress, squared);
+    rasterizeDistance(mesh, level.grid.cells, progress, squared);
     EXPECT_TRUE(std::ranges::equal(level.squared, squared));
   }
 }

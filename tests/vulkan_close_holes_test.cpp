@@ -13,13 +13,11 @@ namespace {
 
 class VulkanCloseHoles : public VulkanTest {
  protected:
-  VulkanCloseHoles() : progress_(options_, stats_) {}
-
   struct Uploaded {
     DeviceBuffer vertices, triangles;
     DeviceMesh mesh;
   };
-  static Uploaded uploadMesh(const raymap::CellMesh& mesh) {
+  static Uploaded uploadMesh(const CellMesh& mesh) {
     Uploaded uploaded{
         .vertices = upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
         .triangles =
@@ -38,7 +36,7 @@ class VulkanCloseHoles : public VulkanTest {
     return stage;
   }
 
-  static std::vector<MissingEdge> search(const raymap::CellMesh& mesh, const Buffer<float>& winding,
+  static std::vector<MissingEdge> search(const CellMesh& mesh, const Buffer<float>& winding,
                                          double threshold) {
     const Uploaded uploaded = uploadMesh(mesh);
     const DeviceBuffer numbers = upload(std::vector<float>(winding.begin(), winding.end()), "winding");
@@ -53,8 +51,6 @@ class VulkanCloseHoles : public VulkanTest {
     return stage().edges();
   }
 
-  Options options_;
-  Stats stats_;
   Progress progress_;
 };
 
@@ -78,7 +74,7 @@ TEST_F(VulkanCloseHoles, FindsTheSameEdges) {
     for (const glm::ivec3& dims : {glm::ivec3(24, 23, 12), glm::ivec3(9, 1, 30), glm::ivec3(1)}) {
       Grid grid = fitGrid(mesh, {.resolution = 24});
       grid.dims = dims;
-      const raymap::CellMesh cells = cellMesh(mesh, grid);
+      const CellMesh cells = cellMesh(mesh, grid);
       Buffer<float> winding(grid.sampleCount());
       for (float& w : winding) w = anything(random);
       const std::vector<MissingEdge> expected =
@@ -126,13 +122,13 @@ TEST_F(VulkanCloseHoles, AddsDistancesToAPatch) {
     grid.dims = dims;
     Buffer<float> expected(grid.sampleCount());
     Buffer<uint32_t> triangle(grid.sampleCount());
-    raymap::SurfaceTree tree, patchTree;
+    cpu::SurfaceTree tree, patchTree;
     tree.build(cellMesh(mesh, grid));
     computeExactDistance(tree, dims, 0.0, progress_, expected, &triangle);
     const DeviceBuffer distances = upload(std::vector<float>(expected.begin(), expected.end()), "distance");
     const DeviceBuffer triangles =
         upload(std::vector<uint32_t>(triangle.begin(), triangle.end()), "triangle");
-    const raymap::CellMesh cells = cellMesh(patch, grid);
+    const CellMesh cells = cellMesh(patch, grid);
     patchTree.build(cells);
     addExactDistance(patchTree, dims, progress_, expected, &triangle);
     HolePatch onHost;

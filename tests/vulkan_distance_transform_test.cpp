@@ -19,10 +19,10 @@ class VulkanDistanceTransform : public VulkanTest {
 
   /// The same cells as the CPU's, and the same values as the formula in distance_transform.h gives.
   static void expectAsOnTheCpu(DistanceTransformStage& transform, glm::ivec3 dims, const Buffer<float>& f) {
-    Silent silent;
+    Progress progress;
     Buffer<float> squared = f.clone();
     Buffer<uint32_t> nearest;
-    transformDistance(dims, silent.progress, squared, nearest);
+    transformDistance(dims, progress, squared, nearest);
     const std::vector<uint32_t> ours = nearestCells(transform, dims, {f.begin(), f.end()});
     ASSERT_TRUE(std::ranges::equal(ours, nearest));
     const CellLattice cells{dims};

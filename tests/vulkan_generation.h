@@ -7,9 +7,8 @@
 
 #include <cstring>
 
-#include "method/pipeline.h"
 #include "shapes.h"
-#include "vulkan/runtime/host_backend.h"
+#include "vulkan/runtime/backend.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -75,9 +74,10 @@ class VulkanGenerator : public VulkanTest {
     shared();                                 // Made before it, so destroyed after it.
     static Backend backend(device());
     Field field;
-    Stats stats;
-    Progress progress(options, stats);
-    runPipeline(backend, mesh, grid, options, progress, field);
+    Progress progress;
+    backend.take({mesh, grid, options, progress, field});
+    runPipeline(backend);
+    backend.readResults();
     return field;
   }
 

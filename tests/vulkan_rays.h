@@ -8,7 +8,7 @@
 namespace raymap::vulkan {
 
 /// r along an axis, as the device holds it (shaders/ray_map.glsl).
-inline std::vector<int32_t> suffixSums(const raymap::RayMap& map, int axis) {
+inline std::vector<int32_t> suffixSums(const cpu::RayMap& map, int axis) {
   glm::ivec3 dims = map.dims;
   ++dims[axis];
   std::vector<int32_t> sums;
@@ -27,7 +27,7 @@ class VulkanRaysTest : public VulkanTest {
  protected:
   class Rays {
    public:
-    explicit Rays(const raymap::RayMap& map) {
+    explicit Rays(const cpu::RayMap& map) {
       for (int axis = 0; axis < 3; ++axis) sums_[size_t(axis)] = upload(suffixSums(map, axis), "rays");
     }
     std::array<VkDeviceAddress, 3> addresses() const {

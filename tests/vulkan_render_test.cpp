@@ -30,11 +30,7 @@ class VulkanRender : public VulkanTest {
   static Picture draw(const Field& field, const RenderOptions& options) {
     Picture picture{options.width, options.height,
                     std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
-    Options run;
-    if (options.progress)
-      run.progress = [&](std::string_view, double done) { return options.progress(done); };
-    Stats stats;
-    Progress progress(run, stats);
+    Progress progress(options.progress);
     drawScene(device(), Scene(field, options), progress, picture);
     EXPECT_EQ(device().guards()->damaged(), "");
     return picture;
@@ -126,7 +122,7 @@ TEST_F(VulkanRender, RealMeshes) {
   for (size_t n = 0; n < names.size(); n += 1 + names.size() / 6) {
     SCOPED_TRACE(names[n]);
     const Mesh mesh = readMesh(meshFolder() / names[n]);
-    const Field field = generate(mesh, fitGrid(mesh, {.resolution = 40}), {.device = "cpu"});
+    const Field field = generate(mesh, fitGrid(mesh, {.resolution = 40}), {.device = "cpu"}).field;
     expectAsOnTheCpu(field);
     expectAsOnTheCpu(field, {.cut = true, .shell = 3.0 * field.grid.spacing});
   }
@@ -151,7 +147,7 @@ TEST_F(VulkanRender, ReportsProgressAndStops) {
   int calls = 0;
   double last = 0.0;
   RenderOptions options{.width = 40, .height = 120};
-  options.progress = [&](double done) {
+  options.progress = [&](std::string_view, double done) {
     EXPECT_GE(done, last);
     last = done;
     return ++calls > 0;
@@ -159,7 +155,7 @@ TEST_F(VulkanRender, ReportsProgressAndStops) {
   draw(field, options);
   EXPECT_GT(calls, 1);
   EXPECT_EQ(last, 1.0);
-  options.progress = [](double) { return false; };
+  options.progress = [](std::string_view, double) { return false; };
   try {
     draw(field, options);
     FAIL() << "not stopped";

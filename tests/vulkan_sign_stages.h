@@ -25,7 +25,7 @@ void forEachEdge(glm::ivec3 dims, int axis, Work&& work) {
         work(size_t(s[across.v]) * size_t(nu) + size_t(s[across.u]), s[axis], index++);
 }
 
-inline EdgeCounts edgeCounts(const raymap::Crossings& crossings, const glm::ivec3& dims) {
+inline EdgeCounts edgeCounts(const cpu::Crossings& crossings, const glm::ivec3& dims) {
   EdgeCounts counts;
   for (int axis = 0; axis < 3; ++axis) {
     const AxisCrossings& from = crossings[size_t(axis)];
@@ -38,13 +38,13 @@ inline EdgeCounts edgeCounts(const raymap::Crossings& crossings, const glm::ivec
   return counts;
 }
 
-inline EdgeCounts edgeCounts(const raymap::RayMap& map) {
+inline EdgeCounts edgeCounts(const cpu::RayMap& map) {
   return {suffixSums(map, 0), suffixSums(map, 1), suffixSums(map, 2)};
 }
 
 /// In the CPU's form, without unsigned counts and without edges whose signed crossings cancel.
-inline raymap::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& dims) {
-  raymap::Crossings crossings;
+inline cpu::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& dims) {
+  cpu::Crossings crossings;
   for (int axis = 0; axis < 3; ++axis) {
     const LineAxes across(axis);
     std::vector<std::vector<Crossing>> lines(size_t(dims[across.u]) * size_t(dims[across.v]));
@@ -67,7 +67,7 @@ inline raymap::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3&
 }
 
 /// Likewise.
-inline raymap::RayMap toRayMap(EdgeCounts rays, const glm::ivec3& dims) {
+inline cpu::RayMap toRayMap(EdgeCounts rays, const glm::ivec3& dims) {
   const EdgeCounts sums = rays;
   for (int axis = 0; axis < 3; ++axis) {
     const size_t stride = axis == 0 ? 1 : axis == 1 ? size_t(dims.x) : size_t(dims.x) * size_t(dims.y);
@@ -75,7 +75,7 @@ inline raymap::RayMap toRayMap(EdgeCounts rays, const glm::ivec3& dims) {
       if (edge < dims[axis]) rays[size_t(axis)][index] -= sums[size_t(axis)].at(index + stride);
     });
   }
-  raymap::RayMap map;
+  cpu::RayMap map;
   buildRayMap(dims, toCrossings(rays, dims), map);
   return map;
 }
@@ -91,7 +91,7 @@ struct SignResult {
 class SignStages : public VulkanTest {
  public:
   /// The first stage alone; throws what it finds wrong.
-  static EdgeCounts countCrossings(const raymap::CellMesh& mesh) {
+  static EdgeCounts countCrossings(const CellMesh& mesh) {
     const DeviceBuffer vertices =
         upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices");
     const DeviceBuffer triangles =
@@ -108,7 +108,7 @@ class SignStages : public VulkanTest {
     return edges();
   }
 
-  static SignResult compute(const raymap::CellMesh& mesh) {
+  static SignResult compute(const CellMesh& mesh) {
     SignResult result{.crossings = countCrossings(mesh)};
     const LatticeLines lines = stages().crossings.lines();
     DeviceBuffer winding(device(), "winding");

@@ -5,6 +5,7 @@
 #include "cpu/sign/sign.h"
 #include "shapes.h"
 #include "sign_scene.h"
+#include "vulkan/stages/finish.h"
 #include "vulkan_rays.h"
 
 namespace raymap::vulkan {
@@ -14,7 +15,7 @@ constexpr glm::uvec3 kDims(21, 13, 17);
 
 class VulkanSign : public VulkanRaysTest {
  protected:
-  static RayMapStage map() {
+  static RayMap map() {
     return rayMapOf(shapes::soup(60, 3), {.dims = kDims, .origin = glm::dvec3(0.0), .spacing = 0.05});
   }
   /// From -1.3 to 1.3, 0.5 itself among them.
@@ -33,7 +34,7 @@ class VulkanSign : public VulkanRaysTest {
 };
 
 TEST_F(VulkanSign, IsTheCpus) {
-  const RayMapStage rayMap = map();
+  const RayMap rayMap = map();
   const Rays rays(rayMap);
   const std::vector<float> values = windings();
   const std::vector<float> unsignedDistance(values.size(), 2.5f);
@@ -65,11 +66,11 @@ TEST_F(VulkanSign, IsTheCpus) {
 
 TEST_F(VulkanSign, FinishScalesAndClamps) {
   const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
-  SignStage sign(device());
+  FinishStage finish(device());
   const auto finished = [&](double band) {
     const DeviceBuffer distance = upload(values, "distance");
     run([&](Commands& commands) {
-      sign.recordFinish(commands, distance.address(), uint32_t(values.size()), band, 0.5);
+      finish.record(commands, distance.address(), uint32_t(values.size()), band, 0.5);
     });
     return download<float>(distance);
   };

@@ -1,6 +1,7 @@
 #include "vulkan/stages/skin.h"
 
 #include <raymap/animation.h>
+#include <raymap/io.h>
 
 #include <cmath>
 #include <random>

@@ -5,32 +5,32 @@
 namespace raymap::vulkan {
 namespace {
 
-raymap::VoxelGrid onTheCpu(const raymap::CellMesh& mesh, const CellLattice& cells) {
-  Silent silent;
-  raymap::VoxelGrid grid;
-  buildVoxelGrid(mesh, cells, SIZE_MAX, silent.progress, grid);
+cpu::VoxelGrid onTheCpu(const CellMesh& mesh, const CellLattice& cells) {
+  Progress progress;
+  cpu::VoxelGrid grid;
+  buildVoxelGrid(mesh, cells, SIZE_MAX, progress, grid);
   return grid;
 }
 
-bool areSame(const raymap::VoxelGrid& a, const raymap::VoxelGrid& b) {
+bool areSame(const cpu::VoxelGrid& a, const cpu::VoxelGrid& b) {
   return std::ranges::equal(a.starts, b.starts) && std::ranges::equal(a.triangles, b.triangles);
 }
 
 class VulkanVoxelGrid : public VulkanTest {
  protected:
-  static void expectAsOnTheCpu(VoxelGridStage& grid, const raymap::CellMesh& mesh, const CellLattice& cells) {
+  static void expectAsOnTheCpu(VoxelGridStage& grid, const CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
     CellStages::runUntilItFits(
         grid, [&](const ListSizes& lists) { grid.reserve(cells, uploaded.addresses().triangleCount, lists); },
         record);
-    const raymap::VoxelGrid ours = CellStages::toLists(grid);
+    const cpu::VoxelGrid ours = CellStages::toLists(grid);
     EXPECT_TRUE(areSame(ours, onTheCpu(mesh, cells)));
     run(record);
     EXPECT_TRUE(areSame(CellStages::toLists(grid), ours)) << "the second time";
   }
 
-  static void expectAsOnTheCpu(VoxelGridStage& grid, const raymap::CellMesh& mesh) {
+  static void expectAsOnTheCpu(VoxelGridStage& grid, const CellMesh& mesh) {
     for (const CellLattice& cells : coverMesh(mesh)) {
       SCOPED_TRACE(::testing::Message() << cells.count() << " cells of size " << cells.size);
       expectAsOnTheCpu(grid, mesh, cells);

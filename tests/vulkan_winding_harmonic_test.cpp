@@ -12,7 +12,7 @@ namespace {
 
 class VulkanWindingHarmonic : public VulkanRaysTest {
  protected:
-  static std::vector<float> solve(WindingHarmonicStage& harmonic, const RayMapStage& map, uint32_t doubtful) {
+  static std::vector<float> solve(WindingHarmonicStage& harmonic, const RayMap& map, uint32_t doubtful) {
     harmonic.reserve(map.dims);
     const DeviceBuffer count = upload<uint32_t>({doubtful}, "doubtful");
     const Rays rays(map);
@@ -25,10 +25,8 @@ class VulkanWindingHarmonic : public VulkanRaysTest {
     return download<float>(winding);
   }
 
-  static Buffer<float> solveOnTheCpu(const RayMapStage& map) {
-    const Options options;
-    Stats stats;
-    Progress progress(options, stats);
+  static Buffer<float> solveOnTheCpu(const RayMap& map) {
+    Progress progress;
     HarmonicScratch scratch;
     Buffer<float> winding(size_t(map.dims.x) * size_t(map.dims.y) * size_t(map.dims.z));
     solveHarmonic(map, progress, scratch, winding);
@@ -51,7 +49,7 @@ TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
       const double spacing = 1.2 * std::max({box.size().x, box.size().y, box.size().z}) / 40.0;
       const Grid grid{
           .dims = dims, .origin = box.centre() - 0.5 * spacing * glm::dvec3(dims), .spacing = spacing};
-      const RayMapStage map = rayMapOf(mesh, grid);
+      const RayMap map = rayMapOf(mesh, grid);
       const std::vector<float> ours = solve(harmonic, map, 1);
       const Buffer<float> theirs = solveOnTheCpu(map);
       for (size_t s = 0; s < ours.size(); ++s) ASSERT_NEAR(ours[s], theirs[s], 2e-5f) << "sample " << s;

@@ -13,15 +13,14 @@ namespace {
 
 class VulkanWindingPaths : public VulkanRaysTest {
  protected:
-  static std::vector<float> rayAverage(const RayMapStage& map) {
+  static std::vector<float> rayAverage(const RayMap& map) {
     Buffer<float> winding;
     averageRays(RaySweep(map), winding);
     return {winding.begin(), winding.end()};
   }
 
-  static std::vector<float> computeOnCpu(const RayMapStage& map, const Options& options) {
-    Stats stats;
-    Progress progress(options, stats);
+  static std::vector<float> computeOnCpu(const RayMap& map, const Options& options) {
+    Progress progress;
     PathScratch scratch;
     const RaySweep sweep(map);
     Buffer<float> winding;
@@ -31,7 +30,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return {winding.begin(), winding.end()};
   }
 
-  static std::vector<float> compute(WindingPathsStage& paths, const RayMapStage& map, const Options& options,
+  static std::vector<float> compute(WindingPathsStage& paths, const RayMap& map, const Options& options,
                                     uint32_t doubtful = 1) {
     paths.reserve(map.dims);
     const Rays rays(map);
@@ -48,7 +47,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return download<float>(winding);
   }
 
-  static void expectTwins(const RayMapStage& map, const Options& options) {
+  static void expectTwins(const RayMap& map, const Options& options) {
     WindingPathsStage paths(device());
     const std::vector<float> ours = compute(paths, map, options);
     EXPECT_EQ(ours, computeOnCpu(map, options)) << "sign " << int(options.sign) << ", " << options.passes;
@@ -58,7 +57,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
 
 TEST_F(VulkanWindingPaths, AreTheCpus) {
   for (const glm::ivec3 dims : {glm::ivec3(21, 13, 17), glm::ivec3(1, 9, 30), glm::ivec3(40, 33, 36)}) {
-    const RayMapStage map =
+    const RayMap map =
         rayMapOf(shapes::soup(200, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = 0.03});
     for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
       for (const int passes : {0, 1, 2, 5, 9}) expectTwins(map, {.sign = sign, .passes = passes});
@@ -66,7 +65,7 @@ TEST_F(VulkanWindingPaths, AreTheCpus) {
 }
 
 TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
-  const RayMapStage map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
+  const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
     expectTwins(map,
                 {.sign = sign,
@@ -75,7 +74,7 @@ TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
 }
 
 TEST_F(VulkanWindingPaths, LeaveWhatAllRaysAgreeOn) {
-  const RayMapStage map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
+  const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
   WindingPathsStage paths(device());
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
     EXPECT_EQ(compute(paths, map, {.sign = sign, .passes = 5}, 0), rayAverage(map));

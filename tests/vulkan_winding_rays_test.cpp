@@ -9,13 +9,11 @@
 namespace raymap::vulkan {
 namespace {
 
-SignResult computeOnCpu(const raymap::CellMesh& mesh) {
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
-  raymap::Crossings crossings;
+SignResult computeOnCpu(const CellMesh& mesh) {
+  Progress progress;
+  cpu::Crossings crossings;
   countCrossings(mesh, progress, crossings);
-  raymap::RayMap map;
+  cpu::RayMap map;
   buildRayMap(mesh.dims, crossings, map);
   Buffer<float> winding;
   const size_t doubtful = averageRays(RaySweep(map), winding);
@@ -26,7 +24,7 @@ SignResult computeOnCpu(const raymap::CellMesh& mesh) {
 }
 
 void expectTwins(const Mesh& mesh, const Grid& grid) {
-  const raymap::CellMesh cells = cellMesh(mesh, grid);
+  const CellMesh cells = cellMesh(mesh, grid);
   const SignResult device = SignStages::compute(cells), cpu = computeOnCpu(cells);
   EXPECT_EQ(device.crossings, cpu.crossings);
   EXPECT_EQ(device.rays, cpu.rays);

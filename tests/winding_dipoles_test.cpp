@@ -34,9 +34,7 @@ Settled settled(const Mesh& mesh, int resolution, float value, float distance = 
     tree.build(cellMesh(mesh, result.grid));
     return tree;
   };
-  const Options options;
-  Stats stats;
-  Progress progress(options, stats);
+  Progress progress;
   WindingDipoles().settle(surface, result.grid.dims, distances, 0.5, progress, result.winding);
   return result;
 }

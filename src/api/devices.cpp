@@ -1,6 +1,5 @@
 #include "api/devices.h"
 
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -57,14 +56,6 @@ DeviceList devices() {
 
 namespace {
 
-/// Whether the system shows a GPU at all: asking every driver takes much longer.
-bool mayHaveGpu() {
-  std::error_code ignored;
-  for (const char* node : {"/dev/dri", "/dev/nvidiactl", "/dev/dxg"})
-    if (std::filesystem::exists(node, ignored)) return true;
-  return false;
-}
-
 void requireUsable(const DeviceList& list, size_t number, const std::string& name) {
   if (number >= list.devices.size())
     throw Error(ErrorCode::Unsupported, "there is no device " + name +
@@ -82,7 +73,8 @@ std::optional<size_t> chooseDevice(const std::string& name) {
   if (!asked)
     throw Error(ErrorCode::Usage, "there is no device '" + name + "'; use auto, cpu, vulkan or vulkan:K");
   const bool isAuto = asked->kind == DeviceName::Kind::Auto;
-  if (asked->kind == DeviceName::Kind::Cpu || (isAuto && !mayHaveGpu())) return std::nullopt;
+  if (asked->kind == DeviceName::Kind::Cpu || (isAuto && !(gpuPlugIn() && gpuPlugIn()->mayHaveGpu())))
+    return std::nullopt;
   const DeviceList list = devices();
   if (isAuto) return list.automatic == 0 ? std::nullopt : std::optional(list.automatic - 1);
   const size_t number = asked->index ? *asked->index + 1 : list.best.value_or(list.devices.size());

@@ -33,6 +33,8 @@ struct GpuPlugIn {
   std::vector<DeviceInfo> (*list)();
   /// Opens a device by its number.
   std::unique_ptr<GpuDevice> (*open)(size_t index);
+  /// Returns whether the system shows a GPU at all, which takes much less time than `list`.
+  bool (*mayHaveGpu)();
 };
 
 /// Registers a GPU backend. Called once, before `main`.

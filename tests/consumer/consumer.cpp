@@ -10,7 +10,7 @@ int main() {
       raymap::makeMesh(std::vector<glm::dvec3>{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
                        {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});
   const raymap::Grid grid = raymap::fitGrid(mesh, {.resolution = 21});
-  const raymap::Field field = raymap::generate(mesh, grid);
+  const raymap::Field field = raymap::generate(mesh, grid).field;
   const float middle = field.distance[grid.index(grid.dims / 2)];
   const float corner = field.distance[0];
   std::printf("middle %g, corner %g\n", double(middle), double(corner));

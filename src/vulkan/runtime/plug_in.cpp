@@ -1,5 +1,7 @@
 // Plugs the Vulkan backend into the core of programs that link raymap::vulkan.
 
+#include <filesystem>
+
 #include "base/memory.h"
 #include "method/gpu_plug_in.h"
 #include "vulkan/runtime/backend.h"
@@ -35,6 +37,17 @@ class OpenDevice final : public GpuDevice {
   std::optional<Backend> backend_;
 };
 
+std::unique_ptr<GpuDevice> openDevice(size_t index) {
+  return std::make_unique<OpenDevice>(index);
+}
+
+bool mayHaveGpu() {
+  std::error_code ignored;
+  for (const char* node : {"/dev/dri", "/dev/nvidiactl", "/dev/dxg"})
+    if (std::filesystem::exists(node, ignored)) return true;
+  return false;
+}
+
 }  // namespace
 
 }  // namespace raymap::vulkan
@@ -42,9 +55,7 @@ class OpenDevice final : public GpuDevice {
 /// The linker must keep this symbol (src/vulkan/CMakeLists.txt); otherwise it leaves this file of a static
 /// library out.
 extern "C" const bool raymapVulkanIsPluggedIn = [] {
-  using namespace raymap;
-  plugIn({.list = vulkan::listDevices, .open = [](size_t index) -> std::unique_ptr<GpuDevice> {
-            return std::make_unique<vulkan::OpenDevice>(index);
-          }});
+  using namespace raymap::vulkan;
+  raymap::plugIn({.list = listDevices, .open = openDevice, .mayHaveGpu = mayHaveGpu});
   return true;
 }();

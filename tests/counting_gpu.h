@@ -1,0 +1,65 @@
+#pragma once
+
+// A GPU backend for tests of what chooses and keeps devices: it counts, and fails on request.
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "method/gpu_plug_in.h"
+
+namespace raymap {
+
+/// Replaces the GPU backend for as long as it lives. Lists four devices, of which only the last is usable.
+class CountingGpu {
+ public:
+  static constexpr size_t kUsable = 3;
+
+  CountingGpu() : before_(gpuPlugIn() ? *gpuPlugIn() : kNone) {
+    lists = opens = runs = 0;
+    onGenerate = {};
+    plugIn({.list = list, .open = open, .mayHaveGpu = [] { return true; }});
+  }
+  ~CountingGpu() { plugIn(before_); }
+  CountingGpu(const CountingGpu&) = delete;
+  CountingGpu& operator=(const CountingGpu&) = delete;
+
+  static inline int lists = 0, opens = 0, runs = 0;
+  /// Called by every run, for errors to be thrown.
+  static inline std::function<void()> onGenerate;
+
+ private:
+  class FakeDevice final : public GpuDevice {
+   public:
+    void generate(const Job& job, Stats&) override {
+      ++runs;
+      job.progress.stage("begin", [] {});
+      if (onGenerate) onGenerate();
+      job.field.grid = job.grid;
+      job.field.distance.resize(job.grid.sampleCount());
+    }
+    void draw(const Scene&, Progress&, Picture&) override {}
+  };
+
+  static std::vector<DeviceInfo> list() {
+    ++lists;
+    std::vector<DeviceInfo> devices(kUsable + 1);
+    for (size_t index = 0; index < devices.size(); ++index) {
+      devices[index] = {.id = "vulkan:" + std::to_string(index), .type = DeviceType::Discrete};
+      if (index != kUsable) devices[index].problem = "made for a test";
+    }
+    return devices;
+  }
+  static std::unique_ptr<GpuDevice> open(size_t index) {
+    ++opens;
+    if (index != kUsable) throw Error(ErrorCode::Unsupported, "not usable");
+    return std::make_unique<FakeDevice>();
+  }
+
+  static constexpr GpuPlugIn kNone{.list = [] { return std::vector<DeviceInfo>(); },
+                                   .open = [](size_t) { return std::unique_ptr<GpuDevice>(); },
+                                   .mayHaveGpu = [] { return false; }};
+  GpuPlugIn before_;
+};
+
+}  // namespace raymap

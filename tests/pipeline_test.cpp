@@ -1,0 +1,135 @@
+// The stages in the paper's order, as a backend without any computation sees them.
+
+#include "method/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace raymap {
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// Writes down which stages run, and which functions in them.
+class FakeBackend {
+ public:
+  explicit FakeBackend(const Options& options) : options_(options) {}
+
+  const Options& options() const { return options_; }
+  template <class Work>
+  void stage(const char* name, Work&& work) {
+    stages.emplace_back(name);
+    work();
+  }
+  void begin() { calls.emplace_back("begin"); }
+  void voxelGrid() { calls.emplace_back("voxelGrid"); }
+  void cellDistance() { calls.emplace_back("cellDistance"); }
+  void distanceTransform() { calls.emplace_back("distanceTransform"); }
+  void refine() { calls.emplace_back("refine"); }
+  void rasterDistance() { calls.emplace_back("rasterDistance"); }
+  void exactDistance() { calls.emplace_back("exactDistance"); }
+  void crossings() { calls.emplace_back("crossings"); }
+  void rayMap() { calls.emplace_back("rayMap"); }
+  void winding(SignMode mode) {
+    EXPECT_EQ(mode, options_.sign);
+    calls.emplace_back("winding");
+  }
+  void windingDipoles() { calls.emplace_back("windingDipoles"); }
+  void sign() { calls.emplace_back("sign"); }
+  void finish() { calls.emplace_back("finish"); }
+  bool complete() { return runsLeft-- == 0; }
+
+  Names stages, calls;
+  int runsLeft = 0;  ///< How often the lists are to outgrow their memory.
+
+ private:
+  Options options_;
+};
+static_assert(Backend<FakeBackend>);
+
+/// Beyond that, what the host reads between the stages: nothing to reverse, no holes to close.
+class FakeHostBackend : public FakeBackend {
+ public:
+  using FakeBackend::FakeBackend;
+
+  const Mesh& mesh() const { return mesh_; }
+  Progress& progress() { return progress_; }
+  double doubtfulShare() const { return 0.0; }
+  FaceSides& faceSides() { return faceSides_; }
+  void turnFaces(const Turns&) { ADD_FAILURE(); }
+  double misfit() const { return 0.0; }
+  bool contradictsParity() const { return false; }
+  std::span<const float> rises() const { return {}; }
+  std::span<const float> parityRises() const { return {}; }
+  HolePatch& patch() { return patch_; }
+  std::vector<MissingEdge> missingEdges() const { return {}; }
+  std::vector<float> windingAt(std::span<const glm::vec3>) const { return {}; }
+  const CellMesh& cellMesh() const { return cellMesh_; }
+  size_t bytesLeft() const { return 0; }
+  static constexpr size_t kTreeBytesPerTriangle = 1;
+  void addPatch() { ADD_FAILURE(); }
+
+ private:
+  Mesh mesh_;
+  Progress progress_;
+  FaceSides faceSides_;
+  HolePatch patch_;
+  CellMesh cellMesh_;
+};
+static_assert(HostBackend<FakeHostBackend>);
+
+template <class B = FakeHostBackend>
+Names stagesOf(const Options& options) {
+  B backend(options);
+  runPipeline(backend);
+  return backend.stages;
+}
+
+TEST(Pipeline, RunsTheStagesInThePapersOrder) {
+  Options options{.distance = DistanceMode::Cell, .sign = SignMode::Paths};
+  const Names stages{"begin",       "voxel_grid", "cell_distance", "distance_transform",
+                     "refine",      "crossings",  "ray_map",       "winding",
+                     "orientation", "sign",       "finish"};
+  EXPECT_EQ(stagesOf(options), stages);
+  options.distance = DistanceMode::Neighbours;
+  EXPECT_EQ(stagesOf(options), stages);
+}
+
+TEST(Pipeline, RunsTheStagesOfEveryDistance) {
+  EXPECT_EQ(stagesOf({.distance = DistanceMode::Exact, .sign = SignMode::None}),
+            (Names{"begin", "exact_distance", "finish"}));
+  EXPECT_EQ(stagesOf({.distance = DistanceMode::Raster, .sign = SignMode::None}),
+            (Names{"begin", "raster_distance", "distance_transform", "refine", "finish"}));
+}
+
+TEST(Pipeline, RunsTheStagesOfEverySign) {
+  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution, SignMode::Rays})
+    EXPECT_EQ(stagesOf({.sign = sign}), (Names{"begin", "exact_distance", "crossings", "ray_map", "winding",
+                                               "orientation", "sign", "finish"}));
+  EXPECT_EQ(stagesOf({.sign = SignMode::Harmonic, .closeHoles = true}),
+            (Names{"begin", "exact_distance", "crossings", "ray_map", "winding", "orientation",
+                   "winding_dipoles", "close_holes", "sign", "finish"}));
+}
+
+TEST(Pipeline, LeavesOutWhatTakesAHostThatReadsBack) {
+  EXPECT_EQ(stagesOf<FakeBackend>({.sign = SignMode::Harmonic, .closeHoles = true}),
+            (Names{"begin", "exact_distance", "crossings", "ray_map", "winding", "winding_dipoles", "sign",
+                   "finish"}));
+}
+
+TEST(Pipeline, RunsEveryStageAgainWhereListsOutgrewTheirMemory) {
+  FakeHostBackend backend(Options{.distance = DistanceMode::Cell, .sign = SignMode::Harmonic});
+  backend.runsLeft = 1;
+  runPipeline(backend);
+  const Names once{"begin",          "voxelGrid", "cellDistance", "distanceTransform",
+                   "refine",         "crossings", "rayMap",       "winding",
+                   "windingDipoles", "sign",      "finish"};
+  Names twice = once;
+  twice.insert(twice.end(), once.begin(), once.end());
+  EXPECT_EQ(backend.calls, twice);
+}
+
+}  // namespace
+}  // namespace raymap
