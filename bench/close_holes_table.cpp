@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "../tests/shapes.h"
+#include "../tests/support/shapes.h"
 #ifdef RAYMAP_BENCH_OPENVDB
 #include "methods.h"
 #endif

@@ -141,7 +141,9 @@ double copyRate(vulkan::Device& device) {
   for (int round = 0; round < 10; ++round) {
     vulkan::Commands commands = own.begin();
     commands.fill(from, 1);
-    commands.stage("copy", [&] { commands.copy(from, to, kBytes); });
+    commands.startStage("copy");
+    commands.copy(from, to, kBytes);
+    commands.stopStage();
     own.submitAndWait();
     if (own.times().empty())
       throw Error(ErrorCode::Unsupported, "the device has no timestamps, so nothing can be timed");

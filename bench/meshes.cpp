@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <unordered_map>
 
-#include "../tests/shapes.h"
+#include "../tests/support/shapes.h"
 
 namespace raymap::bench {
 

@@ -33,7 +33,9 @@ void measure(benchmark::State& state, int64_t bytes, Prepare&& prepare, Record&&
   const auto run = [&] {
     Commands commands = own.begin();
     prepare(commands);
-    commands.stage("measured", [&] { record(commands); });
+    commands.startStage("measured");
+    record(commands);
+    commands.stopStage();
     own.submitAndWait();
     return own.times();
   };

@@ -177,8 +177,7 @@ TEST(VoxelGrid, RefusesListsBeyondTheLimit) {
 
 TEST(VoxelGrid, StopsWhenCancelled) {
   const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
-  Progress progress;
-  silent.options.progress = [](std::string_view, double) { return false; };
+  Progress progress([](std::string_view, double) { return false; });
   VoxelGrid grid;
   EXPECT_THROW(buildVoxelGrid(mesh, coverMesh(mesh)[0], kNoLimit, progress, grid), Error);
 }

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "any_threads.h"
-#include "mesh_folder.h"
 #include "shapes.h"
 #include "sign_scene.h"
+#include "steepest.h"
 
 namespace raymap {
 
@@ -61,24 +61,6 @@ Options closing(Options options = {}) {
   options.device = "cpu";
   options.closeHoles = true;
   return options;
-}
-
-/// The largest change of the signed distance from a sample to the next, in samples: 1 in a true distance
-/// field.
-double steepest(const Field& field) {
-  const glm::ivec3& dims = field.grid.dims;
-  double steepest = 0.0;
-  for (int k = 0; k < dims.z; ++k)
-    for (int j = 0; j < dims.y; ++j)
-      for (int i = 0; i < dims.x; ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-          glm::ivec3 next(i, j, k);
-          if (++next[axis] == dims[axis]) continue;
-          const double change =
-              field.distance[field.grid.index(next)] - field.distance[field.grid.index({i, j, k})];
-          steepest = std::max(steepest, std::abs(change) / field.grid.spacing);
-        }
-  return steepest;
 }
 
 /// In samples.
@@ -294,25 +276,6 @@ TEST(CloseHoles, EndsOnTheRim) {
     EXPECT_LT(reference::distance(holed.open, p), 0.03 * grid.spacing);
   }
   EXPECT_GT(ends, 60u);
-}
-
-TEST(CloseHoles, MakesDistanceFieldsOfRealMeshes) {
-  const std::vector<MeshRow> rows = meshRows();
-  if (rows.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
-  size_t holed = 0, closed = 0;
-  for (const MeshRow& row : rows) {
-    if (row.at("kind") == "malformed" || row.at("boundary_edges") == "0") continue;
-    SCOPED_TRACE(row.at("file"));
-    const Mesh mesh = readMesh(meshFolder() / row.at("file"));
-    const Grid grid = fitGrid(mesh, {.resolution = 40});
-    if (steepest(generate(mesh, grid, {.device = "cpu"}).field) < 1.01) continue;
-    const double after = steepest(generate(mesh, grid, closing()).field);
-    EXPECT_LT(after, 2.0);
-    ++holed;
-    closed += after < 1.01 ? 1 : 0;
-  }
-  EXPECT_GT(holed, 15u);
-  EXPECT_GT(closed, holed * 6 / 10);
 }
 
 }  // namespace

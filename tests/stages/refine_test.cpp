@@ -204,8 +204,7 @@ TEST_P(RefineTwins, MovesByWholeSamplesWithTheMesh) {
 TEST(Refine, StopsWhenCancelled) {
   const OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 2), 16);
   const std::vector<CellLevel> levels = nearestCells(mesh);
-  Progress progress;
-  silent.options.progress = [](std::string_view, double) { return false; };
+  Progress progress([](std::string_view, double) { return false; });
   Buffer<float> distance;
   Buffer<uint32_t> triangle;
   EXPECT_THROW(refineDistance(mesh, levels, 1, progress, distance, &triangle), Error);

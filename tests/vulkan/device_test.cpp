@@ -249,8 +249,12 @@ TEST_F(VulkanDevice, TimesStagesFrameAfterFrame) {
   const uint64_t held = device().heldMemory();
   for (uint32_t frame = 0; frame < 100; ++frame) {
     Commands commands = own.begin();
-    commands.stage("one", [&] { commands.fill(buffer, frame); });
-    commands.stage("two", [&] { commands.fill(buffer, frame + 1); });
+    commands.startStage("one");
+    commands.fill(buffer, frame);
+    commands.stopStage();
+    commands.startStage("two");
+    commands.fill(buffer, frame + 1);
+    commands.stopStage();
     own.submitAndWait();
     const std::span<const StageTime> times = own.times();
     if (device().limits().timestampPeriod == 0) continue;

@@ -1,9 +1,9 @@
 #include <png.h>
 #include <raymap/raymap.h>
 
-#include "../examples/animated/bending_tube.h"
-#include "../examples/animated/framing.h"
+#include "bending_tube.h"
 #include "files.h"
+#include "framing.h"
 #include "mesh_folder.h"
 #include "pictures.h"
 #include "run_program.h"

@@ -321,23 +321,5 @@ TEST_F(Backends, RefuseWhatTheCpuRefuses) {
   EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Input);
 }
 
-TEST(Devices, AreToldApartByName) {
-  const Mesh mesh = shapes::sphere(1.0, 1);
-  const Grid grid = fitGrid(mesh, {.resolution = 4});
-  for (const char* name : {"gpu", "vulkan:", "vulkan:x", "vulkan:-1", "vulkan:1x", ""}) {
-    Options options;
-    options.device = name;
-    try {
-      generate(mesh, grid, options);
-      FAIL() << name;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::Usage) << name;
-    }
-  }
-  Options options;
-  options.device = "vulkan:99";
-  EXPECT_EQ(codeOf(mesh, grid, options), ErrorCode::Unsupported);
-}
-
 }  // namespace
 }  // namespace raymap

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "mesh_samples.h"
+#include "contains.h"
 
 namespace raymap {
 namespace {
@@ -105,16 +105,16 @@ TEST(AnimatedMesh, NamesWhatIsWrong) {
   EXPECT_EQ(errorOf(triangle()), "");
   AnimatedMesh mesh = triangle();
   mesh.joints[1][2] = 2;
-  EXPECT_TRUE(samples::contains(errorOf(mesh), "vertex 1 follows joint 2 of 2"));
+  EXPECT_TRUE(contains(errorOf(mesh), "vertex 1 follows joint 2 of 2"));
   mesh = triangle();
   mesh.weights.pop_back();
-  EXPECT_TRUE(samples::contains(errorOf(mesh), "3 vertices have 3 sets of joints and 2 of weights"));
+  EXPECT_TRUE(contains(errorOf(mesh), "3 vertices have 3 sets of joints and 2 of weights"));
   mesh = triangle();
   mesh.nodes[1].parent = 1;
-  EXPECT_TRUE(samples::contains(errorOf(mesh), "node 1 hangs on node 1"));
+  EXPECT_TRUE(contains(errorOf(mesh), "node 1 hangs on node 1"));
   mesh = triangle();
   mesh.skeleton[1].node = 7;
-  EXPECT_TRUE(samples::contains(errorOf(mesh), "joint 1 is node 7 of 2"));
+  EXPECT_TRUE(contains(errorOf(mesh), "joint 1 is node 7 of 2"));
   const Track good{.node = 0, .times = {0.0, 1.0}, .values = {{0, 0, 0, 0}, {0, 0, 0, 0}}};
   const auto errorWith = [&](const auto& change) {
     AnimatedMesh moving = triangle();
@@ -123,11 +123,10 @@ TEST(AnimatedMesh, NamesWhatIsWrong) {
     return errorOf(moving);
   };
   EXPECT_EQ(errorWith([](Track&) {}), "");
-  EXPECT_TRUE(samples::contains(errorWith([](Track& t) { t.node = 2; }), "track 1 moves node 2"));
-  EXPECT_TRUE(samples::contains(errorWith([](Track& t) { t.times.clear(); }), "track 1 has no times"));
-  EXPECT_TRUE(samples::contains(errorWith([](Track& t) { t.times[1] = -1; }), "track 1 goes back in time"));
-  EXPECT_TRUE(samples::contains(errorWith([](Track& t) { t.values.pop_back(); }),
-                                "track 1 has 1 values for 2 times"));
+  EXPECT_TRUE(contains(errorWith([](Track& t) { t.node = 2; }), "track 1 moves node 2"));
+  EXPECT_TRUE(contains(errorWith([](Track& t) { t.times.clear(); }), "track 1 has no times"));
+  EXPECT_TRUE(contains(errorWith([](Track& t) { t.times[1] = -1; }), "track 1 goes back in time"));
+  EXPECT_TRUE(contains(errorWith([](Track& t) { t.values.pop_back(); }), "track 1 has 1 values for 2 times"));
 }
 
 }  // namespace

@@ -11,10 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "contains.h"
 #include "files.h"
 #include "io/mesh/mesh_file.h"
 
 namespace raymap::samples {
+
+using raymap::contains;
 
 /// The bytes of a value, the other way round if asked.
 template <class T>
@@ -125,12 +128,6 @@ inline glm::dvec3 areaVector(const Mesh& mesh) {
     sum += 0.5 * glm::cross(mesh.position(t.y) - a, mesh.position(t.z) - a);
   }
   return sum;
-}
-
-/// For EXPECT_TRUE, which then shows the text.
-inline testing::AssertionResult contains(const std::string& text, const std::string& part) {
-  if (text.find(part) != text.npos) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "'" << part << "' is not in '" << text << "'";
 }
 
 inline bool isSquare(const Mesh& mesh) {

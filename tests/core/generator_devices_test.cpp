@@ -94,5 +94,11 @@ TEST_F(GeneratorDevices, ChangeWithTheName) {
   EXPECT_EQ(CountingGpu::opens, 2);
 }
 
+TEST_F(GeneratorDevices, AreToldApartByName) {
+  for (const char* name : {"gpu", "vulkan:", "vulkan:x", "vulkan:-1", "vulkan:1x", ""})
+    EXPECT_EQ(codeOf(name), ErrorCode::Usage) << name;
+  EXPECT_EQ(codeOf("vulkan:99"), ErrorCode::Unsupported);
+}
+
 }  // namespace
 }  // namespace raymap

@@ -1,0 +1,171 @@
+#include "cpu/distance/surface_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cells.h"
+
+namespace raymap {
+
+using namespace cpu;
+namespace {
+
+constexpr double kAllowed = 1e-6;  // The meshes are about 1 large.
+
+OwnCellMesh cellsOf(const Mesh& mesh) {
+  return {mesh, Grid{{20, 20, 20}, glm::dvec3(0.0), 1.0}};
+}
+
+glm::dvec3 vectorOf(const float* x, const float* y, const float* z, uint32_t lane) {
+  return {x[lane], y[lane], z[lane]};
+}
+
+/// Distance of a point from the disc of a node; 0 inside.
+double discDistance(const SurfaceTree& tree, uint32_t node, const glm::dvec3& p) {
+  const DiscPacket& discs = tree.discs(node / kPacket);
+  const uint32_t lane = node % kPacket;
+  const glm::dvec3 q = p - vectorOf(discs.cx, discs.cy, discs.cz, lane),
+                   normal = vectorOf(discs.nx, discs.ny, discs.nz, lane);
+  const double height = glm::dot(q, normal);
+  const double beside = glm::length(q - height * normal) - double(discs.radius[lane]);
+  return std::max({beside, std::abs(height) - double(discs.halfThickness[lane]), 0.0});
+}
+
+glm::dvec3 normalOf(const SurfaceTree& tree, uint32_t t) {
+  const TrianglePacket& packet = tree.triangles(t / kPacket);
+  return vectorOf(packet.zx, packet.zy, packet.zz, t % kPacket);
+}
+
+/// The corners a, b and c of triangle `t` of the tree, back from its frame.
+std::vector<glm::dvec3> cornersOf(const SurfaceTree& tree, uint32_t t) {
+  const TrianglePacket& packet = tree.triangles(t / kPacket);
+  const uint32_t lane = t % kPacket;
+  const glm::dvec3 a = vectorOf(packet.ax, packet.ay, packet.az, lane),
+                   x = vectorOf(packet.xx, packet.xy, packet.xz, lane),
+                   y = vectorOf(packet.yx, packet.yy, packet.yz, lane);
+  return {a, a + double(packet.bx[lane]) * x, a + double(packet.cx[lane]) * x + double(packet.cy[lane]) * y};
+}
+
+/// Follows the tree from its root to its triangles and checks all on the way.
+class Walk {
+ public:
+  Walk(const SurfaceTree& tree, const CellMesh& mesh)
+      : tree_(tree), mesh_(mesh), seen_(mesh.triangles.size()) {
+    visit(tree.root(), tree.levels().size() - 1);
+    EXPECT_EQ(seen_, std::vector<int>(mesh.triangles.size(), 1)) << "each triangle is in one leaf";
+  }
+
+ private:
+  void visit(uint32_t node, size_t level) {
+    path_.push_back(node);
+    ASSERT_EQ(tree_.isLeaf(node), level == 0);
+    if (level == 0) {
+      visitLeaf(node);
+    } else {
+      const SurfaceTree::Level below = tree_.levels()[level - 1];
+      const uint32_t first = tree_.childPacket(node) * kPacket;
+      for (uint32_t child = first; child < first + kPacket; ++child)
+        if (child < below.start + below.count)
+          visit(child, level - 1);
+        else
+          EXPECT_GT(discDistance(tree_, child, glm::dvec3(0.0)), 1e10) << "no node is there";
+    }
+    path_.pop_back();
+  }
+
+  void visitLeaf(uint32_t leaf) {
+    const uint32_t first = tree_.childPacket(leaf) * kPacket;
+    for (uint32_t t = first; t < first + kPacket; ++t) {
+      const uint32_t id = tree_.triangleId(t);
+      ASSERT_LT(id, seen_.size());
+      if (t >= tree_.triangleCount()) {
+        EXPECT_EQ(id, tree_.triangleId(tree_.triangleCount() - 1)) << "the last one fills its leaf";
+        continue;
+      }
+      ++seen_[id];
+      expectSameTriangle(t, id);
+      for (int corner = 0; corner < 3; ++corner)
+        for (const uint32_t node : path_)
+          EXPECT_LT(discDistance(tree_, node, glm::dvec3(mesh_.corner(id, corner))), kAllowed)
+              << "triangle " << id << ", node " << node;
+    }
+  }
+
+  /// The same corners in the same winding order, whichever comes first.
+  void expectSameTriangle(uint32_t t, uint32_t id) {
+    const std::vector<glm::dvec3> corners = cornersOf(tree_, t);
+    double closest = INFINITY;
+    for (int first = 0; first < 3; ++first) {
+      double farthest = 0.0;
+      for (int c = 0; c < 3; ++c)
+        farthest = std::max(farthest,
+                            glm::distance(corners[size_t(c)], glm::dvec3(mesh_.corner(id, (first + c) % 3))));
+      closest = std::min(closest, farthest);
+    }
+    EXPECT_LT(closest, kAllowed) << "triangle " << id;
+  }
+
+  const SurfaceTree& tree_;
+  const CellMesh& mesh_;
+  std::vector<int> seen_;
+  std::vector<uint32_t> path_;  ///< From the root to the node that is looked at.
+};
+
+void expectSound(const Mesh& mesh) {
+  SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
+  const OwnCellMesh cells = cellsOf(mesh);
+  SurfaceTree tree;
+  tree.build(cells);
+  ASSERT_EQ(tree.triangleCount(), mesh.triangles.size());
+  ASSERT_EQ(tree.leafCount(), (mesh.triangles.size() + kPacket - 1) / kPacket);
+  for (const SurfaceTree::Level& level : tree.levels()) ASSERT_EQ(level.start % kPacket, 0u);
+  ASSERT_EQ(tree.levels().back().count, 1u);
+  Walk(tree, cells);
+}
+
+TEST(SurfaceTree, HoldsEveryTriangleOnceInDiscsThatBoundIt) {
+  for (const int count : {1, 7, 8, 9, 64, 65, 511, 513, 4097, 5000})
+    expectSound(shapes::soup(count, static_cast<unsigned>(count)));
+  expectSound(shapes::sphere(1.0, 4));
+  expectSound(shapes::torus(1.0, 0.3, 80, 40));
+}
+
+TEST(SurfaceTree, HoldsDegenerateAndEqualTriangles) {
+  const std::vector<glm::dvec3> line{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+  expectSound(makeMesh(line, {{0, 1, 2}, {0, 0, 0}, {1, 2, 1}, {2, 2, 2}, {0, 1, 2}}));
+  expectSound(makeMesh(line, std::vector<glm::uvec3>(100, {0, 1, 2})));
+}
+
+TEST(SurfaceTree, IsBuiltAnewForAnotherMesh) {
+  SurfaceTree tree;
+  tree.build(cellsOf(shapes::soup(5000, 1)));
+  const OwnCellMesh cells = cellsOf(shapes::soup(70, 2));
+  tree.build(cells);
+  Walk(tree, cells);
+}
+
+TEST(SurfaceTree, TurnsTheNormalsOfSomeFaces) {
+  const Mesh mesh = shapes::soup(100, 3);
+  SurfaceTree tree;
+  tree.build(cellsOf(mesh));
+  std::vector<glm::dvec3> before;
+  for (uint32_t t = 0; t < tree.triangleCount(); ++t) {
+    before.push_back(normalOf(tree, t));
+    const std::vector<glm::dvec3> p = cornersOf(tree, t);
+    EXPECT_GT(glm::dot(before[t], glm::cross(p[1] - p[0], p[2] - p[0])), 0.0) << "as the corners turn";
+  }
+  std::vector<uint8_t> faces(mesh.triangles.size());
+  for (size_t f = 0; f < faces.size(); f += 3) faces[f] = 1;
+  tree.turn(faces);
+  for (uint32_t t = 0; t < tree.triangleCount(); ++t)
+    EXPECT_EQ(normalOf(tree, t), faces[tree.triangleId(t)] ? -before[t] : before[t]) << t;
+  tree.turn({});
+  tree.turn(faces);
+  for (uint32_t t = 0; t < tree.triangleCount(); ++t) EXPECT_EQ(normalOf(tree, t), before[t]) << t;
+}
+
+}  // namespace
+}  // namespace raymap

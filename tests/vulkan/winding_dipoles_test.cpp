@@ -1,0 +1,142 @@
+#include "vulkan/stages/winding_dipoles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cpu/sign/winding_dipoles.h"
+#include "shapes.h"
+#include "sign_scene.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+constexpr double kThreshold = 0.5;
+
+/// What the stage starts from: the same everywhere.
+struct Start {
+  float winding = 0.5f;   ///< As the lattice gives it.
+  float distance = 0.0f;  ///< Cells to the surface.
+  uint32_t disagreeing = 1;
+};
+
+class VulkanWindingDipoles : public VulkanTest {
+ protected:
+  static std::vector<float> settle(const Mesh& mesh, const Grid& grid, const Start& start) {
+    const CellMesh cells = cellMesh(mesh, grid);
+    const DeviceBuffer vertices =
+        upload(std::vector<glm::vec3>(cells.vertices.begin(), cells.vertices.end()), "vertices");
+    const DeviceBuffer triangles =
+        upload(std::vector<glm::uvec3>(cells.triangles.begin(), cells.triangles.end()), "triangles");
+    const auto triangleCount = static_cast<uint32_t>(cells.triangles.size());
+    const DeviceBuffer distance = upload(std::vector<float>(grid.sampleCount(), start.distance), "distance");
+    const DeviceBuffer winding = upload(std::vector<float>(grid.sampleCount(), start.winding), "winding");
+    const DeviceBuffer disagreeing = upload<uint32_t>({start.disagreeing}, "disagreeing");
+    SurfaceTreeStage tree(device());
+    tree.reserve(triangleCount);
+    dipoles().reserve(triangleCount, grid.dims);
+    run([&](Commands& commands) {
+      tree.record(commands,
+                  {vertices.address(), triangles.address(), static_cast<uint32_t>(cells.vertices.size()),
+                   triangleCount},
+                  grid.dims);
+      dipoles().record(commands, tree, {distance.address(), winding.address(), disagreeing.address()},
+                       kThreshold);
+    });
+    return download<float>(winding);
+  }
+
+  static Buffer<float> settleOnCpu(const Mesh& mesh, const Grid& grid, const Start& start) {
+    Buffer<float> winding(grid.sampleCount()), distance(grid.sampleCount());
+    std::ranges::fill(winding, start.winding);
+    std::ranges::fill(distance, start.distance);
+    cpu::SurfaceTree tree;
+    const auto surface = [&]() -> const cpu::SurfaceTree& {
+      tree.build(cellMesh(mesh, grid));
+      return tree;
+    };
+    Progress progress;
+    cpu::WindingDipoles().settle(surface, grid.dims, distance, kThreshold, progress, winding);
+    return winding;
+  }
+
+ private:
+  /// Kept from one test to the next.
+  static WindingDipolesStage& dipoles() {
+    shared();  // Made before it, so destroyed after it.
+    static WindingDipolesStage dipoles(device());
+    return dipoles;
+  }
+};
+
+Mesh openSphere() {
+  Mesh mesh = shapes::sphere(1.0, 4);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.4; });
+  return mesh;
+}
+
+TEST_F(VulkanWindingDipoles, AreTheSumOfTheSolidAngles) {
+  // One triangle, a leaf that is not full, one full leaf and one more, thousands.
+  for (const Mesh& mesh :
+       {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
+    SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
+    const Grid grid = fitGrid(mesh, {.resolution = 16});
+    const std::vector<float> winding = settle(mesh, grid, {});
+    double sum = 0.0;
+    for (size_t s = 0; s < winding.size(); ++s) {
+      const double error = std::abs(winding[s] - reference::windingNumber(mesh, samplePosition(grid, s)));
+      // What comes near the threshold is looked at more closely.
+      ASSERT_LT(error, std::abs(std::abs(winding[s]) - kThreshold) < 0.015 ? 0.005 : 0.05) << s;
+      sum += error;
+    }
+    EXPECT_LT(sum / double(winding.size()), 0.004);
+  }
+}
+
+TEST_F(VulkanWindingDipoles, AreTheCpus) {
+  for (const Mesh& mesh : {shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
+    SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
+    const Grid grid = fitGrid(mesh, {.resolution = 20});
+    const std::vector<float> ours = settle(mesh, grid, {});
+    const Buffer<float> theirs = settleOnCpu(mesh, grid, {});
+    size_t unlike = 0;
+    double sum = 0.0;
+    for (size_t s = 0; s < ours.size(); ++s) {
+      unlike += (std::abs(ours[s]) > kThreshold) != (std::abs(theirs[s]) > kThreshold) ? 1 : 0;
+      sum += std::abs(ours[s] - theirs[s]);
+      ASSERT_NEAR(ours[s], theirs[s], 0.06f) << s;
+    }
+    EXPECT_LE(unlike, 1u) << "on different sides of the threshold";
+    EXPECT_LT(sum / double(ours.size()), 0.004);
+  }
+}
+
+TEST_F(VulkanWindingDipoles, GiveTheSameBitsEachTime) {
+  const Mesh mesh = shapes::soup(1000, 6);
+  const Grid grid = fitGrid(mesh, {.resolution = 16});
+  EXPECT_EQ(settle(mesh, grid, {}), settle(mesh, grid, {}));
+}
+
+TEST_F(VulkanWindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
+  const Mesh mesh = openSphere();
+  const Grid grid = fitGrid(mesh, {.resolution = 12});
+  // Far from the surface the lattice errs less.
+  for (const Start& start :
+       {Start{.winding = 0.7f}, Start{.winding = -0.3f}, Start{.winding = 0.55f, .distance = 20.0f}})
+    for (const float w : settle(mesh, grid, start)) ASSERT_EQ(w, start.winding);
+}
+
+TEST_F(VulkanWindingDipoles, LeaveEverythingWhereAllRaysAgree) {
+  const Mesh mesh = openSphere();
+  const Grid grid = fitGrid(mesh, {.resolution = 12});
+  for (const float w : settle(mesh, grid, {.disagreeing = 0})) ASSERT_EQ(w, 0.5f);
+}
+
+TEST_F(VulkanWindingDipoles, StandUpToDegenerateTriangles) {
+  Mesh mesh = openSphere();
+  mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
+  for (const float w : settle(mesh, fitGrid(mesh, {.resolution = 16}), {})) ASSERT_TRUE(std::abs(w) < 1.1f);
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
