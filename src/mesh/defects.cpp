@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "mesh/half_edges.h"
 #include "mesh/patches.h"
 

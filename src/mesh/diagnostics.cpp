@@ -4,7 +4,7 @@
 #include <array>
 #include <numeric>
 
-#include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "mesh/defects.h"
 #include "mesh/half_edges.h"
 #include "mesh/holes.h"

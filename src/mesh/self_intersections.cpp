@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace raymap {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <bit>
 
-#include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace raymap {
 

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace raymap {
 

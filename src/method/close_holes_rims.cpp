@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 
 namespace raymap {
 
