@@ -1,6 +1,9 @@
 #pragma once
 
-#include <raymap/io.h>
+#include <raymap/callbacks.h>
+#include <raymap/mesh.h>
+
+#include <filesystem>
 
 namespace raymap {
 

@@ -4,7 +4,7 @@
 
 #include <raymap/animation.h>
 #include <raymap/buffer.h>
-#include <raymap/io.h>
+#include <raymap/callbacks.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""Checks that every #include points down, by the layers that src/layers.txt declares.
+
+Also: the declared layers have no cycle, every folder of src and every public header belongs to a layer, only
+src/base/parallel.cpp and parallel_sort.h include oneTBB, and apps/ and examples/ include no private header. Prints the number of includes that
+point up or sideways and of cycles between folders, and ends with 1 if there is anything to mend.
+
+check_layers.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
+OUTSIDE = ("apps", "examples")  # Users of the library, which see its public headers only.
+INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
+TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files that may include oneTBB.
+# Made while building.
+GENERATED = re.compile(r"shaders/\w+_spv\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
+
+
+class Layers:
+    """What layers.txt declares."""
+
+    def __init__(self, path):
+        self.below = {}  # Of each layer, the layers that it may include.
+        self.headers = {}  # Of each public header, its layer.
+        self.problems = []
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            line = line.partition("#")[0].strip()
+            if not line:
+                continue
+            name, colon, rest = line.partition(":")
+            if not colon:
+                self.problems.append(f"{path.name}:{number}: no colon in '{line}'")
+            elif name.startswith("include "):
+                self.headers[name.split()[1]] = rest.strip()
+            else:
+                self.below[name.strip()] = rest.split()
+        declared = [layer for layers in self.below.values() for layer in layers] + list(self.headers.values())
+        for layer in sorted(set(declared) - set(self.below)):
+            self.problems.append(f"{path.name}: '{layer}' is no layer")
+        for cycle in cycles({layer: set(below) for layer, below in self.below.items()}):
+            self.problems.append(f"{path.name}: a cycle between {', '.join(cycle)}")
+
+    def of_folder(self, folder):
+        return folder if folder in self.below else None
+
+    def says(self, layer):
+        return f"{layer} may include only {', '.join(self.below[layer]) or 'itself'}"
+
+
+def cycles(graph):
+    """The groups of nodes that reach each other (Tarjan's strongly connected components of two nodes and more)."""
+    order, low, stack, found = {}, {}, [], []
+
+    def visit(node):
+        order[node] = low[node] = len(order)
+        stack.append(node)
+        for other in sorted(graph.get(node, ())):
+            if other not in order:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], order[other])
+        if low[node] == order[node]:
+            group = stack[stack.index(node) :]
+            del stack[stack.index(node) :]
+            if len(group) > 1 or node in graph.get(node, ()):
+                found.append(sorted(group))
+
+    for node in sorted(graph):
+        if node not in order:
+            visit(node)
+    return found
+
+
+def includes(path):
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        if match := INCLUDE.match(line):
+            yield number, match[1] or match[2], match[1] is not None
+
+
+def files(folder):
+    return sorted(path for path in folder.rglob("*") if path.suffix in SOURCES) if folder.is_dir() else []
+
+
+def check(root):
+    """Returns what is wrong, the number of includes that point up or sideways, and the cycles between folders."""
+    src, public = root / "src", root / "include/raymap"
+    layers = Layers(src / "layers.txt")
+    problems = list(layers.problems)
+    wrong, seen, folders = 0, 0, {}
+
+    def layer_of(path):
+        if path.parent == public:
+            return layers.headers.get(path.name)
+        return layers.of_folder(path.parent.relative_to(src).as_posix())
+
+    for path in files(src) + files(public):
+        name, layer = path.relative_to(root), layer_of(path)
+        if layer not in layers.below:
+            problems.append(f"{name}: no line of src/layers.txt says which layer this is")
+            continue
+        for number, target, quoted in includes(path):
+            if target.startswith("tbb/") and name.as_posix() not in TBB:
+                problems.append(f"{name}:{number} includes {target}: only {' and '.join(TBB)} may")
+            if target.startswith("raymap/"):
+                other = public / target.removeprefix("raymap/")
+            elif quoted and not GENERATED.fullmatch(target):
+                other = src / target
+            else:
+                continue
+            seen += 1
+            if not other.is_file():
+                problems.append(f"{name}:{number} includes {target}: no such file; paths begin at src/")
+                continue
+            target_layer = layer_of(other)
+            if target_layer not in layers.below:
+                continue  # Reported at that file.
+            folders.setdefault(layer, set()).update({target_layer} - {layer})
+            if target_layer != layer and target_layer not in layers.below[layer]:
+                wrong += 1
+                problems.append(f"{name}:{number} includes {target}: {layers.says(layer)}")
+
+    for header in sorted(layers.headers):
+        if not (public / header).is_file():
+            problems.append(f"src/layers.txt: there is no include/raymap/{header}")
+    for layer in layers.below:
+        if not (src / layer).is_dir() and layer not in layers.headers.values():
+            problems.append(f"src/layers.txt: there is no folder src/{layer}")
+
+    for path in [path for folder in OUTSIDE for path in files(root / folder)]:
+        for number, target, quoted in includes(path):
+            if quoted and not (path.parent / target).is_file():
+                problems.append(f"{path.relative_to(root)}:{number} includes {target}: private to the library")
+            if target.startswith("tbb/"):
+                problems.append(f"{path.relative_to(root)}:{number} includes {target}: private to the library")
+    return problems, seen, wrong, cycles(folders)
+
+
+def main():
+    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
+    problems, seen, wrong, folder_cycles = check(root)
+    for problem in problems:
+        print(problem)
+    for cycle in folder_cycles:
+        print(f"a cycle of includes between {', '.join(cycle)}")
+    print(f"{seen} includes, {wrong} of them upward or sideways, {len(folder_cycles)} folder cycles")
+    return 1 if problems or folder_cycles else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
