@@ -1,4 +1,4 @@
-#include <raymap/devices.h>
+#include <raymap/names.h>
 
 #include <cstdio>
 #include <iostream>
@@ -17,24 +17,6 @@ constexpr const char* kFooter = R"(Examples:
 'auto' marks what is taken unless another is named: a GPU if there is one, else the CPU. A driver that
 computes in software counts as a GPU only if it is named.)";
 
-const char* nameOf(DeviceType type) {
-  switch (type) {
-    case DeviceType::Discrete:
-      return "discrete";
-    case DeviceType::Integrated:
-      return "integrated";
-    case DeviceType::Virtual:
-      return "virtual";
-    case DeviceType::Software:
-      return "software";
-    case DeviceType::Cpu:
-      return "cpu";
-    case DeviceType::Other:
-      break;
-  }
-  return "other";
-}
-
 void print(const DeviceList& list) {
   for (size_t i = 0; i < list.devices.size(); ++i) {
     const DeviceInfo& device = list.devices[i];
@@ -43,9 +25,9 @@ void print(const DeviceList& list) {
       std::printf("%16s %u threads, %s of memory left\n", "", device.threads,
                   sizeText(device.memory).c_str());
     else
-      std::printf("%16s %s, %s of memory, %s shared by a work group, driver %s\n", "", nameOf(device.type),
-                  sizeText(device.memory).c_str(), sizeText(device.sharedMemory).c_str(),
-                  device.driver.c_str());
+      std::printf("%16s %s, %s of memory, %s shared by a work group, driver %s\n", "",
+                  std::string(name(device.type)).c_str(), sizeText(device.memory).c_str(),
+                  sizeText(device.sharedMemory).c_str(), device.driver.c_str());
     if (!device.problem.empty()) std::printf("%16s cannot be used: %s\n", "", device.problem.c_str());
   }
   if (!list.note.empty()) std::printf("no GPU: %s\n", list.note.c_str());
@@ -56,7 +38,7 @@ Json toJson(const DeviceList& list) {
   for (const DeviceInfo& device : list.devices) {
     Json json{{"id", device.id},
               {"name", device.name},
-              {"type", nameOf(device.type)},
+              {"type", name(device.type)},
               {"memory_bytes", device.memory}};
     if (device.threads > 0) {
       json["threads"] = device.threads;

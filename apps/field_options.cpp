@@ -2,10 +2,9 @@
 
 #include <raymap/error.h>
 #include <raymap/io.h>
+#include <raymap/names.h>
 
-#include <algorithm>
-#include <iterator>
-#include <map>
+#include <span>
 
 #include "checks.h"
 #include "terminal.h"
@@ -14,25 +13,11 @@ namespace raymap {
 
 namespace {
 
-const std::map<std::string, DistanceMode> kDistances{{"exact", DistanceMode::Exact},
-                                                     {"neighbours", DistanceMode::Neighbours},
-                                                     {"cell", DistanceMode::Cell},
-                                                     {"raster", DistanceMode::Raster}};
-const std::map<std::string, SignMode> kSigns{{"harmonic", SignMode::Harmonic},
-                                             {"paths", SignMode::Paths},
-                                             {"evolution", SignMode::Evolution},
-                                             {"rays", SignMode::Rays},
-                                             {"none", SignMode::None}};
-
-const std::map<std::string, Orientation> kOrientations{
-    {"auto", Orientation::Auto}, {"keep", Orientation::Keep}, {"repair", Orientation::Repair}};
-
-template <class Map>
-CLI::IsMember oneOf(const Map& modes) {
-  std::vector<std::string> names;
-  std::transform(modes.begin(), modes.end(), std::back_inserter(names),
-                 [](const auto& mode) { return mode.first; });
-  return CLI::IsMember(names);
+/// Accepts the names of a type's values.
+template <class Enum>
+CLI::IsMember oneOf() {
+  const std::span<const std::string_view> accepted = names<Enum>();
+  return CLI::IsMember(std::vector<std::string>(accepted.begin(), accepted.end()));
 }
 
 void addGridOptions(CLI::App& command, FieldArguments& arguments) {
@@ -62,8 +47,9 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
     return command.add_option(name, value, help)->group("Method");
   };
   add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
-      ->check(oneOf(kDistances));
-  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")->check(oneOf(kSigns));
+      ->check(oneOf<DistanceMode>());
+  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")
+      ->check(oneOf<SignMode>());
   addOrientationOption(command, arguments);
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
       ->check(wholeNumberFrom(1));
@@ -90,7 +76,7 @@ void addOrientationOption(CLI::App& command, FieldArguments& arguments) {
           "--orientation", arguments.orientation,
           "Whether faces that point the wrong way are turned: auto (default), where the field then fits "
           "clearly better; keep, never; repair, always")
-      ->check(oneOf(kOrientations))
+      ->check(oneOf<Orientation>())
       ->group("Method");
 }
 
@@ -117,9 +103,9 @@ void addFieldOptions(CLI::App& command, FieldArguments& arguments) {
 }
 
 void finishFieldArguments(FieldArguments& arguments) {
-  arguments.options.distance = kDistances.at(arguments.distance);
-  arguments.options.sign = kSigns.at(arguments.sign);
-  arguments.options.orientation = kOrientations.at(arguments.orientation);
+  arguments.options.distance = fromName<DistanceMode>(arguments.distance);
+  arguments.options.sign = fromName<SignMode>(arguments.sign);
+  arguments.options.orientation = fromName<Orientation>(arguments.orientation);
   if (arguments.options.thickness > 0.0) {
     if (arguments.sign != "harmonic" && arguments.sign != "none")
       throw Error(ErrorCode::Usage, "--thickness takes the place of --sign; leave one of them out");

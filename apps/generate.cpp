@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <ostream>
 
-#include "base/atomic_file.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
@@ -91,7 +90,7 @@ void writeAll(const Arguments& arguments, const Field& field, Report& report) {
 
 Json describe(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
-  return {{"raymap", RAYMAP_VERSION},
+  return {{"raymap", version().text},
           {"mesh", {{"file", arguments.mesh.string()}, {"load_ms", report.loadMilliseconds}}},
           {"diagnostics", toJson(report.found)},
           {"grid",
@@ -125,7 +124,7 @@ Json describe(const Arguments& arguments, const Report& report) {
 
 /// What was wrong with the mesh, and what had to be guessed.
 Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
-  Json json{{"raymap", RAYMAP_VERSION},
+  Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
             {"diagnostics", toJson(report.found)},
             {"self_intersections", toJson(findSelfIntersections(mesh))}};

@@ -1,4 +1,5 @@
 #include <raymap/error.h>
+#include <raymap/version.h>
 
 #include <cstdio>
 #include <exception>
@@ -63,7 +64,7 @@ std::vector<std::string> readArguments(int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
-  app.set_version_flag("--version", "raymap " RAYMAP_VERSION);
+  app.set_version_flag("--version", std::string("raymap ") + version().text);
   app.footer(kFooter);
   app.require_subcommand(1);
   app.get_formatter()->column_width(34);

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <ostream>
 
-#include "base/atomic_file.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
@@ -61,7 +60,7 @@ Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
 }
 
 Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
-  return {{"raymap", RAYMAP_VERSION},
+  return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
           {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
           {"options",
@@ -120,6 +119,15 @@ void print(const Arguments& arguments, const Grid& grid, const RepairReport& rep
                 counted(report.holes, "drain hole").c_str());
 }
 
+/// Repairs with progress and warnings on stderr.
+Repaired makeSolid(const Mesh& mesh, const Grid& grid, const Arguments& arguments) {
+  ProgressLine line;
+  Options options = arguments.options;
+  options.progress = line.callback();
+  options.warn = warn;
+  return repair(mesh, grid, options, arguments.repair);
+}
+
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
@@ -127,20 +135,13 @@ void run(Arguments& arguments) {
       {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
   const Mesh mesh = readMesh(arguments.mesh, warn);
   const Grid grid = fitRepairGrid(mesh, arguments);
-  RepairReport report;
-  Mesh result;
-  {
-    ProgressLine line;
-    Options options = arguments.options;
-    options.progress = line.callback();
-    options.warn = warn;
-    result = repair(mesh, grid, options, arguments.repair, &report);
-  }
+  const auto [result, report] = makeSolid(mesh, grid, arguments);
   if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");
   writeMesh(arguments.result, result);
   if (!arguments.stats.empty())
-    writeAtomically(arguments.stats,
-                    [&](std::ostream& out) { out << describe(arguments, grid, report).dump(2) << "\n"; });
+    writeAtomically(arguments.stats, [&, &found = report](std::ostream& out) {
+      out << describe(arguments, grid, found).dump(2) << "\n";
+    });
   print(arguments, grid, report);
   printWritten(arguments.result);
   if (!arguments.stats.empty()) printWritten(arguments.stats);

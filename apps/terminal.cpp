@@ -1,5 +1,6 @@
 #include "terminal.h"
 
+#include <raymap/atomic_file.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -7,8 +8,6 @@
 #include <cstdio>
 #include <initializer_list>
 #include <string>
-
-#include "base/atomic_file.h"
 
 namespace raymap {
 

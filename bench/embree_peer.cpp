@@ -180,7 +180,7 @@ void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, 
 }  // namespace
 
 void runEmbree(const Case& input, Buffer<float>& values) {
-  values.resize(input.grid.sampleCount());
+  values.resizeUninitialized(input.grid.sampleCount());
   const Scene scene(input.mesh, input.threads);
   withThreads(input.threads, [&] {
     const PseudoNormals normals(input.mesh);

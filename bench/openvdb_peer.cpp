@@ -13,7 +13,7 @@ namespace raymap::bench {
 
 void runOpenvdb(const Case& input, Buffer<float>& values) {
   openvdb::initialize();
-  values.resize(input.grid.sampleCount());
+  values.resizeUninitialized(input.grid.sampleCount());
   withThreads(input.threads, [&] {
     std::vector<openvdb::Vec3s> points;
     points.reserve(input.mesh.vertices.size());

@@ -8,61 +8,65 @@
 
 namespace raymap {
 
-/// The rows of an affine transform: each times (x, y, z, 1) gives one coordinate of the moved point.
+/// Rows of an affine transform. The product of a row with (x, y, z, 1) is one coordinate of the moved point.
 struct JointMatrix {
-  glm::vec4 rows[3];
+  glm::vec4 rows[3] = {};
 };
+static_assert(sizeof(glm::vec4) == 16 && sizeof(JointMatrix) == 48);
+static_assert(sizeof(glm::u16vec4) == 8);
 
-/// A mesh whose vertices follow joints (linear-blend skinning), and how these move: what a glTF file holds.
+/// A mesh whose vertices follow joints (linear-blend skinning), and their motion, as in a glTF file.
 ///
-/// A vertex goes to the sum of weight * matrix * rest position over its four joints. A part that no skin
-/// moves follows one joint with weight 1. Nothing else about it is special, so programs may make their own.
+/// A vertex moves to the sum of weight * matrix * rest position over its four joints. A part without a skin
+/// follows one joint with weight 1. Programs may make their own.
 struct AnimatedMesh {
-  /// A place that others hang on. Its transform is translation * rotation * scale * matrix, after its
-  /// parent's.
+  /// A transform that other nodes build on: the parent's, then translation * rotation * scale * matrix.
   struct Node {
-    int parent = -1;  ///< Among `nodes`, before this one; -1 = none.
+    int parent = -1;  ///< Index of an earlier node; -1 = none.
     glm::dvec3 translation{0.0};
     glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
     glm::dvec3 scale{1.0};
     glm::dmat4 matrix{1.0};
   };
   struct Joint {
-    uint32_t node = 0;
-    glm::dmat4 inverseBind{1.0};  ///< From the place of rest positions to the node's.
+    uint32_t node = 0;            ///< Index of the node that it follows.
+    glm::dmat4 inverseBind{1.0};  ///< Transform from rest positions to the node's coordinates.
   };
-  /// One value of a node over time. It keeps its first value before the first time, its last after the last.
+  /// One property of a node over time. It keeps its first value before the first time, its last value after
+  /// the last.
   struct Track {
     enum class Target { Translation, Rotation, Scale };
     enum class Interpolation { Step, Linear, CubicSpline };
-    uint32_t node = 0;
+    uint32_t node = 0;  ///< Index of the node.
     Target target = Target::Translation;
     Interpolation interpolation = Interpolation::Linear;
-    std::vector<double> times;  ///< Seconds, never descending.
-    /// One a time, three of a cubic spline: the tangent before, the value, the tangent after. Rotations are
-    /// quaternions (x, y, z, w).
-    std::vector<glm::dvec4> values;
+    std::vector<double> times = {};  ///< Seconds, never descending.
+    /// One value per time; for a cubic spline three: the tangent before, the value, the tangent after.
+    /// Rotations are quaternions (x, y, z, w).
+    std::vector<glm::dvec4> values = {};
   };
 
-  Mesh rest;                         ///< As stored, before any joint moves it.
-  std::vector<glm::u16vec4> joints;  ///< Four of each vertex, among `skeleton`,
-  std::vector<glm::vec4> weights;    ///< and how much each counts. They should add up to 1.
-  std::vector<Node> nodes;
-  std::vector<Joint> skeleton;
-  std::vector<Track> tracks;
-  glm::dvec3 origin{0.0};  ///< Of the moved mesh, at any time.
+  Mesh rest = {};                         ///< Mesh before any joint moves it.
+  std::vector<glm::u16vec4> joints = {};  ///< Four indices into `skeleton` per vertex.
+  std::vector<glm::vec4> weights = {};    ///< Four weights per vertex, which should add up to 1.
+  std::vector<Node> nodes = {};
+  std::vector<Joint> skeleton = {};
+  std::vector<Track> tracks = {};
+  glm::dvec3 origin{0.0};  ///< Origin of the moved mesh, at any time.
 
-  /// When the last track ends.
-  double seconds() const;
+  /// Returns the time at which the last track ends, in seconds.
+  RAYMAP_API double seconds() const;
 };
 
 /// Throws `Error(Input)` that names the element and the value if anything refers to what does not exist.
-void validate(const AnimatedMesh& mesh);
+RAYMAP_API void validate(const AnimatedMesh& mesh);
 
-/// A matrix for each joint of the skeleton: takes vertices of `rest` to vertices about `origin`.
-std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds);
+/// Returns one matrix per joint of the skeleton. It takes vertices of `rest` to vertices about `origin`.
+RAYMAP_API std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds);
 
-/// The mesh at a time, moved by the CPU.
-Mesh posed(const AnimatedMesh& mesh, double seconds);
+/// Returns the mesh at a time, moved by the CPU.
+RAYMAP_API Mesh posed(const AnimatedMesh& mesh, double seconds);
+/// Does the same, reusing the memory of `result`.
+RAYMAP_API void posed(const AnimatedMesh& mesh, double seconds, Mesh& result);
 
 }  // namespace raymap

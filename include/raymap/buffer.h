@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/export.h>
+
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -8,20 +10,21 @@
 
 namespace raymap {
 
-/// Memory for `bytes` bytes, aligned for SIMD and on huge pages where the system grants them.
-/// Throws `Error(Memory)`.
-void* allocatePages(size_t bytes);
-void freePages(void* memory);
+/// Allocates `bytes` bytes, aligned for SIMD and on huge pages where the system grants them. Throws
+/// `Error(Memory)`.
+RAYMAP_API void* allocatePages(size_t bytes);
+/// Frees memory from `allocatePages`; null is allowed.
+RAYMAP_API void freePages(void* memory);
 
-/// A plain array whose elements start uninitialised and whose memory is kept when it shrinks, so that a
-/// field rebuilt every frame allocates nothing. Moves, never copies by accident (see `clone`).
+/// A plain array with uninitialised elements. It keeps its memory when it shrinks, so that a field made every
+/// frame allocates nothing. It moves, and copies only by `clone`.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
   Buffer() = default;
-  explicit Buffer(size_t size) { resize(size); }
+  explicit Buffer(size_t size) { resizeUninitialized(size); }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
     swap(other);
@@ -29,8 +32,8 @@ class Buffer {
   }
   ~Buffer() { freePages(data_); }
 
-  /// Sets the size; contents are undefined afterwards if it grew.
-  void resize(size_t size) {
+  /// Sets the size. All contents are undefined afterwards if the capacity had to grow.
+  void resizeUninitialized(size_t size) {
     if (size > capacity_) {
       freePages(data_);
       data_ = nullptr;
@@ -40,8 +43,9 @@ class Buffer {
     }
     size_ = size;
   }
-  /// Gives the memory back.
+  /// Frees the memory.
   void release() { Buffer().swap(*this); }
+  /// Returns a copy.
   Buffer clone() const {
     Buffer copy(size_);
     std::uninitialized_copy_n(data_, size_, copy.data_);

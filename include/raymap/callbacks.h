@@ -5,12 +5,12 @@
 
 namespace raymap {
 
-/// Reports how far a long call is: the name of its current stage and the share of that stage that is done, 0
-/// to 1. Return false to cancel; the call then throws `Error(Cancelled)`. Any thread may call it, one at a
-/// time.
+/// Reports the progress of a long call: the name of its current stage, and the share of that stage that is
+/// done, 0 to 1. Returns true to go on, false to cancel; the call then throws `Error(Cancelled)`. Any thread
+/// may call it, one at a time.
 using ProgressCallback = std::function<bool(std::string_view stage, double done)>;
 
-/// Receives a sentence about something odd that does not stop the call.
+/// Receives one sentence about something odd that does not stop the call.
 using WarningCallback = std::function<void(std::string_view message)>;
 
 }  // namespace raymap

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -8,46 +8,49 @@
 
 namespace raymap {
 
-/// A loop of edges with one face.
+/// A boundary loop: a closed chain of edges with one face. Lengths are in the mesh's units.
 struct Hole {
   size_t edges = 0;
-  double length = 0.0;  ///< All around.
-  glm::dvec3 centre{0.0};
-  double diameter = 0.0;  ///< Twice as far as its farthest vertex lies from the centre.
+  double length = 0.0;     ///< Length of the loop.
+  glm::dvec3 centre{0.0};  ///< Mean of the edges' ends.
+  double diameter = 0.0;   ///< Twice the distance from the centre to the farthest vertex.
 };
 
-/// What is right and wrong with a mesh, measured after welding vertices at exactly equal positions.
+/// Size, topology and defects of a mesh, measured after welding vertices at exactly equal positions.
 struct Diagnostics {
-  size_t vertices = 0;        ///< As stored.
-  size_t weldedVertices = 0;  ///< Distinct positions, used by a face or not.
+  size_t vertices = 0;        ///< Number of vertices as stored.
+  size_t weldedVertices = 0;  ///< Number of distinct positions, used by a face or not.
   size_t triangles = 0;
-  size_t boundaryEdges = 0;     ///< Edges with one face.
-  size_t nonManifoldEdges = 0;  ///< Edges with more than two faces.
-  size_t flippedEdges = 0;      ///< Two-face edges used twice in the same direction.
-  size_t flippedFaces = 0;      ///< The fewest to turn so that neighbours agree.
-  std::vector<Hole> holes;      ///< The longest first.
-  size_t components = 0;        ///< Connected through shared vertices.
-  size_t degenerateFaces = 0;   ///< Repeated corner, or height below 1e-6 of the longest edge.
-  size_t duplicateFaces = 0;    ///< Further faces on the same three corners, either orientation.
-  bool watertight = false;      ///< Every edge has exactly two faces.
-  bool consistentlyOriented = false;
-  bool balanced = false;  ///< Every edge used equally often both ways: the winding number is whole.
-  double signedVolume = 0.0;
-  double area = 0.0;
-  Box bounds;
+  size_t boundaryEdges = 0;      ///< Number of edges with one face.
+  size_t nonManifoldEdges = 0;   ///< Number of edges with more than two faces.
+  size_t flippedEdges = 0;       ///< Number of edges that two faces use in the same direction.
+  size_t flippedFaces = 0;       ///< Least number of faces to reverse so that neighbours agree.
+  std::vector<Hole> holes = {};  ///< Boundary loops, the longest first.
+  size_t components = 0;         ///< Number of parts connected through shared vertices.
+  size_t degenerateFaces = 0;    ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
+  size_t duplicateFaces = 0;     ///< Number of further faces on the same three corners, either orientation.
+  bool watertight = false;       ///< Whether every edge has exactly two faces.
+  bool consistentlyOriented = false;  ///< Whether neighbours agree across every edge with two faces.
+  bool balanced = false;  ///< Whether every edge is used equally often both ways: winding numbers are whole.
+  double signedVolume = 0.0;  ///< In the mesh's units cubed; positive if faces point outwards.
+  double area = 0.0;          ///< In the mesh's units squared.
+  Box bounds = {};            ///< Bounds of the vertices that faces use.
 };
 
-Diagnostics diagnose(const Mesh& mesh);
+/// Measures a mesh. Throws `Error(Input)`; see `validate`.
+RAYMAP_API Diagnostics diagnose(const MeshView& mesh);
 
-/// Faces that cross others: inner points of the two coincide. What only touches, overlaps in one plane or
-/// shares an edge does not cross. Exact, on corners snapped to a lattice of 2^29 steps and more along the
-/// longest side.
+/// Faces that cross others, so that inner points of the two coincide. Faces that only touch, overlap in one
+/// plane or share an edge do not cross. The test is exact for corners rounded to a lattice of at least 2^29
+/// steps along the longest side.
 struct SelfIntersections {
-  size_t pairs = 0;
-  std::vector<uint32_t> faces;  ///< Ascending.
-  bool isComplete = true;       ///< Or there are at least so many: where too many faces overlap it stops.
+  size_t pairs = 0;                  ///< Number of crossing pairs.
+  std::vector<uint32_t> faces = {};  ///< Indices of the faces in them, ascending.
+  bool isComplete = true;            ///< False if the search stopped early: there are at least so many pairs.
 };
 
-SelfIntersections findSelfIntersections(const Mesh& mesh);
+/// Finds the faces that cross others. Stops early where too many faces overlap. Throws `Error(Input)`; see
+/// `validate`.
+RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh);
 
 }  // namespace raymap

@@ -2,7 +2,7 @@
 
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
-#include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
 
 #include <memory>
 #include <string>
@@ -10,101 +10,112 @@
 
 namespace raymap {
 
-/// Where the unsigned distance comes from (paper §3.3).
+/// Sources of the unsigned distance (Krayer & Müller 2019, §3.3).
 enum class DistanceMode {
-  Exact,       ///< The true closest triangle of every sample.
-  Neighbours,  ///< Triangles of the nearest occupied cell and of its 26 neighbours.
-  Cell,        ///< Triangles of the nearest occupied cell: the paper's choice.
-  Raster       ///< Distances in touched cells, then the distance transform alone.
+  Exact,       ///< The closest of all triangles.
+  Neighbours,  ///< The closest triangle of the nearest occupied cell and its 26 neighbours.
+  Cell,        ///< The closest triangle of the nearest occupied cell: the paper's choice.
+  Raster       ///< Distances in touched cells, extended by the distance transform (§3.3, end).
 };
 
-/// Where the winding number comes from (paper §3.5).
+/// Sources of the winding number (Krayer & Müller 2019, §3.5).
 enum class SignMode {
-  Harmonic,   ///< Least-squares fit to all crossings; exact on closed meshes.
-  Paths,      ///< Six axis orders to each offset point, averaged (the paper's simple variant).
-  Evolution,  ///< Equations 10 and 11.
-  Rays,       ///< The six rays.
-  None        ///< No sign: an unsigned field.
+  Harmonic,   ///< Least-squares fit to all crossings (Eq. 5); exact on closed meshes.
+  Paths,      ///< Mean over paths through six axis orders to each offset point: the paper's simple variant.
+  Evolution,  ///< Iteration of Eq. 10 and 11.
+  Rays,       ///< Mean of the six axis-parallel rays (Eq. 9).
+  None        ///< No sign: the field is unsigned.
 };
 
-/// Whether faces may be turned that point the wrong way.
+/// Whether faces that point the wrong way may be reversed.
 enum class Orientation {
-  Auto,   ///< Where the rays disagree, and only if they then agree clearly better (with `Harmonic`).
+  Auto,   ///< If rays disagree and reversing makes them agree clearly better. Only with `Harmonic`.
   Keep,   ///< Never.
-  Repair  ///< Always, if they then agree no worse.
+  Repair  ///< Whenever the rays then agree no worse.
 };
 
-/// One of these per generated field; the defaults suit most meshes.
+/// How to make a field. The defaults suit most meshes.
 struct Options {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
   Orientation orientation = Orientation::Auto;
-  int passes = 5;  ///< Passes P of `Paths` (one offset point each), steps of `Evolution` (four).
-  std::vector<glm::ivec3> offsets;  ///< Offset points, in samples, taken in turn; empty = the built-in set.
-  double threshold = 0.5;           ///< Inside means |winding number| > threshold.
-  double band = 0.0;                ///< Clamp distances to this many samples; 0 = everywhere exact.
-  bool invert = false;              ///< Positive inside instead.
-  bool closeHoles = false;          ///< Take distances to the surface missing in holes too.
-  int threads = 0;                  ///< Of the CPU; 0 = all.
-  bool triangleIds = false;         ///< Also give the closest triangle of each sample (not with `Raster`),
-  bool winding = false;             ///< the winding number,
-  bool confidence = false;          ///< and how sure the sign is.
-  size_t memoryLimit = 0;           ///< Bytes the generator may hold; 0 = what the machine has left.
+  int passes = 5;  ///< Number of passes P of `Paths` (one offset point each) or of steps of `Evolution`.
+  std::vector<glm::ivec3> offsets =
+      {};                    ///< Offset points in samples, used in turn; empty = the built-in set.
+  double threshold = 0.5;    ///< A sample is inside if |winding number| exceeds this (§3.5).
+  double band = 0.0;         ///< Distances are clamped to this many samples; 0 = not clamped.
+  bool invert = false;       ///< Whether inside is positive instead of negative.
+  bool closeHoles = false;   ///< Whether distances count the surface that is missing in holes.
+  int threads = 0;           ///< Number of CPU threads; 0 = all.
+  bool triangleIds = false;  ///< Whether to fill `Field::triangle`; not with `Raster`.
+  bool winding = false;      ///< Whether to fill `Field::winding`; not without a sign.
+  bool confidence = false;   ///< Whether to fill `Field::confidence`; not without a sign.
+  size_t memoryLimit = 0;    ///< Most bytes that the generator and the field may hold; 0 = what is available.
 
-  /// Above 0: the solid of all within half of this of the surface, in the mesh's units, whatever `sign` says.
-  /// For sheets that bound nothing; `winding`, `confidence` and `closeHoles` need a sign and must be off.
+  /// Thickness of a wall around the surface, in the mesh's units. Above 0, the solid is everything within
+  /// half of it from the surface, whatever `sign` says: for sheets that enclose nothing. Excludes `winding`,
+  /// `confidence` and `closeHoles`, which need a sign.
   double thickness = 0.0;
 
-  /// What computes: "cpu"; "vulkan:K", the Kth Vulkan device, or "vulkan", the best of them, be it a driver
-  /// in software; "auto": a real GPU if one is usable, else the CPU. The same fields but for rounding.
+  /// Device that computes the field. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them,
+  /// which may be a software rasterizer; "auto", a real GPU if one is usable, else the CPU. See `devices`.
   std::string device = "auto";
-  WarningCallback warn;       ///< Called with the reason when `auto` falls back to the CPU.
-  ProgressCallback progress;  ///< Called every few milliseconds; a cancelled call leaves the field empty.
+  WarningCallback warn = {};       ///< Called with the reason when "auto" falls back to the CPU.
+  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
-/// What a run cost.
+/// What a run cost, and what it found out about the mesh.
 struct Stats {
-  std::string device;  ///< "cpu" or "vulkan:K".
+  std::string device = {};  ///< "cpu" or "vulkan:K".
   struct Stage {
-    std::string name;
+    std::string name = {};
     double milliseconds = 0.0;
   };
-  std::vector<Stage> stages;
-  double totalMilliseconds = 0.0;     ///< From triangles in memory to the finished field.
-  size_t bytes = 0;                   ///< Held by the generator and the field together at the peak.
-  double doubtfulShare = 0.0;         ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
-  std::vector<uint32_t> turnedFaces;  ///< Which faces were taken the other way round, ascending.
-  /// How badly the crossings of the mesh agree, as it was given and with these faces turned: from 0, where
-  /// all do, to 1. Both 0 where nothing was to be turned.
-  double misfitGiven = 0.0, misfit = 0.0;
-  size_t patchTriangles = 0;  ///< Of the surface that closes holes.
-  double patchArea = 0.0;     ///< In the mesh's units.
+  std::vector<Stage> stages = {};  ///< Stages in the order in which they ran.
+  double totalMilliseconds = 0.0;  ///< Time from triangles in memory to the finished field.
+  size_t bytes = 0;                ///< Most bytes that the generator and the field held together.
+  double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
+  std::vector<uint32_t> turnedFaces = {};  ///< Indices of the faces that were reversed, ascending.
+  double misfitGiven = 0.0;   ///< Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined.
+  double misfit = 0.0;        ///< The same after `turnedFaces` were reversed.
+  size_t patchTriangles = 0;  ///< Number of triangles of the surface that closes holes.
+  double patchArea = 0.0;     ///< Its area, in the mesh's units squared.
 };
 
-/// Makes fields, keeping its buffers between calls: for meshes that change every frame. Not thread-safe.
-class Generator {
+/// A field and what it cost.
+struct Generated {
+  Field field = {};
+  Stats stats = {};
+};
+
+// The same mesh, grid and options on the same device give the same field bit for bit, for any number of
+// threads. The CPU and each GPU round differently, so their fields differ in the last bits. "auto" may choose
+// another device on another machine, with another driver, or when a GPU fails: name the device where bits
+// matter.
+
+/// Makes fields and keeps its memory and its device between calls, for meshes that change every frame. Used
+/// by one thread at a time.
+class RAYMAP_API Generator {
  public:
   Generator();
   ~Generator();
   Generator(Generator&&) noexcept;
   Generator& operator=(Generator&&) noexcept;
 
-  /// Fills `field`, reusing its memory. Same input, same output, bit for bit, for any number of threads.
-  /// Throws `Error`: Input (see `validate`), Usage, Memory, Cancelled; the field is then empty.
-  Stats generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field);
+  /// Returns a new field.
+  Generated generate(const MeshView& mesh, const Grid& grid, const Options& options = {});
+
+  /// Fills `field`, reusing its memory. Throws `Error`: Input (see `validate`), Usage for options that
+  /// contradict each other, Memory, Cancelled, Unsupported or DeviceLost for the device; the field is then
+  /// empty.
+  Stats generate(const MeshView& mesh, const Grid& grid, const Options& options, Field& field);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// A field and what it cost.
-struct Generated {
-  Field field;
-  Stats stats;
-};
-
-/// One field, with a generator of its own.
-Generated generate(const Mesh& mesh, const Grid& grid, const Options& options = {});
+/// Returns a field made by a generator of its own. Throws as `Generator::generate` does.
+RAYMAP_API Generated generate(const MeshView& mesh, const Grid& grid, const Options& options = {});
 
 }  // namespace raymap

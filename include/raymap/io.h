@@ -3,7 +3,7 @@
 #include <raymap/animation.h>
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
-#include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
 
 #include <filesystem>
 #include <string>
@@ -12,32 +12,38 @@
 
 namespace raymap {
 
-/// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE, told apart by extension (content for STL kinds).
-/// Node transforms and instances are applied, polygons cut into triangles, several meshes joined.
-/// Throws `Error(File)` or `Error(Input)` naming the file, the element and the value.
-Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn = {});
+/// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
+/// differ by content. Applies node transforms and instances, cuts polygons into triangles, joins all meshes
+/// of the file. Throws `Error`: File, or Input that names the file, the element and the value.
+RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn = {});
 
-/// Reads a glTF or GLB file with its skins and one of its animations; without any, the mesh stands still. Of
-/// more than four joints of a vertex the four that count most are kept; morphs stay at rest. Throws as
+/// Reads a glTF or GLB file with its skins and one of its animations; a mesh without any stands still. Keeps
+/// the four joints of a vertex that have the largest weights; morph targets stay at rest. Throws as
 /// `readMesh` does.
-AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
-                              const WarningCallback& warn = {});
+RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
+                                         const WarningCallback& warn = {});
 
-/// Writes .ply (binary), .obj, .stl (binary) or .glb by extension, whole or not at all like `writeField`. An
-/// STL has single precision and no shared vertices; the others give back the very mesh.
-void writeMesh(const std::filesystem::path& path, const Mesh& mesh);
+/// Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all. An
+/// STL has single precision and no shared vertices; the other formats keep every position and index. Throws
+/// `Error`: Usage for another extension, Input (see `validate`), File, Unsupported if the format cannot hold
+/// so many triangles.
+RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh);
 
-/// File name endings, with the dot and in lower case, that `readMesh`, `writeMesh`, and `readField` and
-/// `writeField` know.
-std::vector<std::string> meshExtensions();
-std::vector<std::string> writableMeshExtensions();
-std::vector<std::string> fieldExtensions();
+/// Returns the file name extensions that `readMesh` knows, with the dot and in lower case.
+RAYMAP_API std::vector<std::string> meshExtensions();
+/// Returns those that `writeMesh` knows.
+RAYMAP_API std::vector<std::string> writableMeshExtensions();
+/// Returns those that `readField` and `writeField` know.
+RAYMAP_API std::vector<std::string> fieldExtensions();
 
-/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: origin 0, spacing 1.
-Field readField(const std::filesystem::path& path);
+/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: the result has origin 0 and spacing 1. Throws
+/// `Error`: Usage for another extension, File, Input, Memory, Unsupported.
+RAYMAP_API Field readField(const std::filesystem::path& path);
 
-/// Writes .nrrd, .npz, .npy, .vti or .vdb by extension: beside the target first, then renamed, so that the
-/// file appears whole or not at all. `name` selects the array: distance, winding, confidence or triangle.
-void writeField(const std::filesystem::path& path, const Field& field, std::string_view name = "distance");
+/// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance", "winding",
+/// "confidence" or "triangle". The file appears whole or not at all. Throws `Error`: Usage for another
+/// extension or an array that the field does not have, File.
+RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
+                           std::string_view name = "distance");
 
 }  // namespace raymap

@@ -5,20 +5,24 @@
 
 namespace raymap {
 
+/// How to make the surface of a field.
 struct IsosurfaceOptions {
-  double iso = 0.0;      ///< The distance at which the surface lies, in the mesh's units.
-  int threads = 0;       ///< 0 = all.
-  WarningCallback warn;  ///< Called if the solid reaches the grid's box.
-  ProgressCallback progress;
+  double iso = 0.0;                ///< Distance at which the surface lies, in the mesh's units.
+  int threads = 0;                 ///< Number of threads; 0 = all.
+  WarningCallback warn = {};       ///< Called if the solid reaches the grid's box.
+  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
-/// The surface of the solid where the field is below `iso`, facing out of it. Whatever the samples, every
-/// edge has exactly two faces, which agree in orientation, the faces around each vertex make one disc, and no
-/// face is degenerate or double. A solid that reaches the grid's box is closed there. The field's distances
-/// say where the surface bends: corners and sharp edges are kept (dual contouring). Same field, same mesh,
-/// for any number of threads.
+/// Returns the surface of the solid whose distances are below `iso`, by dual contouring (Ju et al. 2002).
+///
+/// Faces point out of the solid. Every edge has exactly two faces, which agree in orientation; the faces
+/// around each vertex make one disc; no face is degenerate or duplicate. This holds for any samples. The
+/// result is closed where the solid reaches the grid's box. Planes are fitted to the distances, so that
+/// corners and sharp edges are kept. Same field, same mesh, for any number of threads.
 ///
 /// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory, Cancelled.
-Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {});
+RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {});
+/// Does the same, reusing the memory of `result`, which an error leaves empty.
+RAYMAP_API void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result);
 
 }  // namespace raymap

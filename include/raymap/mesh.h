@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/export.h>
+
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -8,7 +10,15 @@
 
 namespace raymap {
 
-/// An axis-aligned box in the mesh's own units. Empty until something is added.
+// Arrays of these types are three numbers after each other, without gaps. A program that makes glm pad them
+// (GLM_FORCE_DEFAULT_ALIGNED_GENTYPES) cannot use raymap.
+static_assert(sizeof(glm::vec3) == 12 && alignof(glm::vec3) == 4);
+static_assert(sizeof(glm::uvec3) == 12 && alignof(glm::uvec3) == 4);
+static_assert(sizeof(glm::ivec3) == 12 && alignof(glm::ivec3) == 4);
+static_assert(sizeof(glm::dvec3) == 24 && alignof(glm::dvec3) == alignof(double));
+static_assert(sizeof(glm::vec<3, uint64_t>) == 24 && alignof(glm::vec<3, uint64_t>) == alignof(uint64_t));
+
+/// An axis-aligned box in the mesh's units. Empty until something is added.
 struct Box {
   glm::dvec3 min{INFINITY};
   glm::dvec3 max{-INFINITY};
@@ -18,31 +28,26 @@ struct Box {
   bool isEmpty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
 };
 
-/// An indexed triangle mesh. The position of vertex v is `origin + vertices[v]`, in the mesh's own units.
+/// An indexed triangle mesh. The position of vertex v is `origin + vertices[v]`, in the mesh's units.
 ///
 /// Vertices are single precision about a double-precision origin, so that a small mesh far from (0,0,0)
-/// loses nothing. Faces are counter-clockwise seen from outside. Holes, crossings, duplicates, flipped and
-/// degenerate faces are all valid; a non-finite vertex or an index out of range is not (see `validate`).
+/// loses no precision. Faces are counter-clockwise seen from outside. Holes, crossings, duplicate, flipped
+/// and degenerate faces are valid input. Vertices that are not finite and indices out of range are not; see
+/// `validate` in mesh_view.h.
 struct Mesh {
-  std::vector<glm::vec3> vertices;
-  std::vector<glm::uvec3> triangles;
+  std::vector<glm::vec3> vertices = {};
+  std::vector<glm::uvec3> triangles = {};
   glm::dvec3 origin{0.0};
 
   glm::dvec3 position(uint32_t vertex) const { return origin + glm::dvec3(vertices[vertex]); }
 };
 
-/// A mesh from double-precision positions: centred on its bounds, then rounded to single precision.
-Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> triangles);
+/// Makes a mesh from double-precision positions. Centres them on the bounds of the vertices that triangles
+/// use, then rounds to single precision.
+RAYMAP_API Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> triangles);
 
-/// Takes faces the other way round, such as `Stats::turnedFaces`. Throws `Error(Usage)` for one that there is
-/// not.
-void turnFaces(Mesh& mesh, std::span<const uint32_t> faces);
-
-/// The bounds of the vertices that triangles use.
-Box bounds(const Mesh& mesh);
-
-/// Throws `Error(Input)` that names the element and the value if the mesh has no triangle, a non-finite
-/// vertex or an index out of range.
-void validate(const Mesh& mesh);
+/// Reverses the winding order of these faces, for example of `Stats::turnedFaces`. Throws `Error(Usage)` if
+/// an index is out of range.
+RAYMAP_API void turnFaces(Mesh& mesh, std::span<const uint32_t> faces);
 
 }  // namespace raymap

@@ -7,42 +7,49 @@
 
 namespace raymap {
 
-/// What to make of a mesh besides a closed one. Lengths are in the mesh's units.
+/// How to change a mesh beside closing it. Lengths are in the mesh's units.
 struct RepairOptions {
-  double offset = 0.0;  ///< Move the surface outwards by this; inwards if negative.
-  double shell = 0.0;   ///< Hollow it out, leaving walls this thick; 0 = solid.
-  double drainHole =
-      0.0;  ///< Diameter of a hole from the lowest point of each hollow straight down; 0 = none.
-  glm::dvec3 down{0.0, 0.0, -1.0};
+  double offset = 0.0;     ///< Distance to move the surface outwards; negative: inwards.
+  double shell = 0.0;      ///< Thickness of the walls of a hollow solid; 0 = not hollow.
+  double drainHole = 0.0;  ///< Diameter of a hole down from the lowest point of each hollow; 0 = none.
+  glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
+  bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
 };
 
 /// How far points of one surface lie from where they should, in the mesh's units.
 struct Deviation {
   double max = 0.0;
   double mean = 0.0;
-  double p99 = 0.0;   ///< 99 % of the points deviate less.
-  size_t points = 0;  ///< How many were measured.
+  double p99 = 0.0;   ///< 99th percentile.
+  size_t points = 0;  ///< Number of points measured.
 };
 
-/// What a repair did.
+/// What a repair did. Without `RepairOptions::measure` only `stats`, `hollows` and `holes` are set.
 struct RepairReport {
-  Stats stats;                                      ///< Of making the field.
-  Diagnostics before;                               ///< Of the mesh,
-  Diagnostics after;                                ///< and of the result,
-  SelfIntersections crossingBefore, crossingAfter;  ///< and their faces that cross.
-  Deviation ofResult;  ///< Of points of the result from the mesh's surface, moved by the offset.
-  Deviation ofMesh;    ///< Of points of the mesh, those below left out, from the result, moved by the offset.
-  double buriedShare =
-      0.0;  ///< Share of the mesh's points inside the solid, a sample and more from its surface.
-  double lostShare = 0.0;  ///< Share of them outside, as far: thinner than the samples or open there.
-  size_t hollows = 0;      ///< Hollows that the shell left,
-  size_t holes = 0;        ///< and drain holes.
+  Stats stats = {};                       ///< Cost of the field, then of the stages after it.
+  Diagnostics before = {};                ///< Diagnostics of the given mesh.
+  Diagnostics after = {};                 ///< Diagnostics of the result.
+  SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
+  SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
+  Deviation ofResult = {};   ///< From points of the result to the given surface, moved by the offset.
+  Deviation ofMesh = {};     ///< From points of the given mesh to the result, moved by the offset, but for
+                             ///< the buried and the lost ones.
+  double buriedShare = 0.0;  ///< Share of the mesh's points inside the solid, a sample or more deep.
+  double lostShare = 0.0;    ///< Share of them outside, as far: parts thinner than the samples, or open.
+  size_t hollows = 0;        ///< Number of hollows that the shell left.
+  size_t holes = 0;          ///< Number of drain holes.
 };
 
-/// A watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold the
-/// result. `report` may be null. Throws `Error` as `generate` and `isosurface` do, and Usage if walls or
-/// holes are thinner than two samples.
-Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const RepairOptions& repair,
-            RepairReport* report = nullptr);
+/// A repaired mesh and what was done.
+struct Repaired {
+  Mesh mesh = {};
+  RepairReport report = {};
+};
+
+/// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
+/// the result. Throws `Error` as `generate` and `isosurface` do, Usage also if walls or holes are thinner
+/// than two samples.
+RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options,
+                           const RepairOptions& repair);
 
 }  // namespace raymap

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "cpu/backend.h"
+#include "mesh/packed_mesh.h"
 #include "method/check_options.h"
 #include "method/thickness.h"
 
@@ -19,17 +20,18 @@ size_t fieldBytes(const Field& field) {
          field.confidence.capacityBytes();
 }
 
-Stats generateOnCpu(cpu::Backend& backend, const Job& job) {
-  const size_t held = backend.bytes() + fieldBytes(job.field);
+/// `meshBytes` are held for a copy of the caller's mesh.
+Stats generateOnCpu(cpu::Backend& backend, const Job& job, size_t meshBytes) {
+  const size_t held = meshBytes + backend.bytes() + fieldBytes(job.field);
   const size_t limit = job.options.memoryLimit ? job.options.memoryLimit : availableMemory() + held;
-  checkFieldMemory(cpu::Backend::bytesNeeded(job.mesh, job.grid, job.options), limit);
+  checkFieldMemory(meshBytes + cpu::Backend::bytesNeeded(job.mesh, job.grid, job.options), limit);
   backend.take(job);
   runPipeline(backend);
   Stats stats;
   stats.device = "cpu";
   for (const Progress::Time& time : job.progress.times())
     stats.stages.push_back({time.stage, time.milliseconds});
-  stats.bytes = backend.bytes() + fieldBytes(job.field);
+  stats.bytes = meshBytes + backend.bytes() + fieldBytes(job.field);
   describeMesh(backend, job.grid, stats);
   return stats;
 }
@@ -39,8 +41,16 @@ Stats generateOnCpu(cpu::Backend& backend, const Job& job) {
 struct Generator::Impl {
   cpu::Backend cpu;
   ChosenDevice device;
+  MeshPacker packer;
 
-  Stats run(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
+  PackedMesh pack(const MeshView& view, const Options& options) {
+    if (options.memoryLimit) checkFieldMemory(MeshPacker::bytesNeeded(view), options.memoryLimit);
+    const PackedMesh mesh = packer.pack(view);
+    validate(mesh);
+    return mesh;
+  }
+
+  Stats run(const PackedMesh& mesh, const Grid& grid, const Options& options, Field& field) {
     Stats stats;
     const auto onGpu = [&](GpuDevice& gpu, size_t index) {
       Progress progress(options.progress);
@@ -49,7 +59,7 @@ struct Generator::Impl {
     };
     const auto onCpu = [&] {
       Progress progress(options.progress);
-      stats = generateOnCpu(cpu, {mesh, grid, options, progress, field});
+      stats = generateOnCpu(cpu, {mesh, grid, options, progress, field}, packer.bytes());
     };
     withThreads(options.threads, [&] { device.run(options.device, options.warn, onGpu, onCpu); });
     return stats;
@@ -61,13 +71,13 @@ Generator::~Generator() = default;
 Generator::Generator(Generator&&) noexcept = default;
 Generator& Generator::operator=(Generator&&) noexcept = default;
 
-Stats Generator::generate(const Mesh& mesh, const Grid& grid, const Options& options, Field& field) {
+Stats Generator::generate(const MeshView& view, const Grid& grid, const Options& options, Field& field) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   Stats stats;
   try {
     checkOptions(grid, options);
-    validate(mesh);
+    const PackedMesh mesh = impl_->pack(view, options);
     if (options.thickness > 0.0) {
       stats = impl_->run(mesh, grid, withoutThickness(options, grid), field);
       thicken(options, field);
@@ -82,10 +92,14 @@ Stats Generator::generate(const Mesh& mesh, const Grid& grid, const Options& opt
   return stats;
 }
 
-Generated generate(const Mesh& mesh, const Grid& grid, const Options& options) {
+Generated Generator::generate(const MeshView& mesh, const Grid& grid, const Options& options) {
   Generated result;
-  result.stats = Generator().generate(mesh, grid, options, result.field);
+  result.stats = generate(mesh, grid, options, result.field);
   return result;
+}
+
+Generated generate(const MeshView& mesh, const Grid& grid, const Options& options) {
+  return Generator().generate(mesh, grid, options);
 }
 
 }  // namespace raymap

@@ -1,6 +1,5 @@
-#include "base/atomic_file.h"
-
 #include <fcntl.h>
+#include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -24,7 +24,7 @@ constexpr size_t kFacesPerTask = 1024;
 
 }  // namespace
 
-size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
+size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
   const bool exact = options.distance == DistanceMode::Exact;
   const bool raster = options.distance == DistanceMode::Raster;
   size_t perSample = sizeof(float);
@@ -54,10 +54,10 @@ void Backend::begin() {
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
-  field.distance.resize(count);
-  field.triangle.resize(options.triangleIds ? count : 0);
-  field.winding.resize(options.winding && options.sign != SignMode::None ? count : 0);
-  field.confidence.resize(options.confidence && options.sign != SignMode::None ? count : 0);
+  field.distance.resizeUninitialized(count);
+  field.triangle.resizeUninitialized(options.triangleIds ? count : 0);
+  field.winding.resizeUninitialized(options.winding && options.sign != SignMode::None ? count : 0);
+  field.confidence.resizeUninitialized(options.confidence && options.sign != SignMode::None ? count : 0);
   doubtfulShare_ = 0.0;
   patch_.clear();
   faceSides_ = {};
@@ -123,7 +123,7 @@ void Backend::winding(SignMode mode) {
 
 void Backend::turnFaces(const Turns& turns) {
   const std::span<const glm::uvec3> given = mesh().triangles;
-  turnedTriangles_.resize(given.size());
+  turnedTriangles_.resizeUninitialized(given.size());
   parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) {
       const glm::uvec3& t = given[f];

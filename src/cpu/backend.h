@@ -43,7 +43,7 @@ class Backend {
   /// Returns true: memory grows as the stages need it.
   static bool complete() { return true; }
 
-  const Mesh& mesh() const { return job_->mesh; }
+  const PackedMesh& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
   /// Returns the share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }
@@ -66,7 +66,7 @@ class Backend {
   /// Returns the number of bytes held, without the field.
   size_t bytes() const;
   /// Returns an upper bound on the bytes that a run holds, with the field, from sizes alone.
-  static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
 
  private:
   /// Returns the tree. Builds it on first use and updates it after faces are reversed.

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "field/trilinear.h"
 
 namespace raymap {
 
@@ -12,18 +15,17 @@ void validateGrid(const Grid& grid);
 /// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
 void validateField(const Field& field);
 
+/// Computes the distances and the gradients at all points; null = not wanted. See raymap/sample.h. Throws
+/// `Error(Usage)` as `validateField` does.
+void sampleInto(const Field& field, std::span<const glm::dvec3> points, float* distance, glm::vec3* gradient);
+
 /// Interpolates a field between its samples. Positions are in sample coordinates and values in units of the
 /// spacing, so that drawing does not depend on the field's scale.
 class FieldSampler {
  public:
   explicit FieldSampler(const Field& field)
-      : samples_(field.distance.data()),
-        last_(field.grid.dims - 1),
-        lastCell_(glm::max(field.grid.dims - 2, 0)),
-        strideX_(field.grid.dims.x > 1 ? 1 : 0),
-        strideY_(field.grid.dims.y > 1 ? size_t(field.grid.dims.x) : 0),
-        strideZ_(field.grid.dims.z > 1 ? size_t(field.grid.dims.x) * size_t(field.grid.dims.y) : 0),
-        dims_(field.grid.dims),
+      : between_(field.grid.dims, field.distance.data()),
+        last_(between_.last()),
         scale_(1.0 / field.grid.spacing) {}
 
   /// Returns the trilinear value inside the grid. Outside it returns a lower bound on the distance to a
@@ -34,7 +36,7 @@ class FieldSampler {
     glm::dvec3 q;
     for (int a = 0; a < 3; ++a)
       q[a] = std::max(0.0, std::min(p[a], last_[a]));  // in this order, NaN becomes 0
-    const double inGrid = trilinear(q);
+    const double inGrid = scale_ * between_(q);
     if (q == p) return inGrid;
     return std::hypot(glm::length(p - q), std::max(inGrid, 0.0));
   }
@@ -54,25 +56,8 @@ class FieldSampler {
   const glm::dvec3& last() const { return last_; }
 
  private:
-  double trilinear(const glm::dvec3& q) const {
-    const glm::ivec3 cell = glm::min(glm::ivec3(q), lastCell_);
-    const glm::dvec3 t = q - glm::dvec3(cell);
-    const float* s =
-        samples_ + (size_t(cell.z) * size_t(dims_.y) + size_t(cell.y)) * size_t(dims_.x) + cell.x;
-    const auto row = [&](const float* at) { return at[0] + t.x * (double(at[strideX_]) - at[0]); };
-    const auto sheet = [&](const float* at) {
-      const double low = row(at);
-      return low + t.y * (row(at + strideY_) - low);
-    };
-    const double low = sheet(s);
-    return scale_ * (low + t.z * (sheet(s + strideZ_) - low));
-  }
-
-  const float* samples_;
+  Trilinear<double> between_;
   glm::dvec3 last_;
-  glm::ivec3 lastCell_;
-  size_t strideX_, strideY_, strideZ_;  // 0 along an axis of one sample
-  glm::ivec3 dims_;
   double scale_;
 };
 

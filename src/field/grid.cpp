@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMaxDim = 1 << 20;
 
-Box paddedBounds(const Mesh& mesh, double padding) {
+Box paddedBounds(const MeshView& mesh, double padding) {
   Box box = bounds(mesh);
   const glm::dvec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
@@ -33,7 +33,7 @@ int samplesAlong(double length, double spacing) {
 
 }  // namespace
 
-Grid fitGrid(const Mesh& mesh, const GridOptions& options) {
+Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
   if (options.voxelSize == 0.0 && options.resolution < 1)
     throw Error(ErrorCode::Usage,
                 "the resolution must be at least 1, not " + std::to_string(options.resolution));

@@ -1,3 +1,4 @@
+#include <raymap/atomic_file.h>
 #include <raymap/io.h>
 
 #include <algorithm>
@@ -5,7 +6,6 @@
 #include <cctype>
 #include <ostream>
 
-#include "base/atomic_file.h"
 #include "io/field/field_formats.h"
 
 namespace raymap {

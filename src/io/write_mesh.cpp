@@ -1,10 +1,10 @@
+#include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
 
 #include <algorithm>
 #include <array>
 
-#include "base/atomic_file.h"
 #include "io/mesh/mesh_file.h"
 #include "io/mesh/mesh_formats.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  void (*write)(std::ostream& out, const Mesh& mesh);
+  void (*write)(std::ostream& out, const PackedMesh& mesh);
 };
 
 constexpr std::array kFormats{Format{".ply", writePly}, Format{".obj", writeObj}, Format{".stl", writeStl},
@@ -22,14 +22,16 @@ constexpr std::array kFormats{Format{".ply", writePly}, Format{".obj", writeObj}
 
 }  // namespace
 
-void writeMesh(const std::filesystem::path& path, const Mesh& mesh) {
+void writeMesh(const std::filesystem::path& path, const MeshView& view) {
   const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
   if (format == kFormats.end()) {
     std::string known;
     for (const Format& f : kFormats) known.append(" ").append(f.extension);
     throw Error(ErrorCode::Usage, path.string() + ": meshes are written as" + known);
   }
-  validate(mesh);
+  validate(view);
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
   try {
     writeAtomically(path, [&](std::ostream& out) { format->write(out, mesh); });
   } catch (const Error& error) {

@@ -31,14 +31,15 @@ double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 
 class Contour {
  public:
-  Contour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress)
+  Contour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress, Mesh& result)
       : grid_(field.grid),
         middle_(0.5 * glm::dvec3(field.grid.dims - 1)),
         progress_(progress),
         cubes_(field, iso, progress),
-        sheets_(cubes_, addPlanes) {}
+        sheets_(cubes_, addPlanes),
+        mesh_(result) {}
 
-  Mesh run() {
+  void run() {
     reserve();
     progress_.part(0.2, 0.6);
     placeVertices();
@@ -47,7 +48,6 @@ class Contour {
     scale();
     progress_.part(0.8, 1.0);
     uncross(cubes_, sheets_, grid_, std::move(isSuspect_), mesh_, progress_);
-    return std::move(mesh_);
   }
 
  private:
@@ -175,15 +175,16 @@ class Contour {
   ContourCubes cubes_;
   ContourSheets sheets_;
   std::vector<Quadric> quadrics_;   // One per vertex.
-  Mesh mesh_;                       // In samples until `scale`.
+  Mesh& mesh_;                      // In samples until `scale`.
   std::vector<uint8_t> isSuspect_;  // Per quad: whether its triangles may cross others.
 };
 
 }  // namespace
 
-Mesh dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress) {
+void dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress,
+                 Mesh& result) {
   progress.part(0.0, 0.2);
-  return Contour(field, iso, addPlanes, progress).run();
+  Contour(field, iso, addPlanes, progress, result).run();
 }
 
 }  // namespace raymap

@@ -11,6 +11,7 @@ namespace raymap {
 /// Whatever the samples, each edge has exactly two faces with consistent winding order, and the faces around
 /// a vertex form one disc. Faces cross only where two sheets pass a cube too close to each other. Throws
 /// `Error(Memory)` or `Error(Unsupported)` if the surface has too many vertices.
-Mesh dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress);
+void dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress,
+                 Mesh& result);
 
 }  // namespace raymap

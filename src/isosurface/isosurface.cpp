@@ -157,16 +157,25 @@ void check(const Field& field, double iso) {
 }  // namespace
 
 Mesh isosurface(const Field& field, const IsosurfaceOptions& options) {
-  Progress progress(options.progress);
   Mesh mesh;
+  isosurface(field, options, mesh);
+  return mesh;
+}
+
+void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result) {
+  Progress progress(options.progress);
   const auto contour = [&] {
     check(field, options.iso);
-    mesh = dualContour(field, options.iso, SamplePlanes(field, options.iso), progress);
+    dualContour(field, options.iso, SamplePlanes(field, options.iso), progress, result);
   };
-  progress.stage("isosurface", [&] { withThreads(options.threads, contour); });
+  try {
+    progress.stage("isosurface", [&] { withThreads(options.threads, contour); });
+  } catch (...) {
+    result = {};
+    throw;
+  }
   if (options.warn && reachesBox(field, options.iso))
     options.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
-  return mesh;
 }
 
 }  // namespace raymap

@@ -2,6 +2,7 @@
 
 #include <raymap/animation.h>
 #include <raymap/error.h>
+#include <raymap/mesh_view.h>
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -169,11 +170,17 @@ std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds)
 }
 
 Mesh posed(const AnimatedMesh& mesh, double seconds) {
-  const std::vector<JointMatrix> matrices = jointMatrices(mesh, seconds);
-  Mesh result{.triangles = mesh.rest.triangles, .origin = mesh.origin};
-  result.vertices.reserve(mesh.rest.vertices.size());
-  for (size_t v = 0; v < mesh.rest.vertices.size(); ++v) result.vertices.push_back(moved(mesh, matrices, v));
+  Mesh result;
+  posed(mesh, seconds, result);
   return result;
+}
+
+void posed(const AnimatedMesh& mesh, double seconds, Mesh& result) {
+  const std::vector<JointMatrix> matrices = jointMatrices(mesh, seconds);
+  result.triangles = mesh.rest.triangles;
+  result.origin = mesh.origin;
+  result.vertices.resize(mesh.rest.vertices.size());
+  for (size_t v = 0; v < result.vertices.size(); ++v) result.vertices[v] = moved(mesh, matrices, v);
 }
 
 }  // namespace raymap

@@ -14,7 +14,7 @@ namespace raymap {
 namespace {
 
 /// Finds the faces that have the same three distinct corners as an earlier face.
-std::vector<uint32_t> findDuplicates(const Mesh& mesh, const Welding& welding) {
+std::vector<uint32_t> findDuplicates(const PackedMesh& mesh, const Welding& welding) {
   struct Corners {
     std::array<uint32_t, 3> ids;
     uint32_t face;
@@ -39,7 +39,7 @@ std::vector<uint32_t> findDuplicates(const Mesh& mesh, const Welding& welding) {
 
 }  // namespace
 
-std::vector<uint32_t> findFlippedFaces(const Mesh& mesh) {
+std::vector<uint32_t> findFlippedFaces(const PackedMesh& mesh) {
   const Patches patches = findPatches(mesh);
   std::vector<size_t> faces(patches.count), reversed(patches.count);
   for (size_t f = 0; f < patches.ids.size(); ++f) {
@@ -56,7 +56,7 @@ std::vector<uint32_t> findFlippedFaces(const Mesh& mesh) {
   return flipped;
 }
 
-Defects findDefects(const Mesh& mesh) {
+Defects findDefects(const PackedMesh& mesh) {
   validate(mesh);
   const Welding welding = weldVertices(mesh.vertices);
   std::vector<uint32_t> vertexOf(welding.count);

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <raymap/mesh.h>
-
 #include <cstdint>
 #include <vector>
+
+#include "mesh/packed_mesh.h"
 
 namespace raymap {
 
@@ -19,10 +19,10 @@ struct Defects {
 };
 
 /// Finds all defects. Throws `Error(Input)` if the mesh is not valid.
-Defects findDefects(const Mesh& mesh);
+Defects findDefects(const PackedMesh& mesh);
 
 /// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
 /// matter which side is outside.
-std::vector<uint32_t> findFlippedFaces(const Mesh& mesh);
+std::vector<uint32_t> findFlippedFaces(const PackedMesh& mesh);
 
 }  // namespace raymap

@@ -20,14 +20,14 @@ bool hasRepeatedCorner(const glm::uvec3& face) {
   return face.x == face.y || face.y == face.z || face.z == face.x;
 }
 
-glm::dvec3 normalOf(const Mesh& mesh, const glm::uvec3& face) {
+glm::dvec3 normalOf(const PackedMesh& mesh, const glm::uvec3& face) {
   const glm::dvec3 a(mesh.vertices[face.x]);
   return glm::cross(glm::dvec3(mesh.vertices[face.y]) - a, glm::dvec3(mesh.vertices[face.z]) - a);
 }
 
 /// Returns whether the triangle's height is below `kDegenerateHeight`. The height over the longest edge is
 /// twice the area over that edge's length.
-bool isFlat(const Mesh& mesh, const glm::uvec3& face, double doubleArea) {
+bool isFlat(const PackedMesh& mesh, const glm::uvec3& face, double doubleArea) {
   double longest2 = 0.0;
   for (int c = 0; c < 3; ++c) {
     const glm::dvec3 edge = glm::dvec3(mesh.vertices[face[c]]) - glm::dvec3(mesh.vertices[face[(c + 1) % 3]]);
@@ -39,7 +39,7 @@ bool isFlat(const Mesh& mesh, const glm::uvec3& face, double doubleArea) {
 /// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
 /// so that an open mesh's volume does not depend on its position. Returns the welded faces without a repeated
 /// corner; the others belong to no surface.
-std::vector<glm::uvec3> measureFaces(const Mesh& mesh, const Welding& welding, Diagnostics& found) {
+std::vector<glm::uvec3> measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
   std::vector<glm::uvec3> faces;
   faces.reserve(mesh.triangles.size());
   const glm::dvec3 centre = found.bounds.centre() - mesh.origin;
@@ -59,14 +59,14 @@ std::vector<glm::uvec3> measureFaces(const Mesh& mesh, const Welding& welding, D
   return faces;
 }
 
-std::vector<Hole> findHoles(const Mesh& mesh, const Welding& welding,
+std::vector<Hole> findHoles(const PackedMesh& mesh, const Welding& welding,
                             std::span<const std::pair<uint32_t, uint32_t>> boundary) {
   std::vector<uint32_t> vertexOf(welding.count);
   for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
   return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
 }
 
-void countEdges(const Mesh& mesh, const Welding& welding, Diagnostics& found) {
+void countEdges(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
   const std::vector<HalfEdge> halfEdges = sortHalfEdges(mesh, welding);
   std::vector<std::pair<uint32_t, uint32_t>> boundary;
   found.balanced = !halfEdges.empty();
@@ -116,8 +116,10 @@ size_t countComponents(const std::vector<glm::uvec3>& faces, size_t vertexCount)
 
 }  // namespace
 
-Diagnostics diagnose(const Mesh& mesh) {
-  validate(mesh);
+Diagnostics diagnose(const MeshView& view) {
+  validate(view);
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
   const Welding welding = weldVertices(mesh.vertices);
   Diagnostics found;
   found.vertices = mesh.vertices.size();

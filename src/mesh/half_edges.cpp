@@ -12,7 +12,7 @@ constexpr size_t kPositionsPerTask = 4096;
 
 /// Calls `work(halfEdge)` for each half edge, faces ascending.
 template <class Work>
-void forEachHalfEdge(const Mesh& mesh, const Welding& welding, Work&& work) {
+void forEachHalfEdge(const PackedMesh& mesh, const Welding& welding, Work&& work) {
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
     const glm::uvec3& t = mesh.triangles[face];
     const uint32_t corners[] = {welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
@@ -36,7 +36,7 @@ void sortByHigh(std::span<HalfEdge> halfEdges) {
 
 }  // namespace
 
-std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding) {
+std::vector<HalfEdge> sortHalfEdges(const PackedMesh& mesh, const Welding& welding) {
   std::vector<size_t> ends(welding.count + 1, 0);  // End of each position's half edges, shifted by one.
   forEachHalfEdge(mesh, welding, [&](const HalfEdge& edge) { ++ends[edge.low + 1]; });
   for (size_t p = 1; p < ends.size(); ++p) ends[p] += ends[p - 1];

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <raymap/mesh.h>
-
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "mesh/packed_mesh.h"
 #include "mesh/weld.h"
 
 namespace raymap {
@@ -21,7 +20,7 @@ struct HalfEdge {
 
 /// Returns all half edges, those of an edge together, faces ascending. Faces with a repeated corner have
 /// none.
-std::vector<HalfEdge> sortHalfEdges(const Mesh& mesh, const Welding& welding);
+std::vector<HalfEdge> sortHalfEdges(const PackedMesh& mesh, const Welding& welding);
 
 /// Calls `work(halfEdges)` with the half edges of each edge.
 template <class Work>

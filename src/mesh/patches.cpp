@@ -46,7 +46,7 @@ class FaceSets {
 };
 
 /// Returns whether two faces at one edge share the third corner too: they are layers, not neighbours.
-bool coincide(const Mesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
+bool coincide(const PackedMesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
   const auto allCorners = [&](uint32_t face) {
     const glm::uvec3& t = mesh.triangles[face];
     return welding.ids[t.x] ^ welding.ids[t.y] ^ welding.ids[t.z];
@@ -56,7 +56,7 @@ bool coincide(const Mesh& mesh, const Welding& welding, const HalfEdge& a, const
 
 }  // namespace
 
-Patches findPatches(const Mesh& mesh) {
+Patches findPatches(const PackedMesh& mesh) {
   const Welding welding = weldVertices(mesh.vertices);
   FaceSets sets(mesh.triangles.size());
   forEachEdge(sortHalfEdges(mesh, welding), [&](std::span<const HalfEdge> edge) {

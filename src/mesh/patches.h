@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/mesh.h>
+#include "mesh/packed_mesh.h"
 
 namespace raymap {
 
@@ -14,6 +14,6 @@ struct Patches {
 
 /// Finds the patches. Where links contradict each other (a Möbius strip), those of the higher vertices are
 /// dropped.
-Patches findPatches(const Mesh& mesh);
+Patches findPatches(const PackedMesh& mesh);
 
 }  // namespace raymap

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "base/parallel_sort.h"
+#include "mesh/packed_mesh.h"
 
 namespace raymap {
 
@@ -116,7 +116,7 @@ bool cross(const Face& a, const Face& b) {
 
 /// Returns the faces with their corners on a lattice of 2^29 to 2^30 steps along the longest side. Steps are
 /// powers of two, so most single-precision numbers lie on the lattice and faces that touch still do.
-std::vector<Face> snapFaces(const Mesh& mesh) {
+std::vector<Face> snapFaces(const PackedMesh& mesh) {
   const Box box = bounds(mesh);
   const glm::dvec3 size = box.size();
   int exponent = 0;
@@ -225,9 +225,10 @@ void searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf, L
 
 }  // namespace
 
-SelfIntersections findSelfIntersections(const Mesh& mesh) {
-  validate(mesh);
-  std::vector<Face> faces = snapFaces(mesh);
+SelfIntersections findSelfIntersections(const MeshView& view) {
+  validate(view);
+  MeshPacker packer;
+  std::vector<Face> faces = snapFaces(packer.pack(view));
   sortFaces(faces);
   const BoxTree tree(faces);
   SelfIntersections found;

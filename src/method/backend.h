@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "mesh/packed_mesh.h"
 #include "method/cell_mesh.h"
 #include "method/close_holes_edges.h"
 
@@ -17,7 +18,7 @@ namespace raymap {
 
 /// Input, output and progress of a run. Holds references only.
 struct Job {
-  const Mesh& mesh;
+  PackedMesh mesh;
   const Grid& grid;
   const Options& options;
   Progress& progress;
@@ -52,7 +53,7 @@ using Turns = std::vector<uint8_t>;
 /// A backend whose intermediate results the host can read between the stages.
 template <class B>
 concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<const glm::vec3> points) {
-  { b.mesh() } -> std::same_as<const Mesh&>;
+  { b.mesh() } -> std::same_as<const PackedMesh&>;
   { b.progress() } -> std::same_as<Progress&>;
   { b.doubtfulShare() } -> std::same_as<double>;  // Share of samples whose six rays disagree.
 

@@ -4,11 +4,11 @@
 
 namespace raymap {
 
-void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells) {
+void toCellUnits(const PackedMesh& mesh, const Grid& grid, CellMesh& cells) {
   constexpr size_t kGrain = size_t{1} << 16;
   cells.dims = grid.dims;
   cells.triangles = mesh.triangles;
-  cells.vertices.resize(mesh.vertices.size());
+  cells.vertices.resizeUninitialized(mesh.vertices.size());
   const glm::dvec3 shift = mesh.origin - grid.origin;
   const double scale = 1.0 / grid.spacing;  // Every device must multiply by it to get the same bits.
   parallelFor(mesh.vertices.size(), kGrain, [&](size_t begin, size_t end) {

@@ -2,9 +2,10 @@
 
 #include <raymap/buffer.h>
 #include <raymap/grid.h>
-#include <raymap/mesh.h>
 
 #include <span>
+
+#include "mesh/packed_mesh.h"
 
 namespace raymap {
 
@@ -20,6 +21,6 @@ struct CellMesh {
 };
 
 /// Converts a mesh to cell units. `cells` refers to the triangles of `mesh`.
-void toCellUnits(const Mesh& mesh, const Grid& grid, CellMesh& cells);
+void toCellUnits(const PackedMesh& mesh, const Grid& grid, CellMesh& cells);
 
 }  // namespace raymap

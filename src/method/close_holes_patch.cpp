@@ -126,7 +126,7 @@ class Polygonizer {
   void run(Progress& progress, HolePatch& patch) {
     placeVertices();
     moveToRims(progress);
-    patch.mesh.vertices.resize(vertices_.size());
+    patch.mesh.vertices.resizeUninitialized(vertices_.size());
     std::copy(vertices_.begin(), vertices_.end(), patch.mesh.vertices.begin());
     patch.triangles.reserve(2 * edges_.size());
     for (size_t e = 0; e < edges_.size(); ++e) addQuad(e, patch.triangles);
@@ -241,7 +241,7 @@ glm::ivec3 cubeAround(const glm::ivec3& sample, int axis, int c) {
 
 void HolePatch::clear() {
   triangles.clear();
-  mesh.vertices.resize(0);
+  mesh.vertices.resizeUninitialized(0);
   mesh.triangles = {};
 }
 

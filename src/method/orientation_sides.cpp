@@ -36,7 +36,7 @@ struct State {
 };
 
 /// Returns twice the area of each face.
-std::vector<float> areasOf(const Mesh& mesh) {
+std::vector<float> areasOf(const PackedMesh& mesh) {
   std::vector<float> areas;
   areas.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) {
@@ -58,7 +58,7 @@ struct Votes {
 
 class SideChooser {
  public:
-  SideChooser(const Mesh& mesh, double misfitGiven, const FaceField& field, Progress& progress)
+  SideChooser(const PackedMesh& mesh, double misfitGiven, const FaceField& field, Progress& progress)
       : patches_(findPatches(mesh)),
         areas_(areasOf(mesh)),
         field_(field),
@@ -179,8 +179,8 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
   return options.orientation == Orientation::Repair || contradictsParity || misfit > kFall;
 }
 
-FaceSides chooseSides(const Mesh& mesh, double misfitGiven, Orientation orientation, const FaceField& field,
-                      Progress& progress) {
+FaceSides chooseSides(const PackedMesh& mesh, double misfitGiven, Orientation orientation,
+                      const FaceField& field, Progress& progress) {
   return SideChooser(mesh, misfitGiven, field, progress).choose(orientation == Orientation::Repair);
 }
 

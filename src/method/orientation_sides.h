@@ -48,8 +48,8 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
 /// Chooses the faces to reverse: those that the field contradicts, if that lowers the misfit as much as
 /// `orientation` demands. On entry `field` must be solved for the mesh as given, with misfit `misfitGiven`.
 /// On return it is solved for the result's turns.
-FaceSides chooseSides(const Mesh& mesh, double misfitGiven, Orientation orientation, const FaceField& field,
-                      Progress& progress);
+FaceSides chooseSides(const PackedMesh& mesh, double misfitGiven, Orientation orientation,
+                      const FaceField& field, Progress& progress);
 
 /// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces.
 template <HostBackend B>

@@ -65,7 +65,7 @@ struct Seen {
 
 class Drawing {
  public:
-  Drawing(const Mesh& mesh, const RenderOptions& options)
+  Drawing(const PackedMesh& mesh, const RenderOptions& options)
       : mesh_(mesh),
         camera_(options, [&](std::span<const glm::dvec3> directions) { return reach(directions); }),
         toLight_(glm::normalize(-0.45 * camera_.right() - 0.55 * camera_.forward() + 0.95 * camera_.up())),
@@ -149,7 +149,7 @@ class Drawing {
     }
   }
 
-  const Mesh& mesh_;
+  PackedMesh mesh_;
   Camera camera_;
   glm::dvec3 toLight_;
   Canvas canvas_;
@@ -158,8 +158,10 @@ class Drawing {
 
 }  // namespace
 
-Picture renderDefects(const Mesh& mesh, const RenderOptions& options) {
+Picture renderDefects(const MeshView& view, const RenderOptions& options) {
   Picture picture = makePicture(options.width, options.height);
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
   const Defects defects = findDefects(mesh);
   Drawing drawing(mesh, options);
   drawing.drawFaces(defects);

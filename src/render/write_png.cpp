@@ -1,11 +1,10 @@
 #include <png.h>
+#include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <raymap/render.h>
 
 #include <ostream>
 #include <string>
-
-#include "base/atomic_file.h"
 
 namespace raymap {
 

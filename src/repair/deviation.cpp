@@ -15,11 +15,11 @@ constexpr double kMostPoints = 2e7;
 constexpr double kMostPerSide = 4096.0;
 constexpr size_t kPointsPerReport = size_t{1} << 18;
 
-CellMesh toSamples(const Mesh& mesh, const Grid& grid) {
+CellMesh toSamples(const PackedMesh& mesh, const Grid& grid) {
   CellMesh cells;
   cells.dims = grid.dims;
   cells.triangles = mesh.triangles;
-  cells.vertices.resize(mesh.vertices.size());
+  cells.vertices.resizeUninitialized(mesh.vertices.size());
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
     cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
   return cells;
@@ -55,7 +55,7 @@ void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
 
 }  // namespace
 
-std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double step) {
+std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, double step) {
   const CellMesh cells = toSamples(mesh, grid);
   double count = countPoints(cells, step);
   while (count > kMostPoints + double(mesh.triangles.size())) {
@@ -76,7 +76,7 @@ std::vector<glm::vec3> surfacePoints(const Mesh& mesh, const Grid& grid, double 
   return points;
 }
 
-std::vector<float> distancesTo(const Mesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
+std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
   const CellMesh cells = toSamples(mesh, grid);
   cpu::SurfaceTree tree;

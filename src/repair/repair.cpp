@@ -36,7 +36,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
 }
 
 /// The solid with its surface moved by the offset.
-Field makeSolid(const Mesh& mesh, const Grid& grid, const Options& options, double offset, Stats& stats) {
+Field makeSolid(const PackedMesh& mesh, const Grid& grid, const Options& options, double offset,
+                Stats& stats) {
   auto [field, cost] = generate(mesh, grid, options);
   stats = std::move(cost);
   for (float& d : field.distance) d = static_cast<float>(double(d) - offset);
@@ -47,7 +48,7 @@ Mesh makeSurface(const Field& solid, const Options& options) {
   return isosurface(solid, {.threads = options.threads, .warn = options.warn, .progress = options.progress});
 }
 
-void inspect(const Mesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
   found = diagnose(mesh);
   crossing = findSelfIntersections(mesh);
 }
@@ -76,8 +77,9 @@ void dropDrilled(std::vector<glm::vec3>& points, const Grid& grid, const std::ve
 }
 
 /// From the mesh's surface moved by the offset or of the hollow.
-Deviation measureResult(const Mesh& result, const Mesh& mesh, const Grid& grid, const RepairOptions& repair,
-                        const std::vector<DrainHole>& holes, Progress& progress) {
+Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
+                        const RepairOptions& repair, const std::vector<DrainHole>& holes,
+                        Progress& progress) {
   std::vector<glm::vec3> points = surfacePoints(result, grid, kStep);
   dropDrilled(points, grid, holes);
   std::vector<float> distances = distancesTo(mesh, grid, points, progress);
@@ -103,7 +105,7 @@ Side sideOf(const Field& solid, double offset, const glm::vec3& p) {
 }
 
 /// The mesh's points that the result should show, and the shares of the others.
-std::vector<glm::vec3> visiblePoints(const Mesh& mesh, const Field& solid, double offset,
+std::vector<glm::vec3> visiblePoints(const PackedMesh& mesh, const Field& solid, double offset,
                                      RepairReport& report) {
   std::vector<glm::vec3> points = surfacePoints(mesh, solid.grid, kStep);
   const auto count = double(points.size());
@@ -119,7 +121,7 @@ std::vector<glm::vec3> visiblePoints(const Mesh& mesh, const Field& solid, doubl
   return points;
 }
 
-Deviation measureMesh(std::vector<glm::vec3> points, const Mesh& result, const Grid& grid,
+Deviation measureMesh(std::vector<glm::vec3> points, const PackedMesh& result, const Grid& grid,
                       const RepairOptions& repair, const std::vector<DrainHole>& holes, Progress& progress) {
   dropDrilled(points, grid, holes);
   std::vector<float> distances = distancesTo(result, grid, points, progress);
@@ -129,10 +131,13 @@ Deviation measureMesh(std::vector<glm::vec3> points, const Mesh& result, const G
 
 }  // namespace
 
-Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const RepairOptions& repair,
-            RepairReport* wanted) {
+Repaired repair(const MeshView& view, const Grid& grid, const Options& options, const RepairOptions& repair) {
   check(grid, repair);
-  RepairReport report;
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
+  Repaired repaired;
+  Mesh& result = repaired.mesh;
+  RepairReport& report = repaired.report;
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
@@ -140,12 +145,11 @@ Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const Re
                 "more samples, or "
                 "for a sheet 'raymap mesh --thickness'");
   std::vector<glm::vec3> points;
-  if (wanted) points = visiblePoints(mesh, solid, repair.offset, report);
+  if (repair.measure) points = visiblePoints(mesh, solid, repair.offset, report);
   const std::vector<DrainHole> holes = hollow(solid, repair, report);
   Progress progress(options.progress);
-  Mesh result;
   progress.stage("isosurface", [&] { result = makeSurface(solid, options); });
-  if (!wanted) return result;
+  if (!repair.measure) return repaired;
   solid = {};
   const auto measure = [&] {
     inspect(mesh, report.before, report.crossingBefore);
@@ -159,8 +163,7 @@ Mesh repair(const Mesh& mesh, const Grid& grid, const Options& options, const Re
   progress.stage("measure", [&] { withThreads(options.threads, measure); });
   for (const Progress::Time& time : progress.times())
     report.stats.stages.push_back({time.stage, time.milliseconds});
-  *wanted = std::move(report);
-  return result;
+  return repaired;
 }
 
 }  // namespace raymap

@@ -15,7 +15,7 @@ void computeCellDistance(const CellMesh& mesh, const VoxelGrid& grid, Progress& 
   const CellLattice& cells = grid.cells;
   const float empty = emptyCell(cells.dims);
   const auto perCell2 = static_cast<float>(1.0 / (cells.size * cells.size));
-  squared.resize(cells.count());
+  squared.resizeUninitialized(cells.count());
   parallelFor(cells.count(), kGrain, [&](size_t begin, size_t end) {
     progress.report(double(begin) / double(cells.count()));
     for (size_t c = begin; c < end; ++c) {

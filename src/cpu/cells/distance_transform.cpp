@@ -183,7 +183,7 @@ class Transform {
 
 void transformDistance(glm::ivec3 dims, Progress& progress, Buffer<float>& squared,
                        Buffer<uint32_t>& nearestCell) {
-  nearestCell.resize(squared.size());
+  nearestCell.resizeUninitialized(squared.size());
   Transform transform(dims, progress, squared, nearestCell);
   transform.alongX();
   transform.along(1);

@@ -43,7 +43,7 @@ void rasterizeDistance(const CellMesh& mesh, const CellLattice& cells, Progress&
   constexpr size_t kGrain = 2048, kCellGrain = size_t{1} << 16;
   const size_t count = mesh.triangles.size();
   const auto perCell2 = static_cast<float>(1.0 / (cells.size * cells.size));
-  squared.resize(cells.count());
+  squared.resizeUninitialized(cells.count());
   parallelFor(cells.count(), kCellGrain, [&](size_t begin, size_t end) {
     std::fill(squared.data() + begin, squared.data() + end, emptyCell(cells.dims));
   });
@@ -68,7 +68,7 @@ void rasterizeDistance(const CellMesh& mesh, const CellLattice& cells, Progress&
 void sampleRasterDistance(glm::ivec3 dims, std::span<const CellLevel> levels, Progress& progress,
                           Buffer<float>& distance) {
   const size_t rows = size_t(dims.y) * dims.z;
-  distance.resize(rows * dims.x);
+  distance.resizeUninitialized(rows * dims.x);
   parallelFor(rows, 64, [&](size_t begin, size_t end) {
     progress.report(double(begin) / double(rows));
     for (size_t s = begin * dims.x; s < end * dims.x; ++s) {

@@ -24,8 +24,8 @@ static_assert(kBlock <= PointBatch::kCapacity);
 
 class NearestCellRefiner {
  public:
-  NearestCellRefiner(const CellMesh& mesh, std::span<const CellLevel> levels, std::span<const CellTrees> trees,
-               int reach)
+  NearestCellRefiner(const CellMesh& mesh, std::span<const CellLevel> levels,
+                     std::span<const CellTrees> trees, int reach)
       : mesh_(mesh), levels_(levels), trees_(trees), reach_(reach) {}
 
   void refine(const glm::ivec3& low, Buffer<float>& distance, Buffer<uint32_t>* triangle) {
@@ -125,8 +125,8 @@ void refineDistance(const CellMesh& mesh, std::span<const CellLevel> levels, int
   const CellLattice blocks{(mesh.dims + kSide - 1) / kSide};
   std::vector<CellTrees> trees;
   for (const CellLevel& level : levels) trees.emplace_back(mesh, level.grid, progress);
-  distance.resize(CellLattice{mesh.dims}.count());
-  if (triangle) triangle->resize(distance.size());
+  distance.resizeUninitialized(CellLattice{mesh.dims}.count());
+  if (triangle) triangle->resizeUninitialized(distance.size());
   parallelFor(blocks.count(), kBlocksAtOnce, [&](size_t begin, size_t end) {
     NearestCellRefiner refiner(mesh, levels, trees, reach);
     for (size_t b = begin; b < end; ++b) {

@@ -69,14 +69,14 @@ void buildVoxelGrid(const CellMesh& mesh, const CellLattice& cells, size_t maxLi
     });
   };
   grid.cells = cells;
-  grid.starts.resize(cells.count() + 1);
+  grid.starts.resizeUninitialized(cells.count() + 1);
   parallelFor(grid.starts.size(), kCellGrain, [&](size_t begin, size_t end) {
     std::fill(grid.starts.data() + begin, grid.starts.data() + end, 0);
   });
   forEachTriangle(0.0, [](size_t, auto counter) { counter.fetch_add(1, std::memory_order_relaxed); });
   const uint64_t total = prefixSum(grid.starts);
   checkListBytes(total, maxListBytes);
-  grid.triangles.resize(total);
+  grid.triangles.resizeUninitialized(total);
   // Each start advances to the end of its cell's list, which is where the next cell's list starts.
   forEachTriangle(0.4, [&](size_t t, auto cursor) {
     grid.triangles[cursor.fetch_add(1, std::memory_order_relaxed)] = static_cast<uint32_t>(t);

@@ -145,8 +145,8 @@ void SurfaceTree::placeLevels() {
     start += packets(nodes) * kPacket;
     if (nodes == 1) break;
   }
-  triangles_.resize(leafCount());
-  discs_.resize(start / kPacket);
+  triangles_.resizeUninitialized(leafCount());
+  discs_.resizeUninitialized(start / kPacket);
 }
 
 void SurfaceTree::turn(std::span<const uint8_t> faces) {
@@ -162,7 +162,7 @@ void SurfaceTree::turn(std::span<const uint8_t> faces) {
 
 void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
-  keys_.resize(size_t{leafCount()} * kPacket);
+  keys_.resizeUninitialized(size_t{leafCount()} * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) keys_[t] = uint64_t(mortonIndex(lattice(mesh, t))) << 32 | t;
   });

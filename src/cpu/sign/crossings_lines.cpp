@@ -33,7 +33,7 @@ void appendRecords(const std::vector<LineRecords>& lists, int axis, AxisCrossing
   forEachRecord(lists, axis, [&](const LineRecord& r) { addOne(starts[r.line]); });
   uint64_t total = 0;
   for (size_t line = 0; line < lines; ++line) total += std::exchange(starts[line], total);
-  crossings.entries.resize(total);
+  crossings.entries.resizeUninitialized(total);
   // starts[line + 1] counts up from the line's begin to its end, which is where the next line begins.
   for (size_t line = lines; line > 0; --line) {
     const uint64_t begin = old.starts[line - 1], count = old.starts[line] - begin;
@@ -76,7 +76,7 @@ void mergeLines(AxisCrossings& crossings) {
     for (uint32_t e = 0; e < lengths[line]; ++e) crossings.entries[to++] = crossings.entries[from + e];
   }
   crossings.starts[lines] = to;
-  crossings.entries.resize(to);
+  crossings.entries.resizeUninitialized(to);
 }
 
 }  // namespace
@@ -87,9 +87,9 @@ size_t lineCount(const glm::ivec3& dims, int axis) {
 }
 
 void clearLines(size_t lines, AxisCrossings& axis) {
-  axis.starts.resize(lines + 1);
+  axis.starts.resizeUninitialized(lines + 1);
   std::fill(axis.starts.begin(), axis.starts.end(), 0);
-  axis.entries.resize(0);
+  axis.entries.resizeUninitialized(0);
 }
 
 void addToLines(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings) {

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "cpu/sign/ray_sweep.h"
+#include "field/trilinear.h"
 #include "method/orientation_sure.h"
 
 namespace raymap::cpu {
@@ -33,40 +34,9 @@ void addLine(std::span<const Crossing> line, const float* field, size_t stride, 
   }
 }
 
-/// Interpolates a field between its samples.
-class Interpolator {
- public:
-  Interpolator(const glm::ivec3& dims, const Buffer<float>& field) : dims_(dims), field_(field) {}
-
-  bool covers(const glm::vec3& p) const {
-    return glm::all(glm::greaterThanEqual(p, glm::vec3(0.0f))) &&
-           glm::all(glm::lessThanEqual(p, glm::vec3(dims_ - 1)));
-  }
-
-  float operator()(const glm::vec3& p) const {
-    const glm::ivec3 low = glm::min(glm::ivec3(p), glm::max(dims_ - 2, 0));
-    const glm::vec3 t = p - glm::vec3(low);
-    const size_t x = dims_.x > 1 ? 1 : 0, y = dims_.y > 1 ? size_t(dims_.x) : 0,
-                 z = dims_.z > 1 ? size_t(dims_.x) * size_t(dims_.y) : 0;
-    const float* at =
-        field_.data() + (size_t(low.z) * size_t(dims_.y) + size_t(low.y)) * size_t(dims_.x) + size_t(low.x);
-    const auto alongX = [&](const float* row) { return row[0] + t.x * (row[x] - row[0]); };
-    const auto alongY = [&](const float* plane) {
-      const float first = alongX(plane);
-      return first + t.y * (alongX(plane + y) - first);
-    };
-    const float first = alongY(at);
-    return first + t.z * (alongY(at + z) - first);
-  }
-
- private:
-  glm::ivec3 dims_;
-  const Buffer<float>& field_;
-};
-
 /// Returns the mean rise along the normal of one face. A large face is cut into triangles, and the field is
 /// read at their centres. Centres too close to the grid's border do not add to the sum.
-float riseOf(const Interpolator& field, float farSides, const glm::vec3& a, const glm::vec3& b,
+float riseOf(const Trilinear<float>& field, float farSides, const glm::vec3& a, const glm::vec3& b,
              const glm::vec3& c) {
   constexpr float kPartLength = 2.0f;
   constexpr int kMostParts = 8;
@@ -128,8 +98,8 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
 
 void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSides, Progress& progress,
                   Buffer<float>& rises) {
-  rises.resize(mesh.triangles.size());
-  const Interpolator interpolate(mesh.dims, field);
+  rises.resizeUninitialized(mesh.triangles.size());
+  const Trilinear<float> interpolate(mesh.dims, field.data());
   parallelFor(rises.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     progress.poll();
     for (size_t f = begin; f < end; ++f)
@@ -160,7 +130,7 @@ bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double t
 
 void averageParity(const RayMap& map, Buffer<float>& parity) {
   const RaySweep sweep(map);
-  parity.resize(sweep.sampleCount());
+  parity.resizeUninitialized(sweep.sampleCount());
   sweep.run([&](const RayRow& row) {
     for (size_t i = 0; i < sweep.rowLength(); ++i) parity[row.first + i] = float(oddRays(row, i)) / 6.0f;
   });

@@ -61,8 +61,8 @@ void buildRayMap(glm::ivec3 dims, const Crossings& crossings, RayMap& map) {
   for (int axis = 0; axis < 3; ++axis) {
     const AxisCrossings& from = crossings[axis];
     RayMap::Axis& to = map.axes[axis];
-    to.starts.resize(from.starts.size());
-    to.steps.resize(from.entries.size());
+    to.starts.resizeUninitialized(from.starts.size());
+    to.steps.resizeUninitialized(from.entries.size());
     std::copy(from.starts.begin(), from.starts.end(), to.starts.begin());
     parallelFor(from.starts.size() - 1, kLinesPerTask, [&](size_t begin, size_t end) {
       for (size_t line = begin; line < end; ++line)

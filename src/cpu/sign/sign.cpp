@@ -39,7 +39,7 @@ void applySign(const Buffer<float>& winding, double threshold, bool invert, Buff
 
 void computeConfidence(const RayMap& map, const Buffer<float>& winding, double threshold,
                        Buffer<float>& confidence) {
-  confidence.resize(winding.size());
+  confidence.resizeUninitialized(winding.size());
   const RaySweep sweep(map);
   sweep.run([&](const RayRow& row) {
     rateRow(row, sweep.rowLength(), static_cast<float>(threshold), winding.data() + row.first,

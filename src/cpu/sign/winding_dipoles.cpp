@@ -276,7 +276,7 @@ std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer
 
 const SurfaceTree& WindingDipoles::prepare(const SurfaceSource& surface) {
   const SurfaceTree& tree = surface();
-  moments_.resize(tree.root() / kPacket + 1);
+  moments_.resizeUninitialized(tree.root() / kPacket + 1);
   for (size_t level = 0; level < tree.levels().size(); ++level)
     HWY_DYNAMIC_DISPATCH(buildMoments)(tree, level, moments_.data());
   return tree;

@@ -63,7 +63,7 @@ void buildLevel(const RayMap& map, size_t l, HarmonicLevel& level) {
   for (int axis = 0; axis < 3; ++axis) level.jumps[size_t(axis)].collect(map, level.box, axis);
   if (l == 0) return;
   for (Buffer<float>* field : {&level.values, &level.correction, &level.residual})
-    field->resize(level.box.sampleCount());
+    field->resizeUninitialized(level.box.sampleCount());
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ void fetchValues(const glm::ivec3& dims, const glm::ivec3& offset, int j, int k,
 }
 
 void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
-  for (Buffer<int32_t>& r : rays) r.resize(sweep.sampleCount());
+  for (Buffer<int32_t>& r : rays) r.resizeUninitialized(sweep.sampleCount());
   sweep.run([&](const RayRow& row) {
     const size_t count = sweep.rowLength();
     std::copy_n(row.x, count, rays[0].data() + row.first);
@@ -138,7 +138,7 @@ void averagePaths(const RaySweep& sweep, const Options& options, Progress& progr
                   Buffer<float>& winding) {
   const RayMap& map = sweep.map();
   fillRays(sweep, scratch.rays);
-  scratch.next.resize(winding.size());
+  scratch.next.resizeUninitialized(winding.size());
   const float curves = kRays * (1.0f + kPathsPerPoint * float(options.passes));
   Walked walked = walks(map, progress, options.passes);
   forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
@@ -160,7 +160,7 @@ void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progre
                  Buffer<float>& winding) {
   const RayMap& map = sweep.map();
   fillRays(sweep, scratch.rays);
-  scratch.next.resize(winding.size());
+  scratch.next.resizeUninitialized(winding.size());
   Walked walked = walks(map, progress, double(kPointsPerStep) * options.passes);
   for (int step = 0; step < options.passes; ++step) {
     forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {

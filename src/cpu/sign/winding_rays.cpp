@@ -27,7 +27,7 @@ size_t averageRow(const RayRow& row, size_t count, float* winding) {
 
 size_t averageRays(const RaySweep& sweep, Buffer<float>& winding) {
   std::atomic<size_t> doubtful{0};
-  winding.resize(sweep.sampleCount());
+  winding.resizeUninitialized(sweep.sampleCount());
   sweep.run([&](const RayRow& row) {
     const size_t found = averageRow(row, sweep.rowLength(), winding.data() + row.first);
     if (found) doubtful.fetch_add(found, std::memory_order_relaxed);

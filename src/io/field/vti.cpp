@@ -30,7 +30,7 @@ struct VtiFile {
 
 void load(VtiFile& file) {
   InputFile input(file.path);
-  file.bytes.resize(input.remaining());
+  file.bytes.resizeUninitialized(input.remaining());
   input.read(file.bytes.data(), file.bytes.size());
   const std::string_view text(file.bytes.data(), file.bytes.size());
   const size_t end = std::min(text.find("<AppendedData"), text.size());

@@ -1,18 +1,18 @@
 #pragma once
 
-#include <raymap/mesh.h>
-
 #include <bit>
 #include <cstring>
 #include <iosfwd>
 
+#include "mesh/packed_mesh.h"
+
 namespace raymap {
 
 // One writer per format, for `writeMesh`.
-void writePly(std::ostream& out, const Mesh& mesh);
-void writeObj(std::ostream& out, const Mesh& mesh);
-void writeStl(std::ostream& out, const Mesh& mesh);
-void writeGlb(std::ostream& out, const Mesh& mesh);
+void writePly(std::ostream& out, const PackedMesh& mesh);
+void writeObj(std::ostream& out, const PackedMesh& mesh);
+void writeStl(std::ostream& out, const PackedMesh& mesh);
+void writeGlb(std::ostream& out, const PackedMesh& mesh);
 
 static_assert(std::endian::native == std::endian::little, "files are written in the machine's byte order");
 

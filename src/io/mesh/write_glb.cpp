@@ -23,7 +23,7 @@ Json vector(const glm::dvec3& v) {
 
 /// Returns the JSON chunk. Vertices are stored relative to the mesh's origin. The node's translation holds
 /// the origin in double precision.
-Json describe(const Mesh& mesh, size_t vertexBytes, size_t triangleBytes) {
+Json describe(const PackedMesh& mesh, size_t vertexBytes, size_t triangleBytes) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const glm::vec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
   return {{"asset", {{"version", "2.0"}, {"generator", "raymap"}}},
@@ -59,7 +59,7 @@ void writeNumbers(std::ostream& out, const std::array<uint32_t, 2>& numbers) {
 
 }  // namespace
 
-void writeGlb(std::ostream& out, const Mesh& mesh) {
+void writeGlb(std::ostream& out, const PackedMesh& mesh) {
   constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBinary = 0x004e4942;
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   const size_t vertexBytes = mesh.vertices.size() * sizeof(glm::vec3);

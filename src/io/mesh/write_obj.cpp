@@ -24,7 +24,7 @@ void writeLine(std::ostream& out, char keyword, const glm::vec<3, T>& numbers) {
 
 }  // namespace
 
-void writeObj(std::ostream& out, const Mesh& mesh) {
+void writeObj(std::ostream& out, const PackedMesh& mesh) {
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) writeLine(out, 'v', mesh.position(v));
   for (const glm::uvec3& face : mesh.triangles) writeLine(out, 'f', glm::u64vec3(face) + glm::uint64_t{1});
 }

@@ -4,7 +4,7 @@
 
 namespace raymap {
 
-void writePly(std::ostream& out, const Mesh& mesh) {
+void writePly(std::ostream& out, const PackedMesh& mesh) {
   // Double precision, because a vertex is a float relative to a double-precision origin.
   out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
       << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << mesh.triangles.size()

@@ -51,7 +51,7 @@ Backend::Backend(Device& device)
   findings_.resize<Findings>(1);
 }
 
-size_t Backend::bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options) {
+size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
   constexpr size_t kNumber = sizeof(float);
   const size_t perTriangle = kTreeBytesPerTriangle + (mayTurnFaces(options) ? 2 * kNumber : 0);
   const size_t samples = grid.sampleCount();
@@ -89,7 +89,8 @@ void Backend::begin() {
   recordMesh(upload_.source());
 }
 
-StageRecorder::Extent Backend::extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const {
+StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid,
+                                        const Options& options) const {
   Extent extent{.vertices = static_cast<uint32_t>(mesh.vertices.size()),
                 .triangles = static_cast<uint32_t>(mesh.triangles.size()),
                 .dims = grid.dims,
@@ -112,7 +113,7 @@ void Backend::reserveResults() {
                                                          bool isAskedFor) {
     const size_t count = isAskedFor ? samples : 0;
     result.resize<float>(count);
-    values.resize(count);
+    values.resizeUninitialized(count);
   };
   field.grid = grid;
   field.band = options.band * grid.spacing;

@@ -33,7 +33,7 @@ class Backend : public StageRecorder {
   /// Copies the results into the field. Throws the error that kept the device from computing it.
   void readResults();
 
-  const Mesh& mesh() const { return job_->mesh; }
+  const PackedMesh& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
   double doubtfulShare();
 
@@ -54,7 +54,7 @@ class Backend : public StageRecorder {
 
   /// Returns the bytes that a run will hold, computed from sizes alone. The lists of the voxel grid are not
   /// included: only the device finds out their length.
-  static size_t bytesNeeded(const Mesh& mesh, const Grid& grid, const Options& options);
+  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
   /// Returns the times of the last run's stages by the device's clock.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
   /// Returns the milliseconds by the device's clock from the uploaded mesh to the complete field. The host's
@@ -66,7 +66,7 @@ class Backend : public StageRecorder {
   void stopStage();
   /// Runs all recorded work.
   void run();
-  Extent extentOf(const Mesh& mesh, const Grid& grid, const Options& options) const;
+  Extent extentOf(const PackedMesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults();
   std::span<const float> risesOfGivenFaces();
   void recordPiece(const DeviceBuffer& result, uint64_t first);

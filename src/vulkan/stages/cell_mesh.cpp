@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kGroup = 128;
 
 template <class T>
-VkDeviceAddress fillWith(DeviceBuffer& buffer, const std::vector<T>& values) {
+VkDeviceAddress fillWith(DeviceBuffer& buffer, std::span<const T> values) {
   buffer.resize<T>(values.size());
   std::memcpy(buffer.mapped<std::byte>().data(), values.data(), values.size() * sizeof(T));
   return buffer.address();
@@ -74,7 +74,7 @@ MeshUpload::MeshUpload(Device& device)
     : positions_(device, "mesh positions", MemoryUse::Upload),
       triangles_(device, "mesh triangles upload", MemoryUse::Upload) {}
 
-void MeshUpload::fill(const Mesh& mesh) {
+void MeshUpload::fill(const PackedMesh& mesh) {
   source_ = {.positions = fillWith(positions_, mesh.vertices),
              .triangles = fillWith(triangles_, mesh.triangles),
              .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
@@ -82,7 +82,7 @@ void MeshUpload::fill(const Mesh& mesh) {
              .origin = mesh.origin};
 }
 
-void MeshUpload::turn(const Mesh& mesh, std::span<const uint8_t> turns) {
+void MeshUpload::turn(const PackedMesh& mesh, std::span<const uint8_t> turns) {
   const std::span<glm::uvec3> triangles = triangles_.mapped<glm::uvec3>();
   for (size_t f = 0; f < turns.size(); ++f) {
     const glm::uvec3& t = mesh.triangles[f];

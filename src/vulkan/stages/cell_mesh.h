@@ -1,8 +1,8 @@
 #pragma once
 
 #include <raymap/grid.h>
-#include <raymap/mesh.h>
 
+#include "mesh/packed_mesh.h"
 #include "vulkan/primitives/gate.h"
 #include "vulkan/stages/cell_mesh_push.h"
 #include "vulkan/stages/device_mesh.h"
@@ -54,10 +54,10 @@ class MeshUpload {
   explicit MeshUpload(Device& device);
 
   /// Copies the mesh. All previously recorded work must have completed.
-  void fill(const Mesh& mesh);
+  void fill(const PackedMesh& mesh);
   /// Copies the triangles of the same mesh again, with the winding of the faces reversed whose value in
   /// `turns` is 1.
-  void turn(const Mesh& mesh, std::span<const uint8_t> turns);
+  void turn(const PackedMesh& mesh, std::span<const uint8_t> turns);
   const CellMeshStage::Source& source() const { return source_; }
 
  private:

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <raymap/export.h>
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+
+namespace raymap {
+
+/// Writes a file that appears whole or not at all. All functions of raymap that write files use it.
+///
+/// `write` fills a hidden temporary in the same folder, which is flushed to the disk and then renamed. The
+/// stream is binary and seekable. At the first write that fails it throws `Error(File)` with the path and the
+/// system's reason, for example a full disk. If anything throws, the temporary is removed and an existing
+/// file is untouched.
+///
+/// Symbolic links are followed, and an existing file keeps its permissions. Devices and pipes are written in
+/// place, and are not seekable.
+RAYMAP_API void writeAtomically(const std::filesystem::path& path,
+                                const std::function<void(std::ostream&)>& write);
+
+/// Removes the temporaries of all writes in progress. Safe in a signal handler that then ends the process.
+RAYMAP_API void removeTemporaries() noexcept;
+
+}  // namespace raymap

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <raymap/devices.h>
+#include <raymap/error.h>
+#include <raymap/generate.h>
+
+#include <span>
+#include <string_view>
+
+namespace raymap {
+
+// Names of enum values, as the command line, JSON and raymap/c.h write them: "exact", "harmonic", "auto",
+// "discrete", "device_lost", … All are in lower case.
+
+RAYMAP_API std::string_view name(DistanceMode value);
+RAYMAP_API std::string_view name(SignMode value);
+RAYMAP_API std::string_view name(Orientation value);
+RAYMAP_API std::string_view name(DeviceType value);
+RAYMAP_API std::string_view name(ErrorCode value);
+
+/// Returns the value with a name. Throws `Error(Usage)` that lists the accepted names. `Enum` is one of the
+/// types above.
+template <class Enum>
+Enum fromName(std::string_view text);
+
+/// Returns all names of a type, in the order of its values.
+template <class Enum>
+std::span<const std::string_view> names();
+
+#define RAYMAP_DECLARE_NAMES(Enum)                       \
+  template <>                                            \
+  RAYMAP_API Enum fromName<Enum>(std::string_view text); \
+  template <>                                            \
+  RAYMAP_API std::span<const std::string_view> names<Enum>();
+RAYMAP_DECLARE_NAMES(DistanceMode)
+RAYMAP_DECLARE_NAMES(SignMode)
+RAYMAP_DECLARE_NAMES(Orientation)
+RAYMAP_DECLARE_NAMES(DeviceType)
+RAYMAP_DECLARE_NAMES(ErrorCode)
+#undef RAYMAP_DECLARE_NAMES
+
+}  // namespace raymap

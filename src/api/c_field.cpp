@@ -1,0 +1,124 @@
+// The functions of raymap/c.h about fields in memory.
+
+#include <raymap/c.h>
+
+#include "api/c_handles.h"
+#include "field/field_sampler.h"
+
+using namespace raymap;
+using raymap::c::create;
+using raymap::c::guard;
+using raymap::c::need;
+
+namespace {
+
+Grid toGrid(const raymap_grid& grid) {
+  return {.dims = {grid.dims[0], grid.dims[1], grid.dims[2]},
+          .origin = {grid.origin[0], grid.origin[1], grid.origin[2]},
+          .spacing = grid.spacing};
+}
+
+/// The data of a field's array; null if it is empty.
+template <class T>
+const T* dataOf(const raymap_field* field, Buffer<T> Field::*array) {
+  const T* data = nullptr;
+  guard([&] {
+    const Buffer<T>& values = need(field, "the field").field.*array;
+    if (!values.empty()) data = values.data();
+  });
+  return data;
+}
+
+}  // namespace
+
+raymap_field* raymap_field_create(void) {
+  return create([] { return std::make_unique<raymap_field>(); });
+}
+
+void raymap_field_free(raymap_field* field) {
+  delete field;
+}
+
+raymap_field* raymap_generate(const raymap_mesh* mesh, const raymap_grid* grid,
+                              const raymap_options* options) {
+  return create([&] {
+    auto [field, stats] =
+        generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")), c::optionsOr(options));
+    auto handle = std::make_unique<raymap_field>();
+    handle->field = std::move(field);
+    handle->stats = std::move(stats);
+    return handle;
+  });
+}
+
+raymap_generator* raymap_generator_create(void) {
+  return create([] { return std::make_unique<raymap_generator>(); });
+}
+
+void raymap_generator_free(raymap_generator* generator) {
+  delete generator;
+}
+
+raymap_result raymap_generator_run(raymap_generator* generator, const raymap_mesh* mesh,
+                                   const raymap_grid* grid, const raymap_options* options,
+                                   raymap_field* field) {
+  return guard([&] {
+    raymap_field& filled = need(field, "the field");
+    filled.stats = {};
+    filled.stats = need(generator, "the generator")
+                       .generator.generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")),
+                                           c::optionsOr(options), filled.field);
+  });
+}
+
+raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid) {
+  return guard([&] { need(grid, "the grid") = c::toC(need(field, "the field").field.grid); });
+}
+
+double raymap_field_band(const raymap_field* field) {
+  return field ? field->field.band : 0.0;
+}
+
+const float* raymap_field_distance(const raymap_field* field) {
+  return dataOf(field, &Field::distance);
+}
+
+const uint32_t* raymap_field_triangle(const raymap_field* field) {
+  return dataOf(field, &Field::triangle);
+}
+
+const float* raymap_field_winding(const raymap_field* field) {
+  return dataOf(field, &Field::winding);
+}
+
+const float* raymap_field_confidence(const raymap_field* field) {
+  return dataOf(field, &Field::confidence);
+}
+
+raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats) {
+  return guard([&] {
+    const Stats& found = need(field, "the field").stats;
+    need(stats, "the struct of statistics") = {.milliseconds = found.totalMilliseconds,
+                                               .bytes = found.bytes,
+                                               .doubtful_share = found.doubtfulShare,
+                                               .turned_faces = found.turnedFaces.size(),
+                                               .misfit_given = found.misfitGiven,
+                                               .misfit = found.misfit,
+                                               .patch_triangles = found.patchTriangles,
+                                               .patch_area = found.patchArea};
+  });
+}
+
+const char* raymap_field_device(const raymap_field* field) {
+  return field ? field->stats.device.c_str() : "";
+}
+
+raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
+                                  float* distances, float* gradients) {
+  return guard([&] {
+    const Field& sampled = need(field, "the field").field;
+    if (count > 0) need(points, "the array of points");
+    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, distances,
+               reinterpret_cast<glm::vec3*>(gradients));
+  });
+}

@@ -1,0 +1,96 @@
+#pragma once
+
+// What the handles of raymap/c.h are made of, and how errors leave it.
+
+#include <raymap/c.h>
+#include <raymap/devices.h>
+#include <raymap/error.h>
+#include <raymap/generate.h>
+
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+struct raymap_options {
+  raymap::Options options;
+};
+
+struct raymap_mesh {
+  raymap::Mesh owned;     ///< Empty if the caller's arrays are viewed.
+  raymap::MeshView view;  ///< Of `owned` or of the caller's arrays.
+};
+
+struct raymap_field {
+  raymap::Field field;
+  raymap::Stats stats;
+};
+
+struct raymap_generator {
+  raymap::Generator generator;
+};
+
+struct raymap_devices {
+  raymap::DeviceList list;
+};
+
+namespace raymap::c {
+
+/// Remembers the error for this thread. Returns its code.
+raymap_result fail(raymap_result code, const char* message) noexcept;
+
+/// Runs `work`; turns what it throws into a code.
+template <class Work>
+raymap_result guard(Work&& work) noexcept {
+  try {
+    work();
+    return RAYMAP_OK;
+  } catch (const Error& error) {
+    return fail(static_cast<raymap_result>(error.code()), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(RAYMAP_ERROR_MEMORY, "out of memory; use a lower resolution");
+  } catch (const std::exception& error) {
+    return fail(RAYMAP_ERROR_BUG, error.what());
+  } catch (...) {
+    return fail(RAYMAP_ERROR_BUG, "an unknown exception");
+  }
+}
+
+/// Returns what `make` returns (a unique_ptr) as a handle; null if it throws.
+template <class Make>
+auto create(Make&& make) noexcept {
+  decltype(make().release()) handle = nullptr;
+  guard([&] { handle = make().release(); });
+  return handle;
+}
+
+/// Returns what a pointer refers to. Throws `Error(Usage)` if it is null; `name` says of what.
+template <class T>
+T& need(T* pointer, const char* name) {
+  if (!pointer) throw Error(ErrorCode::Usage, std::string(name) + " is NULL");
+  return *pointer;
+}
+
+/// Returns the options, or the defaults for null.
+inline const Options& optionsOr(const raymap_options* options) {
+  static const Options kDefaults;
+  return options ? options->options : kDefaults;
+}
+
+/// Returns a grid as C has it.
+inline raymap_grid toC(const Grid& grid) {
+  return {.dims = {grid.dims.x, grid.dims.y, grid.dims.z},
+          .origin = {grid.origin.x, grid.origin.y, grid.origin.z},
+          .spacing = grid.spacing};
+}
+
+/// Returns a handle of a mesh that it owns.
+inline std::unique_ptr<raymap_mesh> ownMesh(Mesh mesh) {
+  auto handle = std::make_unique<raymap_mesh>();
+  handle->owned = std::move(mesh);
+  handle->view = handle->owned;
+  return handle;
+}
+
+}  // namespace raymap::c

@@ -1,0 +1,99 @@
+#include <raymap/names.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+namespace raymap {
+
+namespace {
+
+/// The values of a type and their names, in the same order.
+template <class Enum>
+struct Names;
+
+template <>
+struct Names<DistanceMode> {
+  static constexpr std::string_view kKind = "distance mode";
+  static constexpr std::array kValues{DistanceMode::Exact, DistanceMode::Neighbours, DistanceMode::Cell,
+                                      DistanceMode::Raster};
+  static constexpr std::array<std::string_view, 4> kNames{"exact", "neighbours", "cell", "raster"};
+};
+
+template <>
+struct Names<SignMode> {
+  static constexpr std::string_view kKind = "sign mode";
+  static constexpr std::array kValues{SignMode::Harmonic, SignMode::Paths, SignMode::Evolution,
+                                      SignMode::Rays, SignMode::None};
+  static constexpr std::array<std::string_view, 5> kNames{"harmonic", "paths", "evolution", "rays", "none"};
+};
+
+template <>
+struct Names<Orientation> {
+  static constexpr std::string_view kKind = "orientation";
+  static constexpr std::array kValues{Orientation::Auto, Orientation::Keep, Orientation::Repair};
+  static constexpr std::array<std::string_view, 3> kNames{"auto", "keep", "repair"};
+};
+
+template <>
+struct Names<DeviceType> {
+  static constexpr std::string_view kKind = "type of device";
+  static constexpr std::array kValues{DeviceType::Discrete, DeviceType::Integrated, DeviceType::Virtual,
+                                      DeviceType::Other,    DeviceType::Software,   DeviceType::Cpu};
+  static constexpr std::array<std::string_view, 6> kNames{"discrete", "integrated", "virtual",
+                                                          "other",    "software",   "cpu"};
+};
+
+template <>
+struct Names<ErrorCode> {
+  static constexpr std::string_view kKind = "error code";
+  static constexpr std::array kValues{ErrorCode::Usage,     ErrorCode::Input,     ErrorCode::File,
+                                      ErrorCode::Memory,    ErrorCode::Cancelled, ErrorCode::Unsupported,
+                                      ErrorCode::DeviceLost};
+  static constexpr std::array<std::string_view, 7> kNames{"usage",     "input",       "file",       "memory",
+                                                          "cancelled", "unsupported", "device_lost"};
+};
+
+template <class Enum>
+std::string_view nameOf(Enum value) {
+  using N = Names<Enum>;
+  const auto at = std::ranges::find(N::kValues, value);
+  if (at == N::kValues.end())
+    throw Error(ErrorCode::Usage, "there is no " + std::string(N::kKind) + " with the value " +
+                                      std::to_string(static_cast<int>(value)));
+  return N::kNames[static_cast<size_t>(at - N::kValues.begin())];
+}
+
+template <class Enum>
+Enum valueOf(std::string_view text) {
+  using N = Names<Enum>;
+  const auto at = std::ranges::find(N::kNames, text);
+  if (at != N::kNames.end()) return N::kValues[static_cast<size_t>(at - N::kNames.begin())];
+  std::string known;
+  for (const std::string_view each : N::kNames)
+    known.append(known.empty() ? "" : each == N::kNames.back() ? " or " : ", ").append(each);
+  throw Error(ErrorCode::Usage,
+              "there is no " + std::string(N::kKind) + " '" + std::string(text) + "'; use " + known);
+}
+
+}  // namespace
+
+#define RAYMAP_DEFINE_NAMES(Enum)                   \
+  std::string_view name(Enum value) {               \
+    return nameOf(value);                           \
+  }                                                 \
+  template <>                                       \
+  Enum fromName<Enum>(std::string_view text) {      \
+    return valueOf<Enum>(text);                     \
+  }                                                 \
+  template <>                                       \
+  std::span<const std::string_view> names<Enum>() { \
+    return Names<Enum>::kNames;                     \
+  }
+RAYMAP_DEFINE_NAMES(DistanceMode)
+RAYMAP_DEFINE_NAMES(SignMode)
+RAYMAP_DEFINE_NAMES(Orientation)
+RAYMAP_DEFINE_NAMES(DeviceType)
+RAYMAP_DEFINE_NAMES(ErrorCode)
+
+}  // namespace raymap

@@ -1,0 +1,33 @@
+// The functions of raymap/c.h that read and write files.
+
+#include <raymap/c.h>
+#include <raymap/io.h>
+
+#include "api/c_handles.h"
+
+using namespace raymap;
+using raymap::c::create;
+using raymap::c::guard;
+using raymap::c::need;
+
+raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
+  return create([&] { return c::ownMesh(readMesh(&need(path, "the path"), c::optionsOr(options).warn)); });
+}
+
+raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path) {
+  return guard([&] { writeMesh(&need(path, "the path"), need(mesh, "the mesh").view); });
+}
+
+raymap_field* raymap_field_load(const char* path) {
+  return create([&] {
+    auto handle = std::make_unique<raymap_field>();
+    handle->field = readField(&need(path, "the path"));
+    return handle;
+  });
+}
+
+raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array) {
+  return guard([&] {
+    writeField(&need(path, "the path"), need(field, "the field").field, array ? array : "distance");
+  });
+}

@@ -1,0 +1,132 @@
+#include <raymap/error.h>
+#include <raymap/mesh_view.h>
+
+#include <cmath>
+#include <string>
+
+#include "mesh/packed_mesh.h"
+#include "mesh/strided_mesh.h"
+
+namespace raymap {
+
+namespace {
+
+template <class Scalar>
+bool isFinite(const glm::vec<3, Scalar>& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+template <class Scalar>
+std::string text(const glm::vec<3, Scalar>& v) {
+  return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+}
+
+[[noreturn]] void failIndex(size_t triangle, uint64_t vertex, size_t vertexCount) {
+  throw Error(ErrorCode::Input, "triangle " + std::to_string(triangle) + " uses vertex " +
+                                    std::to_string(vertex) + ", but there are only " +
+                                    std::to_string(vertexCount));
+}
+
+template <class Scalar>
+struct Extent {
+  glm::vec<3, Scalar> low{INFINITY}, high{-INFINITY};
+};
+
+/// Of the vertices that triangles use, without the view's origin.
+template <class Scalar, class Index>
+Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
+  Extent<Scalar> extent;
+  for (size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const glm::vec<3, Index> triangle = mesh.triangle(t);
+    for (int c = 0; c < 3; ++c) {
+      if (triangle[c] >= mesh.vertexCount()) continue;
+      const glm::vec<3, Scalar> p = mesh.position(triangle[c]);
+      extent.low = glm::min(extent.low, p);
+      extent.high = glm::max(extent.high, p);
+    }
+  }
+  return extent;
+}
+
+/// What double positions are centred on; that of a mesh without vertices is zero.
+glm::dvec3 centreOf(const Extent<double>& extent) {
+  const Box box{extent.low, extent.high};
+  return box.isEmpty() ? glm::dvec3(0.0) : box.centre();
+}
+
+/// What floats are centred on already.
+glm::dvec3 centreOf(const Extent<float>&) {
+  return glm::dvec3(0.0);
+}
+
+bool isPacked(const MeshView& view) {
+  const auto isAligned = [](const void* memory) { return reinterpret_cast<uintptr_t>(memory) % 4 == 0; };
+  return view.scalar == MeshView::Scalar::Float && view.index == MeshView::Index::UInt32 &&
+         view.vertexStride == sizeof(glm::vec3) && view.triangleStride == sizeof(glm::uvec3) &&
+         isAligned(view.vertices) && isAligned(view.triangles);
+}
+
+template <class Scalar, class Index>
+void copyTriangles(const StridedMesh<Scalar, Index>& mesh, Buffer<glm::uvec3>& triangles) {
+  triangles.resizeUninitialized(mesh.triangleCount());
+  for (size_t t = 0; t < mesh.triangleCount(); ++t) {
+    const glm::vec<3, Index> triangle = mesh.triangle(t);
+    for (int c = 0; c < 3; ++c)
+      if (sizeof(Index) > sizeof(uint32_t) && triangle[c] >= mesh.vertexCount())
+        failIndex(t, triangle[c], mesh.vertexCount());
+    triangles[t] = glm::uvec3(triangle);
+  }
+}
+
+}  // namespace
+
+Box bounds(const MeshView& view) {
+  return visitTypes(view, [&](const auto& mesh) -> Box {
+    const auto extent = extentOf(mesh);
+    // Double positions are rounded as the packed mesh has them, so that both have the same grid.
+    const glm::dvec3 centre = centreOf(extent), origin = view.origin + centre;
+    const auto round = [&](const auto& p) { return origin + glm::dvec3(glm::vec3(glm::dvec3(p) - centre)); };
+    return {round(extent.low), round(extent.high)};
+  });
+}
+
+void validate(const MeshView& view) {
+  if (view.triangleCount == 0) throw Error(ErrorCode::Input, "the mesh has no triangles");
+  visitTypes(view, [](const auto& mesh) {
+    for (size_t t = 0; t < mesh.triangleCount(); ++t) {
+      const auto triangle = mesh.triangle(t);
+      for (int c = 0; c < 3; ++c) {
+        if (triangle[c] >= mesh.vertexCount()) failIndex(t, triangle[c], mesh.vertexCount());
+        if (const auto p = mesh.position(triangle[c]); !isFinite(p))
+          throw Error(ErrorCode::Input, "vertex " + std::to_string(triangle[c]) + " of triangle " +
+                                            std::to_string(t) + " is not finite: " + text(p));
+      }
+    }
+  });
+  if (!std::isfinite(view.origin.x + view.origin.y + view.origin.z))
+    throw Error(ErrorCode::Input, "the mesh's origin is not finite");
+}
+
+size_t MeshPacker::bytesNeeded(const MeshView& view) {
+  return isPacked(view) ? 0 : view.vertexCount * sizeof(glm::vec3) + view.triangleCount * sizeof(glm::uvec3);
+}
+
+PackedMesh MeshPacker::pack(const MeshView& view) {
+  if (isPacked(view))
+    return {{static_cast<const glm::vec3*>(view.vertices), view.vertexCount},
+            {static_cast<const glm::uvec3*>(view.triangles), view.triangleCount},
+            view.origin};
+  if (view.vertexCount > UINT32_MAX)
+    throw Error(ErrorCode::Unsupported, "the mesh has " + std::to_string(view.vertexCount) +
+                                            " vertices; at most 4294967295 can be numbered");
+  return visitTypes(view, [&](const auto& mesh) -> PackedMesh {
+    copyTriangles(mesh, triangles_);
+    const glm::dvec3 centre = centreOf(extentOf(mesh));
+    vertices_.resizeUninitialized(mesh.vertexCount());
+    for (size_t v = 0; v < mesh.vertexCount(); ++v)
+      vertices_[v] = glm::vec3(glm::dvec3(mesh.position(v)) - centre);
+    return {vertices_, triangles_, view.origin + centre};
+  });
+}
+
+}  // namespace raymap

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <raymap/buffer.h>
+#include <raymap/mesh_view.h>
+
+#include <span>
+
+namespace raymap {
+
+/// A mesh whose arrays lie tightly packed as in `Mesh`: the form that all stages read. Refers to the arrays.
+struct PackedMesh {
+  PackedMesh() = default;
+  PackedMesh(const Mesh& mesh) : vertices(mesh.vertices), triangles(mesh.triangles), origin(mesh.origin) {}
+  PackedMesh(std::span<const glm::vec3> positions, std::span<const glm::uvec3> faces, const glm::dvec3& about)
+      : vertices(positions), triangles(faces), origin(about) {}
+
+  std::span<const glm::vec3> vertices;
+  std::span<const glm::uvec3> triangles;
+  glm::dvec3 origin{0.0};
+
+  operator MeshView() const { return {vertices, triangles, origin}; }
+  glm::dvec3 position(uint32_t vertex) const { return origin + glm::dvec3(vertices[vertex]); }
+};
+
+/// Packs views. Keeps the memory of what it converts for the next one.
+class MeshPacker {
+ public:
+  /// Returns the view's own arrays where they are packed already, else arrays converted into memory of this
+  /// packer, which stay valid until the next call. Throws `Error(Input)` for a 64-bit index out of range,
+  /// `Error(Unsupported)` for more vertices than 32 bits can number.
+  PackedMesh pack(const MeshView& view);
+
+  /// Returns the bytes that `pack` needs for a view.
+  static size_t bytesNeeded(const MeshView& view);
+  size_t bytes() const { return vertices_.capacityBytes() + triangles_.capacityBytes(); }
+
+ private:
+  Buffer<glm::vec3> vertices_;
+  Buffer<glm::uvec3> triangles_;
+};
+
+}  // namespace raymap
