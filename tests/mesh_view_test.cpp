@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <cstring>
+
+#include "files.h"
+#include "mesh/packed_mesh.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+const glm::dvec3 kFar(1e6, -2e6, 3e6);
+
+Mesh ball() {
+  return shapes::sphere(1.0, 3, kFar);
+}
+
+std::vector<glm::dvec3> positionsOf(const Mesh& mesh) {
+  std::vector<glm::dvec3> positions;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));
+  return positions;
+}
+
+/// Elements with gaps between them, at odd addresses.
+template <class T>
+struct Strided {
+  static constexpr size_t kStride = sizeof(T) + 5;
+  explicit Strided(const std::vector<T>& values) : bytes(1 + kStride * values.size()) {
+    for (size_t i = 0; i < values.size(); ++i)
+      std::memcpy(bytes.data() + 1 + kStride * i, &values[i], sizeof(T));
+  }
+  const void* data() const { return bytes.data() + 1; }
+  std::vector<std::byte> bytes;
+};
+
+void expectSameField(const Mesh& mesh, const MeshView& view) {
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  EXPECT_EQ(fitGrid(view, {.resolution = 20}), grid);
+  const Field a = generate(mesh, grid, {.device = "cpu"}).field;
+  const Field b = generate(view, grid, {.device = "cpu"}).field;
+  ASSERT_EQ(a.distance.size(), b.distance.size());
+  EXPECT_EQ(std::memcmp(a.distance.data(), b.distance.data(), a.distance.size() * sizeof(float)), 0);
+}
+
+TEST(MeshView, OfAMeshIsReadInPlace) {
+  const Mesh mesh = ball();
+  MeshPacker packer;
+  const PackedMesh packed = packer.pack(mesh);
+  EXPECT_EQ(packed.vertices.data(), mesh.vertices.data());
+  EXPECT_EQ(packed.triangles.data(), mesh.triangles.data());
+  EXPECT_EQ(packed.origin, mesh.origin);
+  EXPECT_EQ(packer.bytes(), 0u);
+}
+
+TEST(MeshView, OfPackedPointersIsReadInPlace) {
+  const Mesh mesh = ball();
+  const MeshView view(&mesh.vertices[0].x, mesh.vertices.size(), &mesh.triangles[0].x, mesh.triangles.size(),
+                      {}, mesh.origin);
+  EXPECT_EQ(MeshPacker::bytesNeeded(view), 0u);
+  expectSameField(mesh, view);
+}
+
+TEST(MeshView, GivesTheFieldOfTheMeshFromStridedFloats) {
+  const Mesh mesh = ball();
+  const Strided vertices(mesh.vertices);
+  const Strided triangles(mesh.triangles);
+  expectSameField(mesh, MeshView(static_cast<const float*>(vertices.data()), mesh.vertices.size(),
+                                 static_cast<const uint32_t*>(triangles.data()), mesh.triangles.size(),
+                                 {vertices.kStride, triangles.kStride}, mesh.origin));
+}
+
+TEST(MeshView, CentresDoublePositionsAsMakeMeshDoes) {
+  const Mesh stored = ball();
+  const std::vector<glm::dvec3> positions = positionsOf(stored);
+  std::vector<glm::vec<3, uint64_t>> triangles(stored.triangles.begin(), stored.triangles.end());
+  const Mesh mesh = makeMesh(positions, stored.triangles);
+  expectSameField(mesh, MeshView(positions, triangles));
+  expectSameField(mesh, MeshView(positions, stored.triangles));
+  const Strided spread(positions);
+  expectSameField(mesh, MeshView(static_cast<const double*>(spread.data()), positions.size(), &triangles[0].x,
+                                 triangles.size(), {.vertex = spread.kStride}));
+}
+
+TEST(MeshView, MovesByItsOrigin) {
+  const std::vector<glm::dvec3> positions = positionsOf(shapes::sphere(1.0, 2));
+  const std::vector<glm::uvec3> triangles = shapes::sphere(1.0, 2).triangles;
+  const Box box = bounds(MeshView(positions, triangles, kFar));
+  EXPECT_NEAR(box.centre().x, kFar.x, 1e-6);
+  EXPECT_NEAR(box.centre().y, kFar.y, 1e-6);
+  EXPECT_NEAR(box.size().z, 2.0, 1e-2);
+}
+
+TEST(MeshView, IsMeasuredDrawnAndWrittenLikeTheMesh) {
+  const Mesh stored = ball();
+  const std::vector<glm::dvec3> positions = positionsOf(stored);
+  const Mesh mesh = makeMesh(positions, stored.triangles);
+  const MeshView view(positions, stored.triangles);
+  EXPECT_EQ(diagnose(view).area, diagnose(mesh).area);
+  EXPECT_EQ(findSelfIntersections(view).pairs, 0u);
+  EXPECT_EQ(renderDefects(view, {.width = 40, .height = 30}).rgb,
+            renderDefects(mesh, {.width = 40, .height = 30}).rgb);
+  const TemporaryFolder folder;
+  writeMesh(folder.path() / "view.ply", view);
+  writeMesh(folder.path() / "mesh.ply", mesh);
+  EXPECT_EQ(readBytes(folder.path() / "view.ply"), readBytes(folder.path() / "mesh.ply"));
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  EXPECT_EQ(repair(view, grid, {.device = "cpu"}, {.measure = false}).mesh.vertices,
+            repair(mesh, grid, {.device = "cpu"}, {.measure = false}).mesh.vertices);
+}
+
+void expectInputError(const MeshView& view, const std::string& text) {
+  const auto expect = [&](auto&& work) {
+    try {
+      work();
+      FAIL() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Input);
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  };
+  expect([&] { validate(view); });
+  expect([&] { generate(view, {.dims = {4, 4, 4}, .spacing = 1.0}, {.device = "cpu"}); });
+}
+
+TEST(MeshView, RefusesWideIndicesOutOfRange) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  std::vector<glm::vec<3, uint64_t>> triangles(mesh.triangles.begin(), mesh.triangles.end());
+  triangles[3].y = (uint64_t{1} << 32) + 2;  // Cut to 32 bits it would be vertex 2.
+  expectInputError(MeshView(mesh.vertices, triangles), "triangle 3 uses vertex 4294967298");
+}
+
+TEST(MeshView, RefusesWhatIsNotFinite) {
+  std::vector<glm::dvec3> positions = positionsOf(shapes::box({0, 0, 0}, {1, 1, 1}));
+  const std::vector<glm::uvec3> triangles = shapes::box({0, 0, 0}, {1, 1, 1}).triangles;
+  positions[5].z = NAN;
+  expectInputError(MeshView(positions, triangles), "vertex 5 of triangle");
+  expectInputError(MeshView(positions, std::vector<glm::uvec3>()), "no triangles");
+}
+
+TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {
+  const Mesh mesh = ball();
+  const std::vector<glm::dvec3> positions = positionsOf(mesh);
+  try {
+    generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}),
+             {.memoryLimit = 1000, .device = "cpu"});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Memory);
+  }
+}
+
+}  // namespace
+}  // namespace raymap
