@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "mesh/packed_mesh.h"
 
 namespace raymap {
