@@ -5,6 +5,7 @@
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Activate.h>
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Prune.h>
 #include <zlib.h>
@@ -41,13 +42,16 @@ openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
   using Value = typename GridType::ValueType;
   const auto* values = reinterpret_cast<const Value*>(array.bytes.data());
   const openvdb::tools::Dense<const Value, openvdb::tools::LayoutXYZ> dense(boxOf(field.grid), values);
-  auto grid = GridType::create(background);
-  openvdb::tools::copyFromDense(dense, *grid, Value(0));
+  // OpenVDB makes the empty grid itself: its classes would take ten seconds to compile here.
+  openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(GridType::gridType());
+  auto& grid = static_cast<GridType&>(*made);
+  openvdb::tools::changeBackground(grid.tree(), background);
+  openvdb::tools::copyFromDense(dense, grid, Value(0));
   if (mirrored) {
-    openvdb::tools::deactivate(grid->tree(), Value(-background));
-    openvdb::tools::prune(grid->tree());
+    openvdb::tools::deactivate(grid.tree(), Value(-background));
+    openvdb::tools::prune(grid.tree());
   }
-  return grid;
+  return made;
 }
 
 float largestMagnitude(std::span<const float> values) {
