@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Builds the core and its tests alone, shows that they use no library but glm, oneTBB and Highway (and GoogleTest for the
+# tests), and runs the tests.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+build=build/core
+cmake --preset core
+cmake --build --preset core
+
+fail() {
+  echo "$1:" >&2
+  sed 's/^/  /' <<<"$2" >&2
+  exit 1
+}
+
+found=$(grep -iE '^(assimp|cli11|glslc|imath|minizip|nlohmann|openvdb|png|pugixml|volk|vulkan|zlib)' "$build/CMakeCache.txt") || true
+if [[ -n $found ]]; then fail "CMake looked for libraries that the core does not need" "$found"; fi
+
+# The packages that own the headers which the compiler read.
+headers=$(ninja -C "$build" -t deps | sed -n 's/^ \+//p' | grep '^/' | grep -vF "$PWD/" | xargs -d '\n' realpath | sort -u)
+owners=$(xargs -d '\n' dpkg-query -S <<<"$headers" | sed 's/:.*//' | sort -u)
+allowed='libc6-dev|linux-libc-dev|libgcc-[0-9]+-dev|libstdc\+\+-[0-9]+-dev|libglm-dev|libtbb-dev|libhwy-dev|libgtest-dev'
+others=$(grep -vxE "$allowed" <<<"$owners") || true
+if [[ -n $others ]]; then fail "The core reads headers of other packages" "$others"; fi
+
+programs=$(find "$build" -type f -executable ! -path '*/CMakeFiles/*' ! -name '*.so*')
+if [[ -z $programs ]]; then fail "Nothing was linked" "$build"; fi
+linked=$(xargs -d '\n' readelf -d <<<"$programs" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | sort -u)
+others=$(grep -vE '^(libtbb|libhwy|libhwy_contrib|libgtest|libgtest_main|libstdc\+\+|libm|libgcc_s|libc|ld-linux.*)\.so' <<<"$linked") || true
+if [[ -n $others ]]; then fail "The tests of the core link other libraries" "$others"; fi
+
+ctest --preset core
+echo "The core needs nothing but:" $(grep -E 'glm|tbb|hwy' <<<"$owners")
