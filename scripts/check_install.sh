@@ -1,36 +1,139 @@
 #!/usr/bin/env bash
-# Installs the library, static and shared, into build/install and builds and runs a small project against each: once
-# with find_package, once with pkg-config.
+# Installs the library into a temporary folder, static, shared, as its core alone, and without OpenVDB and Assimp. Programs
+# of somebody else's (tests/consumer) must then build and run, as README says: with GCC and the newest Clang, by CMake and
+# by pkg-config, with warnings as errors and nothing set in the environment.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-root=$(pwd)/build/install
+unset RAYMAP_IMPORT LD_LIBRARY_PATH LIBRARY_PATH CPATH CFLAGS CXXFLAGS LDFLAGS PKG_CONFIG_PATH CMAKE_PREFIX_PATH
+export CCACHE_BASEDIR=$PWD  # What one build compiled serves the others.
 
-check() { # kind, value of BUILD_SHARED_LIBS, what pkg-config needs
-  build=$root/$1-build
-  prefix=$root/$1
-  rm -rf "$prefix" "$root/$1-consumer"
-  cmake --preset release -B "$build" -DBUILD_SHARED_LIBS="$2" -DRAYMAP_BUILD_TESTS=OFF -DCMAKE_INSTALL_PREFIX="$prefix" >"$root/$1.log"
-  cmake --build "$build" >>"$root/$1.log"
-  cmake --install "$build" >>"$root/$1.log"
-  "$prefix/bin/raymap" --version
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+warnings="-Wall -Wextra -Wpedantic -Werror"
+newest_clang=$(compgen -c clang++- | grep -xE 'clang\+\+-[0-9]+' | sort -u -t- -k2 -n | tail -n 1)
+compilers=("${CXX:-g++}" "${newest_clang:-clang++}")
 
-  echo "$1, find_package:"
-  cmake -S tests/consumer -B "$root/$1-consumer" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >>"$root/$1.log"
-  cmake --build "$root/$1-consumer" >>"$root/$1.log"
-  "$root/$1-consumer/consumer"
-  if [[ -x $root/$1-consumer/vulkan_consumer ]]; then
-    "$root/$1-consumer/vulkan_consumer" || [[ $? -eq 77 ]]  # It says that there is no device.
-  fi
+# README shows what is tried here, word for word.
+trim() { sed 's/^ *//; s/ *$//' "$@"; }
+shown=$(awk '/^```(cpp|cmake|sh)$/ { inside = 1; next } /^```/ { inside = 0 } inside && NF' README.md | trim)
+unknown=$(grep -vxFf <(trim tests/consumer/app.cpp tests/consumer/CMakeLists.txt scripts/check_install.sh) <<<"$shown") || true
+if [[ -n $unknown ]]; then
+  echo "README.md shows lines that neither tests/consumer nor this script tries:"
+  echo "$unknown"
+  exit 1
+fi
 
-  echo "$1, pkg-config:"
-  libraries=$(dirname "$(dirname "$(find "$prefix" -name raymap.pc)")")
-  # pkg-config answers with words as a shell reads them, spaces escaped.
-  eval "flags=($(PKG_CONFIG_PATH="$libraries/pkgconfig" pkg-config --cflags --libs $3 raymap))"
-  ${CXX:-c++} -std=c++20 tests/consumer/consumer.cpp -o "$root/$1-consumer/by_pkg_config" "${flags[@]}"
-  LD_LIBRARY_PATH="$libraries" "$root/$1-consumer/by_pkg_config"
+mkdir -p build/install
+python3 tests/consumer/make_3mf.py "$work/tetrahedron.3mf"
+cp -r tests/consumer "$work/consumer"
+
+install_library() { # kind, options of CMake
+  local kind=$1 build=build/install/$1
+  shift
+  {
+    cmake --preset release -B "$build" -DRAYMAP_BUILD_TESTS=OFF "$@"
+    cmake --build "$build"
+    cmake --install "$build" --prefix "$work/staging"
+  } >"$build.log" 2>&1 || { tail -n 40 "$build.log" && return 1; }
+  mv "$work/staging" "$work/$kind"  # Nothing may depend on the folder that it was installed to.
 }
 
-mkdir -p "$root"
-check static "" --static  # as it comes
-check shared ON ""
-echo "The installed library works, static and shared, with find_package and pkg-config."
+# Each check below runs in the background; its output appears if it fails.
+checks=()
+check() {
+  ("$@") >"$work/log ${*//\//-}" 2>&1 &
+  checks+=("$! $*")
+}
+
+run() { # program: in a folder that holds the 3MF and nothing else
+  local folder
+  folder=$(mktemp -d -p "$work")
+  cp "$work/tetrahedron.3mf" "$folder"
+  (cd "$folder" && "$@")
+}
+
+copy_elsewhere() { # program
+  local folder
+  folder=$(mktemp -d -p "$work")
+  cp "$1" "$folder/app"
+  echo "$folder/app"
+}
+
+check_program() { # kind
+  "$work/$1/bin/raymap" --version
+  run "$work/$1/bin/raymap" info tetrahedron.3mf
+}
+
+check_cmake() { # kind, compiler, project in tests/consumer, arguments of its program
+  local kind=$1 compiler=$2 project=$3 build="$work/$1-$2-${3//\//-}"
+  shift 3
+  local forbidden=()
+  if [[ $project == core ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
+  set -x
+  cmake -S "$work/consumer/$project" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$work/$kind" -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_CXX_FLAGS="$warnings" -DCMAKE_C_FLAGS="$warnings" "${forbidden[@]}"
+  cmake --build "$build"
+  run "$build/app" "$@"
+  run "$(copy_elsewhere "$build/app")" "$@"
+  if [[ $project == . && $kind == static ]]; then
+    cmake --install "$build" --prefix "$build/installed"
+    run "$build/installed/bin/app"
+  fi
+  if [[ -x $build/vulkan_app ]]; then
+    run "$build/vulkan_app" || [[ $? -eq 77 ]]  # It says that there is no device.
+  fi
+}
+
+check_pkg_config() { # kind, compiler
+  local folder="$work/$1-$2-pkg-config"
+  cp -r "$work/consumer" "$folder"
+  cd "$folder"
+  PKG_CONFIG_PATH=$(dirname "$(find "$work/$1" -name raymap.pc)")
+  export PKG_CONFIG_PATH
+  c++() { "$compiler" $warnings "$@"; }
+  local compiler=$2
+  set -x
+  c++ -std=c++20 app.cpp $(pkg-config --cflags --libs raymap) -Wl,-rpath,$(pkg-config --variable=libdir raymap) -o app
+  run "$folder/app"
+  run "$(copy_elsewhere "$folder/app")"
+}
+
+check_missing() { # kind: what was not built is refused by name
+  if cmake -S "$work/consumer/missing" -B "$work/$1-missing" -G Ninja -DCMAKE_PREFIX_PATH="$work/$1"; then return 1; fi 2>"$work/missing.txt"
+  tr -s ' \n' ' ' <"$work/missing.txt" | grep -F "has no component 'io', only: core. Build raymap with RAYMAP_IO=ON."
+}
+
+only_core=(-DRAYMAP_VULKAN=OFF -DRAYMAP_IO=OFF -DRAYMAP_RENDER=OFF)
+install_library static -DBUILD_SHARED_LIBS=OFF
+check check_program static
+for compiler in "${compilers[@]}"; do
+  check check_cmake static "$compiler" .
+  check check_cmake static "$compiler" core
+  check check_pkg_config static "$compiler"
+done
+install_library core "${only_core[@]}"
+check check_missing core
+for compiler in "${compilers[@]}"; do check check_cmake core "$compiler" core cpu-only; done
+install_library light "${only_core[@]}" -DRAYMAP_IO=ON -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF
+for compiler in "${compilers[@]}"; do check check_cmake light "$compiler" light; done
+install_library shared -DBUILD_SHARED_LIBS=ON
+check check_program shared
+for compiler in "${compilers[@]}"; do
+  check check_cmake shared "$compiler" .
+  check check_cmake shared "$compiler" core
+  check check_pkg_config shared "$compiler"
+done
+
+failed=0
+for each in "${checks[@]}"; do
+  name=${each#* }
+  if wait "${each%% *}"; then
+    echo "passed: $name"
+  else
+    failed=$((failed + 1))
+    echo "FAILED: $name"
+    cat "$work/log ${name//\//-}"
+  fi
+done
+if [[ $failed -gt 0 ]]; then exit 1; fi
+echo "The installed library works with ${compilers[*]}."

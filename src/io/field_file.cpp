@@ -16,23 +16,30 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Field (*read)(const fs::path& path);
+  Field (*read)(const fs::path& path);  ///< Null if this build lacks the library for the format.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
 };
 
 constexpr std::array kFormats{
     Format{".nrrd", readNrrd, writeNrrd}, Format{".npy", readNpy, writeNpy},
     Format{".npz", readNpz, writeNpz},    Format{".vti", readVti, writeVti},
+#ifdef RAYMAP_OPENVDB
     Format{".vdb", readVdb, writeVdb},
+#else
+    Format{".vdb", nullptr, nullptr},
+#endif
 };
 
 const Format& formatOf(const fs::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   const auto found = std::ranges::find(kFormats, extension, &Format::extension);
+  if (found != kFormats.end() && !found->read)
+    throw Error(ErrorCode::Unsupported,
+                path.string() + ": raymap was built without OpenVDB; build it with RAYMAP_OPENVDB=ON");
   if (found != kFormats.end()) return *found;
   std::string known;
-  for (const Format& format : kFormats) known.append(" ").append(format.extension);
+  for (const std::string& each : fieldExtensions()) known.append(" ").append(each);
   throw Error(ErrorCode::Usage,
               path.string() + ": '" + extension + "' is no kind of field; use one of" + known);
 }
@@ -49,7 +56,8 @@ NamedArray arrayOf(const Field& field, std::string_view name) {
 
 std::vector<std::string> fieldExtensions() {
   std::vector<std::string> extensions;
-  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  for (const Format& format : kFormats)
+    if (format.read) extensions.emplace_back(format.extension);
   return extensions;
 }
 

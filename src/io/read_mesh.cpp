@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "io/import/import_mesh.h"
 #include "io/mesh/mesh_file.h"
+#ifdef RAYMAP_ASSIMP
+#include "io/import/import_mesh.h"
+#endif
 
 namespace raymap {
 
@@ -21,9 +23,19 @@ constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, 
                               Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf},
                               Format{".3mf", nullptr}, Format{".fbx", nullptr},   Format{".dae", nullptr}};
 
+#ifdef RAYMAP_ASSIMP
+constexpr bool kHasAssimp = true;
+#else
+constexpr bool kHasAssimp = false;
+Mesh importMesh(const std::filesystem::path& path, const WarningCallback&) {
+  throw Error(ErrorCode::Unsupported,
+              path.string() + ": raymap was built without Assimp; build it with RAYMAP_ASSIMP=ON");
+}
+#endif
+
 [[noreturn]] void failExtension(const std::filesystem::path& path) {
   std::string known;
-  for (const Format& format : kFormats) known.append(" ").append(format.extension);
+  for (const std::string& each : meshExtensions()) known.append(" ").append(each);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": cannot tell the format of this file by its name; known are" + known);
 }
@@ -49,7 +61,8 @@ AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animatio
 std::vector<std::string> meshExtensions() {
   std::vector<std::string> extensions;
   extensions.reserve(kFormats.size());
-  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  for (const Format& format : kFormats)
+    if (format.read || kHasAssimp) extensions.emplace_back(format.extension);
   return extensions;
 }
 

@@ -10,7 +10,8 @@ namespace raymap {
 
 /// Reads a file with the program `raymap-import`, a child process with limited memory and time. If a damaged
 /// file crashes the libraries there, this process gets an Error. The environment variable RAYMAP_IMPORT names
-/// the program; else it is one beside this program or library, or the installed one.
+/// the program. Otherwise it is one beside this program or library, or the installed one: found from this
+/// program or library, from the run path, or by the prefix that the build was configured with.
 class Importer {
  public:
   enum class Kind { Mesh, Vdb };

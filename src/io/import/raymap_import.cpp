@@ -51,6 +51,18 @@ void limitOutput() {
   setrlimit(RLIMIT_FSIZE, &none);
 }
 
+void send([[maybe_unused]] std::string_view kind, [[maybe_unused]] const char* path) {
+#ifdef RAYMAP_OPENVDB
+  if (kind == "vdb") return sendVdb(path);
+#endif
+#ifdef RAYMAP_ASSIMP
+  if (kind == "mesh") return sendMesh(path);
+#endif
+  throw Error(ErrorCode::Unsupported,
+              "this raymap-import was built without the library for it; build raymap with RAYMAP_OPENVDB=ON "
+              "and RAYMAP_ASSIMP=ON");
+}
+
 }  // namespace
 
 void limitSeconds(rlim_t seconds) {
@@ -81,7 +93,7 @@ int main(int argc, char** argv) {
   limitSeconds(std::strtoull(argv[4], nullptr, 10));
   limitOutput();
   try {
-    std::string_view(argv[1]) == "vdb" ? sendVdb(argv[2]) : sendMesh(argv[2]);
+    send(argv[1], argv[2]);
   } catch (const Error& error) {
     sendFailure(error.what(), error.code());
   } catch (const std::bad_alloc&) {
