@@ -16,7 +16,7 @@ void require(bool isTrue, const char* what) {
 /// README's snippet.
 float distanceToScan() {
   raymap::Mesh mesh = raymap::readMesh("scan.ply");
-  raymap::Field field = raymap::generate(mesh, raymap::fitGrid(mesh, {.resolution = 256}));
+  raymap::Field field = raymap::generate(mesh, raymap::fitGrid(mesh, {.resolution = 256})).field;
   float d = field.distance[field.grid.index({10, 20, 30})];  // negative inside
   return d;
 }
@@ -28,7 +28,7 @@ void useFiles() {
   require(distanceToScan() > 0.0f, "the sample lies outside");
 
   const raymap::Grid grid = raymap::fitGrid(mesh, {.resolution = 21});
-  const raymap::Field field = raymap::generate(mesh, grid);
+  const raymap::Field field = raymap::generate(mesh, grid).field;
   require(field.distance[grid.index(grid.dims / 2)] < 0.0f, "the middle is inside");
   raymap::writeField("field.vdb", field);
   const raymap::Field copy = raymap::readField("field.vdb");

@@ -31,7 +31,7 @@ int main() {
   raymap::Field field;
   field.grid.dims = {2, 2, 2};
   field.grid.spacing = 1.0;
-  field.distance.resize(8);
+  field.distance.resizeUninitialized(8);
   std::ranges::fill(field.distance, 1.0f);
   raymap::writeField("field.nrrd", field);
   const bool works = std::ranges::equal(raymap::readField("field.nrrd").distance, field.distance);

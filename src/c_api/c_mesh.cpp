@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "api/c_handles.h"
+#include "c_api/c_handles.h"
 #include "mesh/strided_mesh.h"
 
 using namespace raymap;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "api/c_handles.h"
+#include "c_api/c_handles.h"
 
 using namespace raymap;
 using raymap::c::create;

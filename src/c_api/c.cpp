@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "api/c_handles.h"
+#include "c_api/c_handles.h"
 
 using namespace raymap;
 using raymap::c::create;

@@ -2,7 +2,7 @@
 
 #include <raymap/c.h>
 
-#include "api/c_handles.h"
+#include "c_api/c_handles.h"
 #include "field/field_sampler.h"
 
 using namespace raymap;

@@ -3,7 +3,7 @@
 #include <raymap/c.h>
 #include <raymap/isosurface.h>
 
-#include "api/c_handles.h"
+#include "c_api/c_handles.h"
 
 using namespace raymap;
 using raymap::c::create;
