@@ -1,5 +1,5 @@
-// How well closed holes are closed (src/cpu/close_holes.cpp): a table in Markdown. A plane cuts a cap off a
-// shape, as large a share of its area as a cap of 5, 15 or 30 degrees is of a sphere's.
+// Measures how well holes are closed (src/cpu/sign/close_holes.cpp) and prints a table in Markdown. A plane
+// cuts a cap off a shape; its share of the area is that of a cap of 5, 15 or 30 degrees on a sphere.
 //
 //   close_holes_table [BUNNY [RESOLUTION]]: a closed mesh of the Stanford bunny
 
@@ -22,16 +22,16 @@
 namespace raymap {
 namespace {
 
-/// What lies below the plane dot(normal, p) = offset.
+/// Cuts off everything above the plane dot(normal, p) = offset.
 struct Cut {
   glm::dvec3 normal;
   double offset;
 };
 
 struct Holed {
-  Mesh open;    ///< What the plane leaves,
-  Mesh closed;  ///< the same with a lid in the plane, and
-  Mesh whole;   ///< what it was before.
+  Mesh open;    ///< The part below the plane.
+  Mesh closed;  ///< The same with a lid in the plane.
+  Mesh whole;   ///< The mesh before the cut.
 };
 
 class Cutter {
@@ -65,7 +65,7 @@ class Cutter {
  private:
   double height(uint32_t v) const { return glm::dot(cut_.normal, positions_[v]) - cut_.offset; }
 
-  /// Where the edge meets the plane; the same vertex for both of its triangles.
+  /// Returns the vertex where the edge meets the plane, the same for both of its triangles.
   uint32_t middle(uint32_t a, uint32_t b) {
     const auto [it, isNew] = middles_.try_emplace(std::minmax(a, b), uint32_t(positions_.size()));
     const auto [low, high] = it->first;
@@ -120,10 +120,10 @@ Holed cutOff(const Mesh& mesh, const glm::dvec3& normal, double degrees) {
   return Cutter(mesh, {normal, low}).result(mesh);
 }
 
-/// Distances beyond so many samples are not compared: OpenVDB would take minutes to fill the box.
+/// Largest distance to compare, in samples: OpenVDB would take minutes to fill the box.
 constexpr double kBand = 24.0;
 
-/// In samples: the mean, and the largest.
+/// Mean and largest error in samples.
 double errorsOf(const Field& field, const Field& truth, double& largest) {
   double sum = 0.0;
   largest = 0.0;
@@ -136,7 +136,8 @@ double errorsOf(const Field& field, const Field& truth, double& largest) {
   return sum / double(truth.distance.size());
 }
 
-/// The mean of | |gradient| - 1 | by central differences, over the samples within two spacings of the lid.
+/// Returns the mean of abs(length(gradient) - 1) by central differences, over the samples within two spacings
+/// of the lid.
 double slopeError(const Field& field, const Buffer<float>& toLid) {
   const Grid& grid = field.grid;
   double sum = 0.0;
@@ -158,8 +159,8 @@ double slopeError(const Field& field, const Buffer<float>& toLid) {
   return sum / double(std::max<size_t>(count, 1));
 }
 
-/// What the field's zero level encloses: each sample's cell counts by how much of it a plane at that distance
-/// would leave.
+/// Returns the volume inside the zero level. Each sample's cell counts by the share that a plane at this
+/// distance would leave.
 double volume(const Field& field) {
   double sum = 0.0;
   for (const float d : field.distance) sum += std::clamp(0.5 - d / field.grid.spacing, 0.0, 1.0);

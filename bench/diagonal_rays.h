@@ -1,7 +1,7 @@
 #pragma once
 
-// The paper's future work: rays along all 13 directions of the lattice instead of its three axes. Measured
-// (docs/signs.md) and not taken: this is kept so that the measurement can be repeated.
+// The paper's future work: rays along all 13 directions of the lattice instead of its three axes.
+// docs/signs.md explains why raymap does not use them; this code repeats the measurement.
 
 #include "sign_scene.h"
 
@@ -12,12 +12,12 @@ namespace raymap::bench {
 inline constexpr glm::ivec3 kDiagonals[] = {{1, 1, 0},  {1, -1, 0}, {1, 0, 1},  {1, 0, -1}, {0, 1, 1},
                                             {0, 1, -1}, {1, 1, 1},  {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
 
-/// Adds what both rays of each sample along a diagonal count. A shear of whole cells, which keeps volumes,
-/// makes the diagonal an axis of the lattice; that of its first component.
+/// Adds the counts of both rays of each sample along a diagonal. A shear by whole cells, which keeps volumes,
+/// maps the diagonal to the axis of its first component.
 inline void addDiagonalRays(const CellMesh& mesh, const glm::ivec3& diagonal, std::vector<double>& sums) {
   const int axis = diagonal.x != 0 ? 0 : 1;
   const glm::ivec3 across = diagonal * glm::ivec3(0, axis == 0, 1);
-  // So far along that no sample's coordinate is negative.
+  // Keeps every sample's coordinates from being negative.
   const glm::ivec3 shift = glm::max(across, 0) * (mesh.dims[axis] - 1);
   CellMesh sheared;
   sheared.dims = mesh.dims + glm::abs(across) * (mesh.dims[axis] - 1);
@@ -42,7 +42,7 @@ inline void addDiagonalRays(const CellMesh& mesh, const glm::ivec3& diagonal, st
       }
 }
 
-/// The mean of all 26 rays, given that of the six along the axes.
+/// Returns the mean of all 26 rays, given the mean of the six along the axes.
 inline std::vector<double> averageAllRays(const Mesh& mesh, const Grid& grid, const Buffer<float>& sixRays) {
   constexpr double kSix = 6.0, kAll = 26.0;
   std::vector<double> sums(sixRays.begin(), sixRays.end());

@@ -1,4 +1,4 @@
-// How far the paper's unsigned distances (§3.3) are from the exact one: a table over real meshes.
+// Measures the errors of the paper's unsigned distances (§3.3) and prints a table over real meshes.
 //
 //   distance_table [FOLDER [RESOLUTION]]
 
@@ -22,7 +22,7 @@ struct Mode {
 constexpr Mode kModes[] = {
     {DistanceMode::Neighbours, "neighbours"}, {DistanceMode::Cell, "cell"}, {DistanceMode::Raster, "raster"}};
 
-/// Errors in samples: the largest and the mean of all samples, and of those within 1.5 of the surface.
+/// Largest and mean error in samples, over all samples and over those within 1.5 of the surface.
 struct Errors {
   double largest = 0.0, sum = 0.0;
   size_t count = 0, wrong = 0;

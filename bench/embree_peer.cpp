@@ -17,7 +17,7 @@ namespace raymap::bench {
 
 namespace {
 
-/// Where on its triangle the closest point lies.
+/// Part of the triangle that the closest point lies on.
 enum class Feature { CornerA, CornerB, CornerC, EdgeAb, EdgeBc, EdgeCa, Face };
 
 struct ClosestPoint {
@@ -103,7 +103,7 @@ class PseudoNormals {
   std::vector<std::array<glm::vec3, 3>> edges_;
 };
 
-/// One thread's walk from sample to sample.
+/// One thread's queries, from sample to sample.
 struct Walk {
   const std::vector<std::array<glm::vec3, 3>>* triangles = nullptr;
   uint32_t closest = 0;
@@ -156,7 +156,7 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 };
 
-/// One z slice, back and forth along x and y so that each sample lies beside the one before.
+/// Visits one z slice back and forth along x and y, so that each sample is adjacent to the one before.
 void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, Walk walk, int k,
                float* slice) {
   const glm::ivec3 dims = input.grid.dims;

@@ -6,7 +6,7 @@
 
 namespace raymap::bench {
 
-/// The exact generalized winding number at every `stride`-th sample.
+/// Returns the exact generalized winding number at every `stride`-th sample.
 inline std::vector<double> exactNumbers(const Mesh& mesh, const Grid& grid, size_t stride) {
   std::vector<double> exact((grid.sampleCount() + stride - 1) / stride);
   parallelFor(exact.size(), 64, [&](size_t begin, size_t end) {

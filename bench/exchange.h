@@ -1,6 +1,6 @@
 #pragma once
 
-// What the programs leave for those in other languages.
+// Files that programs in other languages read.
 
 #include <raymap/error.h>
 #include <raymap/grid.h>
@@ -20,7 +20,7 @@ void writeRaw(const std::string& path, const T* data, size_t count) {
   if (!file.flush()) throw Error(ErrorCode::File, path + ": cannot be written");
 }
 
-/// NAME.vertices (double x 3) and NAME.triangles (uint32 x 3).
+/// Writes NAME.vertices (double x 3) and NAME.triangles (uint32 x 3).
 inline void exportMesh(const Mesh& mesh, const std::string& name) {
   std::vector<glm::dvec3> positions;
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));

@@ -1,6 +1,6 @@
-// Makes fields on a Vulkan device, or on the CPU beside it, with warm buffers, and prints what each cost.
-// Reads one case a line as JSON and answers each with a line of JSON; bench/gpu_tables.py asks, and makes the
-// tables. The first line describes the device.
+// Makes fields on a Vulkan device, or on the CPU, with warm buffers, and prints the cost of each. Reads one
+// case per line as JSON and answers each with a line of JSON; the first line describes the device.
+// bench/gpu_tables.py runs it and makes the tables.
 
 #include <raymap/error.h>
 
@@ -42,11 +42,11 @@ double median(std::vector<double> values) {
 }
 
 struct Run {
-  double milliseconds;  ///< From the mesh on the device to the field there, or in memory for the CPU.
+  double milliseconds;  ///< From the mesh to the field, both on the device; for the CPU, in memory.
   std::vector<Stats::Stage> stages;
 };
 
-/// Medians of some runs; the first, which allocates, does not count. Slow ones are repeated less.
+/// Returns medians over several runs, fewer of slow ones. The first run, which allocates, does not count.
 template <class Make>
 Json measure(Make&& make) {
   constexpr size_t kFewest = 3, kMost = 31;
@@ -74,7 +74,7 @@ Json measure(Make&& make) {
   return {{"ms", median(totals)}, {"wall_ms", median(walls)}, {"runs", totals.size()}, {"stages", stages}};
 }
 
-/// The backend is made anew for each case, so that it holds only what that case needs.
+/// Measures a case on the device. Each case has its own backend, so that it holds only what the case needs.
 Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, const Options& options) {
   vulkan::Backend backend(device);
   Field field;
@@ -130,7 +130,7 @@ Json runCase(vulkan::Device& device, const Json& input) {
   return report;
 }
 
-/// Bytes read plus bytes written in a second.
+/// Returns the throughput of copies: bytes read plus bytes written per second.
 double copyRate(vulkan::Device& device) {
   constexpr uint64_t kBytes = uint64_t{512} << 20;  // Far beyond any cache.
   vulkan::DeviceBuffer from(device, "from"), to(device, "to");
@@ -167,7 +167,7 @@ int run(int argc, char** argv) {
   vulkan::Device device({.index = index});
   print({{"device", device.info().name},
          {"driver", device.info().driver},
-         {"is_software", device.info().type == vulkan::DeviceType::Software},
+         {"is_software", device.info().type == DeviceType::Software},
          {"copy_bytes_per_second", copyRate(device)},
          {"cpu", devices().devices.front().name},
          {"threads", devices().devices.front().threads}});

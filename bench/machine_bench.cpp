@@ -1,4 +1,4 @@
-// What this machine can do at most: the floors that docs/performance.md compares each stage with.
+// The limits of this machine, which docs/performance.md compares each stage with.
 
 #include <benchmark/benchmark.h>
 #include <sys/mman.h>
@@ -23,7 +23,7 @@ void forParts(int threads, Work&& work) {
               [&] { parallelFor(kBytes / kPart, 1, [&](size_t part, size_t) { work(part * kPart); }); });
 }
 
-/// Bytes read plus bytes written.
+/// Measures copies: bytes read plus bytes written.
 void copy(benchmark::State& state) {
   const std::vector<char> from(kBytes, 1);
   std::vector<char> to(kBytes, 2);
@@ -47,7 +47,7 @@ void touchFreshPages(benchmark::State& state, int advice) {
   state.SetBytesProcessed(int64_t(kBytes) * state.iterations());
 }
 
-/// One point against triangles that lie in the first cache, one at a time.
+/// Measures the distance of one point from triangles in the first-level cache, one at a time.
 void testTriangles(benchmark::State& state) {
   std::vector<glm::vec3> corners(3 * 256);
   for (size_t c = 0; c < corners.size(); ++c)
@@ -56,7 +56,8 @@ void testTriangles(benchmark::State& state) {
   for (auto unused : state) {
     float closest = HUGE_VALF;
     for (size_t c = 0; c < corners.size(); c += 3)
-      closest = std::min(closest, triangleSquaredDistance(point, corners[c], corners[c + 1], corners[c + 2]));
+      closest =
+          std::min(closest, cpu::triangleSquaredDistance(point, corners[c], corners[c + 1], corners[c + 2]));
     benchmark::DoNotOptimize(closest);
   }
   state.SetItemsProcessed(int64_t(corners.size() / 3) * state.iterations());

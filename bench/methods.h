@@ -1,12 +1,12 @@
 #pragma once
 
-// What the programs of the comparison share: one case, and every method that can run it.
+// A case of the comparison, and every method that can run it.
 
 #include <raymap/raymap.h>
 
 namespace raymap::bench {
 
-/// One mesh on one grid; every method fills the same samples.
+/// A mesh on a grid. Every method fills the same samples.
 struct Case {
   Mesh mesh;
   Grid grid;

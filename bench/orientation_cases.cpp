@@ -1,11 +1,11 @@
-// How well meshes with randomly flipped faces are repaired, beside OpenVDB: a line of JSON for each.
-// bench/evaluate_orientation.py adds the other peers and makes the tables.
+// Measures how well meshes with randomly reversed faces are repaired, and OpenVDB's result: a line of JSON
+// each. bench/evaluate_orientation.py adds the other peers and makes the tables.
 //
 //   orientation_cases FOLDER OUT [RESOLUTION]
 //
-// FOLDER holds the meshes named here. OUT gets each broken mesh, as exportMesh names its files, and
-// NAME.inside, the truth for every `stride`-th sample, a byte each: what the exact generalized winding number
-// of the mesh before its faces were flipped says.
+// FOLDER holds the meshes named here. OUT receives each broken mesh, as exportMesh names its files, and
+// NAME.inside: a byte for every `stride`-th sample, 1 inside. The exact generalized winding number of the
+// mesh before its faces were reversed decides.
 
 #include <raymap/raymap.h>
 
@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "broken_meshes.h"
+#include "cpu_run.h"
 #include "exact_numbers.h"
 #include "exchange.h"
-#include "outcome.h"
 #include "program.h"
 #include "shapes.h"
 #ifdef RAYMAP_BENCH_OPENVDB
@@ -34,7 +34,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Sampled so that the exact number, which looks at every triangle, stays affordable.
+/// Limits the samples, because the exact number visits every triangle.
 constexpr double kTriangleTests = 2e8;
 
 const char* const kMeshes[] = {"libigl__bunny.off",         "common3d__spot.obj",
@@ -49,7 +49,7 @@ struct Broken {
   std::vector<double> flippedShares = {0.0, 0.1, 0.3, 0.5};
 };
 
-/// A mesh and a copy of it, moved so that they overlap.
+/// Returns a mesh and a copy of it, moved so that they overlap.
 Mesh overlappingPair(const Mesh& mesh) {
   Mesh copy = mesh;
   copy.origin += glm::dvec3(0.3, 0.2, 0.1) * bounds(mesh).size();
@@ -66,7 +66,7 @@ std::vector<Broken> breakMesh(const Mesh& mesh) {
 }
 
 struct Truth {
-  std::vector<uint8_t> inside;  ///< Of every `stride`-th sample.
+  std::vector<uint8_t> inside;  ///< One per `stride`-th sample.
   size_t stride;
 };
 
@@ -87,7 +87,7 @@ double percentWrong(const Truth& truth, IsInside&& isInside) {
 
 Json runOurs(const Mesh& mesh, const Grid& grid, const Truth& truth, Orientation orientation) {
   const std::clock_t start = std::clock();
-  const Outcome run = runOf(mesh, grid, orientation);
+  const Generated run = runOf(mesh, grid, orientation);
   const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
   const auto isInside = [&](size_t s) { return std::abs(run.field.winding[s]) > 0.5f; };
   return {{"wrong", percentWrong(truth, isInside)},

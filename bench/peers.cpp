@@ -1,5 +1,5 @@
-// Runs one method on one case and prints what it cost as one line of JSON. One process a run, so that nobody
-// inherits another's warm memory; bench/compare.py alternates the methods and makes the table.
+// Runs one method on one case and prints its cost as one line of JSON. Every run has a process of its own, so
+// that no run starts with warm memory. bench/compare.py alternates the methods and makes the table.
 
 #include <sys/resource.h>
 
@@ -31,7 +31,8 @@ const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kM
 #endif
 };
 
-/// Not from getrusage: that one remembers the peak of the program that started this one.
+/// Returns the peak since it was last cleared. getrusage includes the peak of the program that started this
+/// one.
 double peakMegabytesNow() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
@@ -42,7 +43,7 @@ double peakMegabytesNow() {
 struct Usage {
   double wall, cpu, peakMegabytes;
 
-  /// The peak starts anew, so that what made the mesh does not hide it.
+  /// Clears the peak, so that it does not include making the mesh.
   static Usage start() {
     std::ofstream("/proc/self/clear_refs") << 5;
     return now();

@@ -5,7 +5,7 @@
 
 namespace raymap::bench {
 
-/// What main() does: runs, and says what went wrong.
+/// Runs the body of main() and reports its errors.
 inline int runProgram(const char* name, int (*run)(int, char**), int argc, char** argv) {
   try {
     return run(argc, argv);

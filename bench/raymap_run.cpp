@@ -25,7 +25,7 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
     cpu::Backend backend;
     backend.take({input.mesh, input.grid, options, progress, field});
     backend.begin();
-    // Without distances every sample counts as close to the surface, and more are looked at twice.
+    // Without distances every sample counts as close to the surface, so the dipoles settle more of them.
     std::fill(field.distance.begin(), field.distance.end(), 0.0f);
     backend.crossings();
     backend.rayMap();

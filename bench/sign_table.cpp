@@ -1,5 +1,6 @@
-// How often each sign mode differs from the exact generalized winding number on broken meshes: a table in
-// Markdown. `sign_table [FOLDER [RESOLUTION]]`: FOLDER holds further meshes, by name in kPublished.
+// Counts how often each sign mode differs from the exact generalized winding number on broken meshes and
+// prints a table in Markdown. `sign_table [FOLDER [RESOLUTION]]`: FOLDER holds the further meshes of
+// kPublished.
 
 #include <raymap/raymap.h>
 
@@ -23,7 +24,7 @@ namespace {
 using namespace raymap;
 using namespace raymap::bench;
 
-/// Sampled so that the exact number, which looks at every triangle, stays affordable.
+/// Limits the samples, because the exact number visits every triangle.
 constexpr double kTriangleTests = 4e8;
 
 const char* const kPublished[] = {"common3d__beetle.obj",
@@ -44,7 +45,7 @@ struct Row {
   Mesh mesh;
 };
 
-/// Moves every corner of every face by itself, by up to a share of the longest side.
+/// Moves every corner of every face independently, by up to a share of the longest side.
 Mesh shaken(const Mesh& mesh, double share, unsigned seed) {
   std::mt19937 random(seed);
   const glm::dvec3 size = bounds(mesh).size();

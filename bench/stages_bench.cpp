@@ -1,5 +1,5 @@
 // Each stage by itself, on warm buffers: NAME/MESH/RESOLUTION. `bytes_per_second` counts the least a stage
-// can move, its input read once and its output written once, so that it compares with machine/copy.
+// can move: it reads its input once and writes its output once. It compares with machine/copy.
 
 #include <benchmark/benchmark.h>
 
@@ -27,7 +27,7 @@ void winding(B& backend) {
   backend.winding(backend.options().sign);
 }
 
-/// The least bytes that a stage moves, per sample and per triangle; none if it depends on other things.
+/// Least number of bytes that a stage moves, per sample and per triangle; 0 if it depends on other things.
 struct Traffic {
   int perSample = 0;
   int perTriangle = 0;
@@ -37,8 +37,8 @@ struct Stage {
   const char* name;
   Run run;
   Options options;
-  std::vector<Run> once;    ///< What must have run before.
-  std::vector<Run> always;  ///< What must run before every time, untimed.
+  std::vector<Run> once;    ///< Stages that must have run before.
+  std::vector<Run> always;  ///< Stages that run before every time, untimed.
   Traffic traffic;
 };
 

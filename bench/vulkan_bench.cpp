@@ -1,5 +1,5 @@
-// What a Vulkan device takes for copies, prefix sums and sorts, by its own clock: NAME/ELEMENTS. The best
-// device is taken. `bytes_per_second` counts what each must move at least, so that it compares with copy.
+// Times of copies, prefix sums and sorts on the best Vulkan device, by its own clock: NAME/ELEMENTS.
+// `bytes_per_second` counts the least that each must move; it compares with copy.
 
 #include <benchmark/benchmark.h>
 #include <raymap/error.h>
@@ -26,7 +26,7 @@ DeviceBuffer buffer(const char* name, uint64_t elements) {
   return result;
 }
 
-/// Times what `record` records, each time after what `prepare` does.
+/// Times the commands that `record` records, each time after those of `prepare`.
 template <class Prepare, class Record>
 void measure(benchmark::State& state, int64_t bytes, Prepare&& prepare, Record&& record) {
   CommandBuffer own(device());
@@ -39,7 +39,7 @@ void measure(benchmark::State& state, int64_t bytes, Prepare&& prepare, Record&&
     own.submitAndWait();
     return own.times();
   };
-  if (run().empty()) {  // The kernels are compiled now.
+  if (run().empty()) {  // This run compiles the kernels.
     state.SkipWithError("the device has no timestamps");
     return;
   }
@@ -65,7 +65,7 @@ void scan(benchmark::State& state) {
       [&](Commands& commands) { scan.record(commands, values.address(), sums.address(), {.most = count}); });
 }
 
-/// Per pass the keys are read twice, the values once, and both written once.
+/// Each pass reads the keys twice and the values once, and writes both once.
 void radixSort(benchmark::State& state) {
   const auto count = static_cast<uint32_t>(state.range(0));
   DeviceBuffer random(device(), "random", MemoryUse::Upload);

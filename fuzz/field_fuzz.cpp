@@ -1,4 +1,4 @@
-// Any bytes give a field whose arrays fit its grid, or an Error.
+// Checks that any bytes give a field whose arrays fit its grid, or an Error.
 
 #include <raymap/error.h>
 #include <sys/mman.h>

@@ -1,4 +1,4 @@
-// Any bytes give a valid mesh or an Error.
+// Checks that any bytes give a valid mesh or an Error.
 
 #include <raymap/error.h>
 

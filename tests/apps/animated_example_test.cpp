@@ -23,7 +23,7 @@ Picture readPng(const std::filesystem::path& path) {
   return picture;
 }
 
-/// Skipped where no device is usable.
+/// A test that is skipped where no device is usable.
 class AnimatedExample : public vulkan::VulkanTest {
  protected:
   static ProgramRun run(std::vector<std::string> arguments) {
@@ -33,7 +33,7 @@ class AnimatedExample : public vulkan::VulkanTest {
     return runProgram(arguments);
   }
 
-  /// Runs a few frames of `mesh`, which lies at `path`, and looks at each.
+  /// Runs a few frames of the mesh at `path` and compares each with the CPU's picture.
   static void expectTheCpusPictures(const AnimatedMesh& mesh, const std::filesystem::path& path) {
     const TemporaryFolder folder;
     std::vector<std::string> arguments{"-o", (folder.path() / "out").string()};

@@ -1,4 +1,4 @@
-// Runs the real binary as a user would.
+// Runs the program as a user would.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -29,7 +29,7 @@ struct Result {
 
 class Cli : public ::testing::Test {
  protected:
-  /// Runs `raymap arguments` in the folder; `prefix` goes before it.
+  /// Runs `raymap arguments` in the folder, with `prefix` before the command.
   Result run(const std::string& arguments, const std::string& prefix = "") const {
     const std::string command = "cd '" + folder_.path().string() + "' && " + prefix +
                                 " '" RAYMAP_BINARY "' " + arguments + " >.out 2>.err </dev/null";
@@ -44,7 +44,7 @@ class Cli : public ::testing::Test {
     return result;
   }
 
-  /// One line on stderr that holds `message`, nothing on stdout, and the code.
+  /// Expects one line on stderr that contains `message`, nothing on stdout, and the code.
   void expectFailure(const std::string& arguments, ErrorCode code, const std::string& message) const {
     SCOPED_TRACE(arguments);
     const Result result = run(arguments);
@@ -58,7 +58,7 @@ class Cli : public ::testing::Test {
   fs::path path(const std::string& name) const { return folder_.path() / name; }
   Json json(const std::string& name) const { return Json::parse(readBytes(path(name))); }
   void writeTorus() const { writeMesh(path("torus.ply"), shapes::torus(2.0, 0.7, 40, 24)); }
-  /// What is in the folder, hidden files but the captured output included.
+  /// Returns the names of all files in the folder, hidden ones too, but the captured output.
   size_t fileCount() const {
     size_t count = 0;
     for (const auto& entry : fs::directory_iterator(folder_.path()))
@@ -70,7 +70,7 @@ class Cli : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Cli, HelpsAndTellsItsVersion) {
+TEST_F(Cli, PrintsHelpAndVersion) {
   EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
   const std::string help = succeed("--help").out;
   for (const char* word : {"generate", "info", "mesh", "render", "repair", "compare", "convert", "example",
@@ -89,7 +89,7 @@ TEST_F(Cli, HelpsAndTellsItsVersion) {
     EXPECT_NE(render.find(option), std::string::npos) << option;
 }
 
-TEST_F(Cli, ListsWhatCanCompute) {
+TEST_F(Cli, ListsDevices) {
   const Json json = Json::parse(succeed("devices --json").out);
   const Json& devices = json["devices"];
   ASSERT_GE(devices.size(), 1u);
@@ -181,7 +181,7 @@ TEST_F(Cli, MakesAFieldOfAMesh) {
   for (const char* name : {"ids.npy", "w.npy", "c.npy"}) EXPECT_TRUE(fs::exists(path(name))) << name;
 }
 
-TEST_F(Cli, TellsWhatTheRunWasLike) {
+TEST_F(Cli, ReportsStatistics) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   mesh.triangles.pop_back();
   writeMesh(path("torn.ply"), mesh);
@@ -210,13 +210,13 @@ TEST_F(Cli, TellsWhatTheRunWasLike) {
   EXPECT_LE(sum, stats["total_ms"].get<double>() * 1.001);
 }
 
-TEST_F(Cli, CoversTheBoxAskedFor) {
+TEST_F(Cli, CoversTheRequestedBox) {
   writeTorus();
   succeed("generate torus.ply -o box.nrrd --voxel-size 0.5 --bounds -4 -3 -1 4 3 1");
   const Grid grid = readField(path("box.nrrd")).grid;
   EXPECT_EQ(grid.dims, glm::ivec3(16, 12, 4));
   EXPECT_DOUBLE_EQ(grid.origin.x, -3.75);
-  // Numbers, not options, however they start.
+  // Negative numbers are not taken for options.
   succeed("generate torus.ply -o short.nrrd --voxel-size .25 --bounds -.5 -1e0 -.25e+1 .5 +1 -.5");
   const Grid other = readField(path("short.nrrd")).grid;
   EXPECT_EQ(other.dims, glm::ivec3(4, 8, 8));
@@ -308,7 +308,7 @@ TEST_F(Cli, ThickensSheets) {
   succeed("mesh square.ply -o plate.stl --thickness 0.4 --voxel-size 0.1");
   const Diagnostics found = diagnose(readMesh(path("plate.stl")));
   EXPECT_TRUE(found.watertight);
-  // A plate, half cylinders at its sides, a ball at its corners.
+  // The volume of a plate, of half cylinders at its sides and of a ball at its corners.
   EXPECT_NEAR(found.signedVolume, 4.0 * 4.0 * 0.4 + 8.0 * 0.1257 / 2.0 * 2.0 + 0.0335, 0.1);
   succeed("generate square.ply -o plate.nrrd --thickness 0.4 --voxel-size 0.1 --stats plate.json");
   EXPECT_EQ(json("plate.json")["options"]["thickness"], 0.4);
@@ -373,7 +373,7 @@ TEST_F(Cli, HollowsAMeshOut) {
   EXPECT_EQ(drained["drain_holes"], 1);
   EXPECT_EQ(drained["after"]["components"], 1);
   EXPECT_TRUE(drained["after"]["watertight"]);
-  // A sphere in a sphere becomes one sphere: straight down from the middle, the way is free.
+  // A sphere in a sphere becomes one surface: the drain runs straight down from the middle.
   const Mesh mesh = readMesh(path("drained.stl"));
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     const glm::dvec3 p = mesh.position(v);
@@ -385,7 +385,7 @@ TEST_F(Cli, HollowsAMeshOut) {
                 "--drain-hole requires --shell");
 }
 
-TEST_F(Cli, RefusesWhatMakesNoSense) {
+TEST_F(Cli, RefusesBadOptions) {
   writeTorus();
   const auto refuse = [&](const std::string& options, const std::string& message) {
     expectFailure("generate torus.ply -o f.nrrd " + options, ErrorCode::Usage, message);
@@ -440,7 +440,7 @@ TEST_F(Cli, LeavesNothingBehindWhenStopped) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   mesh.triangles.pop_back();
   writeMesh(path("torn.ply"), mesh);
-  // Far more passes than anyone waits for.
+  // Takes far longer than the test waits.
   const std::string forever = "generate torn.ply -o f.nrrd --sign paths --passes 10000000 --winding w.npy";
   EXPECT_EQ(run(forever, "timeout --preserve-status -s INT 1").code, 130);
   EXPECT_EQ(run(forever, "timeout --preserve-status -s TERM 1").code, 143);

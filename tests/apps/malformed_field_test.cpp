@@ -19,7 +19,7 @@ using namespace samples;
 
 constexpr size_t kMostMemory = size_t{100} << 20;
 
-/// Small, with sides that differ, clamped to a band: the bytes of it in that format.
+/// Returns the bytes of a small field in this format. Its sides differ and it is clamped to a band.
 std::string wholeFile(const std::string& extension) {
   const TemporaryFile file("whole" + extension, "");
   Options options;
@@ -29,7 +29,7 @@ std::string wholeFile(const std::string& extension) {
   return readBytes(file.path());
 }
 
-/// What the program says of such a file; empty if it reads it.
+/// Returns the program's message about a file with these bytes; empty if it reads the file.
 std::string refusal(const std::string& extension, const std::string& bytes) {
   const TemporaryFile file("malformed" + extension, bytes), output("converted.npy", "");
   std::filesystem::remove(output.path());
@@ -56,7 +56,7 @@ class MalformedField : public testing::TestWithParam<std::string> {};
 
 TEST_P(MalformedField, CutShort) {
   const std::string whole = wholeFile(GetParam());
-  // The last of the parts are closing marks, which not every format needs.
+  // The last bytes are closing marks, which not every format needs.
   for (size_t part = 0; part < 10; ++part) {
     const size_t size = (whole.size() - 64) * part / 9;
     EXPECT_NE(refusal(GetParam(), whole.substr(0, size)), "") << "cut to " << size << " bytes";
@@ -80,7 +80,7 @@ TEST_P(MalformedField, OneFormatUnderTheNameOfAnother) {
 }
 
 TEST_P(MalformedField, AnyWordChanged) {
-  // What is read in spite of the change has another sample, or another place.
+  // A field that is read in spite of the change has another sample or another grid.
   const std::string whole = wholeFile(GetParam());
   const size_t header = std::min<size_t>(whole.size() - 8, 700);
   for (size_t at = 0; at < header; at += 1 + header / 6)
@@ -93,7 +93,7 @@ std::string formatName(const testing::TestParamInfo<std::string>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Formats, MalformedField, testing::ValuesIn(fieldExtensions()), formatName);
 
-/// Sides of a grid that cannot be, as text.
+/// Impossible sides of a grid, as text.
 constexpr std::array kWrongSides{
     "0", "-1", "nan", "inf", "1.5", "1e300", "4000000000", "1152921504606846976", "2147483647", "two", ""};
 
@@ -207,10 +207,11 @@ TEST(MalformedNpz, WrongEntries) {
 
 TEST(MalformedNpz, Bombs) {
   std::string zeros;
-  zeros.resize(9'990'000);  // This process's own memory counts as the program's.
+  zeros.resize(9'990'000);  // The memory of this process counts as the program's.
   const std::string cube = replaced(kDictionary, "2, 2, 2", "1024, 1024, 1024");
   const std::string slightlyMore = replaced(kDictionary, "2, 2, 2", "1000, 50, 50");
-  // Declares 4 GB of 10 MB; 10 kB more than all the zeros that its bytes can hold, in the directory too.
+  // The first declares 4 GB but holds 10 MB. The others declare 10 kB more than they hold, the last one in
+  // the archive's directory too.
   EXPECT_NE(refusal(".npz", zipFile({{"distance.npy", npy(cube, zeros)}}, Zip::Deflated)), "");
   EXPECT_NE(refusal(".npz", zipFile({{"distance.npy", npy(slightlyMore, zeros)}}, Zip::Deflated)), "");
   EXPECT_NE(refusal(".npz", zipFile({{"distance.npy", npy(slightlyMore, zeros)}}, Zip::DeflatedLying)), "");

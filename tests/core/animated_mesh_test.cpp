@@ -13,7 +13,7 @@ using Track = AnimatedMesh::Track;
 
 const double kHalf = std::sqrt(0.5);
 
-/// A triangle whose corners follow: the first node, the second, and both alike.
+/// Returns a triangle whose corners follow the first node, the second, and both equally.
 AnimatedMesh triangle() {
   AnimatedMesh mesh;
   mesh.rest = {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {{0, 1, 2}}};
@@ -77,7 +77,7 @@ TEST(AnimatedMesh, StepsTurnsAndFollowsSplines) {
   track = {.node = 1,
            .target = Track::Target::Rotation,
            .times = {0.0, 2.0},
-           .values = {{0, 0, 0, 1}, {0, 0, -kHalf, -kHalf}}};  // The other name of a quarter turn.
+           .values = {{0, 0, 0, 1}, {0, 0, -kHalf, -kHalf}}};  // The same quarter turn, negated.
   mesh.tracks = {track};
   expectNear(corner(mesh, 1, 1.0), {kHalf, kHalf, 0});
   expectNear(corner(mesh, 1, 2.0), {0, 1, 0});

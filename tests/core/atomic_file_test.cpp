@@ -28,7 +28,8 @@ class AtomicFile : public testing::Test {
   static void writeText(const fs::path& path, const std::string& text) {
     writeAtomically(path, [&](std::ostream& out) { out << text; });
   }
-  /// Runs `work` in a child process, ends it with `signal` once it has begun to write; its wait status.
+  /// Runs `work` in a child process and ends it with `signal` once it has begun to write. Returns its wait
+  /// status.
   template <class Work>
   static int endedBy(int signal, Work&& work) {
     int begun[2];
@@ -119,7 +120,7 @@ TEST_F(AtomicFile, WritesDevicesInPlace) {
   }
 }
 
-TEST_F(AtomicFile, FullDiskLeavesNothing) {
+TEST_F(AtomicFile, AFullDiskLeavesNothing) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -138,14 +139,14 @@ TEST_F(AtomicFile, FullDiskLeavesNothing) {
   EXPECT_EQ(entries(), 0U);
 }
 
-TEST_F(AtomicFile, KillLeavesTheOldFile) {
+TEST_F(AtomicFile, AKillLeavesTheOldFile) {
   writeText(file("a"), "old");
   const int status = endedBy(SIGKILL, [&](int begun) { writeForever(file("a"), begun); });
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(readBytes(file("a")), "old");
 }
 
-TEST_F(AtomicFile, HandledSignalLeavesNothing) {
+TEST_F(AtomicFile, AHandledSignalLeavesNothing) {
   const int status = endedBy(SIGTERM, [&](int begun) {
     std::signal(SIGTERM, [](int) {
       removeTemporaries();

@@ -1,5 +1,5 @@
-// The same field on 1, 2 and 8 threads: the example mesh, closed and torn, as fine as its parts need several
-// blocks.
+// The field is the same on 1, 2 and 8 threads. The example mesh, closed and torn, is fine enough for every
+// parallel loop to have several blocks.
 
 #include "any_threads.h"
 #include "example_mesh.h"

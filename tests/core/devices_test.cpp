@@ -16,7 +16,7 @@ struct Attempt {
   std::string warning;
 };
 
-/// Runs on the usable device, where the work throws an error with this code.
+/// Runs work on the usable device that throws an error with this code.
 Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name) {
   Attempt attempt;
   device.run(
@@ -30,7 +30,7 @@ Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name
   return attempt;
 }
 
-/// Runs on the device without an error.
+/// Runs work on the usable device that succeeds.
 void runWell(ChosenDevice& device, const std::string& name) {
   int onGpu = 0;
   device.run(

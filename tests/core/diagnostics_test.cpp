@@ -118,7 +118,7 @@ TEST(Diagnostics, CountsFlippedFaces) {
 }
 
 TEST(Diagnostics, TracesHoles) {
-  // A grid of squares 10 x 10 without a square of 2 x 3 and one that touches its corner.
+  // A grid of 10 x 10 squares without 2 x 3 of them and one that touches their corner.
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;
   for (int y = 0; y <= 10; ++y)
@@ -143,7 +143,7 @@ TEST(Diagnostics, TracesHoles) {
 }
 
 TEST(Diagnostics, CountsEveryBoundaryEdgeInOneHole) {
-  // An edge with three faces: what is left around it does not close.
+  // The boundary around an edge with three faces does not close.
   Mesh fan;
   fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
@@ -171,12 +171,12 @@ TEST(Diagnostics, CountsCrossingFaces) {
 }
 
 TEST(Diagnostics, CountsFacesThatCrossFromEdgeToEdge) {
-  // They have a line in common whose ends lie on edges of both, and no edge passes through a face.
+  // They share a segment whose ends lie on edges of both, and no edge passes through a face.
   Mesh mesh;
   mesh.vertices = {{-1, 0, 0}, {1, 0, 0}, {0, 2, 0}, {-0.5f, 0, -1}, {0.5f, 0, 1}, {0, 2, 0}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
   EXPECT_EQ(findSelfIntersections(mesh).pairs, 1u);
-  // Turned about the same edge, or with a corner on the other's side only, they touch.
+  // Rotated about the same edge, or with one corner on the other's plane, they only touch.
   mesh.vertices[3] = {1, 0, 0};
   EXPECT_EQ(findSelfIntersections(mesh).pairs, 0u);
   mesh.vertices[3] = {0, 0, 1};
@@ -212,7 +212,7 @@ TEST(Diagnostics, FindsTheCrossingsOfASoup) {
 }
 
 TEST(Diagnostics, StopsCountingWhereAllFacesCross) {
-  // Triangles around one axis, through each other.
+  // Triangles around one axis intersect each other.
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;
   std::mt19937 random(1);

@@ -20,7 +20,7 @@ TEST(Generator, GivesTheSignedDistanceOfASphere) {
   }
 }
 
-/// One triangle of a plane, as a plate with round edges.
+// One triangle becomes a plate with round edges.
 TEST(Generator, MakesSolidsOfSheets) {
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
   const Grid grid = fitGrid(mesh, {.voxelSize = 0.1, .padding = 0.3});
@@ -78,7 +78,7 @@ TEST(Generator, StopsWhenAskedAndLeavesNothing) {
   }
 }
 
-/// Cancels at the `stopAt`-th call that comes from `stage`; returns how far the stage was then.
+/// Cancels at the `stopAt`-th call from `stage`. Returns the share of the stage that was done then.
 double shareWhenStopped(const Mesh& mesh, const Grid& grid, Options options, std::string_view stage,
                         int stopAt) {
   double share = INFINITY;
@@ -128,7 +128,7 @@ TEST(Generator, NamesTheMemoryItNeeds) {
   }
 }
 
-TEST(Generator, RefusesWhatIsNoMesh) {
+TEST(Generator, RefusesInvalidMeshes) {
   Mesh mesh = shapes::sphere(1.0, 1);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
   mesh.vertices[7].y = NAN;

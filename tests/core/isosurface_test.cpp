@@ -17,7 +17,7 @@ namespace {
 using glm::dvec3;
 using Distance = std::function<double(const dvec3&)>;
 
-/// `count` samples along each side of a cube around the origin.
+/// Returns a grid of `count` samples along each side of a cube around the origin.
 Grid gridAround(double halfSide, int count) {
   return analytic::cube(count, 2.0 * halfSide);
 }
@@ -26,7 +26,7 @@ Distance sphere(double radius) {
   return [=](const dvec3& p) { return analytic::sphere(p, radius); };
 }
 
-/// Turns by no round angle about two axes.
+/// Returns a rotation about two axes by arbitrary angles.
 glm::dmat3 turned() {
   const double a = 0.51, b = 0.83;
   const glm::dmat3 aboutZ(std::cos(a), std::sin(a), 0, -std::sin(a), std::cos(a), 0, 0, 0, 1);
@@ -108,13 +108,14 @@ TEST(Isosurface, HasTheShapeOfASphere) {
 }
 
 TEST(Isosurface, IsAsLargeAsASmallSphere) {
-  for (const double radius : {4.0, 6.0}) {  // Samples. On the sphere, vertices would make it 2 % smaller.
+  for (const double radius :
+       {4.0, 6.0}) {  // In samples. With its vertices on the sphere the mesh would be 2 % smaller.
     const Mesh mesh = isosurface(analytic::sampled(gridAround(9.0, 18), sphere(radius)));
     EXPECT_NEAR(volumeOf(mesh) / (4.0 / 3.0 * std::numbers::pi * radius * radius * radius), 1.0, 8e-3);
   }
 }
 
-/// Blades about as thick as samples are apart, all through each other.
+/// Returns a field of blades about one spacing thick that cross each other.
 double blades(const dvec3& p) {
   const glm::dmat3 turn = turned();
   dvec3 q = p;
@@ -132,7 +133,7 @@ TEST(Isosurface, HasNoFacesThatCross) {
   EXPECT_EQ(findSelfIntersections(mesh).pairs, 0u);
 }
 
-TEST(Isosurface, TellsHowFarItIsAndStops) {
+TEST(Isosurface, ReportsProgressAndStops) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.7));
   double most = 0.0;
   isosurface(field,
@@ -143,7 +144,7 @@ TEST(Isosurface, TellsHowFarItIsAndStops) {
                Error);
 }
 
-TEST(Isosurface, LiesWhereAsked) {
+TEST(Isosurface, LiesAtTheIsoValue) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.5));
   for (const double iso : {-0.2, 0.15}) {
     const Mesh mesh = isosurface(field, {.iso = iso});
@@ -160,7 +161,7 @@ TEST(Isosurface, HasTheHoleOfATorus) {
   EXPECT_NEAR(volumeOf(mesh) / truth, 1.0, 3e-3);
 }
 
-/// How far a cube's edges and corners are from its mesh, in samples: mean and largest distance.
+/// Mean and largest distance of a cube's edges and corners from its mesh, in samples.
 struct CubeError {
   double edges = 0.0, corners = 0.0, largest = 0.0;
 };
@@ -192,7 +193,7 @@ TEST(Isosurface, KeepsTheEdgesOfACube) {
     const CubeError straight = cubeError(glm::dmat3(1.0), count);
     EXPECT_LT(straight.largest, 0.2);
     const CubeError error = cubeError(turned(), count);
-    EXPECT_LT(error.edges, 0.08);  // Without planes from the samples: 0.45.
+    EXPECT_LT(error.edges, 0.08);  // It would be 0.45 without planes from the samples.
     EXPECT_LT(error.corners, 0.25);
     EXPECT_LT(error.largest, 0.5);
   }
@@ -214,7 +215,7 @@ TEST(Isosurface, ClosesASolidThatReachesTheBox) {
   EXPECT_NEAR(volumeOf(whole), 64.0, 0.1);
 }
 
-TEST(Isosurface, TakesGridsOfOneSample) {
+TEST(Isosurface, AcceptsGridsOfOneSample) {
   for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(5, 1, 1), glm::ivec3(1, 4, 3)}) {
     const Grid grid{dims, dvec3(0.0), 1.0};
     const Mesh mesh = isosurface(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
@@ -236,7 +237,7 @@ TEST(Isosurface, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Isosurface, SaysWhyThereIsNone) {
+TEST(Isosurface, ReportsWhyThereIsNone) {
   Field field = analytic::sampled(gridAround(1.0, 8), sphere(0.5));
   const auto errorOf = [&](double iso) -> std::string {
     try {

@@ -1,4 +1,4 @@
-// The stages in the paper's order, as a backend without any computation sees them.
+// The order of the stages, as a backend that computes nothing sees it.
 
 #include "method/pipeline.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// Writes down which stages run, and which functions in them.
+/// Records which stages run and which functions they call.
 class FakeBackend {
  public:
   explicit FakeBackend(const Options& options) : options_(options) {}
@@ -42,14 +42,14 @@ class FakeBackend {
   bool complete() { return runsLeft-- == 0; }
 
   Names stages, calls;
-  int runsLeft = 0;  ///< How often the lists are to outgrow their memory.
+  int runsLeft = 0;  ///< Number of runs whose lists outgrow their memory.
 
  private:
   Options options_;
 };
 static_assert(Backend<FakeBackend>);
 
-/// Beyond that, what the host reads between the stages: nothing to reverse, no holes to close.
+/// A backend whose results the host can read: there are no faces to reverse and no holes to close.
 class FakeHostBackend : public FakeBackend {
  public:
   using FakeBackend::FakeBackend;

@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Sides that all differ, so that no two axes can be exchanged unseen; an origin off the centre; a spacing
-/// that no decimal of a few digits gives.
+/// A grid whose sides all differ, so that exchanged axes show, with an origin off the centre and a spacing
+/// that takes all digits.
 Grid oddGrid() {
   return {{19, 7, 11}, {-3.25, 1e6 + 0.1, 0.7}, 1.0 / 3.0};
 }
 
-/// A sphere's distance, with every array.
+/// Returns a sphere's field with every array.
 Field sphereField(const Grid& grid, double band) {
   Field field;
   field.grid = grid;
@@ -55,7 +55,7 @@ class FieldFiles : public testing::TestWithParam<std::string> {
  protected:
   fs::path file(const std::string& name = "field") const { return folder_.path() / (name + GetParam()); }
   bool hasGrid() const { return GetParam() != ".npy"; }
-  /// How many places of a file to damage; a .vdb takes a process each time.
+  /// Number of places in a file to damage. Each takes a process for a .vdb.
   size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : most; }
   void expectSameGrid(const Field& a, const Field& b) const {
     EXPECT_EQ(a.grid.dims, b.grid.dims);
@@ -65,7 +65,7 @@ class FieldFiles : public testing::TestWithParam<std::string> {
   }
   std::string bytes() const { return readBytes(file()); }
   void setBytes(const std::string& content) const { std::ofstream(file(), std::ios::binary) << content; }
-  /// Reads what `content` makes of the file: a field, or an error that names the file.
+  /// Reads a file of these bytes: it gives a field, or an error that names the file.
   void expectRefused(const std::string& content, const std::string& what) const {
     setBytes(content);
     try {
@@ -133,7 +133,7 @@ TEST_P(FieldFiles, WriteTheSameBytesTwice) {
   EXPECT_EQ(first, bytes());
 }
 
-/// What a cut takes from the very end may be no more than closing marks: then every sample must be there.
+// A cut at the very end may remove closing marks only: every sample must then be there.
 TEST_P(FieldFiles, RefuseEveryTruncationThatLosesSamples) {
   const Field field = sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.0);
   writeField(file(), field);

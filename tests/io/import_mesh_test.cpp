@@ -66,8 +66,7 @@ void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
   EXPECT_LT(glm::distance(a, b), 1e-4 * glm::length(b)) << a.x << ' ' << a.y << ' ' << a.z;
 }
 
-// What Blender writes of one scene (data/make_scene.py): two nodes, one the other's parent, and an instance,
-// mirrored.
+// Blender wrote one scene to both formats (data/make_scene.py): a node, its child, and a mirrored instance.
 TEST(ImportMesh, ReadsBinaryFbxInItsOwnUnitsAndAxes) {
   const std::filesystem::path folder = RAYMAP_TEST_DATA;
   const Diagnostics fbx = diagnose(readMesh(folder / "scene.fbx")),
@@ -85,7 +84,7 @@ TEST(ImportMesh, ReadsBinaryFbxInItsOwnUnitsAndAxes) {
   expectNear(fbx.bounds.max, {359.8076, 523.2051, 455.5351});
 }
 
-TEST(ImportMesh, SaysWhatTheImporterSays) {
+TEST(ImportMesh, PassesOnTheImportersMessages) {
   EXPECT_TRUE(contains(errorAs(".3mf", "no archive"), "import.3mf: "));
   EXPECT_TRUE(contains(errorAs(".dae", "<COLLADA"), "import.dae: "));
   EXPECT_TRUE(
@@ -100,7 +99,7 @@ TEST(ImportMesh, CanBeUsedByManyThreads) {
   for (std::thread& thread : threads) thread.join();
 }
 
-/// Puts a program in the importer's place.
+/// Replaces the importer by a program.
 class InPlaceOfTheImporter {
  public:
   explicit InPlaceOfTheImporter(const std::string& script)

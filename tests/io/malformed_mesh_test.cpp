@@ -12,7 +12,7 @@
 #include "import_samples.h"
 
 namespace {
-// What operator new holds, so that a test can tell what a reader took.
+// Bytes held by operator new, to measure a reader's memory.
 std::atomic<size_t> held{0};
 std::atomic<size_t> peak{0};
 }  // namespace
@@ -52,8 +52,8 @@ std::vector<Sample> importedFiles() {
   return {{".3mf", threeMf()}, {".dae", dae()}, {".fbx", fbx()}};
 }
 
-/// The Error's message, or nothing if the file was read. Says so if it took too much memory or left out the
-/// name.
+/// Returns the Error's message; empty if the file was read. Fails if reading took too much memory or the
+/// message lacks the name.
 std::string refusal(const Sample& sample) {
   const TemporaryFile file("malformed" + sample.extension, sample.bytes);
   constexpr size_t kMost = size_t{50} << 20;
@@ -112,7 +112,7 @@ TEST(MalformedMesh, OneFormatUnderTheNameOfAnother) {
 }
 
 TEST(MalformedMesh, AnyByteChanged) {
-  // What is read in spite of the change is valid (see refusal).
+  // A file that is read in spite of the change is valid (see refusal).
   for (const Sample& whole : wholeFiles())
     for (size_t at = 0; at < whole.bytes.size(); ++at)
       for (const char value : {'\0', '9', '-', '\xff'}) {

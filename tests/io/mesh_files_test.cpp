@@ -1,5 +1,5 @@
-// Every mesh of a folder whose MESHES.tsv says what an independent tool measured; skipped without that
-// folder.
+// Every mesh of the folder whose MESHES.tsv holds the measurements of an independent tool; skipped without
+// it.
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>

@@ -20,7 +20,8 @@ const std::string kTarget = R"("target":{"node":2,"path":"rotation"})";
 const std::string kAnimations =
     R"("animations":[{"channels":[{"sampler":0,)" + kTarget + R"(}],"samplers":[{"input":5,"output":6}]}],)";
 
-/// A quarter turn around z of the square's right side, about its lower end, in one second.
+/// Returns the JSON of an animation: the square's right side turns a quarter around z, about its lower end,
+/// in one second.
 std::string json() {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"skin":0},)"
          R"({"children":[2]},{"translation":[1,0,0]}],"meshes":[{"primitives":[{)" +
@@ -88,7 +89,7 @@ TEST(ReadAnimatedGltf, MovesASkin) {
   expectNear(end.position(3), {0, 1, 0});
 }
 
-TEST(ReadAnimatedGltf, LetsNodesWithoutSkinMoveToo) {
+TEST(ReadAnimatedGltf, MovesNodesWithoutSkin) {
   std::string text = replaced(json(), R"({"mesh":0,"skin":0})", R"({"mesh":0})");
   text = replaced(text, R"("node":2)", R"("node":0)");
   const Reading reading = read(text);
@@ -114,7 +115,7 @@ TEST(ReadAnimatedGltf, LeavesMorphsAtRest) {
 }
 
 TEST(ReadAnimatedGltf, KeepsTheFourWeightsThatCountMost) {
-  // The second set repeats the first: eight joints a vertex, by pairs alike.
+  // The second set repeats the first: eight joints per vertex, in equal pairs.
   const std::string attributes =
       R"("attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3,"JOINTS_1":2,"WEIGHTS_1":3})";
   const Reading reading =
@@ -161,7 +162,7 @@ TEST(ReadAnimatedGltf, NamesWhatIsWrong) {
   EXPECT_TRUE(contains(errorWith(R"("channels":[)", R"("canals":[)"), "has no list of channels"));
 }
 
-TEST(ReadAnimatedGltf, RefusesNumbersThatAreNone) {
+TEST(ReadAnimatedGltf, RefusesBadNumbers) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto errorAt = [&](size_t byte, float value) {
     return errorOf(json(), buffer().replace(byte, 4, raw(value)));
@@ -174,7 +175,7 @@ TEST(ReadAnimatedGltf, RefusesNumbersThatAreNone) {
   EXPECT_TRUE(contains(errorWith("[1,0,0]", "[1e300,0,0]"), "beyond single precision"));
 }
 
-TEST(ReadAnimatedGltf, OnlyGltf) {
+TEST(ReadAnimatedGltf, RefusesOtherFormats) {
   try {
     readAnimatedMesh("mesh.obj");
     FAIL();
@@ -189,7 +190,7 @@ TEST(ReadAnimatedGltf, RealMeshes) {
   const AnimatedMesh mesh = readAnimatedMesh(path);
   EXPECT_EQ(mesh.skeleton.size(), 19u);
   EXPECT_NEAR(mesh.seconds(), 2.0, 0.05);
-  // A man of 1.5 units who walks: he neither falls apart nor leaves the place.
+  // A walking man, 1.5 units tall, neither falls apart nor leaves his place.
   for (const double seconds : {0.0, 0.5, 1.0, 1.5}) {
     const glm::dvec3 size = bounds(posed(mesh, seconds)).size();
     EXPECT_NEAR(std::max({size.x, size.y, size.z}), 1.5, 0.15);

@@ -22,7 +22,7 @@ const std::string kDataUri =
     R"("byteLength":60,"uri":"data:application/octet-stream;base64,)"
     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA\"";
 
-/// The square, seen through these nodes.
+/// Reads the square as these nodes place it.
 Mesh squareUnder(const std::string& nodes) {
   return read(readGltf, glb(gltf(kBytes, nodes))).mesh;
 }
@@ -79,7 +79,7 @@ TEST(ReadGltf, ReadsStripsFansAndPlainVertices) {
 }
 
 TEST(ReadGltf, ReadsSparseAndNormalizedAccessors) {
-  // The third corner takes the place of the first.
+  // The third corner replaces the first.
   const std::string sparse =
       R"("count":4,"sparse":{"count":1,"indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":0,"byteOffset":24}})";
   const Mesh moved = read(readGltf, glb(replaced(gltf(kBytes), R"("count":4)", sparse))).mesh;

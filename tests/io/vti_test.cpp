@@ -1,4 +1,4 @@
-// What VTK, ParaView and PyVista write: every encoding of the same samples.
+// Every encoding that VTK, ParaView and PyVista write, of the same samples.
 
 #include <gtest/gtest.h>
 #include <raymap/io.h>
@@ -23,7 +23,7 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-/// In zlib's format.
+/// Returns the bytes compressed in zlib's format.
 std::string packed(const std::string& bytes) {
   return "\x78\x9c" + deflated(bytes) +
          raw(static_cast<uint32_t>(
@@ -33,7 +33,7 @@ std::string packed(const std::string& bytes) {
 
 const std::string kSamples = raw<float>({1, 2, -3, 4, 5.5F, -6, 7, 8, 9, 10, 11, 12});
 
-/// Blocks of 20 bytes, the last of 8.
+/// Returns compressed blocks of 20 bytes, the last of 8.
 std::string blocksHeader(const std::vector<std::string>& blocks) {
   std::string header = raw<uint32_t>({static_cast<uint32_t>(blocks.size()), 20, 8});
   for (const std::string& block : blocks) header += raw(static_cast<uint32_t>(block.size()));
@@ -43,7 +43,8 @@ std::vector<std::string> blocks() {
   return {packed(kSamples.substr(0, 20)), packed(kSamples.substr(20, 20)), packed(kSamples.substr(40))};
 }
 
-/// `array` is the attributes and text of the DataArray; `appended` what follows the underscore.
+/// Returns a .vti file. `array` holds the attributes and text of the DataArray, `appended` the bytes after
+/// the underscore.
 std::string vti(const std::string& attributes, const std::string& array, const std::string& appended = "") {
   std::string text = "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\"" + attributes +
                      "><ImageData WholeExtent=\"0 2 0 1 0 1\" Origin=\"0 0 0\" Spacing=\"1 1 1\"><Piece "

@@ -7,7 +7,7 @@
 namespace raymap {
 namespace {
 
-/// What is read must have the same triangles, in the same order and from the same corner on.
+/// Checks that a mesh has the same triangles, in the same order and with the same first corners.
 void expectSame(const Mesh& read, const Mesh& written, double tolerance) {
   ASSERT_EQ(read.triangles.size(), written.triangles.size());
   for (size_t t = 0; t < read.triangles.size(); ++t)

@@ -1,5 +1,4 @@
-// Every mesh of the shared folder, on a Vulkan device and on the CPU, which other tests compare with the
-// truth.
+// Every mesh of the folder on a Vulkan device against the CPU, which other tests compare with brute force.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -12,7 +11,7 @@
 namespace raymap {
 namespace {
 
-/// A driver in software takes a minute for a million triangles; larger ones are left to real devices.
+/// Largest mesh to compare: a software rasterizer takes a minute for a million triangles.
 constexpr size_t kMostTriangles = 200'000;
 
 Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {

@@ -9,7 +9,7 @@
 namespace raymap {
 namespace {
 
-/// The comma-separated numbers of a cell, which the table rounds to six digits.
+/// Returns the comma-separated numbers of a cell, which the table rounds to six digits.
 std::vector<double> numbers(const std::string& cell) {
   std::vector<double> values;
   std::istringstream in(cell);
@@ -45,7 +45,7 @@ void expectRow(const Diagnostics& found, const std::map<std::string, std::string
   const double size = glm::length(found.bounds.size());
   expectNear(found.bounds.min, row.at("bbox_min"), size);
   expectNear(found.bounds.size(), row.at("bbox_size"), size);
-  // What cancels in an almost flat mesh's volume is beyond single precision.
+  // The volume of an almost flat mesh cancels beyond single precision.
   const double volume = numbers(row.at("signed_volume")).at(0);
   EXPECT_NEAR(found.signedVolume, volume, 6e-6 * std::abs(volume) + 1e-7 * size * found.area);
 }
@@ -64,8 +64,8 @@ TEST(Diagnostics, AgreesWithTheTableOfRealMeshes) {
       continue;  // tests/io/mesh_files_test.cpp says which must load.
     }
     const Diagnostics found = diagnose(mesh);
-    // Positions apart by less than single precision resolves (1e-16 in trimesh__featuretype.STL) are one to
-    // every stage, so what was found is what the field is made of.
+    // Every stage treats positions as one that single precision does not resolve (1e-16 apart in
+    // trimesh__featuretype.STL), and so do the diagnostics.
     if (found.weldedVertices < std::stoul(row.at("vertices_welded"))) {
       ++closedGaps;
       continue;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kAllowed = 1e-6;  // of the diagonal of the bounds
 
-/// Brute force that skips triangles whose bounding sphere lies too far away.
+/// Computes distances by brute force, but skips triangles whose bounding sphere is too far away.
 class BruteForce {
  public:
   explicit BruteForce(const Mesh& mesh) : mesh_(mesh) {
@@ -58,7 +58,7 @@ bool contains(const Grid& grid, const glm::ivec3& s) {
   return glm::all(glm::greaterThanEqual(s, glm::ivec3(0))) && glm::all(glm::lessThan(s, grid.dims));
 }
 
-/// Random samples of the grid, and as many, where there are any, within 1.5 spacings of the surface.
+/// Returns random samples of the grid and as many, if there are any, within 1.5 spacings of the surface.
 std::vector<glm::ivec3> pickSamples(const Mesh& mesh, const Grid& grid, size_t count) {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -79,7 +79,7 @@ std::vector<glm::ivec3> pickSamples(const Mesh& mesh, const Grid& grid, size_t c
   return samples;
 }
 
-/// The largest error at the samples picked, over the diagonal of the bounds.
+/// Returns the largest error at these samples, over the diagonal of the bounds.
 double largestError(const Mesh& mesh, const Grid& grid, size_t count) {
   const Field field = generate(mesh, grid).field;
   const std::vector<glm::ivec3> samples = pickSamples(mesh, grid, count);
@@ -93,7 +93,7 @@ double largestError(const Mesh& mesh, const Grid& grid, size_t count) {
   return *std::max_element(errors.begin(), errors.end()) / glm::length(bounds(mesh).size());
 }
 
-/// A box of 200 x 150 x 90 samples that cuts the mesh.
+/// Returns a box of 200 x 150 x 90 samples that cuts the mesh.
 Grid offCentreGrid(const Mesh& mesh) {
   const Box around = bounds(mesh);
   const glm::dvec3 size = around.size();

@@ -1,4 +1,4 @@
-// Every mesh of a folder becomes a watertight one; skipped without that folder.
+// The isosurface of every mesh of the folder is watertight.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -9,7 +9,7 @@
 namespace raymap {
 namespace {
 
-TEST(IsosurfaceWide, IsClosedForEveryMesh) {
+TEST(IsosurfaceOfRealMeshes, IsClosedForEveryMesh) {
   const std::vector<std::string> names = wellFormedMeshes();
   if (names.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
   Generator generator;
@@ -19,7 +19,7 @@ TEST(IsosurfaceWide, IsClosedForEveryMesh) {
     const Mesh mesh = readMesh(meshFolder() / name);
     const Box box = bounds(mesh);
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
-    // What is flat or open has no inside: as a sheet it has.
+    // Flat and open meshes have no inside, but a sheet with a thickness has.
     for (const double thickness : {0.0, longest / 16.0}) {
       Options options;
       options.thickness = thickness;
@@ -36,8 +36,8 @@ TEST(IsosurfaceWide, IsClosedForEveryMesh) {
   }
 }
 
-TEST(IsosurfaceWide, HasNoFacesThatCross) {
-  // Without fans 4 pairs, and 383 where walls are thinner than a sample.
+TEST(IsosurfaceOfRealMeshes, HasNoFacesThatCross) {
+  // There would be 4 pairs without fans, and 383 where walls are thinner than a sample.
   for (const char* name : {"common3d__fandisk.obj", "vtkdata__trumpet.obj"}) {
     const std::filesystem::path path = meshFolder() / name;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;

@@ -1,19 +1,19 @@
-// Every mesh of the shared folder: those that are right keep what they have.
+// The orientation of every mesh of the folder: faces that point the right way stay as they are.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
 #include "broken_meshes.h"
+#include "cpu_run.h"
 #include "mesh_folder.h"
-#include "outcome.h"
 
 namespace raymap {
 namespace {
 
-/// So many that all of them take seconds.
+/// Largest mesh to examine, so that the test takes seconds.
 constexpr size_t kMostTriangles = 130'000;
 
-TEST(OrientationWide, AutoKeepsEveryConsistentMesh) {
+TEST(OrientationOfRealMeshes, AutoKeepsEveryConsistentMesh) {
   if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
   size_t tried = 0;
   for (MeshRow& row : meshRows()) {
@@ -30,7 +30,7 @@ TEST(OrientationWide, AutoKeepsEveryConsistentMesh) {
   EXPECT_GT(tried, 0u);
 }
 
-TEST(OrientationWide, AutoNeverFitsWorse) {
+TEST(OrientationOfRealMeshes, AutoNeverFitsWorse) {
   if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
   size_t turned = 0;
   for (MeshRow& row : meshRows()) {
@@ -44,12 +44,12 @@ TEST(OrientationWide, AutoNeverFitsWorse) {
   EXPECT_GT(turned, 3u);
 }
 
-TEST(OrientationWide, TurnsRandomFacesBack) {
+TEST(OrientationOfRealMeshes, TurnsRandomFacesBack) {
   if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
   for (const char* name : {"libigl__bunny.off", "common3d__homer.obj", "thingi10k__79741.stl"}) {
     SCOPED_TRACE(name);
     if (!std::filesystem::exists(meshFolder() / name)) continue;
-    // With this draw most of a large patch of the last one happens to be flipped.
+    // These random numbers reverse most of a large patch of the last mesh.
     const Mesh mesh = withMissingFaces(withHoles(readMesh(meshFolder() / name), 5, 0.06, 15), 0.1, 15);
     const Grid grid = fitGrid(mesh, {.resolution = 64});
     const Generated right = runOf(mesh, grid, Orientation::Keep);

@@ -1,4 +1,4 @@
-// Every mesh of the shared folder whose winding number is a whole number everywhere.
+// The sign of every mesh of the folder whose winding number is a whole number everywhere.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace raymap {
 namespace {
 
-/// The names of the well-formed meshes that the list calls balanced.
+/// Returns the names of the well-formed meshes that are listed as balanced.
 std::vector<std::string> balancedMeshes() {
   std::vector<std::string> names;
   for (MeshRow& row : meshRows())
@@ -18,7 +18,7 @@ std::vector<std::string> balancedMeshes() {
   return names;
 }
 
-/// At random samples, as many as the size of the mesh leaves time for.
+/// Counts wrong signs at random samples, fewer on larger meshes.
 size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const std::vector<Buffer<float>>& windings) {
   constexpr size_t kTriangleTests = 3'000'000;
   const size_t samples = std::clamp<size_t>(kTriangleTests / mesh.triangles.size(), 4, 300);

@@ -63,7 +63,7 @@ TEST(Compare, EqualFieldsDoNotDiffer) {
 TEST(Compare, MeasuresAnOffsetInSamples) {
   const Grid grid = cube(20, 2.0);
   const Field a = ball(grid, 0.6);
-  const Field b = ball(grid, 0.65);  // every distance 0.05 = half a sample less
+  const Field b = ball(grid, 0.65);  // Every distance is 0.05, half a sample, less.
   const Comparison c = compareFields(a, b);
   EXPECT_NEAR(c.maxError, 0.5, 1e-5);
   EXPECT_NEAR(c.meanError, 0.5, 1e-5);
@@ -121,7 +121,7 @@ TEST(Compare, RefusesOtherGridsAndSaysHowTheyDiffer) {
   other.origin.z += 0.1;
   EXPECT_NE(refusal(a, ball(other, 0.6)).find("origin"), std::string::npos);
   other = grid;
-  other.origin.x = float(other.origin.x) + 1e-8;  // what single precision in a file leaves
+  other.origin.x = float(other.origin.x) + 1e-8;  // The rounding error of single precision in a file.
   EXPECT_EQ(refusal(a, ball(other, 0.6)), "");
 }
 

@@ -29,7 +29,7 @@ Field ball(int n, double radius) {
   return sampled(cube(n, 2.0), [&](const glm::dvec3& p) { return analytic::sphere(p, radius); });
 }
 
-/// Pixels whose middle sees the shape.
+/// Counts the pixels whose centre shows the shape.
 size_t silhouette(const Field& field, const RenderOptions& options) {
   const Shape shape(field, options);
   const Camera camera(options, shape);
@@ -49,7 +49,7 @@ ErrorCode refusal(const Field& field, const RenderOptions& options) {
   return ErrorCode::Unsupported;
 }
 
-/// How many pixels are of a colour, give or take some for light and rounding.
+/// Counts the pixels of a colour, with a tolerance for lighting and rounding.
 size_t countPixels(const Picture& picture, const std::function<bool(int, int, int)>& isWanted) {
   size_t count = 0;
   for (size_t p = 0; p < picture.rgb.size(); p += 3)
@@ -79,7 +79,7 @@ TEST(RenderDefects, ColoursWhatIsWrong) {
   EXPECT_GT(countPixels(renderDefects(crossing, options), isOrange), 50u);
 }
 
-TEST(RenderDefects, RefusesWhatIsNoMesh) {
+TEST(RenderDefects, RefusesInvalidMeshes) {
   EXPECT_THROW(renderDefects({}), Error);
 }
 
@@ -133,10 +133,10 @@ TEST(Render, SilhouetteOfASphereIsItsProjectedDisc) {
   const Camera camera(options, shape);
   const double distance = glm::length(camera.eye() - shape.centre());
   const double radius = 0.7 / field.grid.spacing;
-  const double disc = std::tan(std::asin(radius / distance)) / camera.pixelAngle();  // in pixels
+  const double disc = std::tan(std::asin(radius / distance)) / camera.pixelAngle();  // In pixels.
   const double pixels = double(silhouette(field, options));
   EXPECT_NEAR(std::sqrt(pixels / std::numbers::pi), disc, 0.5);
-  EXPECT_GT(disc, 0.35 * options.height);  // it fills the picture
+  EXPECT_GT(disc, 0.35 * options.height);  // It fills the picture.
 }
 
 TEST(Render, TheCameraStandsStillBeforeAFrame) {
@@ -146,7 +146,7 @@ TEST(Render, TheCameraStandsStillBeforeAFrame) {
   EXPECT_EQ(camera(small).eye(), camera(large).eye());
   EXPECT_EQ(camera(small).floor(), camera(large).floor());
   EXPECT_NEAR(std::sqrt(double(silhouette(large, options)) / double(silhouette(small, options))), 2.0, 0.1);
-  // The box fills the picture: its corners lie within, some of them near an edge.
+  // The box fills the picture: all its corners are visible, and some are near an edge.
   double closest = 1.0;
   const Camera still = camera(small);
   for (int corner = 0; corner < 8; ++corner) {
@@ -202,7 +202,7 @@ TEST(Render, CutShowsTheInsideAndShellHollowsIt) {
         const auto t = trace(shape, ray);
         pixels += t && shape.isOnCutFace(ray.origin + *t * ray.direction) ? 1 : 0;
       }
-    return double(pixels) * scale * scale * field.grid.spacing * field.grid.spacing;  // area, mesh units
+    return double(pixels) * scale * scale * field.grid.spacing * field.grid.spacing;  // Area in mesh units.
   };
   const double pi = std::numbers::pi;
   EXPECT_NEAR(cutFace(), pi * 0.49, 0.05);
@@ -224,7 +224,7 @@ TEST(Render, EmptyFieldIsAnEmptyPicture) {
 }
 
 TEST(Render, SolidIsCutOffByTheGrid) {
-  // All inside, far deeper than the grid is large: what shows is the grid's own box.
+  // Every sample is deeper inside than the grid is large, so the picture shows the grid's box.
   RenderOptions options{.width = 100, .height = 100, .direction = {0, 0, -1}};
   for (const double depth : {1.0, 50.0, 1e30}) {
     const Field field = sampled(cube(16, 2.0), [&](const glm::dvec3&) { return -depth; });
@@ -259,14 +259,14 @@ TEST(Render, RefusesWhatCannotBeDrawn) {
   field.band = 0.1;
   EXPECT_EQ(refusal(field, {.shell = 0.2}), ErrorCode::Usage);
   Field tiny = ball(16, 0.7);
-  tiny.grid.spacing = 1e-310;  // no distance is finite in such samples
+  tiny.grid.spacing = 1e-310;  // Distances in such samples are not finite.
   EXPECT_EQ(refusal(tiny, {}), ErrorCode::Input);
   field.distance[77] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(refusal(field, {}), ErrorCode::Input);
 }
 
 TEST(Slice, LiesAsDocumented) {
-  // A box that is long in x, medium in y, short in z, off towards high x, y and z.
+  // A box, long in x, medium in y and short in z, lies towards high x, y and z.
   const Grid grid{{40, 30, 20}, {0.5, 0.5, 0.5}, 1.0};
   const Field field = sampled(grid, [](const glm::dvec3& p) {
     return analytic::box(p - glm::dvec3(30, 22, 14), {8, 6, 4});

@@ -15,13 +15,13 @@ namespace raymap {
 using namespace cpu;
 namespace {
 
-/// A mesh with a hole, and the same with a lid on it: the surface where the winding number of the first is
-/// 1/2, for from everywhere in its plane a flat hole fills half the view.
+/// A mesh with a flat hole, and the same with a lid on it. The lid is where the winding number of the first
+/// is 1/2, because the hole fills half the view from every point in its plane.
 struct Holed {
   Mesh open, closed;
 };
 
-/// A sphere of radius 1 without the cap that `degrees` from its axis on cut away.
+/// Returns a sphere of radius 1 without the cap within `degrees` of its axis.
 Holed openSphere(double degrees, int rings = 64, int segments = 128) {
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;
@@ -63,7 +63,7 @@ Options closing(Options options = {}) {
   return options;
 }
 
-/// In samples.
+/// Returns the largest error in samples.
 double largestError(const Field& field, const Field& truth) {
   double largest = 0.0;
   for (size_t s = 0; s < truth.distance.size(); ++s)
@@ -175,7 +175,7 @@ TEST(CloseHoles, KeepsToTheBand) {
   EXPECT_LT(largestError(field, generate(holed.closed, grid, options).field), 0.1);
 }
 
-TEST(CloseHoles, TurnsWithTheThreshold) {
+TEST(CloseHoles, FollowsTheThreshold) {
   const Holed holed = openSphere(40.0);
   const Grid grid = fitGrid(holed.closed, {.resolution = 40});
   for (const double threshold : {0.3, 0.7}) {
@@ -185,7 +185,7 @@ TEST(CloseHoles, TurnsWithTheThreshold) {
   }
 }
 
-TEST(CloseHoles, TakesWhatIsNoSurface) {
+TEST(CloseHoles, AcceptsMeshesThatBoundNoSolid) {
   for (const Mesh& mesh : {shapes::soup(300, 2), openSphere(150.0).open}) {
     const Grid whole = fitGrid(mesh, {.resolution = 24});
     Grid part = whole;
@@ -241,7 +241,7 @@ TEST(CloseHoles, NeedsASign) {
   EXPECT_THROW(generate(mesh, fitGrid(mesh, {.resolution = 8}), options), Error);
 }
 
-/// The patch alone, made by the stages before it.
+/// Returns the patch alone, made from the results of the stages before it.
 HolePatch patchOf(const Mesh& mesh, const Grid& grid) {
   Progress progress;
   const Buffer<float> winding = windingOf(mesh, grid, SignMode::Harmonic).winding;

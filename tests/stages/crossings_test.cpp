@@ -38,7 +38,7 @@ std::span<const Crossing> lineOf(const AxisCrossings& axis, size_t line) {
   return {axis.entries.data() + axis.starts[line], size_t(axis.starts[line + 1] - axis.starts[line])};
 }
 
-/// Every line must enter as often as it leaves.
+/// Checks that every line enters as often as it leaves.
 void expectNoLeak(const Crossings& crossings) {
   for (int axis = 0; axis < 3; ++axis)
     for (size_t line = 0; line + 1 < crossings[axis].starts.size(); ++line) {
@@ -89,8 +89,8 @@ TEST_P(CrossingsTwins, KeepsWhatTheGridDoesNotCover) {
   EXPECT_EQ(line[1].signedCount, 1);
 }
 
-TEST_P(CrossingsTwins, OnLatticeLinesSamplesAndEdgesNothingLeaks) {
-  // Faces through samples, edges along lattice lines, vertices on samples; the diagonals too.
+TEST_P(CrossingsTwins, AreClosedOnLatticeLinesSamplesAndEdges) {
+  // Faces pass through samples, edges and diagonals lie along lattice lines, vertices on samples.
   expectNoLeak(crossingsOf(shapes::box({1, 2, 3}, {6, 5, 7}), unitGrid(9, 9, 9)));
   expectNoLeak(crossingsOf(shapes::box({0, 0, 0}, {8, 8, 8}), unitGrid(9, 9, 9)));
   expectNoLeak(crossingsOf(shapes::sphere(4.0, 3, {4, 4, 4}), unitGrid(9, 9, 9)));
@@ -113,7 +113,7 @@ TEST_P(CrossingsTwins, ManyScalesAgreeWithEachOther) {
   for (const double scale : {1.0, 4.0, 1024.0}) {
     const auto near = crossingsOf(shapes::box({0.5, 0.5, 0.5}, {4.5, 4.5, 4.5}), unitGrid(6, 6, 6));
     Mesh far = shapes::box({0.5, 0.5, 0.5}, {4.5, 4.5, 4.5});
-    // A lone far triangle beside the grid makes all arithmetic wide, and changes nothing else.
+    // A single far triangle beside the grid makes all arithmetic wide and changes nothing else.
     far = shapes::joined(
         far, makeMesh(std::vector<glm::dvec3>{{900 * scale, 7, 7}, {901 * scale, 7, 8}, {901 * scale, 9, 7}},
                       {{0, 1, 2}}));
@@ -144,8 +144,8 @@ TEST_P(CrossingsTwins, RefusesVerticesTooFarAway) {
   }
 }
 
-TEST_P(CrossingsTwins, FoldsInRoundsWhatDoesNotFitIntoOne) {
-  // 200 sheets over 256 x 256 lines: 13 million crossings, at no more than 17 places of each line.
+TEST_P(CrossingsTwins, MergesMoreCrossingsThanFitIntoOneRound) {
+  // 200 sheets over 256 x 256 lines: 13 million crossings, at most 17 distinct ones per line.
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;
   for (uint32_t sheet = 0; sheet < 200; ++sheet) {

@@ -88,7 +88,7 @@ TEST_P(DistanceTransformTwins, LeavesAnEmptyGridEmpty) {
 }
 
 TEST_P(DistanceTransformTwins, KeepsItsDigitsOnLongLines) {
-  // Two parabolas whose border lies at 1000 and a bit: float arithmetic on q^2 would move it.
+  // The border of two parabolas lies just above 1000: float arithmetic on q^2 would move it.
   const glm::ivec3 dims(2001, 1, 1);
   Buffer<float> f(2001);
   std::fill(f.begin(), f.end(), emptyCell(dims));
@@ -99,7 +99,8 @@ TEST_P(DistanceTransformTwins, KeepsItsDigitsOnLongLines) {
 }
 
 TEST_P(DistanceTransformTwins, GivesTiesToTheLowestCellOnLongLines) {
-  // Half-way between 299 and 1749, multiplied by the reciprocal of what lies between, comes out below 1024.
+  // The middle of 299 and 1749 comes out below 1024 if it is computed with the reciprocal of their
+  // difference.
   const glm::ivec3 dims(2001, 1, 1);
   Buffer<float> f(2001);
   for (const uint32_t low : {299U, 0U, 98U})
@@ -124,7 +125,7 @@ TEST(DistanceTransform, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST_P(DistanceTransformTwins, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(DistanceTransformTwins, IsTheSameForAnyOrderOfAxes) {
   const CellLattice cells{{17, 12, 9}}, turned{{9, 17, 12}};
   const Buffer<float> f = randomCells(cells.dims, 0.02, 6);
   Buffer<float> g(f.size());

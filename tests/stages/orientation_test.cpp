@@ -6,8 +6,8 @@
 #include <random>
 
 #include "broken_meshes.h"
+#include "cpu_run.h"
 #include "mesh/patches.h"
-#include "outcome.h"
 #include "shapes.h"
 #include "sign_scene.h"
 
@@ -30,7 +30,7 @@ Mesh withoutCap(Mesh mesh, double height) {
   return mesh;
 }
 
-/// No two faces share a vertex, or touch.
+/// Returns the mesh with faces that share no vertex and do not touch.
 Mesh soupOf(const Mesh& mesh) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> shift(-1e-4, 1e-4);
@@ -45,7 +45,7 @@ Mesh soupOf(const Mesh& mesh) {
   return makeMesh(p, std::move(t));
 }
 
-/// Solids of every kind, right as they are, that are not closed.
+/// Returns open solids of every kind whose faces all point the right way.
 std::vector<Mesh> rightMeshes() {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
   return {ball,
@@ -91,7 +91,7 @@ TEST(Orientation, TurnsFacesBack) {
   }
 }
 
-TEST(Orientation, NeedsNothingFromTheGivenOne) {
+TEST(Orientation, DoesNotDependOnTheGivenOne) {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
   for (const Mesh& mesh :
        {ball, soupOf(shapes::sphere(1.0, 4)), shapes::joined(ball, insideOut(shapes::sphere(0.5, 3))),
@@ -149,7 +149,7 @@ TEST(Orientation, SameForAnyNumberOfThreads) {
   EXPECT_TRUE(areSame(first, run(8)));
 }
 
-TEST(Orientation, MayBeCancelled) {
+TEST(Orientation, StopsWhenCancelled) {
   const Mesh mesh = flipped(withoutCap(shapes::sphere(1.0, 4), 0.7), 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   Options options;
@@ -168,7 +168,7 @@ TEST(Orientation, MayBeCancelled) {
   EXPECT_TRUE(field.distance.empty());
 }
 
-TEST(Orientation, AGeneratorForgetsTheLastMesh) {
+TEST(Orientation, DoesNotDependOnTheGeneratorsLastMesh) {
   const Mesh mesh = withoutCap(shapes::sphere(1.0, 4), 0.7), broken = flipped(mesh, 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 32});
   Options options;
@@ -202,7 +202,7 @@ TEST(Patches, SetDegenerateAndDoubledFacesApart) {
   EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}})).count, 3u);
 }
 
-TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
+TEST(Orientation, ExaminesFacesOnlyIfASignContradictsTheParity) {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 6), 0.95);
   const Grid grid = fitGrid(ball, {.resolution = 20});
   const Generated right = runOf(ball, grid, Orientation::Auto);
@@ -214,7 +214,7 @@ TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
     EXPECT_FALSE(turned.stats.turnedFaces.empty());
     EXPECT_EQ(countUnlike(turned, right), 0u);
   }
-  // A cap that no edge links to the rest.
+  // No edge links the cap to the rest.
   Mesh cap = shapes::sphere(1.0, 6);
   const Mesh whole = cap;
   std::erase_if(cap.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x < 0.7; });
@@ -227,7 +227,7 @@ TEST(Orientation, LooksAtFacesOnlyIfASignContradictsTheParity) {
   EXPECT_GT(countUnlike(runOf(apart, grid, Orientation::Keep), right), 20u);
 }
 
-TEST(Misfit, IsNothingWhereAllRaysAgree) {
+TEST(Misfit, IsZeroWhereAllRaysAgree) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
   const Generated right = runOf(mesh, grid, Orientation::Keep);

@@ -55,8 +55,8 @@ class RasterDistanceTwins : public TwinTest {
   }
 
   /// |p - q|^2 + f(q), where q is the best cell, d the true distance. From above: (d + sqrt(3)/2)^2 + 3/4, as
-  /// in refine_test.cpp; from below: |p - q| + sqrt(f(q)) >= d and f(q) <= 3/4. `slack`: the sample lies
-  /// beside the centre that the transform looked from.
+  /// in refine_test.cpp; from below: |p - q| + sqrt(f(q)) >= d and f(q) <= 3/4. `slack` is how far
+  /// the sample lies from the centre that the transform searched from.
   static void expectWithinBounds(const OwnCellMesh& mesh) {
     const double size = coverMesh(mesh).back().size;
     const double slack = coverMesh(mesh).size() > 1 ? std::sqrt(3.0) * size : 0.0;

@@ -40,7 +40,8 @@ double triangleDistance(const CellMesh& mesh, uint32_t t, const glm::dvec3& p) {
   return reference::triangleDistance(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
 }
 
-/// The definition: the triangles of the nearest cell, and of all cells within `reach` of it.
+/// Returns the distance by its definition: to the triangles of the nearest cell and of all cells within
+/// `reach` of it.
 double definedDistance(const CellMesh& mesh, const CellLevel& level, size_t sample, int reach) {
   const CellLattice& cells = level.grid.cells;
   const glm::ivec3 nearest = cells.cell(level.nearestCell[sample]);
@@ -54,11 +55,11 @@ double definedDistance(const CellMesh& mesh, const CellLevel& level, size_t samp
   return closest;
 }
 
-/// What the method may be off by, in samples, where the mesh lies in the box. Let d be the true distance and
-/// c the cell of the closest point: at most sqrt(3)/2 from its centre. So the transform finds a cell q with
-/// |p - q|^2 + f(q) <= (d + sqrt(3)/2)^2 + 3/4, and q holds a triangle at most |p - q| + sqrt(f(q)) away,
-/// which is largest where sqrt(f(q)) is: d + sqrt(3)/2 + sqrt(3)/2. On cells `size` times larger the sample
-/// lies up to sqrt(3)/2 cells beside the centre that the transform looked from, which counts twice.
+/// Returns the largest possible error, in samples, where the mesh lies in the box. Let d be the true distance
+/// and c the cell of the closest point: at most sqrt(3)/2 from its centre. So the transform finds a cell q
+/// with |p - q|^2 + f(q) <= (d + sqrt(3)/2)^2 + 3/4, and q holds a triangle at most |p - q| + sqrt(f(q))
+/// away, which is largest where sqrt(f(q)) is: d + sqrt(3)/2 + sqrt(3)/2. On cells `size` times larger the
+/// sample lies up to sqrt(3)/2 cells from the centre that the transform searched from, which counts twice.
 double errorBound(const std::vector<CellLevel>& levels) {
   return levels.size() == 1 ? std::numbers::sqrt3 : 2.0 * std::numbers::sqrt3 * levels[1].grid.cells.size;
 }
@@ -82,7 +83,7 @@ class RefineTwins : public TwinTest {
     return false;
 #endif
   }
-  /// Software that stands in for a device takes its time.
+  /// A software rasterizer takes too long for more.
   static int fine(int resolution) {
     return isOnCpu() ? resolution : resolution / 2;
   }
@@ -172,7 +173,7 @@ TEST(Refine, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST_P(RefineTwins, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(RefineTwins, IsTheSameForAnyOrderOfAxes) {
   const OwnCellMesh mesh = onGrid(shapes::soup(80, 9), fine(20));
   OwnCellMesh turned = onGrid(shapes::soup(80, 9), fine(20));
   for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
@@ -187,7 +188,7 @@ TEST_P(RefineTwins, DoesNotCareHowTheAxesAreCalled) {
 
 TEST_P(RefineTwins, MovesByWholeSamplesWithTheMesh) {
   OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 3), 20);
-  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // so that moving is exact
+  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // Moving is then exact.
   mesh.dims = {40, 40, 40};
   const Result here = refine(mesh, 0);
   const glm::ivec3 step(3, 9, 14);

@@ -50,8 +50,8 @@ std::vector<uint32_t> list(const VoxelGrid& grid, glm::ivec3 cell) {
   return {triangles.begin(), triangles.end()};
 }
 
-/// By how much a cube around `centre` overlaps (or, if negative, misses) the triangle along the worst of the
-/// 13 separating axes, each made a unit vector.
+/// Returns by how much a cube around `centre` overlaps (or, if negative, misses) the triangle along the worst
+/// of the 13 separating axes, as unit vectors.
 double overlap(const CellMesh& mesh, size_t t, const glm::dvec3& centre, double half) {
   glm::dvec3 v[3];
   for (int c = 0; c < 3; ++c) v[c] = glm::dvec3(mesh.corner(t, c)) - centre;
@@ -125,7 +125,7 @@ TEST_P(VoxelGridTwins, GivesATriangleOnAFaceToBothCells) {
 }
 
 TEST(VoxelGrid, IsTheSameForAnyNumberOfThreads) {
-  const OwnCellMesh mesh = cellSoup(20000, {70, 60, 55}, 1);  // several blocks of the prefix sum
+  const OwnCellMesh mesh = cellSoup(20000, {70, 60, 55}, 1);  // Several blocks of the prefix sum.
   const VoxelGrid one = buildOnCpu(mesh, unitCells(mesh), 1);
   EXPECT_EQ(one.starts[one.cells.count()], one.triangles.size());
   EXPECT_TRUE(std::ranges::is_sorted(one.starts));
@@ -140,19 +140,19 @@ TEST(VoxelGrid, IsTheSameForAnyNumberOfThreads) {
 
 TEST_P(VoxelGridTwins, MovesByWholeCellsWithTheMesh) {
   OwnCellMesh mesh = cellSoup(500, {12, 12, 12}, 2);
-  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // so that moving is exact
+  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // Moving is then exact.
   mesh.dims = {40, 40, 40};
   const glm::ivec3 step(5, 9, 16);
   OwnCellMesh moved = cellSoup(500, {12, 12, 12}, 2);
   moved.dims = mesh.dims;
   for (size_t v = 0; v < mesh.vertices.size(); ++v) moved.vertices[v] = mesh.vertices[v] + glm::vec3(step);
   const VoxelGrid here = build(mesh), there = build(moved);
-  for (int k = 10; k < 24; ++k)  // clear of the border, which cuts one of both
+  for (int k = 10; k < 24; ++k)  // Away from the border, which cuts one of both.
     for (int j = 10; j < 31; ++j)
       for (int i = 10; i < 35; ++i) ASSERT_EQ(list(here, {i, j, k}), list(there, glm::ivec3(i, j, k) + step));
 }
 
-TEST_P(VoxelGridTwins, DoesNotCareHowTheAxesAreCalled) {
+TEST_P(VoxelGridTwins, IsTheSameForAnyOrderOfAxes) {
   const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
   OwnCellMesh turned = cellSoup(500, {9, 12, 15}, 4);
   for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};

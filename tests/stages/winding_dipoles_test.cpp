@@ -22,7 +22,8 @@ struct Settled {
   double exact(size_t s) const { return reference::windingNumber(mesh, samplePosition(grid, s)); }
 };
 
-/// Every sample starts at `value`, the threshold being 0.5, as if it lay `distance` cells from the surface.
+/// Settles winding numbers that all start at `value`, `distance` cells from the surface, with a threshold of
+/// 0.5.
 Settled settled(const Mesh& mesh, int resolution, float value, float distance = 0.0f) {
   Settled result{.mesh = mesh, .grid = fitGrid(mesh, {.resolution = resolution})};
   result.winding.resize(result.grid.sampleCount());
@@ -46,14 +47,14 @@ Mesh openSphere() {
 }
 
 TEST(WindingDipoles, AreTheExactWindingNumber) {
-  // One triangle, a leaf that is not full, one full leaf and one more, thousands.
+  // One triangle, a leaf that is not full, one triangle more than a leaf holds, and thousands.
   for (const Mesh& mesh :
        {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
     const Settled result = settled(mesh, 16, 0.5f);
     double sum = 0.0;
     for (size_t s = 0; s < result.winding.size(); ++s) {
       const double error = std::abs(result.winding[s] - result.exact(s));
-      // What comes near the threshold is looked at more closely.
+      // Numbers near the threshold are computed more accurately.
       ASSERT_LT(error, std::abs(std::abs(result.winding[s]) - 0.5) < 0.015 ? 0.005 : 0.05);
       sum += error;
     }
@@ -72,11 +73,11 @@ TEST(WindingDipoles, HaveTheSignOfTheExactNumber) {
 TEST(WindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
   for (const float w : settled(openSphere(), 12, 0.7f).winding) ASSERT_EQ(w, 0.7f);
   for (const float w : settled(openSphere(), 12, -0.3f).winding) ASSERT_EQ(w, -0.3f);
-  // Far from the surface less is far.
+  // The lattice's error is smaller far from the surface.
   for (const float w : settled(openSphere(), 12, 0.55f, 20.0f).winding) ASSERT_EQ(w, 0.55f);
 }
 
-TEST(WindingDipoles, StandUpToDegenerateTriangles) {
+TEST(WindingDipoles, SurviveDegenerateTriangles) {
   Mesh mesh = openSphere();
   mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
   for (const float w : settled(mesh, 16, 0.5f).winding) ASSERT_TRUE(std::abs(w) < 1.1f);

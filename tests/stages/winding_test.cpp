@@ -20,7 +20,7 @@ Grid unitGrid(glm::ivec3 dims) {
   return {.dims = dims, .origin = glm::dvec3(0.0), .spacing = 1.0};
 }
 
-/// On a closed mesh every mode gives the whole number, at every sample off the surface.
+/// Checks that every mode gives the exact whole number on a closed mesh, at every sample off the surface.
 void expectExact(const Mesh& mesh, const Grid& grid, size_t stride = 1) {
   for (const SignMode mode : kModes) {
     const WindingResult result = windingOf(mesh, grid, mode);
@@ -90,7 +90,7 @@ TEST(Winding, SameForAnyNumberOfThreads) {
 }
 
 struct Deviation {
-  double wrongSigns = 0.0;  ///< Share of samples.
+  double wrongSigns = 0.0;  ///< As a share of the samples.
   double meanError = 0.0;
 };
 
@@ -136,7 +136,7 @@ TEST(Winding, NearTheGeneralizedNumberWithAFifthOfTheFacesMissing) {
   EXPECT_LT(harmonic.meanError, 0.03);
 }
 
-/// Triangles whose corners are exact in single precision, inside the box of 24 cells but for a margin of 4.
+/// Returns triangles whose corners are exact in single precision, in a box of 24 cells but for a margin of 4.
 Mesh exactSoup(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<glm::dvec3> p(size_t(count) * 3);
@@ -154,7 +154,7 @@ Mesh moved(const Mesh& mesh, Move&& move) {
   return makeMesh(p, mesh.triangles);
 }
 
-/// The same field, and the one over the moved mesh, at the samples that `move` links.
+/// Compares the field with that of the moved mesh, at the samples that `move` links.
 template <class Move>
 void expectMovesAlong(const Mesh& mesh, Move&& move, SignMode mode, float tolerance) {
   const Grid grid = unitGrid({25, 25, 25});
@@ -176,7 +176,7 @@ TEST(Winding, FollowsTheMesh) {
   expectMovesAlong(mesh, shift, SignMode::Rays, 0.0f);
   expectMovesAlong(mesh, turn, SignMode::Rays, 1e-6f);
   expectMovesAlong(mesh, relabel, SignMode::Rays, 1e-6f);
-  // The coarse lattices lie differently: what one V-cycle leaves, not rounding.
+  // The coarse lattices lie differently, so the fields differ by the residual of one V-cycle.
   expectMovesAlong(mesh, shift, SignMode::Harmonic, 0.35f);
   expectMovesAlong(mesh, turn, SignMode::Harmonic, 0.35f);
   expectMovesAlong(mesh, relabel, SignMode::Harmonic, 0.35f);
@@ -208,7 +208,7 @@ TEST(Winding, AnOffsetOfZeroAddsNothingToTheRays) {
 }
 
 TEST(Winding, OffsetsBeyondTheGridEndAtZero) {
-  // From far outside, every path is a ray: Eq. 6 counts what lies between.
+  // Every path from far outside is a ray: Eq. 6 counts the crossings in between.
   const Mesh mesh = shapes::soup(40, 2);
   const Grid grid = fitGrid(mesh, {.resolution = 12});
   const RayMap map = rayMapOf(mesh, grid);

@@ -1,6 +1,6 @@
 #pragma once
 
-// That a field is the same, bit for bit, for any number of threads.
+// Checks that a field is the same, bit for bit, for any number of threads.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -15,7 +15,8 @@ bool sameBits(const Buffer<T>& a, const Buffer<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-/// Every array of the field on one thread against those on each number of `threads`, in one generator.
+/// Compares every array of the field made on one thread with those made on each number of `threads`, by one
+/// generator.
 inline void expectSameForAnyThreads(const Mesh& mesh, const Grid& grid, Options options,
                                     std::initializer_list<int> threads) {
   options.triangleIds = options.distance != DistanceMode::Raster;

@@ -18,7 +18,7 @@ inline Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::
   return result;
 }
 
-/// Cuts round holes, of a share of the diagonal, around random vertices.
+/// Cuts round holes around random vertices; `radius` is a share of the diagonal.
 inline Mesh withHoles(const Mesh& mesh, int count, double radius, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<glm::dvec3> centres;

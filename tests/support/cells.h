@@ -29,11 +29,11 @@ struct OwnCellMesh : CellMesh {
     triangles = own;
     dims = grid.dims;
   }
-  /// The same surface back as a mesh, whose unit is the cell: what a reference must be measured against.
+  /// Returns the same surface as a mesh in cell units, for a reference to measure.
   Mesh asMesh() const { return {{vertices.begin(), vertices.end()}, own, glm::dvec3(0.0)}; }
 };
 
-/// Triangles of many sizes, 0.02 to 20 cells, all around a grid of these dims and a little beyond.
+/// Returns random triangles of 0.02 to 20 cells, all over a grid of these dims and a little beyond.
 inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -49,7 +49,7 @@ inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
   return {makeMesh(p, std::move(t)), Grid{dims, glm::dvec3(0.0), 1.0}};
 }
 
-/// Values of cells, of which that share holds triangles.
+/// Returns squared distances of cells of which this share holds triangles.
 inline Buffer<float> randomCells(glm::ivec3 dims, double share, unsigned seed, bool isWhole = false) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -61,7 +61,7 @@ inline Buffer<float> randomCells(glm::ivec3 dims, double share, unsigned seed, b
   return squared;
 }
 
-/// The stages from the voxel grid to the distance transform.
+/// Runs the stages from the voxel grid to the distance transform.
 inline std::vector<CellLevel> nearestCells(const CellMesh& mesh) {
   Progress progress;
   std::vector<CellLevel> levels;

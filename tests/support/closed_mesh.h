@@ -1,6 +1,6 @@
 #pragma once
 
-// What a mesh must be to bound a solid.
+// Checks that a mesh bounds a solid.
 
 #include <gtest/gtest.h>
 #include <raymap/mesh.h>
@@ -17,7 +17,7 @@ struct Wedge {
   uint32_t corner, next, before;
 };
 
-/// Whether the faces around a vertex, sorted as they come, make one ring.
+/// Returns whether the faces around a vertex, in any order, form one ring.
 inline bool isRing(const Wedge* begin, const Wedge* end) {
   uint32_t at = begin->next;
   ptrdiff_t steps = 0;
@@ -30,7 +30,8 @@ inline bool isRing(const Wedge* begin, const Wedge* end) {
   return steps == end - begin;
 }
 
-/// Every edge has exactly two faces that use it in opposite directions, and every vertex one ring of faces.
+/// Checks that exactly two faces use every edge, in opposite directions, and that the faces around every
+/// vertex form one ring.
 inline testing::AssertionResult isClosed(const Mesh& mesh) {
   std::vector<Wedge> wedges;
   for (const glm::uvec3& t : mesh.triangles)

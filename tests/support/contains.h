@@ -6,7 +6,7 @@
 
 namespace raymap {
 
-/// For EXPECT_TRUE, which then shows the text.
+/// Returns whether the text contains the part. EXPECT_TRUE then shows both.
 inline testing::AssertionResult contains(const std::string& text, const std::string& part) {
   if (text.find(part) != text.npos) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "'" << part << "' is not in '" << text << "'";

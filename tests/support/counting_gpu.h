@@ -1,6 +1,6 @@
 #pragma once
 
-// A GPU backend for tests of what chooses and keeps devices: it counts, and fails on request.
+// A GPU backend without a GPU, for tests of how devices are chosen and kept.
 
 #include <functional>
 #include <memory>
@@ -10,7 +10,8 @@
 
 namespace raymap {
 
-/// Replaces the GPU backend for as long as it lives. Lists four devices, of which only the last is usable.
+/// Replaces the GPU backend while it lives and counts what is asked of it. It lists four devices, of which
+/// only the last is usable.
 class CountingGpu {
  public:
   static constexpr size_t kUsable = 3;
@@ -25,7 +26,7 @@ class CountingGpu {
   CountingGpu& operator=(const CountingGpu&) = delete;
 
   static inline int lists = 0, opens = 0, runs = 0;
-  /// Called by every run, for errors to be thrown.
+  /// Called by every run; it may throw.
   static inline std::function<void()> onGenerate;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the exact distance is tested on, whatever computes it.
+// Meshes and grids for tests of the exact distance on any backend.
 
 #include <raymap/grid.h>
 
@@ -21,11 +21,12 @@ struct ExactCase {
   Grid grid;
 };
 
-/// Lines in no special direction: two corners the same, or all on one line. Their normals are all rounding.
+/// Returns degenerate triangles along arbitrary lines: two corners are equal, or all lie on the line. Their
+/// normals are rounding errors only.
 inline Mesh linesAsTriangles() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<glm::dvec3> p{{-1, -1, -1}, {1, 1, 1}};  // so that rounding does not move them much
+  std::vector<glm::dvec3> p{{-1, -1, -1}, {1, 1, 1}};  // Limits how far rounding moves the others.
   std::vector<glm::uvec3> triangles;
   for (uint32_t n = 0; n < 40; ++n) {
     const glm::dvec3 a(uniform(random), uniform(random), uniform(random));
@@ -43,8 +44,8 @@ inline Mesh degenerateTriangles() {
   return makeMesh(p, {{0, 0, 0}, {0, 1, 2}, {3, 4, 5}, {5, 5, 1}, {2, 1, 0}});
 }
 
-/// Every shape at the resolution given and at a very low one; boxes that cut or miss the mesh; degenerate
-/// triangles; far from the origin.
+/// Returns every shape at this resolution and at a very low one, boxes that cut or miss the mesh, degenerate
+/// triangles, and meshes far from the origin.
 inline std::vector<ExactCase> exactCases(int resolution) {
   std::vector<ExactCase> cases;
   const auto add = [&](const std::string& name, const Mesh& mesh, GridOptions options) {
@@ -72,8 +73,8 @@ inline std::vector<ExactCase> exactCases(int resolution) {
   return cases;
 }
 
-/// A field against brute force at random samples; the largest error over the diagonal of the bounds, both of
-/// the distance and of that to the triangle named.
+/// Compares a field with brute force at random samples. Returns the largest error over the diagonal of the
+/// bounds, of the distance and of that to the closest triangle it names.
 inline double largestExactError(const Mesh& mesh, const Grid& grid, std::span<const float> distance,
                                 std::span<const uint32_t> triangle, int samples) {
   std::mt19937 random(7);

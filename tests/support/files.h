@@ -16,11 +16,11 @@ inline std::string readBytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// A folder that goes with the object, and all that is in it.
+/// A folder that is removed, with all files in it, when the object ends.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    // The space is there to be stumbled over.
+    // The space in the name finds paths that are not quoted.
     std::string pattern = (std::filesystem::temp_directory_path() / "raymap test XXXXXX").string();
     if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make the folder " + pattern);
     path_ = pattern;

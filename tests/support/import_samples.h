@@ -6,7 +6,7 @@
 
 namespace raymap::samples {
 
-/// `resources` beside object 1, the square; `build` places objects.
+/// Returns a 3MF file. `resources` are further objects beside object 1, the square; `build` places objects.
 inline std::string threeMf(const std::string& resources, const std::string& build) {
   const std::string square =
       R"(<object id="1" type="model"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>)"
@@ -33,7 +33,7 @@ inline std::string threeMf() {
   return threeMf("", R"(<item objectid="1"/>)");
 }
 
-/// A polygon of four corners, under `nodes`.
+/// Returns a DAE file: one polygon with four corners, under `nodes`.
 inline std::string dae(const std::string& nodes = R"(<node><instance_geometry url="#g"/></node>)") {
   return R"(<?xml version="1.0" encoding="utf-8"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">)"
          R"(<asset><unit name="meter" meter="1"/><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>)"

@@ -1,6 +1,6 @@
 #pragma once
 
-// The folder of real meshes that wide tests look at where it exists.
+// The folder of real meshes, for tests that are skipped without it.
 
 #include <gtest/gtest.h>
 
@@ -14,16 +14,16 @@
 
 namespace raymap {
 
-/// RAYMAP_MESHES, or the folder beside the project.
+/// Returns the folder that the environment variable RAYMAP_MESHES names, else the one beside the project.
 inline std::filesystem::path meshFolder() {
   const char* folder = std::getenv("RAYMAP_MESHES");
   return folder ? folder : RAYMAP_SHARED_MESHES;
 }
 
-/// A line of the folder's list, by column.
+/// A row of the folder's MESHES.tsv, by column.
 using MeshRow = std::map<std::string, std::string>;
 
-/// The list; empty if there is no folder.
+/// Returns all rows; none if there is no folder.
 inline std::vector<MeshRow> meshRows() {
   std::ifstream list(meshFolder() / "MESHES.tsv");
   const auto split = [](const std::string& line) {
@@ -44,7 +44,7 @@ inline std::vector<MeshRow> meshRows() {
   return rows;
 }
 
-/// The names of all meshes that the list does not call malformed.
+/// Returns the names of all meshes that are not listed as malformed.
 inline std::vector<std::string> wellFormedMeshes() {
   std::vector<std::string> names;
   for (MeshRow& row : meshRows())

@@ -19,7 +19,7 @@ namespace raymap::samples {
 
 using raymap::contains;
 
-/// The bytes of a value, the other way round if asked.
+/// Returns the bytes of a value, in reverse order if `swap`.
 template <class T>
 std::string raw(T value, bool swap = false) {
   std::string bytes(sizeof value, '\0');
@@ -63,12 +63,13 @@ inline std::string binaryPly(bool bigEndian = false) {
 inline const std::string kOff = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 inline const std::string kObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 
-/// What glTF files refer to: the square's corners, then its six indices.
+/// Returns the buffer of the glTF files: the square's corners, then its six indices.
 inline std::string gltfBuffer() {
   return raw<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + raw<uint16_t>({0, 1, 2, 0, 2, 3});
 }
 
-/// `nodes` and `primitive` are JSON; `buffer` is all but the braces of buffers[0].
+/// Returns a glTF file. `nodes` and `primitive` are JSON; `buffer` is the content of buffers[0] without its
+/// braces.
 inline std::string gltf(const std::string& buffer, const std::string& nodes = R"({"mesh":0})",
                         const std::string& primitive = R"("attributes":{"POSITION":0},"indices":1)") {
   return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
@@ -90,7 +91,7 @@ inline std::string glb() {
   return glb(gltf(R"("byteLength":60)"));
 }
 
-/// `text`, with one occurrence of `from` replaced: what is wrong with a sample stays readable.
+/// Returns `text` with its first `from` replaced, so that tests show what is wrong with a sample.
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
@@ -99,7 +100,7 @@ using Reader = Mesh (*)(const MeshFile& file);
 
 struct Reading {
   Mesh mesh;
-  std::string warnings;  ///< A line each.
+  std::string warnings;  ///< One per line.
 };
 
 inline Reading read(Reader reader, const std::string& bytes) {
@@ -110,7 +111,7 @@ inline Reading read(Reader reader, const std::string& bytes) {
   return result;
 }
 
-/// The message of the Error that reading throws; empty if it throws none.
+/// Returns the message of the Error that reading throws; empty if it throws none.
 inline std::string errorOf(Reader reader, const std::string& bytes) {
   try {
     read(reader, bytes);
@@ -120,7 +121,7 @@ inline std::string errorOf(Reader reader, const std::string& bytes) {
   return {};
 }
 
-/// The sum of the faces' normals times their areas: (0, 0, 1) for the square.
+/// Returns the sum of the faces' normals times their areas: (0, 0, 1) for the square.
 inline glm::dvec3 areaVector(const Mesh& mesh) {
   glm::dvec3 sum(0.0);
   for (const glm::uvec3& t : mesh.triangles) {
@@ -136,7 +137,7 @@ inline bool isSquare(const Mesh& mesh) {
          areaVector(mesh) == glm::dvec3(0, 0, 1);
 }
 
-/// A file that goes with the object, alone in its folder.
+/// A file, alone in its folder, that is removed when the object ends.
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& name, const std::string& bytes) : path_(folder_.path() / name) {

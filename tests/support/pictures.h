@@ -9,7 +9,7 @@
 
 namespace raymap {
 
-/// As close as render.h promises of pictures by a device and by the CPU.
+/// Checks that pictures of a device and of the CPU are as close as render.h promises.
 inline void expectClose(const Picture& ours, const Picture& theirs) {
   ASSERT_EQ(ours.rgb.size(), theirs.rgb.size());
   const size_t pixels = ours.rgb.size() / 3;

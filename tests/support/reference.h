@@ -1,6 +1,6 @@
 #pragma once
 
-// Independent truth, in double precision and as slow as it comes.
+// Brute-force references in double precision, independent of the code under test.
 
 #include <raymap/mesh.h>
 
@@ -17,14 +17,14 @@ inline double segmentDistance(const glm::dvec3& p, const glm::dvec3& a, const gl
   return glm::length(p - (a + t * e));
 }
 
-/// Distance from p to the triangle abc, degenerate ones included.
+/// Returns the distance from p to the triangle abc, which may be degenerate.
 inline double triangleDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
                                const glm::dvec3& c) {
   const glm::dvec3 n = glm::cross(b - a, c - a);
   const double edges =
       std::min({segmentDistance(p, a, b), segmentDistance(p, b, c), segmentDistance(p, c, a)});
   const double area = glm::length(n);
-  // Where rounding decides which way the normal points, no point inside lies far from the edges.
+  // Where rounding decides the normal's direction, every point of the triangle is close to an edge.
   const double longest2 = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
   if (!(area > 1e-8 * longest2)) return edges;
   const bool inside = glm::dot(glm::cross(n, b - a), p - a) >= 0.0 &&
@@ -33,7 +33,7 @@ inline double triangleDistance(const glm::dvec3& p, const glm::dvec3& a, const g
   return inside ? std::min(edges, std::abs(glm::dot(n, p - a)) / area) : edges;
 }
 
-/// Distance from p to the closest triangle.
+/// Returns the distance from p to the closest triangle.
 inline double distance(const Mesh& mesh, const glm::dvec3& p) {
   double closest = INFINITY;
   for (const glm::uvec3& t : mesh.triangles)
@@ -42,8 +42,8 @@ inline double distance(const Mesh& mesh, const glm::dvec3& p) {
   return closest;
 }
 
-/// The exact generalized winding number (Jacobson et al. 2013; solid angles by Van Oosterom & Strackee 1983),
-/// +1 inside an outward-oriented closed surface.
+/// Returns the exact generalized winding number (Jacobson et al. 2013; solid angles by Van Oosterom &
+/// Strackee 1983). It is +1 inside a closed surface whose faces point outwards.
 inline double windingNumber(const Mesh& mesh, const glm::dvec3& p) {
   double angle = 0.0;
   for (const glm::uvec3& t : mesh.triangles) {

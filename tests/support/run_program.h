@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs a program and tells how it ended, what it said on stderr and how much memory it took.
+// Runs a program and returns its exit code, its stderr and its peak memory.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -19,9 +19,9 @@
 namespace raymap {
 
 struct ProgramRun {
-  int code = -1;  ///< -1 if a signal ended it.
+  int code = -1;  ///< Exit code; -1 if a signal ended the program.
   std::string error;
-  size_t peakBytes = 0;  ///< The largest resident size that it, or any process it waited for, had.
+  size_t peakBytes = 0;  ///< Largest resident size of the program and of any process it waited for.
 };
 
 inline ProgramRun runProgram(std::vector<std::string> arguments) {

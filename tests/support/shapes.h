@@ -13,7 +13,7 @@
 
 namespace raymap::shapes {
 
-/// An axis-aligned box of 12 triangles.
+/// Returns an axis-aligned box of 12 triangles.
 inline Mesh box(glm::dvec3 low, glm::dvec3 high) {
   std::vector<glm::dvec3> p;
   for (int i = 0; i < 8; ++i)
@@ -32,7 +32,7 @@ inline Mesh box(glm::dvec3 low, glm::dvec3 high) {
                       {3, 7, 5}});
 }
 
-/// An icosahedron subdivided `levels` times, vertices on the sphere.
+/// Returns an icosahedron subdivided `levels` times, with its vertices on the sphere.
 inline Mesh sphere(double radius, int levels, glm::dvec3 centre = glm::dvec3(0.0)) {
   const double g = std::numbers::phi;
   std::vector<glm::dvec3> p{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
@@ -59,7 +59,7 @@ inline Mesh sphere(double radius, int levels, glm::dvec3 centre = glm::dvec3(0.0
   return makeMesh(p, std::move(t));
 }
 
-/// A torus around z: `major` and `minor` radii, n x m quads, closed.
+/// Returns a closed torus around z of n x m quads.
 inline Mesh torus(double major, double minor, int n, int m) {
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;
@@ -75,7 +75,7 @@ inline Mesh torus(double major, double minor, int n, int m) {
   return makeMesh(p, std::move(t));
 }
 
-/// `count` random unconnected triangles in the unit cube.
+/// Returns `count` random triangles in the unit cube that share no vertices.
 inline Mesh soup(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -86,7 +86,8 @@ inline Mesh soup(int count, unsigned seed) {
   return makeMesh(p, std::move(t));
 }
 
-/// The boundary of a set of unit cells, grown by `cell`: all vertices on samples, all faces through samples.
+/// Returns the boundary of a set of cells, each `cell` wide: all vertices lie on samples, all faces pass
+/// through samples.
 inline Mesh voxels(const std::vector<glm::ivec3>& cells, int cell) {
   Mesh mesh;
   const auto filled = [&](glm::ivec3 c) { return std::find(cells.begin(), cells.end(), c) != cells.end(); };
@@ -111,7 +112,7 @@ inline Mesh voxels(const std::vector<glm::ivec3>& cells, int cell) {
   return makeMesh(p, std::move(t));
 }
 
-/// Both meshes in one.
+/// Returns both meshes in one.
 inline Mesh joined(const Mesh& a, const Mesh& b) {
   std::vector<glm::dvec3> p;
   for (uint32_t v = 0; v < a.vertices.size(); ++v) p.push_back(a.position(v));

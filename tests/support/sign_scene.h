@@ -1,6 +1,6 @@
 #pragma once
 
-// A mesh on a grid, taken through the stages that lead to its sign.
+// Runs a mesh on a grid through the stages that lead to its sign.
 
 #include <raymap/raymap.h>
 
@@ -16,7 +16,7 @@ namespace raymap {
 
 using namespace cpu;
 
-/// The mesh in cell units: sample (i, j, k) at (i, j, k).
+/// Returns the mesh in cell units: sample (i, j, k) lies at (i, j, k).
 inline CellMesh cellMesh(const Mesh& mesh, const Grid& grid) {
   CellMesh cells;
   cells.vertices.resize(mesh.vertices.size());
@@ -45,7 +45,7 @@ struct WindingResult {
   double doubtfulShare = 0.0;
 };
 
-/// The winding numbers of a whole run.
+/// Returns the winding numbers of a whole run.
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, Options options) {
   options.winding = true;
   Generated run = generate(mesh, grid, options);
@@ -68,8 +68,8 @@ inline glm::dvec3 samplePosition(const Grid& grid, size_t s) {
   return grid.position(glm::dvec3(glm::u64vec3(s % nx, s / nx % ny, s / nx / ny)));
 }
 
-/// How many of every `stride`-th sample have a sign other than the exact generalized winding number's, not
-/// counting those within 1e-6 of the diagonal from the surface.
+/// Counts, among every `stride`-th sample, those whose sign is not that of the exact generalized winding
+/// number. Samples within 1e-6 of the diagonal from the surface do not count.
 inline size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const Buffer<float>& winding,
                               size_t stride = 1, double threshold = 0.5) {
   size_t wrong = 0;

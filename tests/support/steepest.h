@@ -7,8 +7,8 @@
 
 namespace raymap {
 
-/// The largest change of the signed distance from a sample to the next, in samples: 1 in a true distance
-/// field.
+/// Returns the largest change of the signed distance between adjacent samples, in spacings. It is 1 in a true
+/// distance field.
 inline double steepest(const Field& field) {
   const glm::ivec3& dims = field.grid.dims;
   double steepest = 0.0;

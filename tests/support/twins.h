@@ -1,6 +1,6 @@
 #pragma once
 
-// Tests of a stage that run on the CPU and, where the build has it, on Vulkan.
+// Fixture of tests that run a stage on the CPU and, if built, on Vulkan.
 
 #include <gtest/gtest.h>
 

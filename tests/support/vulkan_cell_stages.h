@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages over cells, run on a device, and their results in the CPU's form.
+// Runs the stages over cells on a device and returns their results in the CPU's form.
 
 #include <array>
 
@@ -35,7 +35,7 @@ struct RefineResult {
   Buffer<uint32_t> triangle;
 };
 
-/// Runs the stages on the device of the tests; stages are kept from one mesh to the next.
+/// Runs the stages on the device of the tests. The stage objects are kept from one mesh to the next.
 class CellStages : public VulkanTest {
  public:
   static cpu::VoxelGrid voxelGrid(const CellMesh& mesh, const CellLattice& cells) {
@@ -104,7 +104,7 @@ class CellStages : public VulkanTest {
     return result;
   }
 
-  /// The levels before the transform.
+  /// Returns the levels before the distance transform.
   static std::vector<cpu::CellLevel> rasterize(const CellMesh& mesh) {
     const UploadedMesh uploaded = uploadMesh(mesh);
     std::vector<cpu::CellLevel> result;
@@ -143,7 +143,7 @@ class CellStages : public VulkanTest {
             upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles")};
   }
 
-  /// Runs what `record` records until the stage has the room it needs; gives how often.
+  /// Runs what `record` records until the stage's lists fit into their memory. Returns the number of runs.
   template <class Stage, class Reserve, class Record>
   static int runUntilItFits(Stage& stage, Reserve&& reserve, Record&& record) {
     reserve(ListSizes{});
@@ -157,7 +157,7 @@ class CellStages : public VulkanTest {
     return runs;
   }
 
-  /// What a stage counted.
+  /// Returns the list sizes that a stage counted.
   template <class Stage>
   static ListSizes sizes(const Stage& stage) {
     return sizesOf(download<CellRunsTotals>(stage.totals()).at(0));
@@ -193,7 +193,7 @@ class CellStages : public VulkanTest {
     return toBuffer(download<T>(buffer));
   }
 
-  /// With the values that the formula in vulkan/distance_transform.h gives.
+  /// Adds the values that the formula in vulkan/stages/distance_transform.h gives.
   static TransformResult transformed(const glm::ivec3& dims, const Buffer<float>& squared,
                                      const DistanceTransformStage& transform) {
     TransformResult result{squared.clone(), downloadBuffer<uint32_t>(transform.nearestCells())};
@@ -231,7 +231,7 @@ class CellStages : public VulkanTest {
     RasterDistanceSamplesStage samples{device()};
   };
   static Stages& stages() {
-    shared();  // Made before them, so destroyed after them.
+    shared();  // The device is made before the stages, so it is destroyed after them.
     static Stages stages;
     return stages;
   }

@@ -14,12 +14,12 @@
 
 namespace raymap::vulkan {
 
-/// A test on a device with guards around every buffer, under the validation layer, with its checks of hazards
-/// unless the environment asks for others. Fails on any message of the layer and on any damaged guard.
-/// Skipped where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
+/// A test on a device under the validation layer, with guards around every buffer. The layer checks for
+/// hazards unless the environment asks for other checks. The test fails on any message of the layer and on
+/// any damaged guard. It is skipped where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
  protected:
-  /// RAYMAP_VULKAN_DEVICE=K picks one; all tests of a program share it.
+  /// Returns the device that all tests of a program share. RAYMAP_VULKAN_DEVICE=K selects one.
   static Device& device() { return *shared().device; }
 
   template <class T>
@@ -81,7 +81,7 @@ class VulkanTest : public ::testing::Test {
       }
     }
     std::unique_ptr<Device> device;
-    std::string problem;  ///< Why there is none.
+    std::string problem;  ///< Reason why there is no device.
     std::vector<std::string> messages;
     std::mutex mutex;
   };

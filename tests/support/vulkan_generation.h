@@ -1,7 +1,7 @@
 #pragma once
 
-// Frames that raymap::vulkan::Generator records on the device of the tests, and the host's way to the same
-// fields.
+// Frames that raymap::vulkan::Generator records on the device of the tests, and the same fields from the
+// backend whose results the host reads back.
 
 #include <raymap/raymap.h>
 
@@ -27,7 +27,8 @@ inline Room roomFor(const Mesh& mesh, const Grid& grid, const Options& options) 
           .sign = options.sign};
 }
 
-/// On the device of the tests: for the generator that of a caller, whose buffers lie between guards.
+/// A test of a generator on the caller's device, here that of the tests. The caller's buffers lie between
+/// guards.
 class VulkanGenerator : public VulkanTest {
  protected:
   /// A mesh in buffers of the caller's.
@@ -44,7 +45,7 @@ class VulkanGenerator : public VulkanTest {
     MeshBuffers buffers;
   };
 
-  /// All that a target may hold, in buffers of the caller's.
+  /// All results that a target may hold, in buffers of the caller's.
   struct Outputs {
     explicit Outputs(size_t samples) {
       for (DeviceBuffer* buffer : {&distance, &triangle, &winding, &confidence})
@@ -68,10 +69,10 @@ class VulkanGenerator : public VulkanTest {
         confidence{device(), "confidence"}, status{device(), "status"};
   };
 
-  /// By the host's way.
+  /// Makes the field by the backend whose results the host reads back.
   static Field hostField(const Mesh& mesh, const Grid& grid, Options options) {
     options.orientation = Orientation::Keep;  // As frames do.
-    shared();                                 // Made before it, so destroyed after it.
+    shared();  // The device is made before the backend, so it is destroyed after it.
     static Backend backend(device());
     Field field;
     Progress progress;
@@ -81,7 +82,7 @@ class VulkanGenerator : public VulkanTest {
     return field;
   }
 
-  /// Kept from test to test: making its kernels takes longer than most tests.
+  /// Kept from test to test, because making its kernels takes longer than most tests.
   static Generator& generator() {
     shared();
     static Generator generator(device().handles());
@@ -104,7 +105,7 @@ class VulkanGenerator : public VulkanTest {
     EXPECT_EQ(0, std::memcmp(ours.data(), theirs.data(), ours.size() * sizeof(T))) << what;
   }
 
-  /// All results, twice.
+  /// Records a frame twice and compares all results with those that the host reads back.
   static void expectAsOnTheHostsWay(const Mesh& mesh, const Grid& grid, const Options& options,
                                     double outside = 0.0) {
     SCOPED_TRACE(::testing::Message()

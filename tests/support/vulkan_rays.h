@@ -7,7 +7,7 @@
 
 namespace raymap::vulkan {
 
-/// r along an axis, as the device holds it (shaders/ray_map.glsl).
+/// Returns r along an axis, as the device holds it (vulkan/stages/ray_map.glsl).
 inline std::vector<int32_t> suffixSums(const cpu::RayMap& map, int axis) {
   glm::ivec3 dims = map.dims;
   ++dims[axis];
@@ -22,7 +22,7 @@ inline std::vector<int32_t> suffixSums(const cpu::RayMap& map, int axis) {
   return sums;
 }
 
-/// For tests of what stands on the ray map: the CPU's on the device.
+/// A test of a stage that reads the ray map: it uploads the CPU's.
 class VulkanRaysTest : public VulkanTest {
  protected:
   class Rays {

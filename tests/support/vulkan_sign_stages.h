@@ -1,6 +1,6 @@
 #pragma once
 
-// The stages that lead to the sign, run on a device, and their results in the CPU's form and back.
+// Runs the stages that lead to the sign on a device and converts their results to the CPU's form and back.
 
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/ray_map.h"
@@ -9,7 +9,7 @@
 
 namespace raymap::vulkan {
 
-/// A number for each lattice edge along each axis, as the device has them (vulkan/crossings.h).
+/// A number for each lattice edge along each axis, as on the device (vulkan/stages/crossings.h).
 using EdgeCounts = std::array<std::vector<int32_t>, 3>;
 
 /// Calls `work(line, edge, index)` for all edges of an axis: `line` as the CPU numbers it.
@@ -42,7 +42,8 @@ inline EdgeCounts edgeCounts(const cpu::RayMap& map) {
   return {suffixSums(map, 0), suffixSums(map, 1), suffixSums(map, 2)};
 }
 
-/// In the CPU's form, without unsigned counts and without edges whose signed crossings cancel.
+/// Returns the crossings in the CPU's form, without unsigned counts and without edges whose signed crossings
+/// cancel.
 inline cpu::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& dims) {
   cpu::Crossings crossings;
   for (int axis = 0; axis < 3; ++axis) {
@@ -66,7 +67,7 @@ inline cpu::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& di
   return crossings;
 }
 
-/// Likewise.
+/// Returns the ray map in the CPU's form.
 inline cpu::RayMap toRayMap(EdgeCounts rays, const glm::ivec3& dims) {
   const EdgeCounts sums = rays;
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,10 +88,10 @@ struct SignResult {
   bool operator==(const SignResult&) const = default;
 };
 
-/// Runs the stages on the device of the tests; stages are kept from one mesh to the next.
+/// Runs the stages on the device of the tests. The stage objects are kept from one mesh to the next.
 class SignStages : public VulkanTest {
  public:
-  /// The first stage alone; throws what it finds wrong.
+  /// Runs the first stage alone. Throws the error that it reports.
   static EdgeCounts countCrossings(const CellMesh& mesh) {
     const DeviceBuffer vertices =
         upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices");
@@ -130,7 +131,7 @@ class SignStages : public VulkanTest {
     WindingRaysStage windingRays{device()};
   };
   static Stages& stages() {
-    shared();  // Made before them, so destroyed after them.
+    shared();  // The device is made before the stages, so it is destroyed after them.
     static Stages stages;
     return stages;
   }

@@ -12,10 +12,10 @@
 
 namespace raymap::samples {
 
-/// The deflated members of a lying archive claim to be the largest that its directory can tell of.
+/// The members of a `DeflatedLying` archive claim the largest size that its directory can hold.
 enum class Zip { Stored, Deflated, DeflatedLying };
 
-/// Without the header and checksum that zlib puts around it.
+/// Returns the content deflated, without zlib's header and checksum.
 inline std::string deflated(const std::string& content) {
   uLongf size = compressBound(static_cast<uLong>(content.size()));
   std::string bytes(size, '\0');

@@ -1,4 +1,4 @@
-// The same field from every backend.
+// The CPU and Vulkan give the same fields.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
@@ -40,7 +40,8 @@ class Backends : public ::testing::Test {
     return field;
   }
 
-  /// Distances within 1e-6 of the diagonal, signs equal wherever |w| is more than 1e-4 from the threshold.
+  /// Expects distances within 1e-6 of the diagonal, and equal signs wherever |w| is more than 1e-4 from the
+  /// threshold.
   static void expectSame(const Field& a, const Field& b, const Mesh& mesh, double threshold = 0.5) {
     const double tolerance = 1e-6 * glm::length(bounds(mesh).size());
     ASSERT_EQ(a.distance.size(), b.distance.size());
@@ -76,7 +77,7 @@ TEST_F(Backends, GiveTheSameField) {
   }
 }
 
-/// No two faces share a vertex.
+/// Returns the mesh with faces that share no vertex.
 Mesh soupOf(const Mesh& mesh) {
   Mesh soup{.vertices = {}, .triangles = mesh.triangles, .origin = mesh.origin};
   for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {

@@ -22,7 +22,7 @@ class VulkanCellMesh : public VulkanTest {
   }
 };
 
-TEST_F(VulkanCellMesh, HasTheCpusBits) {
+TEST_F(VulkanCellMesh, MatchesTheCpuBitForBit) {
   for (const double far : {0.0, 12345.678, 1e9}) {
     Mesh mesh = shapes::soup(2000, 5);
     mesh.origin += far;
@@ -61,7 +61,7 @@ TEST_F(VulkanCellMesh, CountsTrianglesOutside) {
   EXPECT_EQ(outside(moved, 2.0), 0u);
 }
 
-TEST_F(VulkanCellMesh, MakesBadTrianglesPointsOnGoodOnes) {
+TEST_F(VulkanCellMesh, CollapsesInvalidTrianglesOntoValidOnes) {
   Mesh mesh = shapes::sphere(1.0, 3);
   const std::vector<glm::uvec3> before = mesh.triangles;
   const auto vertices = static_cast<uint32_t>(mesh.vertices.size());
@@ -87,7 +87,7 @@ TEST_F(VulkanCellMesh, MakesBadTrianglesPointsOnGoodOnes) {
   for (const float x : download<float>(cells.vertexBuffer())) ASSERT_TRUE(std::isfinite(x));
 }
 
-TEST_F(VulkanCellMesh, StandsUpToNoGoodTriangle) {
+TEST_F(VulkanCellMesh, SurvivesAMeshOfInvalidTriangles) {
   Mesh mesh = shapes::sphere(1.0, 1);
   for (glm::uvec3& t : mesh.triangles) t.y = UINT32_MAX;
   CellMeshStage cells(device());

@@ -1,4 +1,4 @@
-// The stages over cells, from the mesh to the distance: each result against the CPU's.
+// The stages over cells, from the mesh to the distance, each compared with the CPU's.
 
 #include <raymap/raymap.h>
 
@@ -19,7 +19,7 @@ void expectNear(const Buffer<float>& ours, const Buffer<float>& theirs, const gl
   const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(dims)));
   ASSERT_EQ(ours.size(), theirs.size());
   for (size_t s = 0; s < ours.size(); ++s) {
-    // Where the mesh is as far away as floats reach, so are their steps.
+    // The steps of floats grow with the distance.
     ASSERT_NEAR(ours[s], theirs[s], std::max(allowed, 1e-6f * theirs[s])) << "sample " << s;
   }
 }
@@ -34,7 +34,7 @@ void expectSameLevels(const std::vector<cpu::CellLevel>& ours, const std::vector
   }
 }
 
-/// The triangles may differ where they are equally far away but for rounding.
+/// Checks the closest triangles, which may differ where they are equally far away but for rounding.
 void expectClosest(const CellMesh& mesh, const RefineResult& result) {
   const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(mesh.dims)));
   for (size_t s = 0; s < result.distance.size(); ++s) {
@@ -67,13 +67,13 @@ void expectAsOnTheCpu(const Mesh& mesh, const GridOptions& options) {
   expectAsOnTheCpu(OwnCellMesh(mesh, fitGrid(mesh, options)));
 }
 
-TEST_F(VulkanCells, GiveWhatTheyGiveOnTheCpu) {
+TEST_F(VulkanCells, MatchTheCpu) {
   expectAsOnTheCpu(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 20});
   expectAsOnTheCpu(shapes::torus(1.0, 0.3, 60, 30), {.resolution = 24});
   expectAsOnTheCpu(shapes::soup(200, 3), {.resolution = 24});
 }
 
-TEST_F(VulkanCells, GiveTheSameTwice) {
+TEST_F(VulkanCells, GiveTheSameBitsEachTime) {
   const Mesh mesh = shapes::joined(shapes::sphere(0.05, 3, {0.4, 0.5, 0.5}), shapes::soup(50, 1));
   const OwnCellMesh cells(mesh, fitGrid(mesh, {.resolution = 14}));
   const RefineResult one = CellStages::refine(cells, 1), two = CellStages::refine(cells, 1);
@@ -81,13 +81,13 @@ TEST_F(VulkanCells, GiveTheSameTwice) {
   EXPECT_TRUE(std::ranges::equal(one.triangle, two.triangle));
 }
 
-TEST_F(VulkanCells, GiveItOfCrowdedCells) {
+TEST_F(VulkanCells, MatchTheCpuInCrowdedCells) {
   expectAsOnTheCpu(shapes::joined(shapes::sphere(0.01, 4, {0.4, 0.5, 0.5}), shapes::soup(3, 1)),
                    {.resolution = 12});
   expectAsOnTheCpu(shapes::sphere(1.0, 5), {.resolution = 6});
 }
 
-TEST_F(VulkanCells, GiveItWhereTheMeshLeavesTheBox) {
+TEST_F(VulkanCells, MatchTheCpuWhereTheMeshLeavesTheBox) {
   const Mesh torus = shapes::torus(1.0, 0.3, 40, 20);
   for (const Box& box :
        {Box{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}, Box{glm::dvec3(2.0), glm::dvec3(3.0)},
@@ -95,13 +95,13 @@ TEST_F(VulkanCells, GiveItWhereTheMeshLeavesTheBox) {
     expectAsOnTheCpu(torus, {.resolution = 16, .box = box});
 }
 
-TEST_F(VulkanCells, GiveItOnThinGrids) {
+TEST_F(VulkanCells, MatchTheCpuOnThinGrids) {
   for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(1, 1, 50), glm::ivec3(60, 1, 1),
                                 glm::ivec3(1, 40, 3), glm::ivec3(17, 33, 1)})
     for (const int count : {1, 50}) expectAsOnTheCpu(cellSoup(count, dims, 5));
 }
 
-TEST_F(VulkanCells, MakeRoomForLargeTriangles) {
+TEST_F(VulkanCells, GrowTheirListsForLargeTriangles) {
   OwnCellMesh mesh = cellSoup(2, {6, 300, 400}, 2);
   const glm::vec3 corners[6] = {{1, -900, -900}, {3, 900, -900}, {2, 0, 900},
                                 {4, -900, 0},    {4, 900, -900}, {5, 900, 900}};
@@ -115,7 +115,7 @@ TEST_F(VulkanCells, MakeRoomForLargeTriangles) {
   }
 }
 
-/// The names of every third mesh that is small and not malformed.
+/// Returns the names of every third mesh that is small and not malformed.
 std::vector<std::string> someMeshes() {
   constexpr int kTriangles = 1000;
   std::vector<std::string> names;
@@ -127,7 +127,7 @@ std::vector<std::string> someMeshes() {
   return names;
 }
 
-TEST_F(VulkanCells, GiveItOfRealMeshes) {
+TEST_F(VulkanCells, MatchTheCpuOnRealMeshes) {
   if (!std::filesystem::exists(meshFolder() / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
   size_t tried = 0;
   for (const std::string& name : someMeshes()) {

@@ -31,7 +31,7 @@ class VulkanCloseHoles : public VulkanTest {
 
   /// Kept from one test to the next.
   static CloseHolesStage& stage() {
-    shared();  // Made before it, so destroyed after it.
+    shared();  // The device is made before the stage, so it is destroyed after it.
     static CloseHolesStage stage(device());
     return stage;
   }
@@ -60,8 +60,8 @@ Mesh tornTorus() {
   return mesh;
 }
 
-TEST_F(VulkanCloseHoles, FindsTheSameEdges) {
-  // Faces that cross an edge both ways cancel out among its crossings, but cross it.
+TEST_F(VulkanCloseHoles, FindsTheEdgesThatTheCpuFinds) {
+  // Faces that cross an edge in both directions cancel in its signed count, but they do cross it.
   Mesh twice = tornTorus();
   const size_t count = twice.triangles.size();
   for (size_t t = 0; t < count; t += 2) {
@@ -91,7 +91,7 @@ TEST_F(VulkanCloseHoles, FindsTheSameEdges) {
     }
 }
 
-TEST_F(VulkanCloseHoles, KnowsTheWindingNumberAnywhere) {
+TEST_F(VulkanCloseHoles, ComputesTheWindingNumberAtAnyPoint) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> along(0.0f, 15.0f);
   for (const Mesh& mesh : {shapes::soup(1, 3), shapes::soup(9, 5), tornTorus()}) {

@@ -30,7 +30,7 @@ TEST(VulkanErrors, KeepTheirCodes) {
   EXPECT_EQ(codeOf([] { check(VK_ERROR_FEATURE_NOT_PRESENT, "starting"); }), ErrorCode::Unsupported);
 }
 
-TEST(VulkanDevices, PrefersRealOnes) {
+TEST(VulkanDevices, PreferHardwareOverSoftware) {
   using enum DeviceType;
   const auto best = [](const std::vector<DeviceType>& types, size_t broken = SIZE_MAX) {
     std::vector<DeviceInfo> devices;
@@ -45,14 +45,14 @@ TEST(VulkanDevices, PrefersRealOnes) {
   EXPECT_EQ(best({}), std::nullopt);
 }
 
-TEST(VulkanSpirv, TellsTheBytesOfPushConstants) {
+TEST(VulkanSpirv, ReportsTheSizeOfPushConstants) {
   EXPECT_EQ(pushConstantBytes(shaders::kNumberInvocations.code), sizeof(NumberInvocationsPush));
   EXPECT_EQ(pushConstantBytes(shaders::kNumberInvocations.code.first(5)), 0u);
 }
 
 class VulkanDevice : public VulkanTest {
  protected:
-  /// What the validation layer said since the test began, which then does not fail it.
+  /// Returns the messages of the validation layer since the test began, which then do not fail it.
   static std::string takeMessages() {
     const std::lock_guard lock(shared().mutex);
     std::string all;
@@ -62,7 +62,7 @@ class VulkanDevice : public VulkanTest {
   }
 };
 
-TEST_F(VulkanDevice, KnowsItself) {
+TEST_F(VulkanDevice, DescribesItself) {
   EXPECT_FALSE(device().info().name.empty());
   EXPECT_EQ(device().info().problem, "");
   EXPECT_GE(device().limits().sharedMemory, 16384u);
@@ -74,22 +74,22 @@ TEST_F(VulkanDevice, KnowsItself) {
                           [](const DeviceInfo& info) { return info.name == device().info().name; }));
 }
 
-TEST_F(VulkanDevice, RefusesANumberThatThereIsNot) {
+TEST_F(VulkanDevice, RefusesAnUnknownNumber) {
   EXPECT_EQ(codeOf([] { const Device none({.index = 1000}); }), ErrorCode::Unsupported);
 }
 
-TEST_F(VulkanDevice, HearsTheValidationLayer) {
+TEST_F(VulkanDevice, ReportsMessagesOfTheValidationLayer) {
   const VkBufferCreateInfo empty{
       .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 0, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
   BufferHandle buffer;
   try {
     create(buffer, device().handle(), vkCreateBuffer, empty, "making an empty buffer");
-  } catch (const Error&) {  // What the driver makes of it is its own affair.
+  } catch (const Error&) {  // The driver may fail or not.
   }
   EXPECT_NE(takeMessages().find("VUID-VkBufferCreateInfo-size"), std::string::npos);
 }
 
-TEST_F(VulkanDevice, HearsOfHazards) {
+TEST_F(VulkanDevice, ReportsHazards) {
   if (validationFromEnvironment() != Validation::Off && validationFromEnvironment() != Validation::Sync)
     GTEST_SKIP() << "looks for other mistakes";
   const DeviceBuffer buffer = upload(std::vector<uint32_t>(1000));
@@ -118,7 +118,7 @@ TEST_F(VulkanDevice, FindsStrayWrites) {
     commands.dispatch(kernel, {.groups = address, .count = 1, .groupSize = 64}, 1);
     own.submitAndWait();
     const std::string damaged = device().guards()->damaged();
-    buffer.resize<uint32_t>(990);  // Makes the guards whole again.
+    buffer.resize<uint32_t>(990);  // Repairs the guards.
     return damaged;
   };
   EXPECT_EQ(writeAt(buffer.address() + 989 * 4), "");
@@ -194,7 +194,7 @@ TEST_F(VulkanDevice, RefusesMoreMemoryThanThereIs) {
     }
   }
   EXPECT_EQ(buffer.address(), 0u);
-  buffer.resize<uint8_t>(100);  // Still good.
+  buffer.resize<uint8_t>(100);  // The buffer is still usable.
   EXPECT_NE(buffer.address(), 0u);
 }
 
@@ -238,7 +238,7 @@ TEST_F(VulkanDevice, DispatchesWhatTheDeviceCounted) {
     const std::vector<uint32_t> groups = download<uint32_t>(buffer);
     const uint32_t all = (count + groupSize - 1) / groupSize;
     EXPECT_EQ(all == 0 ? 6 : groups[all * groupSize - 1], 7 + all - 1);
-    // Dispatches over two dimensions may have some groups more.
+    // Dispatches over two dimensions may have more groups than needed.
     EXPECT_EQ(groups[(all + 1) * groupSize], 0u);
   }
 }
@@ -269,7 +269,7 @@ TEST_F(VulkanDevice, TimesStagesFrameAfterFrame) {
   EXPECT_EQ(download<uint32_t>(buffer).back(), 100u);
 }
 
-/// A device as a caller would make it.
+/// A device made as a caller would make it.
 struct Foreign {
   Foreign() {
     borrowed.instance = instance.handle();

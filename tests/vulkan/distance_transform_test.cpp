@@ -17,7 +17,7 @@ class VulkanDistanceTransform : public VulkanTest {
     return download<uint32_t>(transform.nearestCells());
   }
 
-  /// The same cells as the CPU's, and the same values as the formula in distance_transform.h gives.
+  /// Expects the CPU's cells, and the values of the formula in vulkan/stages/distance_transform.h.
   static void expectAsOnTheCpu(DistanceTransformStage& transform, glm::ivec3 dims, const Buffer<float>& f) {
     Progress progress;
     Buffer<float> squared = f.clone();
@@ -48,7 +48,7 @@ TEST_F(VulkanDistanceTransform, FindsTheCellsThatTheCpuFinds) {
       }
 }
 
-TEST_F(VulkanDistanceTransform, FindsThemOnLongLines) {
+TEST_F(VulkanDistanceTransform, FindsTheCellsThatTheCpuFindsOnLongLines) {
   DistanceTransformStage transform(device());
   for (const glm::ivec3 dims : {glm::ivec3(2048, 3, 2), glm::ivec3(3, 2048, 2), glm::ivec3(3, 2, 2048)})
     for (const double share : {0.0005, 0.002, 0.5}) {
@@ -59,7 +59,7 @@ TEST_F(VulkanDistanceTransform, FindsThemOnLongLines) {
 }
 
 TEST_F(VulkanDistanceTransform, TakesTheLowerOfAlmostEqualValues) {
-  // Values so small that adding them to a squared distance leaves nothing of them.
+  // Values so small that they vanish when added to a squared distance.
   DistanceTransformStage transform(device());
   const glm::ivec3 dims(40, 6, 50);
   Buffer<float> f = randomCells(dims, 0.01, 3, true);

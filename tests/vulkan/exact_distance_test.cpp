@@ -19,7 +19,7 @@ class VulkanExactDistance : public VulkanTest {
     bool operator==(const Found&) const = default;
   };
 
-  /// In mesh units.
+  /// Distances in the mesh's units.
   static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0) {
     std::vector<glm::vec3> cells;
     for (const glm::vec3& v : mesh.vertices)
@@ -29,7 +29,7 @@ class VulkanExactDistance : public VulkanTest {
     return found;
   }
 
-  /// Finds them twice.
+  /// Computes the distances twice.
   static Found findInCells(const std::vector<glm::vec3>& vertices, const std::vector<glm::uvec3>& triangles,
                            const glm::ivec3& dims, double band = 0.0) {
     const DeviceBuffer vertexBuffer = upload(vertices, "vertices"),
@@ -94,8 +94,9 @@ TEST_F(VulkanExactDistance, StopsAtTheBand) {
   }
 }
 
-TEST_F(VulkanExactDistance, LooksAtEveryTriangleIfItMust) {
-  // Triangles across the whole box, whose discs keep none of them away: more than a loop may look at.
+TEST_F(VulkanExactDistance, VisitsEveryTriangleWhereItMust) {
+  // The discs of triangles across the whole box exclude none of them, and there are more than a loop may
+  // visit.
   const Mesh mesh = shapes::soup(100000, 5);
   const Grid grid{glm::ivec3(5, 3, 1), glm::dvec3(2.0, 0.3, 0.4), 0.3};
   const Found found = find(mesh, grid);

@@ -10,7 +10,7 @@
 namespace raymap::vulkan {
 namespace {
 
-/// A 3D image of its own memory.
+/// A 3D image with memory of its own.
 class Image {
  public:
   Image(const DeviceHandles& on, VkFormat format, const glm::ivec3& dims) : device_(on.device) {
@@ -91,7 +91,8 @@ TEST_F(VulkanGenerator, FillsImages) {
 TEST_F(VulkanGenerator, RoundsHalfFloatsToTheNearest) {
   Kernel<HalfFloatsPush> kernel(device(), shaders::kFieldImageHalves, 64);
   std::vector<float> values;
-  for (uint32_t bits = 0; bits < 0x7c00; ++bits) {  // Every half, and what lies at and beside the middle.
+  for (uint32_t bits = 0; bits < 0x7c00;
+       ++bits) {  // Every half, and the floats at and beside the middle to the next.
     const float half = glm::unpackHalf1x16(uint16_t(bits)), next = glm::unpackHalf1x16(uint16_t(bits + 1));
     const float middle = bits == 0x7bff ? 65520.0f : 0.5f * (half + next);
     values.insert(values.end(),

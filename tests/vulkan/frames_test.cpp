@@ -1,4 +1,4 @@
-// What a program of its own records into its own command buffer: skins and pictures.
+// Skins and pictures that a caller records into its own command buffer.
 
 #include <raymap/raymap.h>
 
@@ -30,7 +30,7 @@ class VulkanFrames : public VulkanTest {
   }
 };
 
-TEST_F(VulkanFrames, SkinsMoveAsOnTheCpu) {
+TEST_F(VulkanFrames, MoveSkinsAsTheCpuDoes) {
   AnimatedMesh mesh{.rest = shapes::sphere(1.0, 3)};
   mesh.nodes = {{.translation = {0, 1, 0}}, {.parent = 0, .rotation = {0.8, 0.6, 0, 0}}};
   mesh.skeleton = {{.node = 0}, {.node = 1}};
@@ -62,7 +62,7 @@ TEST_F(VulkanFrames, SkinsMoveAsOnTheCpu) {
   EXPECT_EQ(refused([](SkinBuffers& s) { s.joints.offset += 2; }), ErrorCode::Usage);
 }
 
-TEST_F(VulkanFrames, PicturesLookAsOnTheCpu) {
+TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
   Field field = analytic::sampled(analytic::cube(32, 2.0), [](const glm::dvec3& p) {
     return std::clamp(analytic::torus(p, 0.6, 0.25), -0.3, 0.3);
   });

@@ -5,7 +5,7 @@
 namespace raymap::vulkan {
 namespace {
 
-/// Vulkan's functions that a frame may not call, counted while this lives.
+/// Counts, while it lives, calls of the Vulkan functions that a frame may not call.
 class Counted {
  public:
   Counted() {
@@ -50,7 +50,7 @@ class Counted {
     static int calls = 0;
     return calls;
   }
-  /// Those of a frame are the test's own; the host's way has one.
+  /// Number of submissions: a frame's are the test's own, the host's backend has one.
   static int& submissions() {
     static int submissions = 0;
     return submissions;
@@ -64,7 +64,7 @@ class Counted {
     PFN_vkMapMemory map = vkMapMemory;
     PFN_vkQueueSubmit2 submit = vkQueueSubmit2;
   };
-  /// Vulkan's own, kept when first asked for: before the first count.
+  /// Returns Vulkan's own functions, kept before the first count.
   static const Functions& before() {
     static const Functions functions;
     return functions;
@@ -72,8 +72,8 @@ class Counted {
   const Functions& keep_ = before();
 };
 
-TEST_F(VulkanGenerator, ReadsNothingBackOnTheHostsWay) {
-  const Mesh mesh = shapes::soup(400, 1);  // Its lists outgrow their room at first.
+TEST_F(VulkanGenerator, SubmitsOnceOnTheBackendOfTheHost) {
+  const Mesh mesh = shapes::soup(400, 1);  // Its lists outgrow their memory at first.
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster}) {
     const Options options{.distance = distance, .sign = SignMode::Rays};
@@ -94,7 +94,7 @@ TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
   for (const auto& [options, frames] :
        {std::pair(Options{.distance = DistanceMode::Cell, .sign = SignMode::Rays}, isFast ? 10000 : 50),
         std::pair(Options{}, isFast ? 100 : 20)}) {
-    // Without validation, which would take all of the time.
+    // A device without validation, which would take most of the time.
     Generator generator("vulkan");
     Device own(generator.device());
     Kernel<WaveVerticesPush> wave(own, shaders::kWaveVertices, 64);

@@ -3,7 +3,7 @@
 namespace raymap::vulkan {
 namespace {
 
-TEST_F(VulkanGenerator, LeavesOutTrianglesThatAreNone) {
+TEST_F(VulkanGenerator, LeavesOutInvalidTriangles) {
   const Mesh good = shapes::sphere(1.0, 3);
   Mesh bad = good;
   const auto count = static_cast<uint32_t>(bad.vertices.size());
@@ -26,13 +26,13 @@ TEST_F(VulkanGenerator, LeavesOutTrianglesThatAreNone) {
   }
 }
 
-TEST_F(VulkanGenerator, SaysWhenListsOutgrowTheirRoom) {
-  // Large triangles: many more cells than raymap guesses.
+TEST_F(VulkanGenerator, ReportsListsThatOutgrowTheirCapacity) {
+  // Large triangles touch many more cells than raymap guesses.
   const Mesh mesh = shapes::soup(400, 1);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster}) {
     const Options options{.distance = distance, .sign = SignMode::Rays};
-    generator() = Generator(device().handles());  // With no room from before.
+    generator() = Generator(device().handles());  // A new generator has no capacity from before.
     Room room = roomFor(mesh, grid, options);
     generator().reserve(room);
     int rounds = 0;
@@ -73,7 +73,7 @@ TEST_F(VulkanGenerator, KeepsTheStatusOfEachFrame) {
   EXPECT_NE(std::string(generator().status().error->what()).find("too far"), std::string::npos);
 }
 
-TEST_F(VulkanGenerator, RefusesWhatItHasNoRoomFor) {
+TEST_F(VulkanGenerator, RefusesWhatExceedsItsCapacity) {
   const Mesh mesh = shapes::sphere(1.0, 1);
   const Grid grid = fitGrid(mesh, {.resolution = 8});
   const Uploaded uploaded(mesh);
@@ -85,7 +85,7 @@ TEST_F(VulkanGenerator, RefusesWhatItHasNoRoomFor) {
     EXPECT_EQ(codeOf([&] { generator().record(commands, m, g, o, t); }), ErrorCode::Usage);
   };
   generator() = Generator(device().handles());
-  refuses(uploaded.buffers, grid, {}, target);  // No room at all.
+  refuses(uploaded.buffers, grid, {}, target);  // Nothing is reserved.
   for (const auto& spoil : std::initializer_list<void (*)(Room&)>{
            [](Room& room) { room.vertices = 0; }, [](Room& room) { room.triangles = UINT32_MAX; },
            [](Room& room) { room.dims.y = 0; }, [](Room& room) { room.dims = glm::ivec3(1 << 20); },

@@ -3,7 +3,7 @@
 namespace raymap::vulkan {
 namespace {
 
-TEST_F(VulkanGenerator, GivesTheFieldOfTheHostsWay) {
+TEST_F(VulkanGenerator, MatchesTheBackendOfTheHost) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 20});
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Exact, SignMode::Harmonic));
@@ -20,7 +20,7 @@ TEST_F(VulkanGenerator, GivesTheFieldOfTheHostsWay) {
 
 TEST_F(VulkanGenerator, SearchesOutsideOfTheGrid) {
   const Mesh mesh = shapes::sphere(1.0, 3);
-  // The mesh reaches as far beyond the grid on every side.
+  // The mesh reaches equally far beyond the grid on every side.
   const Grid grid{.dims = {12, 12, 12}, .origin = glm::dvec3(-0.6875), .spacing = 0.125};
   const double beyond = (1.0 - 0.75) / grid.spacing;
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster, DistanceMode::Exact})
@@ -35,7 +35,7 @@ TEST_F(VulkanGenerator, SearchesOutsideOfTheGrid) {
   EXPECT_GT(generator().status().outside, 0u);
 }
 
-TEST_F(VulkanGenerator, TakesVerticesAmongOtherData) {
+TEST_F(VulkanGenerator, AcceptsVerticesAmongOtherData) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 20, 10);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
   std::vector<float> mixed{7.0f, 8.0f};
@@ -57,7 +57,7 @@ TEST_F(VulkanGenerator, TakesVerticesAmongOtherData) {
   expectSameBits(download<float>(outputs.distance), hostField(mesh, grid, {}).distance, "distance");
 }
 
-TEST_F(VulkanGenerator, TakesSmallerMeshesAndOtherPlaces) {
+TEST_F(VulkanGenerator, AcceptsSmallerMeshesAndOtherPlaces) {
   const Mesh large = holedSphere(4), small = shapes::box({-1, 0, 0}, {1, 1, 2});
   Mesh far = holedSphere(2);
   far.origin += 1e6;

@@ -15,12 +15,12 @@ struct Lists {
   bool operator==(const Lists&) const = default;
 };
 
-/// Values number the keys, so that any change of the order of equals shows.
+/// The values number the keys, so that a change in the order of equal keys shows.
 template <class Key>
 Lists<Key> randomLists(size_t count, uint32_t bits) {
   std::mt19937_64 random(count);
   Lists<Key> lists{std::vector<Key>(count), std::vector<uint32_t>(count)};
-  // Bits above those to sort by are noise.
+  // The bits above those to sort by are random.
   for (Key& key : lists.keys) key = static_cast<Key>(random()) & ~(bits < 8 ? Key{6} : Key{0});
   std::iota(lists.values.begin(), lists.values.end(), 0U);
   return lists;
@@ -38,8 +38,8 @@ Lists<Key> sorted(const Lists<Key>& lists, uint32_t bits) {
 
 class VulkanRadixSort : public VulkanTest, public ::testing::WithParamInterface<uint32_t> {
  protected:
-  /// Sorts on the device; with a count that only the device knows if `spare` says how many fewer it is than
-  /// there is room for.
+  /// Sorts on the device. If `spare` is given, only the device knows the count, which is this much below the
+  /// capacity.
   template <class Key>
   static Lists<Key> sort(const Lists<Key>& lists, uint32_t bits, uint32_t spare = 0) {
     const auto count = static_cast<uint32_t>(lists.keys.size());
@@ -84,7 +84,7 @@ TEST_P(VulkanRadixSort, SortsByTwoWords) {
   EXPECT_TRUE(sort(lists, 45) == sorted(lists, 45));
 }
 
-TEST_P(VulkanRadixSort, SortsAsManyAsTheDeviceKnows) {
+TEST_P(VulkanRadixSort, SortsAsManyAsTheDeviceCounted) {
   const Lists<uint32_t> lists = randomLists<uint32_t>(std::min(GetParam(), 200000U), 24);
   EXPECT_TRUE(sort(lists, 24, 70000) == sorted(lists, 24));
 }
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, VulkanRadixSort,
 
 class VulkanRadixSortLimits : public VulkanTest {};
 
-TEST_F(VulkanRadixSortLimits, NeedsRoomAndBits) {
+TEST_F(VulkanRadixSortLimits, RefuseMoreKeysOrBitsThanReserved) {
   RadixSort sort(device());
   sort.reserve(10);
   CommandBuffer own(device());

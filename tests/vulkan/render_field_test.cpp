@@ -20,7 +20,7 @@ Field torus(int n) {
   return sampled(cube(n, 2.0), [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.25); });
 }
 
-/// The one corner that all three middle planes cut off is round: something to tell the sides apart.
+/// A box with one round corner, which tells its sides apart.
 double solid(const glm::dvec3& p) {
   return std::max(analytic::box(p, {0.7, 0.5, 0.6}), -analytic::sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));
 }
@@ -66,7 +66,7 @@ TEST_F(VulkanRender, FramedByABox) {
   expectAsOnTheCpu(field, {.cut = true, .shell = 0.1, .frame = box});
 }
 
-/// Where another kernel, here an upload, left it, in the mesh's units.
+// Another kernel, here an upload, left the field on the device, in the mesh's units.
 TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Field field = torus(32);
   const RenderOptions options{
@@ -128,7 +128,7 @@ TEST_F(VulkanRender, RealMeshes) {
   }
 }
 
-TEST_F(VulkanRender, TheEyeFarAway) {
+TEST_F(VulkanRender, AnEyeFarAway) {
   expectAsOnTheCpu(torus(48), {.fieldOfView = 1.0});
 }
 

@@ -15,7 +15,7 @@ std::vector<uint32_t> randomValues(size_t count) {
   return values;
 }
 
-/// With the total behind it.
+/// Returns the prefix sums, with the total at the end.
 std::vector<uint32_t> expectedSums(std::vector<uint32_t> values) {
   values.push_back(0);
   std::exclusive_scan(values.begin(), values.end(), values.begin(), 0U);
@@ -24,14 +24,14 @@ std::vector<uint32_t> expectedSums(std::vector<uint32_t> values) {
 
 class VulkanScan : public VulkanTest, public ::testing::WithParamInterface<uint32_t> {
  protected:
-  /// Room for the total too, so that sums can take the place of values.
+  /// Uploads values with space for the total, so that the sums can replace them.
   static DeviceBuffer uploadValues(std::vector<uint32_t> values) {
     values.push_back(0xDEADBEEF);
     return upload(values, "values");
   }
 };
 
-TEST_P(VulkanScan, SumsWhatComesBefore) {
+TEST_P(VulkanScan, IsTheExclusivePrefixSum) {
   const std::vector<uint32_t> values = randomValues(GetParam());
   const DeviceBuffer in = uploadValues(values);
   DeviceBuffer out(device(), "sums");
@@ -58,13 +58,13 @@ TEST_P(VulkanScan, SumsInPlace) {
   EXPECT_EQ(download<uint32_t>(buffer), expectedSums(values));
 }
 
-TEST_P(VulkanScan, SumsAsManyAsTheDeviceKnows) {
+TEST_P(VulkanScan, SumsAsManyAsTheDeviceCounted) {
   std::vector<uint32_t> values = randomValues(GetParam());
   const DeviceBuffer in = uploadValues(values);
   DeviceBuffer out(device(), "sums");
   out.resize<uint32_t>(values.size() + 1);
   Scan scan(device());
-  const uint32_t most = GetParam() + 100000;  // More levels than needed, for some.
+  const uint32_t most = GetParam() + 100000;  // For some sizes more levels than needed.
   scan.reserve(most);
   const DeviceBuffer count = upload<uint32_t>({GetParam()}, "count");
   run([&](Commands& commands) {
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, VulkanScan,
 
 class VulkanScanLimits : public VulkanTest {};
 
-TEST_F(VulkanScanLimits, TakesThreeLevels) {
+TEST_F(VulkanScanLimits, AllowThreeLevels) {
   const uint32_t size = (1U << 24) + 5000;
   DeviceBuffer buffer(device(), "ones");
   buffer.resize<uint32_t>(size + 1);
@@ -96,7 +96,7 @@ TEST_F(VulkanScanLimits, TakesThreeLevels) {
   EXPECT_EQ(wrong, 0u);
 }
 
-TEST_F(VulkanScanLimits, NeverGoesBeyondTheMost) {
+TEST_F(VulkanScanLimits, HoldForCountsOfTheDevice) {
   const std::vector<uint32_t> values(5001, 1);
   const DeviceBuffer buffer = upload(values);
   const DeviceBuffer count = upload<uint32_t>({1000000}, "count");
@@ -108,7 +108,7 @@ TEST_F(VulkanScanLimits, NeverGoesBeyondTheMost) {
   EXPECT_EQ(download<uint32_t>(buffer).back(), 5000u);
 }
 
-TEST_F(VulkanScanLimits, NeedsRoomAndAlignment) {
+TEST_F(VulkanScanLimits, RefuseMoreValuesThanReservedAndUnalignedOnes) {
   const DeviceBuffer buffer = upload(std::vector<uint32_t>(100));
   Scan scan(device());
   scan.reserve(10);

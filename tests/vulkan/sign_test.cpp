@@ -5,7 +5,6 @@
 #include "cpu/sign/sign.h"
 #include "shapes.h"
 #include "sign_scene.h"
-#include "vulkan/stages/finish.h"
 #include "vulkan_rays.h"
 
 namespace raymap::vulkan {
@@ -18,7 +17,7 @@ class VulkanSign : public VulkanRaysTest {
   static RayMap map() {
     return rayMapOf(shapes::soup(60, 3), {.dims = kDims, .origin = glm::dvec3(0.0), .spacing = 0.05});
   }
-  /// From -1.3 to 1.3, 0.5 itself among them.
+  /// Returns numbers from -1.3 to 1.3, and 0.5 itself.
   static std::vector<float> windings() {
     std::vector<float> values(size_t{kDims.x} * kDims.y * kDims.z);
     for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
@@ -33,7 +32,7 @@ class VulkanSign : public VulkanRaysTest {
   }
 };
 
-TEST_F(VulkanSign, IsTheCpus) {
+TEST_F(VulkanSign, MatchesTheCpu) {
   const RayMap rayMap = map();
   const Rays rays(rayMap);
   const std::vector<float> values = windings();
@@ -62,20 +61,6 @@ TEST_F(VulkanSign, IsTheCpus) {
         ASSERT_NEAR(sure[i], confidences[i], 1e-6f) << i;
       }
     }
-}
-
-TEST_F(VulkanSign, FinishScalesAndClamps) {
-  const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
-  FinishStage finish(device());
-  const auto finished = [&](double band) {
-    const DeviceBuffer distance = upload(values, "distance");
-    run([&](Commands& commands) {
-      finish.record(commands, distance.address(), uint32_t(values.size()), band, 0.5);
-    });
-    return download<float>(distance);
-  };
-  EXPECT_EQ(finished(0.0), (std::vector<float>{-2.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.75f}));
-  EXPECT_EQ(finished(3.0), (std::vector<float>{-1.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.5f}));
 }
 
 }  // namespace

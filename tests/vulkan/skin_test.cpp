@@ -13,7 +13,8 @@
 namespace raymap::vulkan {
 namespace {
 
-/// Every vertex follows up to four of `joints` joints, which turn, grow and wander at random.
+/// Returns a mesh whose vertices follow up to four of `joints` joints each, with random rotations, scales and
+/// positions.
 AnimatedMesh wanderers(Mesh rest, uint16_t joints) {
   std::mt19937 random(7);
   const auto real = [&](double low, double high) {

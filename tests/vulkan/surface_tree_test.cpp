@@ -8,7 +8,7 @@
 namespace raymap::vulkan {
 namespace {
 
-/// A tree as the host sees it.
+/// A tree that was read back.
 struct Tree {
   std::vector<glm::vec4> frames, discs;
   uint32_t firstLeaf, leafCount;
@@ -18,7 +18,7 @@ struct Tree {
     std::memcpy(&id, &frames[place * kFrameVectors + 3].z, sizeof id);
     return id;
   }
-  /// How far a point lies outside the disc of a node.
+  /// Returns how far a point lies outside the disc of a node.
   double distance(uint32_t node, const glm::dvec3& p) const {
     const glm::vec4 first = discs[node * kDiscVectors], second = discs[node * kDiscVectors + 1];
     const glm::dvec3 q = p - glm::dvec3(first), normal(second);
@@ -80,7 +80,7 @@ TEST_F(VulkanSurfaceTree, HoldsEveryTriangleOnceInDiscsThatHoldTheirChildren) {
   expectSound(makeMesh(line, {{0, 1, 2}, {0, 0, 0}, {1, 2, 1}, {2, 2, 2}, {0, 1, 2}}));
 }
 
-TEST_F(VulkanSurfaceTree, NeedsRoom) {
+TEST_F(VulkanSurfaceTree, RefusesMoreTrianglesThanReserved) {
   SurfaceTreeStage tree(device());
   tree.reserve(10);
   CommandBuffer own(device());

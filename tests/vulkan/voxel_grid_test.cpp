@@ -42,7 +42,7 @@ OwnCellMesh onGrid(const Mesh& mesh, const GridOptions& options) {
   return {mesh, fitGrid(mesh, options)};
 }
 
-TEST_F(VulkanVoxelGrid, HasTheListsOfTheCpu) {
+TEST_F(VulkanVoxelGrid, MatchesTheCpu) {
   VoxelGridStage grid(device());
   unsigned seed = 0;
   for (const glm::ivec3 dims : {glm::ivec3(13, 9, 11), glm::ivec3(1, 17, 5), glm::ivec3(20, 1, 1),
@@ -54,7 +54,7 @@ TEST_F(VulkanVoxelGrid, HasTheListsOfTheCpu) {
   expectAsOnTheCpu(grid, cellSoup(200, {16, 16, 16}, 9), CellLattice{{9, 7, 5}, {-3.25, 0.5, 1.0}, 2.0});
 }
 
-TEST_F(VulkanVoxelGrid, HasThemOfRegularMeshes) {
+TEST_F(VulkanVoxelGrid, MatchesTheCpuOnRegularMeshes) {
   VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 24}));
   expectAsOnTheCpu(grid, onGrid(shapes::sphere(1.0, 4), {.resolution = 40}));
@@ -66,7 +66,7 @@ TEST_F(VulkanVoxelGrid, HasThemOfRegularMeshes) {
                                 {.resolution = 20, .box = Box{glm::dvec3(-0.4), glm::dvec3(0.9)}}));
 }
 
-TEST_F(VulkanVoxelGrid, HasThemOfSliversSegmentsAndPoints) {
+TEST_F(VulkanVoxelGrid, MatchesTheCpuOnSliversSegmentsAndPoints) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> at(-2.0f, 12.0f);
   OwnCellMesh mesh = cellSoup(300, {10, 10, 10}, 8);
@@ -78,13 +78,13 @@ TEST_F(VulkanVoxelGrid, HasThemOfSliversSegmentsAndPoints) {
     if (t % 4 == 0)
       for (int c = 0; c < 3; ++c) v[c] = glm::round(2.0f * v[c]) / 2.0f;  // On faces and centres of cells.
     if (t % 25 == 0) v[2] = v[2] * 1e30f;
-    if (t % 40 == 0) std::copy_n(v, 3, mesh.vertices.data());  // Twice the same.
+    if (t % 40 == 0) std::copy_n(v, 3, mesh.vertices.data());  // The same triangle twice.
   }
   VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0});
 }
 
-TEST_F(VulkanVoxelGrid, HasNoneOfTrianglesFarAway) {
+TEST_F(VulkanVoxelGrid, IsEmptyForTrianglesFarAway) {
   OwnCellMesh mesh = cellSoup(100, {10, 10, 10}, 8);
   for (glm::vec3& v : mesh.vertices) v += glm::vec3(1e5f, -3.0f, 2e20f);
   VoxelGridStage grid(device());
@@ -92,7 +92,7 @@ TEST_F(VulkanVoxelGrid, HasNoneOfTrianglesFarAway) {
   EXPECT_EQ(CellStages::sizes(grid).entries, 0u);
 }
 
-TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
+TEST_F(VulkanVoxelGrid, GrowsItsListsForLargeTriangles) {
   const OwnCellMesh small = cellSoup(2, {8, 400, 400}, 1);
   OwnCellMesh large = cellSoup(2, {8, 400, 400}, 2);
   const glm::vec3 corners[6] = {{1, -900, -900}, {3, 900, -900}, {2, 0, 900},
@@ -113,7 +113,7 @@ TEST_F(VulkanVoxelGrid, MakesRoomForLargeTriangles) {
   EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(small, cells)));
 }
 
-TEST_F(VulkanVoxelGrid, RefusesMoreThanCanBeNumbered) {
+TEST_F(VulkanVoxelGrid, RefusesMoreEntriesThanCanBeNumbered) {
   // 1000 triangles, each across all of 2000 x 2000 rows of one cell.
   OwnCellMesh mesh = cellSoup(1000, {1, 2000, 2000}, 1);
   for (size_t t = 0; t < 1000; ++t) {

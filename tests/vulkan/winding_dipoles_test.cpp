@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kThreshold = 0.5;
 
-/// What the stage starts from: the same everywhere.
+/// Values that every sample starts from.
 struct Start {
-  float winding = 0.5f;   ///< As the lattice gives it.
-  float distance = 0.0f;  ///< Cells to the surface.
+  float winding = 0.5f;   ///< Winding number of the lattice.
+  float distance = 0.0f;  ///< From the surface, in cells.
   uint32_t disagreeing = 1;
 };
 
@@ -63,7 +63,7 @@ class VulkanWindingDipoles : public VulkanTest {
  private:
   /// Kept from one test to the next.
   static WindingDipolesStage& dipoles() {
-    shared();  // Made before it, so destroyed after it.
+    shared();  // The device is made before the stage, so it is destroyed after it.
     static WindingDipolesStage dipoles(device());
     return dipoles;
   }
@@ -76,7 +76,7 @@ Mesh openSphere() {
 }
 
 TEST_F(VulkanWindingDipoles, AreTheSumOfTheSolidAngles) {
-  // One triangle, a leaf that is not full, one full leaf and one more, thousands.
+  // One triangle, a leaf that is not full, one triangle more than a leaf holds, and thousands.
   for (const Mesh& mesh :
        {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
     SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
@@ -85,7 +85,7 @@ TEST_F(VulkanWindingDipoles, AreTheSumOfTheSolidAngles) {
     double sum = 0.0;
     for (size_t s = 0; s < winding.size(); ++s) {
       const double error = std::abs(winding[s] - reference::windingNumber(mesh, samplePosition(grid, s)));
-      // What comes near the threshold is looked at more closely.
+      // Numbers near the threshold are computed more accurately.
       ASSERT_LT(error, std::abs(std::abs(winding[s]) - kThreshold) < 0.015 ? 0.005 : 0.05) << s;
       sum += error;
     }
@@ -93,7 +93,7 @@ TEST_F(VulkanWindingDipoles, AreTheSumOfTheSolidAngles) {
   }
 }
 
-TEST_F(VulkanWindingDipoles, AreTheCpus) {
+TEST_F(VulkanWindingDipoles, MatchTheCpu) {
   for (const Mesh& mesh : {shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
     SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
     const Grid grid = fitGrid(mesh, {.resolution = 20});
@@ -120,7 +120,7 @@ TEST_F(VulkanWindingDipoles, GiveTheSameBitsEachTime) {
 TEST_F(VulkanWindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
   const Mesh mesh = openSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 12});
-  // Far from the surface the lattice errs less.
+  // The lattice's error is smaller far from the surface.
   for (const Start& start :
        {Start{.winding = 0.7f}, Start{.winding = -0.3f}, Start{.winding = 0.55f, .distance = 20.0f}})
     for (const float w : settle(mesh, grid, start)) ASSERT_EQ(w, start.winding);
@@ -132,7 +132,7 @@ TEST_F(VulkanWindingDipoles, LeaveEverythingWhereAllRaysAgree) {
   for (const float w : settle(mesh, grid, {.disagreeing = 0})) ASSERT_EQ(w, 0.5f);
 }
 
-TEST_F(VulkanWindingDipoles, StandUpToDegenerateTriangles) {
+TEST_F(VulkanWindingDipoles, SurviveDegenerateTriangles) {
   Mesh mesh = openSphere();
   mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
   for (const float w : settle(mesh, fitGrid(mesh, {.resolution = 16}), {})) ASSERT_TRUE(std::abs(w) < 1.1f);

@@ -40,7 +40,7 @@ Mesh holedSphere() {
   return mesh;
 }
 
-TEST_F(VulkanWindingHarmonic, IsTheCpusField) {
+TEST_F(VulkanWindingHarmonic, MatchesTheCpu) {
   WindingHarmonicStage harmonic(device());
   for (const Mesh& mesh : {holedSphere(), shapes::soup(300, 4)})
     for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(48, 48, 48), glm::ivec3(1, 9, 30)}) {

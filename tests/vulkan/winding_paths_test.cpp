@@ -55,7 +55,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
   }
 };
 
-TEST_F(VulkanWindingPaths, AreTheCpus) {
+TEST_F(VulkanWindingPaths, MatchTheCpu) {
   for (const glm::ivec3 dims : {glm::ivec3(21, 13, 17), glm::ivec3(1, 9, 30), glm::ivec3(40, 33, 36)}) {
     const RayMap map =
         rayMapOf(shapes::soup(200, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = 0.03});

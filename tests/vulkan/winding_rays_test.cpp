@@ -52,7 +52,7 @@ TEST_F(VulkanWindingRays, BoxesAndVoxelsOnSamplesAndLatticeLines) {
 }
 
 TEST_F(VulkanWindingRays, SlantedFacesThroughSamples) {
-  // A box turned by an eighth about each axis: every tie of a plane with a sample.
+  // A box rotated by 45 degrees about each axis has planes through samples in every way.
   for (int axis = 0; axis < 3; ++axis) {
     Mesh mesh = shapes::box({1, 1, 1}, {5, 5, 5});
     const LineAxes across(axis);
@@ -100,7 +100,7 @@ TEST_F(VulkanWindingRays, ThinAndLongGrids) {
   for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(1, 9, 9), glm::ivec3(9, 1, 2),
                                 glm::ivec3(2, 2, 9), glm::ivec3(1, 1, 70), glm::ivec3(15, 16, 17)})
     expectTwins(open, {.dims = dims, .origin = glm::dvec3(0.05), .spacing = 0.1});
-  // More samples than a loop may have turns, along each axis.
+  // More samples along each axis than a loop may have iterations.
   for (int axis = 0; axis < 3; ++axis) {
     glm::ivec3 dims(1, 1, 1);
     dims[axis] = 140001;
@@ -117,7 +117,8 @@ TEST_F(VulkanWindingRays, ManyTrianglesWithManyRuns) {
 }
 
 TEST_F(VulkanWindingRays, RefusesMoreRunsThanCanBeNumbered) {
-  // Each triangle covers 2^20 lines along z, in 2^15 runs; together 2^32 and one triangle's more.
+  // Each triangle covers 2^20 lines along z in 2^15 runs. All together have those of one triangle more than
+  // 2^32.
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{-9, -9, 0.4}, {3000, -9, 0.4}, {-9, 3000, 0.4}},
                              std::vector<glm::uvec3>((1u << 17) + 1, {0, 1, 2}));
   try {

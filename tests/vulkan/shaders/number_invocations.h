@@ -7,9 +7,9 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct NumberInvocationsPush {
-  RAYMAP_ADDRESS(Uints) groups;  // Of each invocation the number of its group.
+  RAYMAP_ADDRESS(Uints) groups;  // The number of each invocation's group.
   uint count;
-  uint groupSize;  // Must be what the kernel was made with.
+  uint groupSize;  // Must be the size that the kernel was made with.
 };
 RAYMAP_CHECK_SIZE(NumberInvocationsPush, 16);
 

@@ -7,9 +7,9 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct WaveVerticesPush {
-  RAYMAP_ADDRESS(Floats) rest;  // Three a vertex.
+  RAYMAP_ADDRESS(Floats) rest;  // Three per vertex.
   RAYMAP_ADDRESS(Floats) moved;
-  uint count;  // Of vertices.
+  uint count;  // Number of vertices.
   float time;
 };
 RAYMAP_CHECK_SIZE(WaveVerticesPush, 24);

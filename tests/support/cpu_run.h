@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole runs on the CPU, to be compared.
+// Whole runs on the CPU and how they compare.
 
 #include <raymap/generate.h>
 
@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-/// A run on the CPU, winding numbers included.
+/// Makes a field on the CPU, with its winding numbers.
 inline Generated runOf(const Mesh& mesh, const Grid& grid, Options options) {
   options.device = "cpu";
   options.winding = true;
@@ -22,7 +22,7 @@ inline Generated runOf(const Mesh& mesh, const Grid& grid, Orientation orientati
   return runOf(mesh, grid, {.sign = sign, .orientation = orientation});
 }
 
-/// How many samples of two fields differ in sign.
+/// Returns the number of samples whose signs differ.
 inline size_t countUnlike(const Generated& a, const Generated& b) {
   size_t unlike = 0;
   for (size_t s = 0; s < a.field.distance.size(); ++s)
