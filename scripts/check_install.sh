@@ -64,17 +64,16 @@ check_program() { # kind
   run "$work/$1/bin/raymap" info tetrahedron.3mf
 }
 
-check_cmake() { # kind, compiler, project in tests/consumer, arguments of its program
-  local kind=$1 compiler=$2 project=$3 build="$work/$1-$2-${3//\//-}"
-  shift 3
+check_cmake() { # kind, compiler, project in tests/consumer
+  local kind=$1 compiler=$2 project=$3 build="$work/$1-$2-$3"
   local forbidden=()
-  if [[ $project == core ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
+  if [[ $project == core || $project == refused ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
   set -x
   cmake -S "$work/consumer/$project" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$work/$kind" -DCMAKE_CXX_COMPILER="$compiler" \
     -DCMAKE_CXX_FLAGS="$warnings" -DCMAKE_C_FLAGS="$warnings" "${forbidden[@]}"
   cmake --build "$build"
-  run "$build/app" "$@"
-  run "$(copy_elsewhere "$build/app")" "$@"
+  run "$build/app"
+  run "$(copy_elsewhere "$build/app")"
   if [[ $project == . && $kind == static ]]; then
     cmake --install "$build" --prefix "$build/installed"
     run "$build/installed/bin/app"
@@ -113,7 +112,10 @@ for compiler in "${compilers[@]}"; do
 done
 install_library core "${only_core[@]}"
 check check_missing core
-for compiler in "${compilers[@]}"; do check check_cmake core "$compiler" core cpu-only; done
+for compiler in "${compilers[@]}"; do
+  check check_cmake core "$compiler" core
+  check check_cmake core "$compiler" refused
+done
 install_library light "${only_core[@]}" -DRAYMAP_IO=ON -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF
 for compiler in "${compilers[@]}"; do check check_cmake light "$compiler" light; done
 install_library shared -DBUILD_SHARED_LIBS=ON

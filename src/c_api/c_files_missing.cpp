@@ -1,0 +1,32 @@
+// The functions of raymap/c.h that read and write files, in a build without files.
+
+#include <raymap/c.h>
+
+#include "c_api/c_handles.h"
+
+namespace {
+
+raymap_result fail() {
+  return raymap::c::fail(RAYMAP_ERROR_UNSUPPORTED,
+                         "raymap was built without files; build it with RAYMAP_IO=ON");
+}
+
+}  // namespace
+
+raymap_mesh* raymap_mesh_load(const char*, const raymap_options*) {
+  fail();
+  return nullptr;
+}
+
+raymap_result raymap_mesh_write(const raymap_mesh*, const char*) {
+  return fail();
+}
+
+raymap_field* raymap_field_load(const char*) {
+  fail();
+  return nullptr;
+}
+
+raymap_result raymap_field_write(const raymap_field*, const char*, const char*) {
+  return fail();
+}
