@@ -90,10 +90,10 @@ bool isOfTheDevice(const Error& error) {
 GpuDevice* ChosenDevice::open(const std::string& name) {
   if (name_ != name) {
     close();
-    index_ = chooseDevice(name);
+    number_ = chooseDevice(name);
     name_ = name;
   }
-  if (index_ && !gpu_) gpu_ = gpuPlugIn()->open(*index_);
+  if (number_ && !gpu_) gpu_ = gpuPlugIn()->open(*number_);
   return gpu_.get();
 }
 

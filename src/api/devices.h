@@ -21,26 +21,28 @@ std::optional<size_t> chooseDevice(const std::string& name);
 /// are at fault, or the user cancelled.
 bool isOfTheDevice(const Error& error);
 
-/// The device that a caller's runs use. Chosen and opened once, for as long as the name stays the same and it
-/// works.
+/// The device that a caller's runs use. Chosen and opened once, for as long as the name stays the same and
+/// the device works.
 class ChosenDevice {
  public:
-  /// Calls `onGpu(device, index)` if `name` means a GPU, else `onCpu()`. If a GPU that `auto` chose fails,
-  /// calls `warn` with the reason and falls back to `onCpu`.
-  template <class OnGpu, class OnCpu>
-  void run(const std::string& name, const WarningCallback& warn, OnGpu&& onGpu, OnCpu&& onCpu) {
+  /// Calls `work(device, number)` if `name` means a GPU. Returns false if the CPU has to do the work: `name`
+  /// means the CPU, or the GPU that `auto` chose failed. Then it calls `warn` with the reason.
+  template <class Work>
+  bool run(const std::string& name, const WarningCallback& warn, Work&& work) {
     try {
-      if (GpuDevice* device = open(name)) return onGpu(*device, *index_);
+      GpuDevice* const device = open(name);
+      if (device) work(*device, *number_);
+      return device != nullptr;
     } catch (const Error& error) {
       if (!isOfTheDevice(error)) throw;  // The device is as good as before.
       close();
       if (name != "auto") throw;
       if (warn) warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
+      return false;
     } catch (...) {
       close();
       throw;
     }
-    onCpu();
   }
 
  private:
@@ -48,8 +50,8 @@ class ChosenDevice {
   GpuDevice* open(const std::string& name);
   void close();
 
-  std::optional<std::string> name_;  ///< The last one chosen.
-  std::optional<size_t> index_;
+  std::optional<std::string> name_;  ///< Name that was chosen last.
+  std::optional<size_t> number_;     ///< None for the CPU.
   std::unique_ptr<GpuDevice> gpu_;
 };
 

@@ -25,8 +25,10 @@ Stats generateOnCpu(cpu::Backend& backend, const Job& job, size_t meshBytes) {
   const size_t held = meshBytes + backend.bytes() + fieldBytes(job.field);
   const size_t limit = job.options.memoryLimit ? job.options.memoryLimit : availableMemory() + held;
   checkFieldMemory(meshBytes + cpu::Backend::bytesNeeded(job.mesh, job.grid, job.options), limit);
-  backend.take(job);
-  runPipeline(backend);
+  withThreads(job.options.threads, [&] {
+    backend.take(job);
+    runPipeline(backend);
+  });
   Stats stats;
   stats.device = "cpu";
   for (const Progress::Time& time : job.progress.times())
@@ -49,21 +51,6 @@ struct Generator::Impl {
     validate(mesh);
     return mesh;
   }
-
-  Stats run(const PackedMesh& mesh, const Grid& grid, const Options& options, Field& field) {
-    Stats stats;
-    const auto onGpu = [&](GpuDevice& gpu, size_t index) {
-      Progress progress(options.progress);
-      gpu.generate({mesh, grid, options, progress, field}, stats);
-      stats.device = "vulkan:" + std::to_string(index);
-    };
-    const auto onCpu = [&] {
-      Progress progress(options.progress);
-      stats = generateOnCpu(cpu, {mesh, grid, options, progress, field}, packer.bytes());
-    };
-    withThreads(options.threads, [&] { device.run(options.device, options.warn, onGpu, onCpu); });
-    return stats;
-  }
 };
 
 Generator::Generator() : impl_(std::make_unique<Impl>()) {}
@@ -71,19 +58,24 @@ Generator::~Generator() = default;
 Generator::Generator(Generator&&) noexcept = default;
 Generator& Generator::operator=(Generator&&) noexcept = default;
 
-Stats Generator::generate(const MeshView& view, const Grid& grid, const Options& options, Field& field) {
+Stats Generator::generate(const MeshView& view, const Grid& grid, const Options& asked, Field& field) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   Stats stats;
   try {
-    checkOptions(grid, options);
+    checkOptions(grid, asked);
+    const Options options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
     const PackedMesh mesh = impl_->pack(view, options);
-    if (options.thickness > 0.0) {
-      stats = impl_->run(mesh, grid, withoutThickness(options, grid), field);
-      thicken(options, field);
-    } else {
-      stats = impl_->run(mesh, grid, options, field);
+    const auto onGpu = [&](GpuDevice& gpu, size_t number) {
+      Progress progress(options.progress);
+      withThreads(options.threads, [&] { gpu.generate({mesh, grid, options, progress, field}, stats); });
+      stats.device = "vulkan:" + std::to_string(number);
+    };
+    if (!impl_->device.run(options.device, options.warn, onGpu)) {
+      Progress progress(options.progress);
+      stats = generateOnCpu(impl_->cpu, {mesh, grid, options, progress, field}, impl_->packer.bytes());
     }
+    if (asked.thickness > 0.0) thicken(asked, field);
   } catch (...) {
     field = {};
     throw;

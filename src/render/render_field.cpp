@@ -31,9 +31,8 @@ Picture renderField(const Field& field, const RenderOptions& options) {
   Progress progress(options.progress);
   const auto draw = [&] {
     const Scene scene(field, options);
-    ChosenDevice().run(
-        options.device, options.warn, [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); },
-        [&] { drawOnCpu(scene, progress, picture); });
+    const auto onGpu = [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); };
+    if (!ChosenDevice().run(options.device, options.warn, onGpu)) drawOnCpu(scene, progress, picture);
   };
   progress.stage("render", [&] { withThreads(options.threads, draw); });
   return picture;
