@@ -71,5 +71,15 @@ TEST(WriteMeshNames, AreChecked) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "empty.ply"));
 }
 
+TEST(WriteMeshView, IsWrittenLikeTheMesh) {
+  const Mesh stored = shapes::sphere(1.0, 3, {1e6, -2e6, 3e6});
+  std::vector<glm::dvec3> positions;
+  for (uint32_t v = 0; v < stored.vertices.size(); ++v) positions.push_back(stored.position(v));
+  const TemporaryFolder folder;
+  writeMesh(folder.path() / "view.ply", MeshView(positions, stored.triangles));
+  writeMesh(folder.path() / "mesh.ply", makeMesh(positions, stored.triangles));
+  EXPECT_EQ(readBytes(folder.path() / "view.ply"), readBytes(folder.path() / "mesh.ply"));
+}
+
 }  // namespace
 }  // namespace raymap

@@ -83,6 +83,15 @@ TEST(RenderDefects, RefusesInvalidMeshes) {
   EXPECT_THROW(renderDefects({}), Error);
 }
 
+TEST(RenderDefects, DrawsAViewLikeTheMesh) {
+  const Mesh stored = shapes::sphere(1.0, 3, {1e6, -2e6, 3e6});
+  std::vector<glm::dvec3> positions;
+  for (uint32_t v = 0; v < stored.vertices.size(); ++v) positions.push_back(stored.position(v));
+  const MeshView view(positions, stored.triangles);
+  EXPECT_EQ(renderDefects(view, {.width = 40, .height = 30}).rgb,
+            renderDefects(makeMesh(positions, stored.triangles), {.width = 40, .height = 30}).rgb);
+}
+
 TEST(FieldSampler, ReproducesALinearFunction) {
   const Grid grid{{5, 6, 7}, {1.0, 2.0, 3.0}, 0.5};
   const Field field = sampled(grid, [](const glm::dvec3& p) { return p.x + 2 * p.y - 3 * p.z + 20; });

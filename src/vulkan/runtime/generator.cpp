@@ -117,7 +117,7 @@ namespace {
 DeviceOptions named(std::string_view name) {
   const std::optional<DeviceName> device = parseDeviceName(name);
   if (!device || device->kind != DeviceName::Kind::Vulkan)
-    throw Error(ErrorCode::Usage,
+    throw Error(device ? ErrorCode::Unsupported : ErrorCode::Usage,
                 "there is no Vulkan device '" + std::string(name) + "'; use vulkan or vulkan:K");
   return {.index = device->index};
 }
