@@ -37,7 +37,7 @@ class CountingGpu {
       job.progress.stage("begin", [] {});
       if (onGenerate) onGenerate();
       job.field.grid = job.grid;
-      job.field.distance.resize(job.grid.sampleCount());
+      job.field.distance.resizeUninitialized(job.grid.sampleCount());
     }
     void draw(const Scene&, Progress&, Picture&) override {}
   };
