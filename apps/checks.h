@@ -7,23 +7,24 @@
 
 namespace raymap {
 
-/// A finite number of at least (or, if `isOpen`, above) `low`.
+/// Accepts a finite number of at least `low`; above `low` if `isOpen`.
 CLI::Validator numberFrom(double low, bool isOpen = false);
 
-/// A whole number of at least `low` that fits into an int.
+/// Accepts a whole number of at least `low` that fits into an int.
 CLI::Validator wholeNumberFrom(int low);
 
-/// A file to write, the option that names it and the endings it may have; no path if it is not wanted.
+/// A file to write, the option that names it and its accepted extensions. An empty path: not wanted.
 struct Output {
   std::string option;
   std::filesystem::path path;
   std::vector<std::string> extensions;
 };
 
-/// Finds what would fail at the end of a long run: an unknown ending, a missing or read-only folder, a file
-/// named twice. Throws `Error(Usage)` or `Error(File)`.
+/// Finds what would fail at the end of a long run: an unknown extension, a missing or read-only folder, a
+/// file named twice. Throws `Error(Usage)` or `Error(File)`.
 void checkOutputs(const std::vector<Output>& outputs);
 
+/// Returns whether a path has one of these extensions, in upper or lower case.
 bool hasExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 
 }  // namespace raymap

@@ -4,7 +4,7 @@
 
 namespace raymap {
 
-// One file per subcommand; each adds its options and what to run.
+// One file per subcommand. Each function adds its options and the function to run.
 void addGenerate(CLI::App& app);
 void addInfo(CLI::App& app);
 void addMesh(CLI::App& app);

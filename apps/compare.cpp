@@ -18,8 +18,8 @@ constexpr const char* kFooter = R"(Example:
   raymap generate bunny.obj -o b.nrrd --sign paths
   raymap compare a.nrrd b.nrrd -o difference.png
 
-The picture shows the slice with most sign differences: red is inside by a only, green by b only; or,
-where no sign differs, the slice with the largest difference, from white to dark red.)";
+The picture shows the slice with the most sign differences: red is inside in a only, green in b only. If no
+sign differs, it shows the slice with the largest difference, from white (equal) to dark red.)";
 
 struct Arguments {
   fs::path a, b, picture;
@@ -64,13 +64,13 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void addCompare(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("compare", "Say where two fields on the same grid differ");
+  CLI::App* command = app.add_subcommand("compare", "Compare two fields on the same grid");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("a", arguments->a, "A field")->type_name("FIELD")->required();
-  command->add_option("b", arguments->b, "Another")->type_name("FIELD")->required();
-  command->add_option("-o,--output", arguments->picture, "Picture of the difference, .png")
+  command->add_option("a", arguments->a, "First field")->type_name("FIELD")->required();
+  command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
+  command->add_option("-o,--output", arguments->picture, "Picture of the differences, .png")
       ->type_name("FILE");
-  command->add_flag("--json", arguments->isJson, "For programs");
+  command->add_flag("--json", arguments->isJson, "Print JSON");
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

@@ -9,7 +9,7 @@ namespace raymap {
 
 namespace {
 
-/// The distance, or what `generate` wrote by itself: winding, confidence or triangle numbers.
+/// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
 std::string_view arrayToConvert(const Field& field) {
   if (!field.distance.empty()) return "distance";
   if (!field.winding.empty()) return "winding";
@@ -34,13 +34,16 @@ void convertMesh(const Arguments& arguments) {
 }  // namespace
 
 void addConvert(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("convert", "Write a field, or a mesh, in another format");
+  CLI::App* command = app.add_subcommand("convert", "Convert a field or a mesh to another format");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, "A field or a mesh")->type_name("FIELD|MESH")->required();
+  command->add_option("input", arguments->input, "Field or mesh to read")
+      ->type_name("FIELD|MESH")
+      ->required();
   command
-      ->add_option(
-          "output", arguments->output,
-          "A field: .vdb, .nrrd, .npz, .vti, or .npy (without its grid); a mesh: .ply, .obj, .stl or .glb")
+      ->add_option("output", arguments->output,
+                   "File to write; a field as .vdb, .nrrd, .npz, .vti or .npy (without its grid), a mesh as "
+                   ".ply, .obj, "
+                   ".stl or .glb")
       ->type_name("FILE")
       ->required();
   command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");

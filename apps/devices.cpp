@@ -14,8 +14,8 @@ constexpr const char* kFooter = R"(Examples:
   raymap devices
   raymap devices --json | jq -r .auto
 
-'auto' marks what is taken unless another is named: a GPU if there is one, else the CPU. A driver that
-computes in software counts as a GPU only if it is named.)";
+'auto' marks the default device: a GPU if there is one, else the CPU. A software rasterizer is used only
+if --device names it.)";
 
 void print(const DeviceList& list) {
   for (size_t i = 0; i < list.devices.size(); ++i) {
@@ -58,9 +58,9 @@ Json toJson(const DeviceList& list) {
 }  // namespace
 
 void addDevices(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("devices", "List what can compute a field");
+  CLI::App* command = app.add_subcommand("devices", "List the devices that can compute a field");
   const auto isJson = std::make_shared<bool>(false);
-  command->add_flag("--json", *isJson, "For programs");
+  command->add_flag("--json", *isJson, "Print JSON");
   command->footer(kFooter);
   command->callback([isJson] {
     const DeviceList list = devices();

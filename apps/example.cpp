@@ -12,11 +12,10 @@ void addExample(CLI::App& app) {
     std::filesystem::path mesh;
     bool holes = false;
   };
-  CLI::App* command =
-      app.add_subcommand("example", "Write a mesh to try things on: a globe, 95,000 triangles");
+  CLI::App* command = app.add_subcommand("example", "Write an example mesh: a globe of 95,000 triangles");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("-o,--output", arguments->mesh, "Mesh to write, .ply")->type_name("FILE")->required();
-  command->add_flag("--holes", arguments->holes, "Tear holes into it");
+  command->add_flag("--holes", arguments->holes, "Tear holes into the mesh");
   command->footer("Example:\n  raymap example -o torn.ply --holes");
   command->callback([arguments] {
     checkOutputs({{"--output", arguments->mesh, {".ply"}}});

@@ -16,7 +16,7 @@ using std::numbers::pi;
 
 constexpr double kSpacing = 0.039;  // About 95,000 triangles.
 
-// Solids are functions that are negative inside: a union is a minimum, an intersection a maximum.
+// Solids are functions that are negative inside. A union is a minimum, an intersection a maximum.
 
 double unite(double a, double b) {
   return std::min(a, b);
@@ -32,7 +32,7 @@ double slab(double x, double low, double high) {
   return std::max(low - x, x - high);
 }
 
-/// A prism around y with `sides` sides, each `apothem` away.
+/// A prism around the y axis with `sides` sides, each at the distance `apothem`.
 double prism(const dvec3& p, int sides, double apothem) {
   const double sector = 2.0 * pi / sides;
   const double angle = std::atan2(p.z, p.x);
@@ -47,7 +47,7 @@ double labyrinth(const dvec3& p) {
   return intersect((std::abs(gyroid) - 0.42) / kWaves, slab(glm::length(p), 0.62, 1.0));
 }
 
-/// The common part of an octahedron and a cube.
+/// The intersection of an octahedron and a cube.
 double gem(const dvec3& p) {
   const dvec3 q = glm::abs(p);
   return intersect((q.x + q.y + q.z - 0.62) / std::sqrt(3.0), std::max({q.x, q.y, q.z}) - 0.4);
@@ -60,7 +60,7 @@ double toothedDisc(const dvec3& p) {
   return intersect(slab(p.y, -0.035, 0.035), slab(radius, 0.93, rim) * 0.8);
 }
 
-/// A ring in the x-y plane whose square profile turns six quarters on its way round.
+/// A ring in the x-y plane whose square profile turns by 1.5 revolutions along it.
 double twistedRing(const dvec3& p) {
   const double angle = std::atan2(p.y, p.x);
   const dvec2 q(std::hypot(p.x, p.y) - 1.36, p.z);
@@ -105,7 +105,7 @@ double globe(const dvec3& p) {
   return std::min({turning, column(p - dvec3(0, -1.5, 0)), base(p - dvec3(0, -1.95, 0))});
 }
 
-/// Whether a face lies in one of the torn places, scattered by the golden angle.
+/// Returns whether a point lies in one of the holes, which are scattered by the golden angle.
 bool isTorn(const dvec3& p) {
   for (int hole = 0; hole < 40; ++hole) {
     const double y = 1.6 - 3.7 * (hole + 0.5) / 40;

@@ -30,12 +30,13 @@ void addGridOptions(CLI::App& command, FieldArguments& arguments) {
       ->check(numberFrom(0, true))
       ->excludes(resolution)
       ->group("Grid");
-  CLI::Option* bounds = command.add_option("--bounds", arguments.bounds,
-                                           "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's, padded)");
+  CLI::Option* bounds = command.add_option(
+      "--bounds", arguments.bounds, "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's bounds, padded)");
   bounds->expected(6)->group("Grid");
   command
-      .add_option("--padding", arguments.grid.padding,
-                  "Padding of the mesh's bounds, as a share of its longest side (default 0.1)")
+      .add_option(
+          "--padding", arguments.grid.padding,
+          "Padding of the mesh's bounds on every side, as a share of their longest side (default 0.1)")
       ->check(numberFrom(0))
       ->excludes(bounds)
       ->group("Grid");
@@ -46,26 +47,28 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Method");
   };
-  add("--distance", arguments.distance, "To the closest triangle of all, or a faster guess (default exact)")
+  add("--distance", arguments.distance,
+      "Exact distance to the closest triangle (default exact), or a faster approximation")
       ->check(oneOf<DistanceMode>());
-  add("--sign", arguments.sign, "How inside is told from outside (default harmonic)")
+  add("--sign", arguments.sign, "Method that decides inside and outside (default harmonic)")
       ->check(oneOf<SignMode>());
   addOrientationOption(command, arguments);
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
       ->check(wholeNumberFrom(1));
-  add("--threshold", options.threshold, "Inside is where |winding number| is more (default 0.5)")
+  add("--threshold", options.threshold, "A sample is inside if |winding number| exceeds this (default 0.5)")
       ->check(numberFrom(0, true));
-  add("--band", options.band, "Clamp distances to this many samples; 0 = exact everywhere (default)")
+  add("--band", options.band, "Clamp distances to this many samples; 0 = do not clamp (default)")
       ->check(numberFrom(0));
   command
       .add_flag("--close-holes", options.closeHoles,
-                "Distances also to the surface missing in holes, put where the winding number crosses the "
-                "threshold")
+                "Also measure the distance to the surface missing in holes, placed where the winding number "
+                "crosses the threshold")
       ->group("Method");
   add("--thickness", options.thickness,
-      "No sign, but a solid of this thickness around the surface, in the mesh's units: for sheets")
+      "Make a solid of this thickness around the surface instead of a sign, in the mesh's units: for "
+      "sheets")
       ->check(numberFrom(0, true));
-  command.add_flag("--invert", options.invert, "Positive inside, negative outside")->group("Method");
+  command.add_flag("--invert", options.invert, "Make inside positive and outside negative")->group("Method");
 }
 
 }  // namespace
@@ -74,24 +77,25 @@ void addOrientationOption(CLI::App& command, FieldArguments& arguments) {
   command
       .add_option(
           "--orientation", arguments.orientation,
-          "Whether faces that point the wrong way are turned: auto (default), where the field then fits "
-          "clearly better; keep, never; repair, always")
+          "Reverse faces that point the wrong way: auto (default), if the field then fits clearly better; "
+          "keep, never; repair, whenever it fits no worse")
       ->check(oneOf<Orientation>())
       ->group("Method");
 }
 
 void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
   command
-      .add_option("--device", arguments.options.device,
-                  "What computes it: cpu, vulkan, vulkan:K (see raymap devices), or auto (default): a GPU if "
-                  "there is one, else the CPU")
+      .add_option(
+          "--device", arguments.options.device,
+          "Device that computes the field: cpu, vulkan, vulkan:K (see raymap devices), or auto (default), a "
+          "GPU if there is one, else the CPU")
       ->group("Machine");
-  command.add_option("--threads", arguments.options.threads, "Threads; 0 = all (default)")
+  command.add_option("--threads", arguments.options.threads, "Number of CPU threads; 0 = all (default)")
       ->check(wholeNumberFrom(0))
       ->group("Machine");
   command
       .add_option("--memory-limit", arguments.options.memoryLimit,
-                  "Refuse to need more than this, e.g. 2GB (default: what the machine has left)")
+                  "Most memory to use, e.g. 2GB (default: all that is available)")
       ->transform(CLI::AsSizeValue(false))
       ->group("Machine");
 }

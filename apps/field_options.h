@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-/// What every command that turns a mesh into a field asks for.
+/// Arguments of every command that turns a mesh into a field.
 struct FieldArguments {
   GridOptions grid;
   std::vector<double> bounds;
@@ -18,21 +18,21 @@ struct FieldArguments {
   Options options;
 };
 
-/// Adds all of them, in groups, to a command.
+/// Adds the options of all of them, in groups, to a command.
 void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 
-// And some of them.
+// Add some of them.
 void addOrientationOption(CLI::App& command, FieldArguments& arguments);
 void addMachineOptions(CLI::App& command, FieldArguments& arguments);
 
-/// Turns what the options say in words into `grid` and `options`. Throws `Error(Usage)` if they contradict
-/// each other.
+/// Converts arguments given as text into `grid` and `options`. Throws `Error(Usage)` if they contradict each
+/// other.
 void finishFieldArguments(FieldArguments& arguments);
 
-/// Makes the field with progress and warnings on stderr.
+/// Makes the field, with progress and warnings on stderr.
 Generated makeField(const Mesh& mesh, const Grid& grid, Options options);
 
-/// Reads a field, or makes one of a mesh: which of them, the file's ending tells.
+/// Reads a field, or reads a mesh and makes its field. The file's extension decides.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments);
 
 }  // namespace raymap

@@ -18,19 +18,19 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(Examples:
   raymap generate bunny.obj -o bunny.vdb
-      128 samples along the longest side, exact distance, sign right even where the mesh is broken
+      128 samples along the longest side, exact distance, correct signs even for a broken mesh
   raymap generate bunny.obj -o bunny.nrrd --voxel-size 0.5 --bounds 0 0 0 100 80 60
-      samples half a unit apart in a box of your own
+      samples half a unit apart in a given box
   raymap generate car.glb -o car.vdb --resolution 256 --band 3
-      only three samples to either side of the surface, as level sets want it
+      distances clamped three samples from the surface, for level sets
   raymap generate scan.ply -o scan.npz --winding w.npy --confidence c.npy --stats scan.json
-      and how sure the sign is, and what was wrong with the mesh)";
+      also the winding number, the confidence in the sign and figures of the mesh)";
 
 struct Arguments : FieldArguments {
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
 };
 
-/// One run, as the summary and the statistics tell it.
+/// Results of one run, for the summary and the statistics.
 struct Report {
   Diagnostics found;
   Grid grid;
@@ -122,7 +122,7 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"peak_memory_bytes", peakMemory()}};
 }
 
-/// What was wrong with the mesh, and what had to be guessed.
+/// Defects of the mesh, and how many signs are uncertain.
 Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
@@ -197,11 +197,11 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
   };
   add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .vti, or .npy (without its grid)")
       ->required();
-  add("--triangle-ids", arguments.triangleIds, "Also write the number of each sample's closest triangle");
+  add("--triangle-ids", arguments.triangleIds, "Also write the index of each sample's closest triangle");
   add("--winding", arguments.winding, "Also write the winding number");
-  add("--confidence", arguments.confidence, "Also write how sure the sign is, 0 to 1");
-  add("--stats", arguments.stats, "Also write figures of the mesh, the grid and each stage, as .json");
-  add("--report", arguments.report, "Also write what was wrong with the mesh and what was guessed, as .json");
+  add("--confidence", arguments.confidence, "Also write the confidence in the sign, 0 to 1");
+  add("--stats", arguments.stats, "Also write figures of the mesh, the grid and every stage, as .json");
+  add("--report", arguments.report, "Also write the mesh's defects and the uncertain signs, as .json");
   add("--report-picture", arguments.reportPicture, "Also draw the mesh with its defects in colour, as .png");
 }
 
@@ -210,7 +210,7 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
 void addGenerate(CLI::App& app) {
   CLI::App* command = app.add_subcommand("generate", "Make a signed distance field from a mesh");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
   addOutputOptions(*command, *arguments);

@@ -12,10 +12,11 @@ constexpr double kPullToMean = 0.02;  // Keeps vertices of flat cubes in place w
 constexpr double kMargin = 0.01;      // Share of a cube kept to its sides: no two vertices coincide.
 constexpr int kBisections = 20;
 
-/// Corners of a cube (x + 2y + 4z): those to look at, those of them that are inside, and the one to fill.
+/// A pattern of inside corners to fill. Corners of a cube have the numbers x + 2y + 4z.
 struct Pinch {
-  unsigned mask, inside;
-  int fill;
+  unsigned mask;    // Corners that count.
+  unsigned inside;  // Those of them that are inside.
+  int fill;         // Corner to add.
 };
 
 constexpr unsigned bits(std::initializer_list<int> corners) {
@@ -24,7 +25,7 @@ constexpr unsigned bits(std::initializer_list<int> corners) {
   return result;
 }
 
-/// Faces with two opposite corners inside, and cubes with two opposite corners inside or outside.
+/// Lists faces with two opposite corners inside, and cubes with two opposite corners inside or outside.
 std::vector<Pinch> listPinches() {
   std::vector<Pinch> pinches;
   for (int axis = 0; axis < 3; ++axis)
@@ -63,7 +64,7 @@ glm::dvec3 findCrossing(const Implicit& implicit, glm::dvec3 inside, glm::dvec3 
   return 0.5 * (inside + outside);
 }
 
-/// The point closest to all planes added.
+/// Finds the point closest to all planes added.
 class PlaneFit {
  public:
   void add(const glm::dvec3& point, const glm::dvec3& normal) {
@@ -131,8 +132,8 @@ class ImplicitMesh {
         for (int i = 0; i < dims_.x; ++i) work(glm::ivec3(i, j, k));
   }
 
-  /// Where the solid touches itself at an edge or a corner only, more than one surface passes through a
-  /// cube: one node more inside joins them. Returns whether it found such a place.
+  /// Adds a node where the solid touches itself only at an edge or a corner: more than one surface would pass
+  /// through a cube there. Returns whether it found such a place.
   bool fillPinches() {
     bool isChanged = false;
     forEachCube([&](const glm::ivec3& cube) {
@@ -151,7 +152,7 @@ class ImplicitMesh {
     return isChanged;
   }
 
-  /// An edge that the surface crosses bends it at the four cubes around, and joins them by a quad.
+  /// Adds the surface's plane at a crossed edge to the four cubes around, and joins them by a quad.
   void crossEdge(const glm::ivec3& node, int axis) {
     const glm::ivec3 end = node + along(axis), u = along(axis + 1), v = along(axis + 2);
     const bool isIn = isInside_[index(node)];
@@ -179,7 +180,7 @@ class ImplicitMesh {
     return vertex;
   }
 
-  /// The shorter diagonal follows sharp edges.
+  /// Splits a quad along the shorter diagonal, which follows sharp edges.
   void split(const Quad& q) {
     const auto length = [&](int a, int b) { return glm::distance(positions_[q[a]], positions_[q[b]]); };
     if (length(0, 2) <= length(1, 3))
@@ -193,10 +194,10 @@ class ImplicitMesh {
   glm::dvec3 origin_;
   double spacing_;
   glm::ivec3 dims_;
-  std::vector<bool> isInside_;          // Of each node.
+  std::vector<bool> isInside_;          // Per node.
   std::vector<uint32_t> vertexOfCube_;  // By the cube's lowest node.
-  std::vector<PlaneFit> fits_;          // Of each vertex,
-  std::vector<glm::ivec3> cubes_;       // and its cube.
+  std::vector<PlaneFit> fits_;          // Per vertex.
+  std::vector<glm::ivec3> cubes_;       // Cube of each vertex.
   std::vector<Quad> quads_;
   std::vector<glm::dvec3> positions_;
   std::vector<glm::uvec3> triangles_;

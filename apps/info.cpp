@@ -17,10 +17,10 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   raymap info scan.ply
   raymap info scan.ply --json | jq .watertight
-  raymap info scan.ply --picture scan.png       (where it is broken)
+  raymap info scan.ply --picture scan.png       (shows where the defects are)
 
-Measured after joining vertices at exactly equal positions. Only a balanced mesh (every edge used equally
-often in both directions) has a certain inside; for any other, 'raymap generate' finds the likeliest one.)";
+Measured after welding vertices at exactly equal positions. A balanced mesh (every edge used equally often
+in both directions) has a definite inside. For any other, 'raymap generate' finds the most likely one.)";
 
 void print(const std::vector<Hole>& holes) {
   constexpr size_t kMost = 5;
@@ -73,16 +73,17 @@ void addInfo(CLI::App& app) {
     bool isJson = false;
     ViewArguments view;
   };
-  CLI::App* command = app.add_subcommand("info", "Say what is right and wrong with a mesh");
+  CLI::App* command = app.add_subcommand("info", "Report a mesh's size, topology and defects");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
-  command->add_flag("--json", arguments->isJson, "For programs");
+  command->add_flag("--json", arguments->isJson, "Print JSON");
   command
-      ->add_option("--picture", arguments->picture,
-                   "Also draw the mesh, .png: edges with one face red, with more than two violet; faces that "
-                   "cross others orange, flipped ones blue, duplicates yellow")
+      ->add_option(
+          "--picture", arguments->picture,
+          "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that "
+          "cross others orange, flipped faces blue, duplicates yellow")
       ->type_name("FILE");
   addViewOptions(*command, arguments->view);
   command->footer(kFooter);

@@ -21,24 +21,24 @@ constexpr const char* kFooter = R"(Try it:
 
 'raymap COMMAND --help' shows a command's options and examples.
 
-Exit codes: 0 done, 2 an option makes no sense, 3 a file's content is not valid, 4 a file cannot be
-read or written, 5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU
-stopped answering, 1 a bug of ours, 130 or 143 stopped by Ctrl-C or SIGTERM.)";
+Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file cannot be read or written,
+5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU stopped answering,
+1 a bug in raymap, 130 or 143 stopped by Ctrl-C or SIGTERM.)";
 
 int fail(int code, const std::string& message) {
   std::fprintf(stderr, "raymap: error: %s\n", message.c_str());
   return code;
 }
 
-/// "raymap generate", as far as the command line was understood.
+/// Returns the command that was understood, for example "raymap generate".
 std::string commandName(const CLI::App& app) {
   std::string name = app.get_name();
   for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
   return name;
 }
 
-/// What is wrong with the arguments, in a reader's order: CLI11 lists what it does not know last first, and
-/// says of a misspelt command only that there is none.
+/// Says what is wrong with the arguments, in their order. CLI11 lists unknown ones last first, and reports a
+/// misspelt command only as missing.
 std::string describe(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   if (app.get_subcommands().empty()) {
@@ -53,7 +53,8 @@ std::string describe(const CLI::App& app, const CLI::ParseError& error) {
   return text;
 }
 
-/// The arguments, last first as CLI11 wants them. It takes -.5 for an option, but not -0.5.
+/// Returns the arguments, last first as CLI11 wants them. Writes -.5 as -0.5: CLI11 would take the former
+/// for an option.
 std::vector<std::string> readArguments(int argc, char** argv) {
   std::vector<std::string> arguments(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + 1));
   for (std::string& argument : arguments)

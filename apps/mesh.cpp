@@ -14,10 +14,11 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   raymap mesh scan.vdb -o scan.ply                      (the surface of a field)
-  raymap mesh scan.ply -o scan.stl --resolution 256     (makes the field first: a closed mesh of a broken one)
-  raymap mesh part.stl -o grown.stl --iso 0.5           (half a unit outside of the surface)
+  raymap mesh scan.ply -o scan.stl --resolution 256     (makes the field first; closes a broken mesh)
+  raymap mesh part.stl -o grown.stl --iso 0.5           (half a unit outside the surface)
 
-Every edge of the result has exactly two faces, facing outwards. What reaches the grid's box is closed there.)";
+Every edge of the result has exactly two faces, which point outwards. The result is closed where it reaches
+the grid's box.)";
 
 struct Arguments : FieldArguments {
   std::filesystem::path input, mesh;
@@ -47,9 +48,11 @@ void run(Arguments& arguments) {
 
 void addMesh(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("mesh", "Make a closed mesh of a field, or of a mesh through its field");
+      app.add_subcommand("mesh", "Make a closed mesh from a field, or from a mesh through its field");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, "A field or a mesh")->type_name("FIELD|MESH")->required();
+  command->add_option("input", arguments->input, "Field or mesh to read")
+      ->type_name("FIELD|MESH")
+      ->required();
   command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl or .glb")
       ->type_name("FILE")
       ->required();

@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o globe.png
   raymap render globe.ply -o globe.png --resolution 256    (makes the field first)
-  raymap render globe.vdb -o half.png --cut --shell 0.05   (a hollow half)
-  raymap render globe.vdb -o slice.png --slice z           (iso-lines and the zero contour)
-  raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (where z is up))";
+  raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
+  raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
+  raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (z points up))";
 
 struct Arguments {
   fs::path input, picture;
@@ -57,19 +57,19 @@ void run(Arguments& arguments) {
 }
 
 void addSliceOptions(CLI::App& command, Arguments& arguments) {
-  CLI::Option* slice = command.add_option("--slice", arguments.slice,
-                                          "Iso-lines in a slice across this axis instead of the surface");
+  CLI::Option* slice = command.add_option(
+      "--slice", arguments.slice, "Draw contour lines in a slice across this axis instead of the surface");
   slice->check(CLI::IsMember({"x", "y", "z"}));
-  command.add_option("--index", arguments.index, "Which slice, in samples (default: the middle one)")
+  command.add_option("--index", arguments.index, "Index of the slice, in samples (default: the middle one)")
       ->check(wholeNumberFrom(0))
       ->needs(slice);
 }
 
 void addShapeOptions(CLI::App& command, Arguments& arguments) {
-  command.add_flag("--cut", arguments.options.cut, "Show half");
+  command.add_flag("--cut", arguments.options.cut, "Cut the shape open and show half of it");
   command
       .add_option("--shell", arguments.options.shell,
-                  "Hollow it out, leaving a wall this thick, in the mesh's units")
+                  "Hollow the shape out, leaving a wall this thick, in the mesh's units")
       ->check(numberFrom(0, true));
 }
 
@@ -78,21 +78,25 @@ void addShapeOptions(CLI::App& command, Arguments& arguments) {
 void addRender(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Draw a field, or a mesh through its field");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, "A mesh or a field")->type_name("MESH|FIELD")->required();
+  command->add_option("input", arguments->input, "Mesh or field to read")
+      ->type_name("MESH|FIELD")
+      ->required();
   command->add_option("-o,--output", arguments->picture, "Picture to write, .png")
       ->type_name("FILE")
       ->required();
-  command->add_option("--resolution", arguments->resolution, "Of the field made from a mesh (default 256)")
+  command
+      ->add_option("--resolution", arguments->resolution,
+                   "Samples along the longest side of a mesh's field (default 256)")
       ->check(wholeNumberFrom(1));
   command
       ->add_option("--thickness", arguments->thickness,
-                   "Of a mesh's sheets: draw a solid of this thickness around its surface, in its units")
+                   "Draw a solid of this thickness around a mesh's surface, in its units: for sheets")
       ->check(numberFrom(0, true));
   command->add_option(
       "--device", arguments->options.device,
-      "What draws it, and makes a mesh's field: cpu, vulkan, vulkan:K (see raymap devices), or "
-      "auto (default): a GPU if there is one, else the CPU");
-  command->add_option("--threads", arguments->options.threads, "Threads; 0 = all (default)")
+      "Device that makes a mesh's field and draws it: cpu, vulkan, vulkan:K (see raymap devices), or auto "
+      "(default), a GPU if there is one, else the CPU");
+  command->add_option("--threads", arguments->options.threads, "Number of CPU threads; 0 = all (default)")
       ->check(wholeNumberFrom(0));
   addViewOptions(*command, arguments->view);
   addShapeOptions(*command, *arguments);

@@ -17,11 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(Examples:
-  raymap repair scan.ply -o scan.stl                    (a watertight solid, 256 samples along the longest side)
+  raymap repair scan.ply -o scan.stl                             (a watertight solid)
   raymap repair part.stl -o part.3.stl --voxel-size 0.1 --offset 0.2
-  raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls of 2, a hole 4 wide at the bottom)
+  raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
 
-All lengths are in the mesh's units. How far the result lies from the mesh is measured and printed.)";
+All lengths are in the mesh's units. The deviation of the result from the mesh is measured and printed.)";
 
 struct Arguments : FieldArguments {
   Arguments() {
@@ -33,7 +33,7 @@ struct Arguments : FieldArguments {
   std::vector<double> down;
 };
 
-/// The mesh's bounds, padded as by `generate`, and room for what the offset adds.
+/// Covers the mesh's bounds, padded as by `generate`, and the space that the offset adds.
 Grid fitRepairGrid(const Mesh& mesh, const Arguments& arguments) {
   GridOptions options = arguments.grid;
   Box box = bounds(mesh);
@@ -149,16 +149,17 @@ void run(Arguments& arguments) {
 
 void addShapeOptions(CLI::App& command, Arguments& arguments) {
   RepairOptions& repair = arguments.repair;
-  command.add_option("--offset", repair.offset, "Move the surface outwards by this, or inwards if negative")
+  command.add_option("--offset", repair.offset, "Distance to move the surface outwards; negative: inwards")
       ->group("Shape");
-  CLI::Option* shell = command.add_option("--shell", repair.shell, "Hollow it out, leaving walls this thick");
+  CLI::Option* shell =
+      command.add_option("--shell", repair.shell, "Hollow the solid out, leaving walls this thick");
   shell->check(numberFrom(0, true))->group("Shape");
   CLI::Option* hole = command.add_option(
       "--drain-hole", repair.drainHole,
-      "Drill a hole this wide straight down from the lowest point of each hollow; those it does not fit "
-      "into stay solid");
+      "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too "
+      "small for it stay solid");
   hole->check(numberFrom(0, true))->needs(shell)->group("Shape");
-  command.add_option("--down", arguments.down, "What is down (default 0 0 -1)")
+  command.add_option("--down", arguments.down, "Direction of down (default 0 0 -1)")
       ->expected(3)
       ->needs(hole)
       ->group("Shape");
@@ -168,7 +169,9 @@ void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 256)");
   resolution->check(wholeNumberFrom(1))->group("Grid");
-  command.add_option("--voxel-size", arguments.grid.voxelSize, "Distance between samples instead")
+  command
+      .add_option("--voxel-size", arguments.grid.voxelSize,
+                  "Distance between samples, in the mesh's units, instead of --resolution")
       ->check(numberFrom(0, true))
       ->excludes(resolution)
       ->group("Grid");
@@ -178,9 +181,9 @@ void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
 
 void addRepair(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("repair", "Make a watertight solid of any mesh, to print for example");
+      app.add_subcommand("repair", "Make a watertight solid from any mesh, for example to print it");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
   command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl or .glb")
@@ -190,8 +193,9 @@ void addRepair(CLI::App& app) {
   addRepairGridOptions(*command, *arguments);
   addOrientationOption(*command, *arguments);
   command
-      ->add_flag("!--no-close-holes", arguments->options.closeHoles,
-                 "Take no distances to the surface that closes holes: they are still closed, but in steps")
+      ->add_flag(
+          "!--no-close-holes", arguments->options.closeHoles,
+          "Do not measure distances to the surface that closes holes; they are still closed, but in steps")
       ->group("Method");
   addShapeOptions(*command, *arguments);
   addMachineOptions(*command, *arguments);

@@ -16,20 +16,20 @@ Json toJson(const Diagnostics& found);
 Json toJson(const SelfIntersections& found);
 Json toJson(const Stats& stats);
 
-/// "418 boundary edges, 2 duplicate faces", or "nothing".
+/// Returns, for example, "418 boundary edges, 2 duplicate faces"; "nothing" if there is none.
 std::string describeDefects(const Diagnostics& found);
 
-/// "1,234,567".
+/// Returns a number as "1,234,567".
 std::string grouped(size_t number);
-/// "1 edge", "1,234 edges".
+/// Returns a count as "1 edge" or "1,234 edges".
 std::string counted(size_t number, const std::string& thing);
-/// "1.23 GB".
+/// Returns a number of bytes as "1.23 GB".
 std::string sizeText(size_t bytes);
 
-/// "wrote scan.vdb, 1.23 MB" on stdout.
+/// Prints "wrote scan.vdb, 1.23 MB".
 void printWritten(const std::filesystem::path& path);
 
-/// The most memory this process has held, in bytes.
+/// Returns the most memory that this process has held, in bytes.
 size_t peakMemory();
 
 }  // namespace raymap

@@ -20,7 +20,7 @@ std::atomic<int> caught{0};
 std::atomic<bool> isCancellable{false};
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-constexpr unsigned kPatience = 2;  // Seconds for the work to notice that it is cancelled.
+constexpr unsigned kPatience = 2;  // Seconds that the work has to stop after a cancellation.
 
 extern "C" void onSignal(int signal) {
   if (signal == SIGALRM)

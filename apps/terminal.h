@@ -7,18 +7,18 @@
 
 namespace raymap {
 
-/// `raymap: warning: ...` on stderr.
+/// Prints `raymap: warning: ...` on stderr.
 void warn(std::string_view message);
 
-/// From now on SIGINT and SIGTERM end the program at once, without a half-written file; while a
-/// `ProgressLine` lives, the first of them cancels the work through its callback instead, and ends the
-/// program only if that takes longer than two seconds.
+/// Makes SIGINT and SIGTERM end the program at once, without a half-written file. While a `ProgressLine`
+/// lives, the first signal cancels the work through its callback instead. It ends the program only if the
+/// work does not stop within two seconds.
 void catchSignals();
 
-/// The signal that cancelled the work, or 0.
+/// Returns the signal that cancelled the work, or 0.
 int caughtSignal();
 
-/// A line on stderr that says how far the work is: only on a terminal, and only after a second.
+/// A line on stderr that shows the progress: only on a terminal, and only after a second.
 class ProgressLine {
  public:
   ProgressLine();
@@ -26,7 +26,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Cancels once a signal was caught. Good for as long as the line lives.
+  /// Returns a callback that cancels the work after a signal. Valid while the line lives.
   ProgressCallback callback() {
     return [this](std::string_view stage, double done) { return report(stage, done); };
   }

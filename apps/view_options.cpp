@@ -8,9 +8,9 @@ void addViewOptions(CLI::App& command, ViewArguments& arguments) {
   command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
       ->expected(2)
       ->check(CLI::Range(1, kMaxPictureSide));
-  command.add_option("--direction", arguments.direction, "Where the camera looks (default -0.6 -0.45 -1)")
+  command.add_option("--direction", arguments.direction, "Direction of the camera (default -0.6 -0.45 -1)")
       ->expected(3);
-  command.add_option("--up", arguments.up, "What is up (default 0 1 0)")->expected(3);
+  command.add_option("--up", arguments.up, "Direction of up (default 0 1 0)")->expected(3);
 }
 
 void setView(const ViewArguments& arguments, RenderOptions& options) {

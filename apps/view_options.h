@@ -7,15 +7,16 @@
 
 namespace raymap {
 
-/// How to look at what is drawn, as the command line has it.
+/// Arguments that say how to look at a picture.
 struct ViewArguments {
   std::vector<int> size{1024, 768};
   std::vector<double> direction, up;
 };
 
+/// Adds their options to a command.
 void addViewOptions(CLI::App& command, ViewArguments& arguments);
 
-/// Throws `Error(Usage)` if the directions make no view.
+/// Converts the arguments. Throws `Error(Usage)` if the directions make no view.
 void setView(const ViewArguments& arguments, RenderOptions& options);
 
 }  // namespace raymap
