@@ -27,6 +27,8 @@
 extern "C" {
 #endif
 
+/* Names are as usual in C. NOLINTBEGIN(readability-identifier-naming) */
+
 /* ---- Errors ---- */
 
 /* The values are those of raymap::ErrorCode. */
@@ -190,19 +192,21 @@ RAYMAP_API raymap_result raymap_generator_run(raymap_generator* generator, const
                                               const raymap_grid* grid, const raymap_options* options,
                                               raymap_field* field);
 
-/* Tells the grid of a field. */
+/* Copies the grid of a field. */
 RAYMAP_API raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid);
 /* Returns the distance to which the field is clamped; 0 if it is not clamped, and for NULL. */
 RAYMAP_API double raymap_field_band(const raymap_field* field);
 
-/* Return a field's own array, one value per sample; NULL if it was not asked for or is empty, which is no
- * error. The field owns it: valid until the field is filled again or freed. */
+/* Returns the field's own distances, one per sample, negative inside. NULL if the field is empty or NULL. The
+ * field owns the array: it is valid until the field is filled again or freed. */
 RAYMAP_API const float* raymap_field_distance(const raymap_field* field);
-/* Index of the closest triangle; UINT32_MAX beyond a band, and where surface that closes a hole is closer. */
+/* Returns the field's own indices of the closest triangles, in the same way; NULL also if they were not asked
+ * for. UINT32_MAX beyond a band, and where surface that closes a hole is closer. */
 RAYMAP_API const uint32_t* raymap_field_triangle(const raymap_field* field);
-/* Winding number, +1 inside a closed surface that faces outwards. */
+/* Returns the field's own winding numbers, in the same way: +1 inside a closed surface that faces outwards.
+ */
 RAYMAP_API const float* raymap_field_winding(const raymap_field* field);
-/* Confidence in the sign, 0 to 1. */
+/* Returns the field's own confidences in the sign, in the same way: 0 to 1. */
 RAYMAP_API const float* raymap_field_confidence(const raymap_field* field);
 
 /* What making a field cost, and what it found out; all 0 for a field that was read from a file. */
@@ -259,9 +263,11 @@ RAYMAP_API raymap_devices* raymap_devices_list(void);
 RAYMAP_API void raymap_devices_free(raymap_devices* devices);
 /* Returns the number of devices; 0 for NULL. */
 RAYMAP_API size_t raymap_devices_count(const raymap_devices* devices);
-/* Tells what is known about device `index`. */
+/* Fills in what is known about device `index`. */
 RAYMAP_API raymap_result raymap_devices_get(const raymap_devices* devices, size_t index,
                                             raymap_device* device);
+
+/* NOLINTEND(readability-identifier-naming) */
 
 #ifdef __cplusplus
 }

@@ -20,7 +20,7 @@ size_t fieldBytes(const Field& field) {
          field.confidence.capacityBytes();
 }
 
-/// `meshBytes` are held for a copy of the caller's mesh.
+/// Runs the pipeline. A copy of the caller's mesh holds `meshBytes` bytes; 0 if there is none.
 Stats generateOnCpu(cpu::Backend& backend, const Job& job, size_t meshBytes) {
   const size_t held = meshBytes + backend.bytes() + fieldBytes(job.field);
   const size_t limit = job.options.memoryLimit ? job.options.memoryLimit : availableMemory() + held;

@@ -18,7 +18,7 @@ Grid toGrid(const raymap_grid& grid) {
           .spacing = grid.spacing};
 }
 
-/// The data of a field's array; null if it is empty.
+/// Returns the data of a field's array; null if it is empty.
 template <class T>
 const T* dataOf(const raymap_field* field, Buffer<T> Field::*array) {
   const T* data = nullptr;

@@ -40,7 +40,7 @@ namespace raymap::c {
 /// Remembers the error for this thread. Returns its code.
 raymap_result fail(raymap_result code, const char* message) noexcept;
 
-/// Runs `work`; turns what it throws into a code.
+/// Runs `work`. Returns the code of what it throws, or RAYMAP_OK.
 template <class Work>
 raymap_result guard(Work&& work) noexcept {
   try {
@@ -57,7 +57,7 @@ raymap_result guard(Work&& work) noexcept {
   }
 }
 
-/// Returns what `make` returns (a unique_ptr) as a handle; null if it throws.
+/// Returns the handle that `make` makes, released from its unique_ptr; null if it throws.
 template <class Make>
 auto create(Make&& make) noexcept {
   decltype(make().release()) handle = nullptr;
@@ -65,7 +65,7 @@ auto create(Make&& make) noexcept {
   return handle;
 }
 
-/// Returns what a pointer refers to. Throws `Error(Usage)` if it is null; `name` says of what.
+/// Returns the object behind a pointer. Throws `Error(Usage)` that names it if the pointer is null.
 template <class T>
 T& need(T* pointer, const char* name) {
   if (!pointer) throw Error(ErrorCode::Usage, std::string(name) + " is NULL");
@@ -78,14 +78,14 @@ inline const Options& optionsOr(const raymap_options* options) {
   return options ? options->options : kDefaults;
 }
 
-/// Returns a grid as C has it.
+/// Converts a grid to the struct for C.
 inline raymap_grid toC(const Grid& grid) {
   return {.dims = {grid.dims.x, grid.dims.y, grid.dims.z},
           .origin = {grid.origin.x, grid.origin.y, grid.origin.z},
           .spacing = grid.spacing};
 }
 
-/// Returns a handle of a mesh that it owns.
+/// Returns a handle that owns the mesh.
 inline std::unique_ptr<raymap_mesh> ownMesh(Mesh mesh) {
   auto handle = std::make_unique<raymap_mesh>();
   handle->owned = std::move(mesh);

@@ -16,7 +16,7 @@ using raymap::c::need;
 
 namespace {
 
-/// Throws `Error(Usage)` unless the number is a whole one of at least 0 and at most `most`.
+/// Returns a number if it is whole, at least 0 and at most `most`. Throws `Error(Usage)` for any other.
 double whole(const std::string& option, double value, double most) {
   if (value >= 0.0 && value <= most && value == std::floor(value)) return value;
   throw Error(ErrorCode::Usage, "the option '" + option + "' must be a whole number from 0 to " +
@@ -38,7 +38,7 @@ void setText(Options& options, const std::string& option, const char* value) {
                 "there is no option '" + option + "' with a name; use distance, sign, orientation or device");
 }
 
-/// The options that are numbers. Throws `Error(Usage)` for another name.
+/// Sets an option that is a number. Throws `Error(Usage)` for another name.
 void setNumber(Options& options, const std::string& option, double value) {
   const auto integer = [&] {
     return static_cast<int>(whole(option, value, std::numeric_limits<int>::max()));

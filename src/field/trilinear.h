@@ -4,7 +4,7 @@
 
 namespace raymap {
 
-/// Samples of a grid, interpolated linearly along x, then y, then z. `Real` is what it computes with.
+/// Interpolates the samples of a grid linearly along x, then y, then z, in the precision of `Real`.
 template <class Real>
 class Trilinear {
  public:
@@ -18,7 +18,7 @@ class Trilinear {
         strideY_(dims.y > 1 ? size_t(dims.x) : 0),
         strideZ_(dims.z > 1 ? size_t(dims.x) * size_t(dims.y) : 0) {}
 
-  /// Whether a point, in samples, lies between the outermost samples.
+  /// Returns whether a point, in sample coordinates, lies between the outermost samples.
   bool covers(const Point& p) const {
     return glm::all(glm::greaterThanEqual(p, Point(0))) && glm::all(glm::lessThanEqual(p, last()));
   }

@@ -32,7 +32,7 @@ struct Extent {
   glm::vec<3, Scalar> low{INFINITY}, high{-INFINITY};
 };
 
-/// Of the vertices that triangles use, without the view's origin.
+/// Finds the extent of the vertices that triangles use, without the view's origin.
 template <class Scalar, class Index>
 Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
   Extent<Scalar> extent;
@@ -48,13 +48,13 @@ Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
   return extent;
 }
 
-/// What double positions are centred on; that of a mesh without vertices is zero.
+/// Returns the point that double positions are centred on; zero for a mesh without vertices.
 glm::dvec3 centreOf(const Extent<double>& extent) {
   const Box box{extent.low, extent.high};
   return box.isEmpty() ? glm::dvec3(0.0) : box.centre();
 }
 
-/// What floats are centred on already.
+/// Returns zero: floats are centred already.
 glm::dvec3 centreOf(const Extent<float>&) {
   return glm::dvec3(0.0);
 }

@@ -8,7 +8,7 @@
 
 namespace raymap {
 
-/// Reads a view's elements, of which only the types are known at compile time.
+/// Reads the elements of a view whose types are known at compile time.
 template <class Scalar, class Index>
 class StridedMesh {
  public:
