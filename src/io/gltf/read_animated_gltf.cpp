@@ -2,6 +2,7 @@
 // from joints.
 
 #include <raymap/error.h>
+#include <raymap/mesh_view.h>
 
 #include <algorithm>
 #include <cmath>
