@@ -30,11 +30,12 @@ cp -r tests/consumer "$work/consumer"
 install_library() { # kind, options of CMake
   local kind=$1 build=build/install/$1
   shift
+  echo "building: $kind"
   {
-    cmake --preset release -B "$build" -DRAYMAP_BUILD_TESTS=OFF "$@"
-    cmake --build "$build"
-    cmake --install "$build" --prefix "$work/staging"
-  } >"$build.log" 2>&1 || { tail -n 40 "$build.log" && return 1; }
+    cmake --preset release -B "$build" -DRAYMAP_BUILD_TESTS=OFF "$@" &&
+      cmake --build "$build" &&
+      cmake --install "$build" --prefix "$work/staging"
+  } >"$build.log" 2>&1 || { tail -n 40 "$build.log" && exit 1; }
   mv "$work/staging" "$work/$kind"  # Nothing may depend on the folder that it was installed to.
 }
 
@@ -59,6 +60,8 @@ copy_elsewhere() { # program
   echo "$folder/app"
 }
 
+c_compiler() { sed 's/g++/gcc/; s/clang++/clang/' <<<"$1"; }
+
 check_program() { # kind
   "$work/$1/bin/raymap" --version
   run "$work/$1/bin/raymap" info tetrahedron.3mf
@@ -69,7 +72,8 @@ check_cmake() { # kind, compiler, project in tests/consumer
   local forbidden=()
   if [[ $project == core || $project == refused ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
   set -x
-  cmake -S "$work/consumer/$project" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$work/$kind" -DCMAKE_CXX_COMPILER="$compiler" \
+  cmake -S "$work/consumer/$project" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$work/$kind" \
+    -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_C_COMPILER="$(c_compiler "$compiler")" \
     -DCMAKE_CXX_FLAGS="$warnings" -DCMAKE_C_FLAGS="$warnings" "${forbidden[@]}"
   cmake --build "$build"
   run "$build/app"
@@ -89,12 +93,15 @@ check_pkg_config() { # kind, compiler
   cd "$folder"
   PKG_CONFIG_PATH=$(dirname "$(find "$work/$1" -name raymap.pc)")
   export PKG_CONFIG_PATH
-  c++() { "$compiler" $warnings "$@"; }
   local compiler=$2
+  c++() { "$compiler" $warnings "$@"; }
+  cc() { "$(c_compiler "$compiler")" $warnings "$@"; }
   set -x
   c++ -std=c++20 app.cpp $(pkg-config --cflags --libs raymap) -Wl,-rpath,$(pkg-config --variable=libdir raymap) -o app
   run "$folder/app"
   run "$(copy_elsewhere "$folder/app")"
+  cc -std=c11 c/app.c $(pkg-config --cflags --libs raymap) -Wl,-rpath,$(pkg-config --variable=libdir raymap) -o c_app
+  run "$folder/c_app"
 }
 
 check_missing() { # kind: what was not built is refused by name
@@ -108,6 +115,7 @@ check check_program static
 for compiler in "${compilers[@]}"; do
   check check_cmake static "$compiler" .
   check check_cmake static "$compiler" core
+  check check_cmake static "$compiler" c
   check check_pkg_config static "$compiler"
 done
 install_library core "${only_core[@]}"
@@ -123,6 +131,7 @@ check check_program shared
 for compiler in "${compilers[@]}"; do
   check check_cmake shared "$compiler" .
   check check_cmake shared "$compiler" core
+  check check_cmake shared "$compiler" c
   check check_pkg_config shared "$compiler"
 done
 

@@ -1,4 +1,5 @@
-// What a new user does: README's own lines, then a 3MF in and a .vdb out. Runs in a folder that holds tetrahedron.3mf.
+// What a new user does: README's own lines, then a 3MF in and a .vdb out. Runs in a folder that holds
+// tetrahedron.3mf.
 
 #include <raymap/raymap.h>
 
@@ -32,7 +33,8 @@ void useFiles() {
   require(field.distance[grid.index(grid.dims / 2)] < 0.0f, "the middle is inside");
   raymap::writeField("field.vdb", field);
   const raymap::Field copy = raymap::readField("field.vdb");
-  require(copy.grid == field.grid && std::ranges::equal(copy.distance, field.distance), "a .vdb keeps the field");
+  require(copy.grid == field.grid && std::ranges::equal(copy.distance, field.distance),
+          "a .vdb keeps the field");
 }
 
 /// The GPU backend joins by the link options of raymap::vulkan or raymap.pc.

@@ -38,7 +38,8 @@ int main() {
   const bool refuses = isRefused("RAYMAP_OPENVDB", [&] { raymap::writeField("field.vdb", field); }) &&
                        isRefused("RAYMAP_OPENVDB", [] { raymap::readField("field.vdb"); }) &&
                        isRefused("RAYMAP_ASSIMP", [] { raymap::readMesh("tetrahedron.3mf"); });
-  const bool lists = isListed(raymap::fieldExtensions(), ".nrrd") && !isListed(raymap::fieldExtensions(), ".vdb") &&
-                     isListed(raymap::meshExtensions(), ".ply") && !isListed(raymap::meshExtensions(), ".3mf");
+  const bool lists =
+      isListed(raymap::fieldExtensions(), ".nrrd") && !isListed(raymap::fieldExtensions(), ".vdb") &&
+      isListed(raymap::meshExtensions(), ".ply") && !isListed(raymap::meshExtensions(), ".3mf");
   return works && refuses && lists ? 0 : 1;
 }

@@ -1,0 +1,28 @@
+/* Reads a mesh, makes its field, samples it and writes it: the interface for C. Runs in a folder that holds
+ * tetrahedron.3mf. */
+
+#include <raymap/c.h>
+#include <stdio.h>
+
+static int fail(void) {
+  printf("failed: %s\n", raymap_last_error_message());
+  return 1;
+}
+
+int main(void) {
+  const double middle[3] = {0.0, 0.0, 0.0};
+  float distance = 1.0f;
+  raymap_grid grid;
+  raymap_grid_options options = raymap_grid_options_default();
+  options.resolution = 21;
+
+  raymap_mesh* mesh = raymap_mesh_load("tetrahedron.3mf", NULL);
+  if (!mesh || raymap_fit_grid(mesh, &options, &grid) != RAYMAP_OK) return fail();
+  raymap_field* field = raymap_generate(mesh, &grid, NULL);
+  if (!field || raymap_field_sample(field, middle, 1, &distance, NULL) != RAYMAP_OK) return fail();
+  if (raymap_field_write(field, "field.vdb", NULL) != RAYMAP_OK) return fail();
+  raymap_field_free(field);
+  raymap_mesh_free(mesh);
+  if (raymap_mesh_load("missing.obj", NULL) != NULL || raymap_last_error() != RAYMAP_ERROR_FILE) return 1;
+  return distance < 0.0f ? 0 : 1;
+}
