@@ -34,21 +34,30 @@ peers=(
 if [[ ${1:-} == --bench ]]; then packages+=("${peers[@]}"); fi
 if [[ ${1:-} == --checks ]]; then packages+=("${checks[@]}"); fi
 
+asRoot=(env DEBIAN_FRONTEND=noninteractive)
+if [[ $(id -u) -ne 0 ]]; then asRoot=(sudo "${asRoot[@]}"); fi
+update() { "${asRoot[@]}" apt-get update -q </dev/null; }
+
+# The newest Clang of the distribution tries the installed library. Without package lists there is no telling which it is,
+# and `clang` has to do where there is no apt.
+newestClang() { apt-cache pkgnames clang- | grep -xE 'clang-[0-9]+' | sort -t- -k2 -n | tail -n 1; }
+if [[ ${1:-} == --checks ]] && type -P apt-get "${asRoot[0]}" >/dev/null; then
+  if [[ -z $(newestClang) ]]; then update; fi
+  packages+=($(newestClang)) || true
+fi
+
 missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
 done
 if [[ ${#missing[@]} -eq 0 ]]; then exit 0; fi
 
-asRoot=(env DEBIAN_FRONTEND=noninteractive)
-if [[ $(id -u) -ne 0 ]]; then asRoot=(sudo "${asRoot[@]}"); fi
 if ! type -P apt-get "${asRoot[0]}" >/dev/null; then
   echo "Missing: ${missing[*]}. Install them as root by apt, or install sudo." >&2
   exit 1
 fi
 echo "Installing ${missing[*]}"
 install=(apt-get install -y -q --no-install-recommends "${missing[@]}")
-update() { "${asRoot[@]}" apt-get update -q </dev/null; }
 # A fresh machine has no package lists, or stale ones: fetch them only then.
 "${install[@]}" --simulate </dev/null &>/dev/null || update
 "${asRoot[@]}" "${install[@]}" </dev/null || {
