@@ -22,7 +22,7 @@ inline void addDiagonalRays(const CellMesh& mesh, const glm::ivec3& diagonal, st
   CellMesh sheared;
   sheared.dims = mesh.dims + glm::abs(across) * (mesh.dims[axis] - 1);
   sheared.triangles = mesh.triangles;
-  sheared.vertices.resize(mesh.vertices.size());
+  sheared.vertices.resizeUninitialized(mesh.vertices.size());
   for (size_t v = 0; v < mesh.vertices.size(); ++v)
     sheared.vertices[v] = mesh.vertices[v] + glm::vec3(shift) - glm::vec3(across) * mesh.vertices[v][axis];
 

@@ -1,4 +1,4 @@
-#include "base/atomic_file.h"
+#include <raymap/atomic_file.h>
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>

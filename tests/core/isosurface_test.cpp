@@ -252,7 +252,7 @@ TEST(Isosurface, ReportsWhyThereIsNone) {
   EXPECT_NE(errorOf(0.3).find("clamped at 0.2"), std::string::npos);
   field.distance[field.grid.index({1, 2, 3})] = NAN;
   EXPECT_NE(errorOf(0.0).find("sample (1, 2, 3)"), std::string::npos);
-  field.distance.resize(3);
+  field.distance.resizeUninitialized(3);
   EXPECT_NE(errorOf(0.0).find("3 distances"), std::string::npos);
 }
 

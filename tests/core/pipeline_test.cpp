@@ -54,7 +54,7 @@ class FakeHostBackend : public FakeBackend {
  public:
   using FakeBackend::FakeBackend;
 
-  const Mesh& mesh() const { return mesh_; }
+  const PackedMesh& mesh() const { return mesh_; }
   Progress& progress() { return progress_; }
   double doubtfulShare() const { return 0.0; }
   FaceSides& faceSides() { return faceSides_; }
@@ -72,7 +72,7 @@ class FakeHostBackend : public FakeBackend {
   void addPatch() { ADD_FAILURE(); }
 
  private:
-  Mesh mesh_;
+  PackedMesh mesh_;
   Progress progress_;
   FaceSides faceSides_;
   HolePatch patch_;

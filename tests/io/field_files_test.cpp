@@ -27,10 +27,10 @@ Field sphereField(const Grid& grid, double band) {
   Field field;
   field.grid = grid;
   field.band = band;
-  field.distance.resize(grid.sampleCount());
-  field.triangle.resize(grid.sampleCount());
-  field.winding.resize(grid.sampleCount());
-  field.confidence.resize(grid.sampleCount());
+  field.distance.resizeUninitialized(grid.sampleCount());
+  field.triangle.resizeUninitialized(grid.sampleCount());
+  field.winding.resizeUninitialized(grid.sampleCount());
+  field.confidence.resizeUninitialized(grid.sampleCount());
   const glm::dvec3 centre = grid.position(0.5 * glm::dvec3(grid.dims - 1));
   for (int k = 0; k < grid.dims.z; ++k)
     for (int j = 0; j < grid.dims.y; ++j)
@@ -179,7 +179,7 @@ TEST_P(FieldFiles, NameWhatIsMissing) {
   EXPECT_THROW(writeField(file(), field, "colour"), Error);
   field.winding.release();
   EXPECT_THROW(writeField(file(), field, "winding"), Error);
-  field.distance.resize(5);
+  field.distance.resizeUninitialized(5);
   EXPECT_THROW(writeField(file(), field), Error);
   EXPECT_FALSE(fs::exists(file()));
   EXPECT_THROW(readField(file("missing")), Error);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <raymap/diagnostics.h>
+#include <raymap/io.h>
 
 #include <cstdlib>
 #include <thread>

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <raymap/io.h>
 
 #include <fstream>
 

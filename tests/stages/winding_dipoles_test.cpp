@@ -26,7 +26,7 @@ struct Settled {
 /// 0.5.
 Settled settled(const Mesh& mesh, int resolution, float value, float distance = 0.0f) {
   Settled result{.mesh = mesh, .grid = fitGrid(mesh, {.resolution = resolution})};
-  result.winding.resize(result.grid.sampleCount());
+  result.winding.resizeUninitialized(result.grid.sampleCount());
   std::fill(result.winding.begin(), result.winding.end(), value);
   Buffer<float> distances(result.winding.size());
   std::fill(distances.begin(), distances.end(), distance);

@@ -14,7 +14,7 @@ template <class Distance>
 Field sampled(const Grid& grid, Distance&& distance) {
   Field field;
   field.grid = grid;
-  field.distance.resize(grid.sampleCount());
+  field.distance.resizeUninitialized(grid.sampleCount());
   for (int k = 0; k < grid.dims.z; ++k)
     for (int j = 0; j < grid.dims.y; ++j)
       for (int i = 0; i < grid.dims.x; ++i)

@@ -23,7 +23,7 @@ struct OwnCellMesh : CellMesh {
   std::vector<glm::uvec3> own;
 
   OwnCellMesh(const Mesh& mesh, const Grid& grid) : own(mesh.triangles) {
-    vertices.resize(mesh.vertices.size());
+    vertices.resizeUninitialized(mesh.vertices.size());
     for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
       vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
     triangles = own;

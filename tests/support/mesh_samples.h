@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>
+#include <raymap/mesh_view.h>
 
 #include <cstdint>
 #include <cstring>

@@ -19,7 +19,7 @@ using namespace cpu;
 /// Returns the mesh in cell units: sample (i, j, k) lies at (i, j, k).
 inline CellMesh cellMesh(const Mesh& mesh, const Grid& grid) {
   CellMesh cells;
-  cells.vertices.resize(mesh.vertices.size());
+  cells.vertices.resizeUninitialized(mesh.vertices.size());
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
     cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
   cells.triangles = mesh.triangles;

@@ -169,7 +169,7 @@ class CellStages : public VulkanTest {
     const uint64_t entries = sizes(grid).entries;
     std::vector<uint32_t> listed;
     cpu::VoxelGrid lists{.cells = grid.lattice()};
-    lists.starts.resize(begins.size() + 1);
+    lists.starts.resizeUninitialized(begins.size() + 1);
     for (uint32_t c = 0; c < begins.size(); ++c) {
       lists.starts[c] = listed.size();
       if (begins[c] == kNoCell) continue;

@@ -55,13 +55,13 @@ inline cpu::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& di
     });
     std::vector<Crossing> entries;
     AxisCrossings& to = crossings[size_t(axis)];
-    to.starts.resize(lines.size() + 1);
+    to.starts.resizeUninitialized(lines.size() + 1);
     for (size_t line = 0; line < lines.size(); ++line) {
       to.starts[line] = entries.size();
       entries.insert(entries.end(), lines[line].begin(), lines[line].end());
     }
     to.starts[lines.size()] = entries.size();
-    to.entries.resize(entries.size());
+    to.entries.resizeUninitialized(entries.size());
     std::copy(entries.begin(), entries.end(), to.entries.begin());
   }
   return crossings;
