@@ -124,18 +124,18 @@ void finishFieldArguments(FieldArguments& arguments) {
   }
 }
 
-Generated makeField(const Mesh& mesh, const Grid& grid, Options options) {
-  ProgressLine line;
+Options withProgress(Options options, ProgressLine& line) {
   options.progress = line.callback();
   options.warn = warn;
-  return generate(mesh, grid, options);
+  return options;
 }
 
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments) {
   if (hasExtension(path, fieldExtensions())) return readField(path);
   if (hasExtension(path, meshExtensions())) {
     const Mesh mesh = readMesh(path, warn);
-    return makeField(mesh, fitGrid(mesh, arguments.grid), arguments.options).field;
+    ProgressLine line;
+    return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(arguments.options, line)).field;
   }
   std::string known;
   for (const auto& extensions : {meshExtensions(), fieldExtensions()})

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "terminal.h"
+
 namespace raymap {
 
 /// Arguments of every command that turns a mesh into a field.
@@ -29,8 +31,8 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments);
 /// other.
 void finishFieldArguments(FieldArguments& arguments);
 
-/// Makes the field, with progress and warnings on stderr.
-Generated makeField(const Mesh& mesh, const Grid& grid, Options options);
+/// Returns the options with progress on `line`, which must outlive them, and warnings on stderr.
+Options withProgress(Options options, ProgressLine& line);
 
 /// Reads a field, or reads a mesh and makes its field. The file's extension decides.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments);

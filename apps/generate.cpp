@@ -178,8 +178,11 @@ void run(Arguments& arguments) {
   report.loadMilliseconds = milliseconds([&] { mesh = readMesh(arguments.mesh, warn); });
   report.found = diagnose(mesh);
   report.grid = fitGrid(mesh, arguments.grid);
-  auto [field, stats] = makeField(mesh, report.grid, arguments.options);
-  report.stats = std::move(stats);
+  Field field;
+  {
+    ProgressLine line;
+    report.stats = Generator().generate(mesh, report.grid, withProgress(arguments.options, line), field);
+  }
   report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report), report);
   if (!arguments.report.empty())

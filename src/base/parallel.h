@@ -14,7 +14,8 @@ namespace raymap {
 template <class... Arguments>
 class FunctionView {
  public:
-  template <class Function>
+  template <class Function,
+            class = std::enable_if_t<!std::is_same_v<std::remove_cvref_t<Function>, FunctionView>>>
   FunctionView(Function&& function)
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(function)))),
         call_([](void* object, Arguments... arguments) {
