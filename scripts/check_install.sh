@@ -60,7 +60,7 @@ copy_elsewhere() { # program
   echo "$folder/app"
 }
 
-c_compiler() { sed 's/g++/gcc/; s/clang++/clang/' <<<"$1"; }
+c_compiler() { sed 's/clang++/clang/; s/g++/gcc/' <<<"$1"; }
 
 check_program() { # kind
   "$work/$1/bin/raymap" --version
