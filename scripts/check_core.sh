@@ -17,7 +17,8 @@ found=$(grep -iE '^(assimp|cli11|glslc|imath|minizip|nlohmann|openvdb|png|pugixm
 if [[ -n $found ]]; then fail "CMake looked for libraries that the core does not need" "$found"; fi
 
 # The packages that own the headers which the compiler read.
-headers=$(ninja -C "$build" -t deps | sed -n 's/^ \+//p' | grep '^/' | grep -vF "$PWD/" | xargs -d '\n' realpath | sort -u)
+headers=$(cd "$build" && ninja -t deps | sed -n 's/^ \+//p' | sort -u | xargs -d '\n' realpath)
+headers=$(grep -vF "$PWD/" <<<"$headers" | sort -u)
 owners=$(xargs -d '\n' dpkg-query -S <<<"$headers" | sed 's/:.*//' | sort -u)
 allowed='libc6-dev|linux-libc-dev|libgcc-[0-9]+-dev|libstdc\+\+-[0-9]+-dev|libglm-dev|libtbb-dev|libhwy-dev|libgtest-dev'
 others=$(grep -vxE "$allowed" <<<"$owners") || true
