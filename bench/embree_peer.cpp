@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/parallel_sort.h"
 #include "methods.h"
 
 namespace raymap::bench {
@@ -67,7 +68,7 @@ class PseudoNormals {
         halfEdges.emplace_back((uint64_t{std::min(u, v)} << 32) | std::max(u, v), 3 * t + c);
       }
     }
-    tbb::parallel_sort(halfEdges);
+    parallelSort(halfEdges.begin(), halfEdges.end());
     for (size_t begin = 0, end = 0; begin < halfEdges.size(); begin = end) {
       glm::vec3 sum(0.f);
       for (; end < halfEdges.size() && halfEdges[end].first == halfEdges[begin].first; ++end)
