@@ -2,8 +2,8 @@
 
 /// Marks what a shared libraymap exports. Programs that use raymap define nothing.
 ///
-/// raymap's own build defines `RAYMAP_BUILDING_LIBRARY` and may hide all other symbols
-/// (-fvisibility=hidden). A program that embeds a static raymap then hands none of its symbols on.
+/// raymap's own build defines `RAYMAP_BUILDING_LIBRARY` and hides all other symbols
+/// (-fvisibility=hidden), static and shared, so that both are made of the same objects.
 #if defined(RAYMAP_BUILDING_LIBRARY) && defined(__GNUC__)
 #define RAYMAP_API __attribute__((visibility("default")))
 #else

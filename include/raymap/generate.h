@@ -64,7 +64,7 @@ struct Options {
   ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
-/// What a run cost, and what it found out about the mesh.
+/// Costs of a run, and its findings about the mesh.
 struct Stats {
   std::string device = {};  ///< "cpu" or "vulkan:K".
   struct Stage {

@@ -24,7 +24,7 @@ struct Deviation {
   size_t points = 0;  ///< Number of points measured.
 };
 
-/// What a repair did. Without `RepairOptions::measure` only `stats`, `hollows` and `holes` are set.
+/// Report of a repair. Without `RepairOptions::measure` only `stats`, `hollows` and `holes` are set.
 struct RepairReport {
   Stats stats = {};                       ///< Cost of the field, then of the stages after it.
   Diagnostics before = {};                ///< Diagnostics of the given mesh.

@@ -25,7 +25,7 @@ namespace raymap {
 // result is NaN where one of the samples around the point is, and for points that are NaN; it is infinite for
 // infinite points, and their gradient is NaN.
 
-/// What to sample.
+/// Options of `sample`.
 struct SampleOptions {
   bool gradients = false;  ///< Whether to compute gradients; they take six distances each.
   int threads = 0;         ///< Number of threads; 0 = all.

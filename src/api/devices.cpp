@@ -43,7 +43,7 @@ DeviceList devices() {
   DeviceList list;
   list.devices.push_back(cpu());
   if (!gpuPlugIn()) {
-    list.note = "built without Vulkan; build with RAYMAP_VULKAN=ON";
+    list.note = "this program has no GPU backend; link raymap::vulkan, built with RAYMAP_VULKAN=ON";
     return list;
   }
   try {

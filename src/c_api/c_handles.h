@@ -1,6 +1,6 @@
 #pragma once
 
-// What the handles of raymap/c.h are made of, and how errors leave it.
+// The types behind the handles of raymap/c.h, and the way errors leave it.
 
 #include <raymap/c.h>
 #include <raymap/devices.h>
@@ -19,7 +19,7 @@ struct raymap_options {
 
 struct raymap_mesh {
   raymap::Mesh owned;     ///< Empty if the caller's arrays are viewed.
-  raymap::MeshView view;  ///< Of `owned` or of the caller's arrays.
+  raymap::MeshView view;  ///< View of `owned` or of the caller's arrays.
 };
 
 struct raymap_field {

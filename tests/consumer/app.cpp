@@ -1,4 +1,4 @@
-// What a new user does: README's own lines, then a 3MF in and a .vdb out. Runs in a folder that holds
+// The first program of a new user: README's lines, then a 3MF in and a .vdb out. Runs in a folder that holds
 // tetrahedron.3mf.
 
 #include <raymap/raymap.h>
@@ -40,7 +40,7 @@ void useFiles() {
 /// The GPU backend joins by the link options of raymap::vulkan or raymap.pc.
 void requireVulkan() {
   const raymap::DeviceList list = raymap::devices();
-  require(!list.note.starts_with("built without Vulkan"), "the GPU backend is linked");
+  require(!list.note.starts_with("this program has no GPU backend"), "the GPU backend is linked");
 }
 
 }  // namespace

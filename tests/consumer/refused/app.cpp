@@ -1,4 +1,4 @@
-// What a raymap with only its core lacks is refused, by errors that name the option.
+// A raymap with only its core refuses what it lacks, by errors that name the option.
 
 #include <raymap/c.h>
 #include <raymap/error.h>
