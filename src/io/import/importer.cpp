@@ -25,9 +25,9 @@ std::string ownFile() {
   return isKnown ? here.dli_fname : "";
 }
 
-/// Where the dynamic loader looks for the libraries of the program or library that holds this code. Its run
-/// path is among them: whoever links the static raymap::io puts the folder of `raymap-import` there, as
-/// src/io/CMakeLists.txt and raymap.pc ask.
+/// Returns the folders in which the dynamic loader looks for libraries of the program or library that holds
+/// this code. Its run path is among them. Programs that link the static raymap::io have the folder of
+/// `raymap-import` there, as src/io/CMakeLists.txt and raymap.pc ask.
 std::vector<std::filesystem::path> loaderFolders() {
   std::vector<std::filesystem::path> folders;
 #ifdef __GLIBC__
