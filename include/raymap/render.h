@@ -90,10 +90,10 @@ RAYMAP_API Comparison compareFields(const Field& a, const Field& b);
 /// Draws the slice with the most sign differences, across any axis, one square per sample, laid out as by
 /// `renderSlice` (Krayer & Müller 2019, Fig. 11).
 ///
-/// Samples on which both agree are light grey outside and grey inside. Inside by `a` only is red, by `b` only green, not
-/// finite violet. The zero contours of `a` (black) and `b` (blue) lie on top. If no sign differs, draws the
-/// slice across z of the worst sample instead, from white (equal) to dark red (`maxError`). Throws as
-/// `compareFields` does.
+/// Samples on which both agree are light grey outside and grey inside. Inside by `a` only is red, by `b` only
+/// green, not finite violet. The zero contours of `a` (black) and `b` (blue) lie on top. If no sign differs,
+/// draws the slice across z of the worst sample instead, from white (equal) to dark red (`maxError`). Throws
+/// as `compareFields` does.
 RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024);
 
 /// Writes a picture as PNG. The file appears whole or not at all. Throws `Error`: Usage if the picture is
