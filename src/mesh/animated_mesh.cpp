@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3: dynamic data. Skins follow glTF 2.0 (§3.7.3, §3.11 and appendix C there).
+// Krayer & Müller 2019, §3: dynamic data. Joints and tracks follow glTF 2.0 (§3.11 and appendix C there).
 
 #include <raymap/animation.h>
 #include <raymap/error.h>
@@ -99,17 +99,6 @@ JointMatrix rounded(const glm::dmat4& m, const glm::dvec3& from, const glm::dvec
   return result;
 }
 
-glm::vec3 moved(const AnimatedMesh& mesh, const std::vector<JointMatrix>& matrices, size_t vertex) {
-  const glm::dvec4 p(mesh.rest.vertices[vertex], 1.0);
-  glm::dvec3 sum(0.0);
-  for (int k = 0; k < 4; ++k) {
-    const JointMatrix& matrix = matrices[mesh.joints[vertex][k]];
-    for (int row = 0; row < 3; ++row)
-      sum[row] += double(mesh.weights[vertex][k]) * glm::dot(glm::dvec4(matrix.rows[row]), p);
-  }
-  return glm::vec3(sum);
-}
-
 [[noreturn]] void fail(const std::string& what) {
   throw Error(ErrorCode::Input, "the animated mesh is not valid: " + what);
 }
@@ -167,20 +156,6 @@ std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds)
   for (const AnimatedMesh::Joint& joint : mesh.skeleton)
     matrices.push_back(rounded(nodes[joint.node] * joint.inverseBind, mesh.rest.origin, mesh.origin));
   return matrices;
-}
-
-Mesh posed(const AnimatedMesh& mesh, double seconds) {
-  Mesh result;
-  posed(mesh, seconds, result);
-  return result;
-}
-
-void posed(const AnimatedMesh& mesh, double seconds, Mesh& result) {
-  const std::vector<JointMatrix> matrices = jointMatrices(mesh, seconds);
-  result.triangles = mesh.rest.triangles;
-  result.origin = mesh.origin;
-  result.vertices.resize(mesh.rest.vertices.size());
-  for (size_t v = 0; v < result.vertices.size(); ++v) result.vertices[v] = moved(mesh, matrices, v);
 }
 
 }  // namespace raymap
