@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "method/backend.h"
+#include "method/backend_concepts.h"
 #include "method/close_holes_rims.h"
 
 namespace raymap {

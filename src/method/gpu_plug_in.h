@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "method/backend.h"
+#include "method/backend_concepts.h"
 
 namespace raymap {
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <span>
 
-#include "method/backend.h"
+#include "method/backend_concepts.h"
 
 namespace raymap {
 

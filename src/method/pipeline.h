@@ -4,7 +4,7 @@
 // any backend. Each stage is a file stem: `find -name 'ray_map*'` shows its CPU and GPU code, its shaders and
 // its test.
 
-#include "method/backend.h"
+#include "method/backend_concepts.h"
 #include "method/close_holes_patch.h"
 #include "method/orientation_sides.h"
 

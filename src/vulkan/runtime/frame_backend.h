@@ -1,6 +1,6 @@
 #pragma once
 
-#include "method/backend.h"
+#include "method/backend_concepts.h"
 #include "vulkan/runtime/stage_recorder.h"
 #include "vulkan/stages/field_image.h"
 
