@@ -1,6 +1,7 @@
 // Checks that any bytes give a valid mesh or an Error.
 
 #include <raymap/error.h>
+#include <raymap/mesh_view.h>
 
 #include <cstdlib>
 
