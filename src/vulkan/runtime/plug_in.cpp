@@ -54,6 +54,7 @@ bool mayHaveGpu() {
 
 /// The linker must keep this symbol (src/vulkan/CMakeLists.txt); otherwise it leaves this file of a static
 /// library out.
+// NOLINTNEXTLINE(readability-identifier-naming): a symbol of the linker.
 extern "C" const bool raymapVulkanIsPluggedIn = [] {
   using namespace raymap::vulkan;
   raymap::plugIn({.list = listDevices, .open = openDevice, .mayHaveGpu = mayHaveGpu});
