@@ -44,6 +44,8 @@ newestClang() { apt-cache pkgnames clang- | grep -xE 'clang-[0-9]+' | sort -t- -
 if [[ ${1:-} == --checks ]] && type -P apt-get "${asRoot[0]}" >/dev/null; then
   if [[ -z $(newestClang) ]]; then update; fi
   packages+=($(newestClang)) || true
+  # Fuzzing needs the runtime of the default Clang's sanitizers, which its package only recommends.
+  packages+=($(apt-cache depends clang | sed -n 's/.*Depends: clang-\([0-9]*\)$/libclang-rt-\1-dev/p')) || true
 fi
 
 missing=()
