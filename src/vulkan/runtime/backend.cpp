@@ -77,6 +77,7 @@ void Backend::take(const Job& job) {
 void Backend::begin() {
   const auto& [mesh, grid, options, progress, field] = *job_;
   doubtfulShare_.reset();
+  turns_.clear();
   faceSides_ = {};
   patch_.clear();
   upload_.fill(mesh);

@@ -76,7 +76,7 @@ class Backend : public StageRecorder {
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
-  Turns turns_;
+  Turns turns_;                          ///< Empty while the faces are as given.
   std::vector<float> rises_;
   FaceSides faceSides_;
   CellMesh cellMesh_;
