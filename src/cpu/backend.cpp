@@ -64,7 +64,7 @@ void Backend::begin() {
 }
 
 const SurfaceTree& Backend::surfaceTree() {
-  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.build(mesh_);
+  if (!std::exchange(hasSurfaceTree_, true)) coincidentTriangles_ = surfaceTree_.build(mesh_);
   if (std::exchange(isSurfaceTreeStale_, false)) surfaceTree_.turn(turns_);
   return surfaceTree_;
 }
@@ -121,14 +121,17 @@ void Backend::winding(SignMode mode) {
   doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), progress(), windingBuffer());
 }
 
+DoubleSidedFaces Backend::doubleSidedFaces() {
+  if (!hasSurfaceTree_) return findDoubleSidedFaces(mesh());
+  const std::vector<uint64_t> candidates = std::exchange(coincidentTriangles_, {});
+  return findDoubleSidedFaces(mesh(), candidates);
+}
+
 void Backend::turnFaces(const Turns& turns) {
   const std::span<const glm::uvec3> given = mesh().triangles;
   turnedTriangles_.resizeUninitialized(given.size());
   parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t f = begin; f < end; ++f) {
-      const glm::uvec3& t = given[f];
-      turnedTriangles_[f] = turns[f] ? glm::uvec3(t.x, t.z, t.y) : t;
-    }
+    for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);
   });
   mesh_.triangles = turnedTriangles_;
   turns_ = turns;
@@ -144,18 +147,26 @@ bool Backend::contradictsParity() {
 }
 
 std::span<const float> Backend::rises() {
-  return measureRises(kFarSides);
+  return measureSides(kFarSides, -1.0f);
 }
 
 std::span<const float> Backend::parityRises() {
   averageParity(rayMap_, windingBuffer());
-  return measureRises(0.0f);
+  return nearRises();
 }
 
-/// Measures the rises along the normals of the faces as given.
-std::span<const float> Backend::measureRises(float farSides) {
+std::span<const float> Backend::nearRises() {
+  return measureSides(0.0f, -1.0f);
+}
+
+std::span<const float> Backend::nearSums() {
+  return measureSides(0.0f, 1.0f);
+}
+
+/// Measures the field beside the faces as given.
+std::span<const float> Backend::measureSides(float farSides, float behind) {
   const std::span<const glm::uvec3> turned = std::exchange(mesh_.triangles, mesh().triangles);
-  cpu::measureRises(mesh_, windingBuffer(), farSides, progress(), rises_);
+  cpu::measureSides(mesh_, windingBuffer(), farSides, behind, progress(), rises_);
   mesh_.triangles = turned;
   return rises_;
 }

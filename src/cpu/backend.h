@@ -45,15 +45,19 @@ class Backend {
 
   const PackedMesh& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
+  double spacing() const { return job_->grid.spacing; }
   /// Returns the share of samples whose six rays disagree.
   double doubtfulShare() const { return doubtfulShare_; }
 
   FaceSides& faceSides() { return faceSides_; }
+  DoubleSidedFaces doubleSidedFaces();
   void turnFaces(const Turns& turns);
   double misfit() const;
   bool contradictsParity();
   std::span<const float> rises();
   std::span<const float> parityRises();
+  std::span<const float> nearRises();
+  std::span<const float> nearSums();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();
@@ -71,7 +75,7 @@ class Backend {
  private:
   /// Returns the tree. Builds it on first use and updates it after faces are reversed.
   const SurfaceTree& surfaceTree();
-  std::span<const float> measureRises(float farSides);
+  std::span<const float> measureSides(float farSides, float behind);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
   Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }
@@ -84,6 +88,7 @@ class Backend {
   Buffer<glm::uvec3> turnedTriangles_;
   std::vector<CellLevel> levels_;  // lattices of the paper's distance stages
   SurfaceTree surfaceTree_;
+  std::vector<uint64_t> coincidentTriangles_;  // Found with the tree.
   bool hasSurfaceTree_ = false, isSurfaceTreeStale_ = false;
   Crossings crossings_;
   RayMap rayMap_;

@@ -18,13 +18,10 @@ class Trilinear {
         strideY_(dims.y > 1 ? size_t(dims.x) : 0),
         strideZ_(dims.z > 1 ? size_t(dims.x) * size_t(dims.y) : 0) {}
 
-  /// Returns whether a point, in sample coordinates, lies between the outermost samples.
-  bool covers(const Point& p) const {
-    return glm::all(glm::greaterThanEqual(p, Point(0))) && glm::all(glm::lessThanEqual(p, last()));
-  }
+  /// Returns the position of the last sample, in sample coordinates. The first one is at (0, 0, 0).
   Point last() const { return Point(dims_ - 1); }
 
-  /// Returns the value at a point that `covers`.
+  /// Returns the value at a point between the outermost samples.
   Real operator()(const Point& p) const {
     const glm::ivec3 cell = glm::min(glm::ivec3(p), lastCell_);
     const Point t = p - Point(cell);

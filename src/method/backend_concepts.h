@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "mesh/double_sided.h"
 #include "mesh/packed_mesh.h"
 #include "method/cell_mesh.h"
 #include "method/close_holes_edges.h"
+#include "method/turns.h"
 
 namespace raymap {
 
@@ -47,23 +49,24 @@ concept Backend = requires(B b, const char* name, void (*work)()) {
   { b.complete() } -> std::same_as<bool>;  // False if lists outgrew their memory, which has grown: run again.
 };
 
-/// Reversed faces: 1 for each face whose winding order is opposite to the given one, else 0.
-using Turns = std::vector<uint8_t>;
-
 /// A backend whose intermediate results the host can read between the stages.
 template <class B>
 concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<const glm::vec3> points) {
   { b.mesh() } -> std::same_as<const PackedMesh&>;
   { b.progress() } -> std::same_as<Progress&>;
+  { b.spacing() } -> std::same_as<double>;  // Sample spacing in the mesh's units.
   { b.doubtfulShare() } -> std::same_as<double>;  // Share of samples whose six rays disagree.
 
   // For the stage `orientation`, which leaves its result in `faceSides`.
   b.faceSides();
+  { b.doubleSidedFaces() } -> std::same_as<DoubleSidedFaces>;
   b.turnFaces(turns);
   { b.misfit() } -> std::same_as<double>;
   { b.contradictsParity() } -> std::same_as<bool>;  // Valid after `misfit`.
   { b.rises() } -> std::same_as<std::span<const float>>;
   { b.parityRises() } -> std::same_as<std::span<const float>>;
+  { b.nearRises() } -> std::same_as<std::span<const float>>;
+  { b.nearSums() } -> std::same_as<std::span<const float>>;
 
   // For the stage `close_holes`, which leaves its result in `patch`.
   b.patch();

@@ -2,14 +2,18 @@
 //
 // All faces of a patch are reversed together. A patch starts in the direction of most of its faces. If there
 // is no clear majority, it starts as the parity of the crossings says. Then patches along whose normals the
-// field rises are reversed. The misfit of the least-squares fit rates every state (docs/signs.md).
+// field rises are reversed. The misfit of the least-squares fit rates every state. Double-sided faces are
+// tried first as one face each whose direction is unknown (docs/signs.md).
 
 #include "method/orientation_sides.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
-#include "mesh/patches.h"
+#include "mesh/parts.h"
+#include "method/orientation_sheets.h"
+#include "method/orientation_surface.h"
 
 namespace raymap {
 
@@ -28,57 +32,78 @@ constexpr double kByFar = 0.33, kClearly = 0.9, kFall = 0.05, kManyFaces = 0.02;
 /// If alignment lowers the misfit to less than the share `kScattered`, the given directions say nothing. Then
 /// any further reversals are kept that lower the misfit to less than the share `kLower`.
 constexpr double kScattered = 0.4, kLower = 0.99;
+/// Misfit above which no orientation fits.
+constexpr double kMostMisfit = 0.5;
+/// Standard deviations of tossed coins from which on a majority of a part's area is no accident.
+constexpr double kNoAccident = 1.0;
+/// Share of a flipped part's area by which the misfit may rise.
+constexpr double kAsGood = 0.1;
 
-/// Reversed faces, and the misfit of the field with them.
+/// What the sign makes of the faces, and the misfit of the field with them.
 struct State {
   Turns turns;
   double misfit = INFINITY;
 };
 
-/// Returns twice the area of each face.
-std::vector<float> areasOf(const PackedMesh& mesh) {
-  std::vector<float> areas;
-  areas.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::vec3 a = mesh.vertices[t.x];
-    areas.push_back(glm::length(glm::cross(mesh.vertices[t.y] - a, mesh.vertices[t.z] - a)));
-  }
-  return areas;
-}
-
-/// Number of a patch's faces that are given like its first one, and number of all its faces.
+/// Number of a patch's faces that are given like its first one, and number of all its faces. Only faces
+/// whose given direction counts are counted.
 struct Votes {
   int64_t alike = 0, all = 0;
 
   /// Returns whether the faces agree, or differ from tossed coins by more than three standard deviations.
   bool areClear() const {
-    return alike == all || std::abs(double(2 * alike - all)) > 3.0 * std::sqrt(double(all));
+    return all > 0 && (alike == all || std::abs(double(2 * alike - all)) > 3.0 * std::sqrt(double(all)));
   }
+};
+
+/// Solves the field for turns and remembers the last ones.
+class FieldSolver {
+ public:
+  FieldSolver(const FaceField& field, Progress& progress, State solved)
+      : field_(field), progress_(progress), solved_(std::move(solved)) {}
+
+  const State& solve(const Turns& turns) {
+    if (turns == solved_.turns) return solved_;
+    constexpr double kMostSolves = 2 * kMostRounds + 1;  // More are rare; progress waits for them.
+    progress_.part(std::min(solves_ / kMostSolves, 1.0), std::min((solves_ + 1) / kMostSolves, 1.0));
+    ++solves_;
+    solved_.misfit = field_.solve(turns);
+    solved_.turns = turns;
+    return solved_;
+  }
+  std::span<const float> parityRises(const Turns& turns) {
+    solved_.turns.clear();
+    return field_.parityRises(turns);
+  }
+  const FaceField& field() const { return field_; }
+
+ private:
+  const FaceField& field_;
+  Progress& progress_;
+  State solved_;
+  int solves_ = 0;
 };
 
 class SideChooser {
  public:
-  SideChooser(const PackedMesh& mesh, double misfitGiven, const FaceField& field, Progress& progress)
-      : patches_(findPatches(mesh)),
-        areas_(areasOf(mesh)),
-        field_(field),
-        progress_(progress),
-        given_{Turns(mesh.triangles.size(), 0), misfitGiven},
-        solved_(given_) {}
+  SideChooser(const ExaminedMesh& examined, const OrientationSurface& surface, FieldSolver& solver,
+              State given)
+      : examined_(examined), surface_(surface), solver_(solver), given_(std::move(given)) {}
 
-  FaceSides choose(bool isForced) {
-    solve(startFromGiven());
-    State best = solved_;
+  /// Returns the best state that was found, or the given one where none is better enough.
+  State choose(bool isForced) {
+    const State first = solver_.solve(startFromGiven());
+    State best = first;
     const bool isBetter = isForced ? best.misfit <= given_.misfit : best.misfit < kAligned * given_.misfit;
     if (!isBetter) best = given_;
     // Reversing all faces of a single patch only turns the mesh inside out, which changes no sign.
-    if (patches_.count > 1) {
+    if (surface_.patchCount() > 1) {
       const State start = best;
-      takeIfBetter(improve(solved_.turns), start, best);
+      takeIfBetter(improve(first.turns), start, best);
       if (best.misfit > 0.0) takeIfBetter(improve(startFromParity()), start, best);
+      keepGivenParts(best);
     }
-    solve(best.turns);
-    return {.turns = std::move(best.turns), .misfitGiven = given_.misfit, .misfit = best.misfit};
+    return best;
   }
 
  private:
@@ -92,81 +117,151 @@ class SideChooser {
   /// Returns the turns with which each patch points as most of its faces do, or as the parity says if the
   /// vote is not clear.
   Turns startFromGiven() {
-    std::vector<Votes> votes(patches_.count);
-    for (size_t f = 0; f < patches_.ids.size(); ++f) {
-      ++votes[patches_.ids[f]].all;
-      votes[patches_.ids[f]].alike += patches_.isReversed[f] ? 0 : 1;
+    const Patches& patches = surface_.patches;
+    std::vector<Votes> votes(patches.count);
+    for (size_t f = 0; f < patches.ids.size(); ++f) {
+      votes[patches.ids[f]].all += surface_.isDirected[f];
+      votes[patches.ids[f]].alike += surface_.isDirected[f] && !patches.isReversed[f] ? 1 : 0;
     }
-    const bool areClear =
-        std::all_of(votes.begin(), votes.end(), [](const Votes& v) { return v.areClear(); });
-    Turns turns = areClear ? patches_.isReversed : startFromParity();
+    bool areClear = true;
+    for (size_t p = 0; p < patches.count; ++p)
+      areClear = areClear && (surface_.patchAreas[p] == 0.0 || votes[p].areClear());
+    Turns turns = areClear ? surface_.aligned() : startFromParity();
     for (size_t f = 0; f < turns.size(); ++f)
-      if (const Votes& v = votes[patches_.ids[f]]; v.areClear())
-        turns[f] = uint8_t(patches_.isReversed[f] ^ uint8_t(2 * v.alike < v.all));
+      if (const Votes& v = votes[patches.ids[f]]; turns[f] != kLeftOut && v.areClear())
+        turns[f] = uint8_t(patches.isReversed[f] ^ uint8_t(2 * v.alike < v.all));
     return turns;
   }
 
   Turns startFromParity() {
-    Turns turns = patches_.isReversed;
-    turnRising(field_.parityRises(), 0.0, turns);
-    solved_.turns.clear();
+    Turns turns = surface_.aligned();
+    turnRising(solver_.parityRises(turns), 0.0, turns);
     return turns;
   }
 
   /// Reverses the patches along whose normals a field rises by more than `least` in the mean. Returns their
   /// share of the surface.
   double turnRising(std::span<const float> rises, double least, Turns& turns) const {
-    std::vector<double> sums(patches_.count, 0.0);
+    const std::vector<uint32_t>& ids = surface_.patches.ids;
+    std::vector<double> sums(surface_.patches.count, 0.0);
     for (size_t f = 0; f < turns.size(); ++f)
-      sums[patches_.ids[f]] += areas_[f] * ((turns[f] ? -rises[f] : rises[f]) - least);
-    double turned = 0.0, all = 0.0;
+      sums[ids[f]] += surface_.areas[f] * ((turns[f] == kReversed ? -rises[f] : rises[f]) - least);
+    double risingArea = 0.0;
     for (size_t f = 0; f < turns.size(); ++f) {
-      const bool isRising = sums[patches_.ids[f]] > 0.0;
-      turns[f] ^= uint8_t(isRising);
-      turned += isRising ? areas_[f] : 0.0;
-      all += areas_[f];
+      if (turns[f] == kLeftOut || !(sums[ids[f]] > 0.0)) continue;
+      turns[f] ^= kReversed;
+      risingArea += surface_.areas[f];
     }
-    return all > 0.0 ? turned / all : 0.0;
+    return surface_.area > 0.0 ? risingArea / surface_.area : 0.0;
   }
 
   /// Reverses patches as the field says for as long as the misfit falls. Returns the best state.
   State improve(Turns turns) {
     State best;
     for (int round = 0; round < kMostRounds; ++round) {
-      solve(turns);
-      if (!(solved_.misfit < best.misfit)) break;
-      best = solved_;
+      const State& solved = solver_.solve(turns);
+      if (!(solved.misfit < best.misfit)) break;
+      best = solved;
       if (best.misfit == 0.0) break;
-      risingShare_ = std::max(risingShare_, turnRising(field_.rises(), kLeastRise, turns));
+      risingShare_ = std::max(risingShare_, turnRising(solver_.field().rises(), kLeastRise, turns));
       if (turns == best.turns) break;
     }
     return best;
   }
 
-  void solve(const Turns& turns) {
-    if (turns == solved_.turns) return;
-    constexpr double kMostSolves = 2 * kMostRounds + 1;
-    progress_.part(solves_ / kMostSolves, (solves_ + 1) / kMostSolves);
-    ++solves_;
-    solved_.misfit = field_.solve(turns);
-    solved_.turns = turns;
+  /// A part's area whose chosen direction is the given one, minus the rest, and the deviation to expect if
+  /// coins were tossed for its faces.
+  struct PartVotes {
+    uint32_t part;
+    double agreement = 0.0, squares = 0.0, area = 0.0;
+    bool areAgainst() const { return agreement < -kNoAccident * std::sqrt(squares); }
+  };
+
+  /// Reverses parts of the surface that touch no other part where most of their area is given the other way
+  /// and the field fits as well: the inner one of two nested closed surfaces bounds a cavity or a solid.
+  void keepGivenParts(State& best) {
+    if (best.turns == surface_.asGiven) return;
+    const std::vector<uint32_t> parts = findParts(examined_.mesh, surface_.patches, 0.5 * examined_.spacing);
+    std::vector<PartVotes> against = votesAgainst(best.turns, parts);
+    if (against.empty() || flipIfAsGood(against, parts, best)) return;
+    std::sort(against.begin(), against.end(), [](const PartVotes& a, const PartVotes& b) {
+      return a.area != b.area ? a.area > b.area : a.part < b.part;
+    });
+    for (size_t p = 0; p < std::min(against.size(), size_t(kMostRounds)) && against.size() > 1; ++p)
+      flipIfAsGood({&against[p], 1}, parts, best);
   }
 
-  Patches patches_;
-  std::vector<float> areas_;
-  const FaceField& field_;
-  Progress& progress_;
-  State given_, solved_;
-  int solves_ = 0;
+  std::vector<PartVotes> votesAgainst(const Turns& turns, const std::vector<uint32_t>& parts) const {
+    std::vector<PartVotes> votes(parts.size());
+    for (uint32_t p = 0; p < parts.size(); ++p) votes[p].part = p;
+    for (size_t f = 0; f < turns.size(); ++f) {
+      PartVotes& v = votes[parts[surface_.patches.ids[f]]];
+      const double area = surface_.areas[f];
+      v.area += area;
+      if (!surface_.isDirected[f]) continue;
+      v.agreement += turns[f] == kAsGiven ? area : -area;
+      v.squares += area * area;
+    }
+    std::erase_if(votes, [](const PartVotes& v) { return !v.areAgainst(); });
+    return votes;
+  }
+
+  /// Reverses the parts if the field then fits as well. Returns whether it did.
+  bool flipIfAsGood(std::span<const PartVotes> flipped, const std::vector<uint32_t>& parts, State& best) {
+    std::vector<uint8_t> isFlipped(parts.size());
+    double area = 0.0;
+    for (const PartVotes& votes : flipped) {
+      isFlipped[votes.part] = 1;
+      area += votes.area;
+    }
+    Turns turns = best.turns;
+    for (size_t f = 0; f < turns.size(); ++f)
+      if (turns[f] != kLeftOut && isFlipped[parts[surface_.patches.ids[f]]]) turns[f] ^= kReversed;
+    const State& solved = solver_.solve(turns);
+    if (solved.misfit > best.misfit + kAsGood * area / surface_.area) return false;
+    best = solved;
+    return true;
+  }
+
+  const ExaminedMesh& examined_;
+  const OrientationSurface& surface_;
+  FieldSolver& solver_;
+  State given_;
   double risingShare_ = 0.0;  ///< Largest share of the surface that the field contradicted in one round.
 };
 
+/// Takes all faces of the groups as given again that look like sheets in the solved field. Returns whether
+/// there are any.
+bool giveBackSheets(SheetFinder& sheets, const FaceField& field, Turns& turns) {
+  const std::span<const float> nearRises = field.nearRises();
+  const std::vector<float> rises(nearRises.begin(), nearRises.end());
+  return sheets.giveBack(rises, field.nearSums(), turns);
+}
+
+/// Takes each double-sided group as one face of unknown direction where it bounds a solid with the rest.
+/// Returns nothing if none does or nothing fits.
+std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver& solver) {
+  const DoubleSidedFaces faces = withoutDividing(examined.mesh, examined.doubleSided);
+  if (faces.empty()) return {};
+  if (faces.count() == examined.mesh.triangles.size()) {  // All in order, perhaps: that needs no patches.
+    const State& first = solver.solve(withoutOthers(faces, examined.mesh.triangles.size()));
+    if (first.misfit == 0.0 && !solver.field().contradictsParity()) return first;
+  }
+  const OrientationSurface surface = takeSingleFaces(examined.mesh, faces);
+  State best = SideChooser(examined, surface, solver, {surface.asGiven, INFINITY}).choose(true);
+  SheetFinder sheets(examined.mesh, examined.spacing, faces, surface);
+  do best = solver.solve(best.turns);
+  while (giveBackSheets(sheets, solver.field(), best.turns));
+  if (!sheets.hasSolid() || best.misfit > kMostMisfit) return {};
+  return best;
+}
+
 }  // namespace
 
-std::vector<uint32_t> FaceSides::turnedFaces() const {
+std::vector<uint32_t> FaceSides::facesWith(Turn turn) const {
   std::vector<uint32_t> faces;
   for (uint32_t f = 0; f < turns.size(); ++f)
-    if (turns[f]) faces.push_back(f);
+    if (turns[f] == turn) faces.push_back(f);
   return faces;
 }
 
@@ -179,9 +274,22 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
   return options.orientation == Orientation::Repair || contradictsParity || misfit > kFall;
 }
 
-FaceSides chooseSides(const PackedMesh& mesh, double misfitGiven, Orientation orientation,
-                      const FaceField& field, Progress& progress) {
-  return SideChooser(mesh, misfitGiven, field, progress).choose(orientation == Orientation::Repair);
+FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,
+                      bool mayReverse, const FaceField& field, Progress& progress) {
+  const bool isForced = orientation == Orientation::Repair;
+  const State given{Turns(examined.mesh.triangles.size(), kAsGiven), misfitGiven};
+  FieldSolver solver(field, progress, given);
+  std::optional<State> best;
+  if (!examined.doubleSided.empty()) best = chooseSingleFaces(examined, solver);
+  if (!best && mayReverse) {
+    const OrientationSurface surface = takeAllFaces(examined.mesh);
+    best = SideChooser(examined, surface, solver, given).choose(isForced);
+  }
+  if (!best) best = given;
+  const bool fits = best->misfit <= kMostMisfit;
+  if (!fits && !isForced) best = given;
+  solver.solve(best->turns);
+  return {.turns = std::move(best->turns), .misfitGiven = misfitGiven, .misfit = best->misfit, .fits = fits};
 }
 
 }  // namespace raymap

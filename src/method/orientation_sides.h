@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 
+#include "mesh/double_sided.h"
 #include "method/backend_concepts.h"
 
 namespace raymap {
@@ -15,26 +16,44 @@ namespace raymap {
 /// one cell: closer to such a face the field falls whichever way the face points.
 inline constexpr float kFarSides = 0.7f;
 
-/// Faces to reverse, and the misfits before and after. A misfit is the sum of squares by which the field
-/// misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
+/// What the sign makes of the faces, and the misfits before and after. A misfit is the sum of squares by
+/// which the field misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
 struct FaceSides {
   Turns turns;  ///< Empty if no face was examined.
   double misfitGiven = 0.0, misfit = 0.0;
   double doubtfulShare = 0.0;  ///< Share of samples whose six rays disagree, with the faces as given.
+  bool fits = true;            ///< False if no orientation was found whose misfit is small enough.
 
   /// Returns the indices of the reversed faces, ascending.
-  std::vector<uint32_t> turnedFaces() const;
+  std::vector<uint32_t> turnedFaces() const { return facesWith(kReversed); }
+  /// Returns the indices of the faces that the sign leaves out, ascending.
+  std::vector<uint32_t> leftOutFaces() const { return facesWith(kLeftOut); }
+
+ private:
+  std::vector<uint32_t> facesWith(Turn turn) const;
 };
 
 /// Functions that `chooseSides` needs.
 struct FaceField {
-  /// Computes the harmonic field of the mesh with these faces reversed. Returns its misfit.
+  /// Computes the harmonic field of the mesh with these turns. Returns its misfit.
   std::function<double(const Turns& turns)> solve;
+  /// Returns whether a sign of the last solved field contradicts the parity of all six rays.
+  std::function<bool()> contradictsParity;
   /// Returns, for each face as given, how much the last solved field rises along its normal.
   std::function<std::span<const float>()> rises;
   /// Returns the same for the share of the six rays that cross an odd number of faces. It does not depend on
-  /// turns and replaces the solved field.
-  std::function<std::span<const float>()> parityRises;
+  /// which faces are reversed, but on which are left out. It replaces the solved field.
+  std::function<std::span<const float>(const Turns& turns)> parityRises;
+  /// Return, for each face as given, the last solved field one cell before the face minus or plus that one
+  /// cell behind it.
+  std::function<std::span<const float>()> nearRises, nearSums;
+};
+
+/// The mesh whose faces are examined.
+struct ExaminedMesh {
+  PackedMesh mesh;
+  DoubleSidedFaces doubleSided;
+  double spacing;  ///< Sample spacing in the mesh's units.
 };
 
 /// Returns whether the options allow faces to be reversed at all.
@@ -45,11 +64,14 @@ bool mayTurnFaces(const Options& options);
 /// Reversing faces could then hardly change a sign.
 bool shouldExamineFaces(const Options& options, double misfit, bool contradictsParity);
 
-/// Chooses the faces to reverse: those that the field contradicts, if that lowers the misfit as much as
-/// `orientation` demands. On entry `field` must be solved for the mesh as given, with misfit `misfitGiven`.
-/// On return it is solved for the result's turns.
-FaceSides chooseSides(const PackedMesh& mesh, double misfitGiven, Orientation orientation,
-                      const FaceField& field, Progress& progress);
+/// Chooses which faces the sign takes reversed or not at all. On entry `field` must be solved for the mesh as
+/// given, with misfit `misfitGiven`. On return it is solved for the result's turns.
+///
+/// Of double-sided faces, one of each group is taken if they bound a solid with the rest. Then the faces are
+/// reversed that the field contradicts, if that lowers the misfit as much as `orientation` demands;
+/// `mayReverse` is false if they need not be examined.
+FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,
+                      bool mayReverse, const FaceField& field, Progress& progress);
 
 /// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces.
 template <HostBackend B>
@@ -59,24 +81,40 @@ void orientFaces(B& backend) {
   FaceSides& sides = backend.faceSides();
   sides.doubtfulShare = backend.doubtfulShare();
   const bool isForced = options.orientation == Orientation::Repair;
-  if (sides.doubtfulShare == 0.0 && !isForced) return;
+  const ExaminedMesh examined{
+      .mesh = backend.mesh(), .doubleSided = backend.doubleSidedFaces(), .spacing = backend.spacing()};
+  const bool hasDouble = !examined.doubleSided.empty();
+  if (sides.doubtfulShare == 0.0 && !isForced && !hasDouble) return;
 
-  const auto solve = [&](const Turns& turns) {  // Runs the stages before this one again.
+  const auto count = [&](const Turns& turns) {  // Runs the stages before this one again.
     backend.turnFaces(turns);
     backend.crossings();
     backend.rayMap();
+  };
+  const auto solve = [&](const Turns& turns) {
+    count(turns);
     backend.winding(SignMode::Harmonic);
     return backend.misfit();
   };
+  const auto parityRises = [&](const Turns& turns) {
+    if (hasDouble) count(turns);
+    return backend.parityRises();
+  };
   const bool isHarmonic = options.sign == SignMode::Harmonic;
   const double misfit = isHarmonic ? backend.misfit() : solve(Turns(backend.mesh().triangles.size(), 0));
-  if (!shouldExamineFaces(options, misfit, backend.contradictsParity())) {
+  const bool mayReverse = shouldExamineFaces(options, misfit, backend.contradictsParity());
+  if (!mayReverse && !hasDouble) {
     sides.misfitGiven = sides.misfit = misfit;
     return;
   }
   const double doubtfulShare = sides.doubtfulShare;
-  sides = chooseSides(backend.mesh(), misfit, options.orientation,
-                      {solve, [&] { return backend.rises(); }, [&] { return backend.parityRises(); }},
+  sides = chooseSides(examined, misfit, options.orientation, mayReverse,
+                      {.solve = solve,
+                       .contradictsParity = [&] { return backend.contradictsParity(); },
+                       .rises = [&] { return backend.rises(); },
+                       .parityRises = parityRises,
+                       .nearRises = [&] { return backend.nearRises(); },
+                       .nearSums = [&] { return backend.nearSums(); }},
                       backend.progress());
   sides.doubtfulShare = doubtfulShare;
   if (!isHarmonic) backend.winding(options.sign);

@@ -68,6 +68,8 @@ void describeMesh(B& backend, const Grid& grid, Stats& stats) {
   stats.misfitGiven = sides.misfitGiven;
   stats.misfit = sides.misfit;
   stats.turnedFaces = sides.turnedFaces();
+  stats.leftOutFaces = sides.leftOutFaces();
+  stats.orientationFits = sides.fits;
   stats.patchTriangles = backend.patch().triangles.size();
   stats.patchArea = backend.patch().area() * grid.spacing * grid.spacing;
 }

@@ -56,13 +56,17 @@ class FakeHostBackend : public FakeBackend {
 
   const PackedMesh& mesh() const { return mesh_; }
   Progress& progress() { return progress_; }
+  double spacing() const { return 1.0; }
   double doubtfulShare() const { return 0.0; }
   FaceSides& faceSides() { return faceSides_; }
+  DoubleSidedFaces doubleSidedFaces() const { return {}; }
   void turnFaces(const Turns&) { ADD_FAILURE(); }
   double misfit() const { return 0.0; }
   bool contradictsParity() const { return false; }
   std::span<const float> rises() const { return {}; }
   std::span<const float> parityRises() const { return {}; }
+  std::span<const float> nearRises() const { return {}; }
+  std::span<const float> nearSums() const { return {}; }
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges() const { return {}; }
   std::vector<float> windingAt(std::span<const glm::vec3>) const { return {}; }

@@ -227,6 +227,165 @@ TEST(Orientation, ExaminesFacesOnlyIfASignContradictsTheParity) {
   EXPECT_GT(countUnlike(runOf(apart, grid, Orientation::Keep), right), 20u);
 }
 
+Mesh doubled(const Mesh& mesh) {
+  return withDoubledFaces(mesh, 1.0, 1);
+}
+
+/// Returns the mesh with its faces in another order. Double-sided faces then have either side first.
+Mesh shuffled(Mesh mesh) {
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(5));
+  return mesh;
+}
+
+Mesh openBox() {
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  return keepTriangles(box, [&](const glm::uvec3& t) {
+    return box.position(t.x).z + box.position(t.y).z + box.position(t.z).z < 2.9;
+  });
+}
+
+/// Expects that `auto` makes of a mesh with double-sided faces what `keep` makes of the single-sided one.
+void expectSolid(const Mesh& single, const Mesh& broken, size_t leftOut, double most = 0.0) {
+  const Grid grid = fitGrid(single, {.resolution = 40});
+  const Generated right = runOf(single, grid, Orientation::Keep);
+  for (const Orientation orientation : {Orientation::Auto, Orientation::Repair}) {
+    const Generated run = runOf(broken, grid, orientation);
+    EXPECT_LE(double(countUnlike(right, run)), most * double(grid.sampleCount()));
+    EXPECT_EQ(run.stats.leftOutFaces.size(), leftOut);
+    EXPECT_TRUE(run.stats.orientationFits);
+    for (size_t s = 0; s < grid.sampleCount(); ++s)
+      ASSERT_NEAR(std::abs(run.field.distance[s]), std::abs(right.field.distance[s]), 1e-6);
+  }
+  EXPECT_LT(300u, countUnlike(right, runOf(broken, grid, Orientation::Keep)));
+}
+
+TEST(DoubleSidedFaces, BoundASolid) {
+  const Mesh cube = shapes::box({0, 0, 0}, {1, 1, 1});
+  expectSolid(cube, doubled(cube), 12);
+  expectSolid(cube, shuffled(doubled(cube)), 12);
+  expectSolid(cube, doubled(doubled(cube)), 36);
+  const Mesh torus = shapes::torus(1.0, 0.4, 40, 20);
+  expectSolid(torus, shuffled(doubled(torus)), 1600);
+}
+
+TEST(DoubleSidedFaces, BoundASolidWithAHole) {
+  for (const double height : {0.95, 0.8, 0.7}) {
+    const Mesh ball = withoutCap(shapes::sphere(1.0, 4), height);
+    expectSolid(ball, doubled(ball), ball.triangles.size());
+    expectSolid(ball, shuffled(doubled(ball)), ball.triangles.size());
+  }
+}
+
+TEST(DoubleSidedFaces, AreCompletedBySingleSidedOnes) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  Mesh half = ball;
+  for (const glm::uvec3& t : ball.triangles)
+    if (ball.position(t.x).z + ball.position(t.y).z + ball.position(t.z).z > 0.0)
+      half.triangles.emplace_back(t.x, t.z, t.y);
+  expectSolid(ball, half, half.triangles.size() - ball.triangles.size());
+  expectSolid(ball, shuffled(half), half.triangles.size() - ball.triangles.size());
+  const Mesh some = withDoubledFaces(ball, 0.4, 2);
+  expectSolid(ball, shuffled(some), some.triangles.size() - ball.triangles.size());
+  expectSolid(ball, shuffled(withDoubledFaces(flipped(ball, 0.3), 0.4, 2)),
+              some.triangles.size() - ball.triangles.size());
+}
+
+TEST(DoubleSidedFaces, MakeAUnionOrACavityOfTwo) {
+  const Mesh ball = shapes::sphere(1.0, 4), other = shapes::sphere(0.8, 4, {0.6, 0.2, 0.0});
+  const Mesh pair = shapes::joined(ball, other);
+  expectSolid(pair, doubled(pair), pair.triangles.size());
+  expectSolid(pair, shuffled(doubled(pair)), pair.triangles.size());
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1}), inner = shapes::box({0.2, 0.2, 0.2}, {0.7, 0.7, 0.7});
+  const Mesh hollow = shapes::joined(box, insideOut(inner));  // Nothing says that the inner one is solid.
+  expectSolid(hollow, doubled(hollow), 24);
+  expectSolid(hollow, shuffled(doubled(shapes::joined(box, inner))), 24);
+}
+
+TEST(DoubleSidedFaces, StaySheetsThatBoundNothing) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1}), beside = shapes::box({1, 0, 0}, {2, 1, 1});
+  const Mesh fin =
+      makeMesh(std::vector<glm::dvec3>{{0.5, 0.5, 1.0}, {0.5, 0.0, 1.0}, {0.5, 0.0, 1.8}}, {{0, 1, 2}});
+  for (const Mesh& mesh :
+       {doubled(openBox()), doubled(withoutCap(ball, 0.0)), doubled(withoutCap(shapes::sphere(1.0, 4), -0.5)),
+        shapes::joined(box, beside),        // They touch in a wall.
+        shapes::joined(box, doubled(fin)),  // No edge in common.
+        shapes::joined(ball, doubled(openBox())), shapes::joined(withoutCap(ball, 0.9), doubled(fin))}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 40});
+    const Generated kept = runOf(mesh, grid, Orientation::Keep), run = runOf(mesh, grid, Orientation::Auto);
+    EXPECT_EQ(countUnlike(kept, run), 0u) << mesh.triangles.size() << " faces";
+    EXPECT_TRUE(run.stats.leftOutFaces.empty()) << mesh.triangles.size() << " faces";
+    EXPECT_TRUE(run.stats.turnedFaces.empty()) << mesh.triangles.size() << " faces";
+  }
+}
+
+TEST(DoubleSidedFaces, AreSolidOrSheetEachForItself) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  Mesh bin = openBox();
+  bin.origin += glm::dvec3(2, 0, 0);
+  const Mesh both = shapes::joined(doubled(ball), doubled(bin));
+  const Grid grid = fitGrid(both, {.resolution = 48});
+  const Generated right = runOf(shapes::joined(ball, doubled(bin)), grid, Orientation::Keep);
+  for (const Mesh& mesh : {both, shuffled(both)}) {
+    const Generated run = runOf(mesh, grid, Orientation::Auto);
+    EXPECT_EQ(countUnlike(right, run), 0u);
+    EXPECT_EQ(run.stats.leftOutFaces.size(), ball.triangles.size());
+  }
+}
+
+TEST(DoubleSidedFaces, AreTheSameForAnyNumberOfThreads) {
+  const Mesh mesh = shuffled(withDoubledFaces(flipped(withoutCap(shapes::sphere(1.0, 5), 0.8), 0.3), 0.5, 2));
+  const Grid grid = fitGrid(mesh, {.resolution = 48});
+  const Generated one = runOf(mesh, grid, {.threads = 1});
+  EXPECT_FALSE(one.stats.leftOutFaces.empty());
+  for (const int threads : {2, 5}) {
+    const Generated run = runOf(mesh, grid, {.threads = threads});
+    EXPECT_TRUE(areSame(one, run));
+    EXPECT_EQ(one.stats.leftOutFaces, run.stats.leftOutFaces);
+  }
+}
+
+TEST(DoubleSidedFaces, LeaveTheSignWithEveryDistance) {
+  const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.8);
+  const Grid grid = fitGrid(ball, {.resolution = 32});
+  for (const DistanceMode mode : {DistanceMode::Cell, DistanceMode::Raster}) {
+    const Generated right = runOf(ball, grid, {.distance = mode, .orientation = Orientation::Keep});
+    const Generated run = runOf(doubled(ball), grid, {.distance = mode});
+    EXPECT_EQ(countUnlike(right, run), 0u);
+    EXPECT_EQ(run.stats.leftOutFaces.size(), ball.triangles.size());
+  }
+}
+
+TEST(Orientation, KeepsWhatMostOfAPartsAreaSays) {
+  // The field fits as well whether the inner sphere bounds a cavity or a solid in the solid.
+  const Mesh inner = soupOf(shapes::sphere(0.5, 2)), outer = soupOf(shapes::sphere(1.0, 2));
+  for (const Mesh& right : {shapes::joined(outer, inner), shapes::joined(outer, insideOut(inner))}) {
+    const Grid grid = fitGrid(right, {.resolution = 40});
+    const Generated whole = runOf(right, grid, Orientation::Keep);
+    for (const double share : {0.1, 0.4}) {
+      const Generated run = runOf(flipped(right, share), grid, Orientation::Auto);
+      EXPECT_LE(countUnlike(whole, run), 30u) << share;
+      EXPECT_NEAR(double(run.stats.turnedFaces.size()), share * double(right.triangles.size()),
+                  0.1 * double(right.triangles.size()));
+    }
+  }
+}
+
+TEST(Orientation, KeepsWhatIsGivenWhereNothingFits) {
+  Mesh tangle = shapes::sphere(1.0, 5);  // A fan through the centre.
+  tangle.vertices.emplace_back(0.0f);
+  for (glm::uvec3& t : tangle.triangles) t.z = uint32_t(tangle.vertices.size() - 1);
+  tangle = flipped(tangle, 0.5);
+  const Grid grid = fitGrid(tangle, {.resolution = 40});
+  const Generated kept = runOf(tangle, grid, Orientation::Keep), run = runOf(tangle, grid, Orientation::Auto);
+  EXPECT_TRUE(areSame(kept, run));
+  EXPECT_GT(run.stats.misfitGiven, 0.5);
+  EXPECT_EQ(run.stats.misfit, run.stats.misfitGiven);
+  EXPECT_FALSE(run.stats.orientationFits);
+  EXPECT_TRUE(kept.stats.orientationFits);
+  EXPECT_TRUE(runOf(shapes::sphere(1.0, 3), grid, Orientation::Auto).stats.orientationFits);
+}
+
 TEST(Misfit, IsZeroWhereAllRaysAgree) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});

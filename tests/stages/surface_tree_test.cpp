@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
+#include "broken_meshes.h"
 #include "cells.h"
+#include "mesh/double_sided.h"
+#include "method/turns.h"
 
 namespace raymap {
 
@@ -135,6 +139,20 @@ TEST(SurfaceTree, HoldsDegenerateAndEqualTriangles) {
   expectSound(makeMesh(line, std::vector<glm::uvec3>(100, {0, 1, 2})));
 }
 
+TEST(SurfaceTree, FindsTrianglesOnTheSamePositions) {
+  Mesh mesh = withDoubledFaces(shapes::sphere(1.0, 5), 0.3, 1);
+  for (glm::uvec3& t : mesh.triangles)  // The corners begin anywhere.
+    if (t.x % 3 == 0) t = {t.y, t.z, t.x};
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(2));
+  SurfaceTree tree;
+  const DoubleSidedFaces found = findDoubleSidedFaces(mesh, tree.build(cellsOf(mesh)));
+  const DoubleSidedFaces expected = findDoubleSidedFaces(mesh);
+  EXPECT_GT(expected.firsts.size(), 5000u);
+  EXPECT_EQ(found.firsts, expected.firsts);
+  EXPECT_EQ(found.others, expected.others);
+  EXPECT_EQ(found.groupOf, expected.groupOf);
+}
+
 TEST(SurfaceTree, IsBuiltAnewForAnotherMesh) {
   SurfaceTree tree;
   tree.build(cellsOf(shapes::soup(5000, 1)));
@@ -154,13 +172,17 @@ TEST(SurfaceTree, TurnsTheNormalsOfSomeFaces) {
     EXPECT_GT(glm::dot(before[t], glm::cross(p[1] - p[0], p[2] - p[0])), 0.0) << "as the corners turn";
   }
   std::vector<uint8_t> faces(mesh.triangles.size());
-  for (size_t f = 0; f < faces.size(); f += 3) faces[f] = 1;
+  for (size_t f = 0; f < faces.size(); f += 3) faces[f] = kReversed;
   tree.turn(faces);
   for (uint32_t t = 0; t < tree.triangleCount(); ++t)
     EXPECT_EQ(normalOf(tree, t), faces[tree.triangleId(t)] ? -before[t] : before[t]) << t;
   tree.turn({});
   tree.turn(faces);
   for (uint32_t t = 0; t < tree.triangleCount(); ++t) EXPECT_EQ(normalOf(tree, t), before[t]) << t;
+  for (size_t f = 0; f < faces.size(); f += 3) faces[f] = kLeftOut;
+  tree.turn(faces);
+  for (uint32_t t = 0; t < tree.triangleCount(); ++t)
+    EXPECT_EQ(normalOf(tree, t), faces[tree.triangleId(t)] ? glm::dvec3(0.0) : before[t]) << t;
 }
 
 }  // namespace

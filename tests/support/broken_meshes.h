@@ -45,4 +45,35 @@ inline Mesh withFlippedFaces(Mesh mesh, double share, unsigned seed) {
   return mesh;
 }
 
+/// Adds a copy that points the opposite way to a share of the faces.
+inline Mesh withDoubledFaces(Mesh mesh, double share, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const size_t count = mesh.triangles.size();
+  for (size_t f = 0; f < count; ++f)
+    if (const glm::uvec3 t = mesh.triangles[f]; unit(random) < share)
+      mesh.triangles.emplace_back(t.z, t.y, t.x);
+  return mesh;
+}
+
+/// Gives every face corners of its own and moves each of them by up to a share of the longest side.
+inline Mesh withMovedCorners(const Mesh& mesh, double share, unsigned seed) {
+  std::mt19937 random(seed);
+  const glm::dvec3 size = bounds(mesh).size();
+  const double reach = share * std::max({size.x, size.y, size.z});
+  std::uniform_real_distribution<double> axis(-reach, reach);
+  const auto move = [&] {
+    for (;;)
+      if (const glm::dvec3 v(axis(random), axis(random), axis(random)); glm::length(v) <= reach) return v;
+  };
+  std::vector<glm::dvec3> p;
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto first = static_cast<uint32_t>(p.size());
+    for (int c = 0; c < 3; ++c) p.push_back(mesh.position(t[c]) + move());
+    triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return makeMesh(p, std::move(triangles));
+}
+
 }  // namespace raymap

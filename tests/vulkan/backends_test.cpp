@@ -128,6 +128,37 @@ TEST_F(Backends, TurnTheSameFaces) {
   }
 }
 
+TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Mesh open = keepTriangles(box, [&](const glm::uvec3& t) {
+    return box.position(t.x).z + box.position(t.y).z + box.position(t.z).z < 2.9;
+  });
+  const Mesh ball = shapes::sphere(1.0, 3);
+  const Mesh holed = keepTriangles(ball, [&](const glm::uvec3& t) { return ball.position(t.x).z < 0.8; });
+  const Mesh pair = shapes::joined(holed, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0}));
+  struct Case {
+    Mesh mesh;
+    bool isSolid = true;
+  };
+  for (const auto& [mesh, isSolid] : std::initializer_list<Case>{{withDoubledFaces(box, 1.0, 1)},
+                                                                 {withDoubledFaces(holed, 1.0, 1)},
+                                                                 {withDoubledFaces(ball, 0.4, 1)},
+                                                                 {withDoubledFaces(flipped(pair, 3), 0.5, 1)},
+                                                                 {withDoubledFaces(open, 1.0, 1), false}}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 32});
+    Generator generator;
+    Field cpu, gpu;
+    const Stats onCpu = generator.generate(mesh, grid, everything("cpu"), cpu);
+    const Stats onGpu = generator.generate(mesh, grid, everything("vulkan"), gpu);
+    EXPECT_EQ(onCpu.leftOutFaces.empty(), !isSolid);
+    EXPECT_EQ(onCpu.leftOutFaces, onGpu.leftOutFaces);
+    EXPECT_EQ(onCpu.turnedFaces, onGpu.turnedFaces);
+    EXPECT_NEAR(onCpu.misfit, onGpu.misfit, 1e-4);
+    EXPECT_TRUE(onGpu.orientationFits);
+    expectSame(cpu, gpu, mesh);
+  }
+}
+
 TEST_F(Backends, ForgetTheFacesThatTheLastRunTurned) {
   // Faces apart from each other are read before any is turned.
   const auto flippedSoup = [](int subdivisions, unsigned seed) {

@@ -5,10 +5,12 @@
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "cpu/distance/surface_leaves.h"
+#include "method/turns.h"
 
 namespace raymap::cpu {
 
@@ -29,8 +31,11 @@ class PlaceLattice {
     shift_ = -3.0f * low * scale_;
   }
 
+  /// Returns the place of a triangle's centroid. It does not depend on the order of the corners.
   Place operator()(const CellMesh& mesh, size_t t) const {
-    const glm::vec3 thrice = mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2);
+    const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    const glm::vec3 low = glm::min(a, b), high = glm::max(a, b);
+    const glm::vec3 thrice = glm::min(low, c) + glm::max(low, glm::min(high, c)) + glm::max(high, c);
     const glm::uvec3 p(glm::clamp(thrice * scale_ + shift_, 0.0f, kMost));
     return Place{p.x} << 48 | Place{p.y} << 32 | Place{p.z} << 16;
   }
@@ -127,13 +132,14 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 
 }  // namespace
 
-void SurfaceTree::build(const CellMesh& mesh) {
+std::vector<uint64_t> SurfaceTree::build(const CellMesh& mesh) {
   triangleCount_ = static_cast<uint32_t>(mesh.triangles.size());
   placeLevels();
   const PlaceLattice lattice(mesh);
-  sortTriangles(mesh, lattice);
+  std::vector<uint64_t> coincident = sortTriangles(mesh, lattice);
   buildLeaves(mesh, lattice);
   for (uint32_t level = 1; level < levels_.size(); ++level) buildLevel(level);
+  return coincident;
 }
 
 void SurfaceTree::placeLevels() {
@@ -149,25 +155,58 @@ void SurfaceTree::placeLevels() {
   discs_.resizeUninitialized(start / kPacket);
 }
 
-void SurfaceTree::turn(std::span<const uint8_t> faces) {
-  if (faces.empty()) return;
+void SurfaceTree::turn(std::span<const uint8_t> turns) {
+  if (turns.empty()) return;
   parallelFor(triangleCount_, size_t{1} << 14, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
-      if (!faces[triangleId(uint32_t(t))]) continue;
+      const uint8_t turn = turns[triangleId(uint32_t(t))];
+      if (turn == kAsGiven) continue;
       TrianglePacket& packet = triangles_[t / kPacket];
-      for (auto* normal : {packet.zx, packet.zy, packet.zz}) normal[t % kPacket] = -normal[t % kPacket];
+      for (auto* normal : {packet.zx, packet.zy, packet.zz})
+        normal[t % kPacket] *= turn == kReversed ? -1.0f : 0.0f;
     }
   });
 }
 
-void SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
+namespace {
+
+/// Returns what remains of a key above the triangle: its position along the curve, and below that as many
+/// bits as are left of a hash of its place.
+uint64_t tagOf(Place place) {
+  return uint64_t{mortonIndex(place)} << 34 | (place * uint64_t{0x9E3779B97F4A7C15}) >> 30;
+}
+
+/// Removes the tags of sorted keys. Returns the triangles that share their tag with another, and so perhaps
+/// their corners, each below the index of the first key with this tag.
+std::vector<uint64_t> takeTags(std::span<uint64_t> keys, uint64_t tagMask) {
+  std::vector<uint64_t> sameTag;
+  const auto tag = [&](size_t k) { return keys[k] & tagMask; };
+  size_t first = 0;
+  for (size_t k = 1; k < keys.size(); ++k) {
+    if (tag(k) != tag(k - 1)) {
+      first = k;
+      continue;
+    }
+    if (k == first + 1) sameTag.push_back(uint64_t{first} << 32 | (keys[first] & ~tagMask));
+    sameTag.push_back(uint64_t{first} << 32 | (keys[k] & ~tagMask));
+  }
+  for (uint64_t& key : keys) key &= ~tagMask;
+  return sameTag;
+}
+
+}  // namespace
+
+std::vector<uint64_t> SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
+  const uint64_t tagMask = ~uint64_t{0} << std::bit_width(count - 1);
   keys_.resizeUninitialized(size_t{leafCount()} * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) keys_[t] = uint64_t(mortonIndex(lattice(mesh, t))) << 32 | t;
+    for (size_t t = begin; t < end; ++t) keys_[t] = (tagOf(lattice(mesh, t)) & tagMask) | t;
   });
   hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
+  std::vector<uint64_t> sameTag = takeTags({keys_.data(), count}, tagMask);
   std::fill(keys_.begin() + count, keys_.end(), keys_[count - 1]);
+  return sameTag;
 }
 
 void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice) {

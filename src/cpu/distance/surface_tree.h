@@ -41,9 +41,11 @@ class SurfaceTree {
     uint32_t start, count;
   };
 
-  void build(const CellMesh& mesh);
-  /// Reverses the normals of the mesh's faces that have a 1. An empty span reverses none.
-  void turn(std::span<const uint8_t> faces);
+  /// Returns the triangles that may lie on the same positions as others, for `findDoubleSidedFaces`.
+  std::vector<uint64_t> build(const CellMesh& mesh);
+  /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turn`). Distances
+  /// of the tree are wrong afterwards if any is. An empty span changes none.
+  void turn(std::span<const uint8_t> turns);
 
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }
   const TrianglePacket& triangles(uint32_t packet) const { return triangles_[packet]; }
@@ -64,11 +66,11 @@ class SurfaceTree {
 
  private:
   void placeLevels();
-  void sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
+  std::vector<uint64_t> sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLevel(uint32_t level);
 
-  Buffer<uint64_t> keys_;  // curve position << 32 | triangle
+  Buffer<uint64_t> keys_;  // The triangle in the lower half; numbers to sort by above it.
   Buffer<TrianglePacket> triangles_;
   Buffer<DiscPacket> discs_;
   std::vector<Level> levels_;

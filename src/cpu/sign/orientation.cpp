@@ -34,10 +34,10 @@ void addLine(std::span<const Crossing> line, const float* field, size_t stride, 
   }
 }
 
-/// Returns the mean rise along the normal of one face. A large face is cut into triangles, and the field is
-/// read at their centres. Centres too close to the grid's border do not add to the sum.
-float riseOf(const Trilinear<float>& field, float farSides, const glm::vec3& a, const glm::vec3& b,
-             const glm::vec3& c) {
+/// Returns the mean of the field in front of a face plus `behind` times that behind it. A large face is cut
+/// into triangles, and the field is read at their centres. Points beyond the grid's border are moved onto it.
+float sidesOf(const Trilinear<float>& field, float farSides, float behind, const glm::vec3& a,
+              const glm::vec3& b, const glm::vec3& c) {
   constexpr float kPartLength = 2.0f;
   constexpr int kMostParts = 8;
   const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ab, ac);
@@ -48,9 +48,10 @@ float riseOf(const Trilinear<float>& field, float farSides, const glm::vec3& a, 
   const int parts = int(std::clamp(std::ceil(longest / kPartLength), 1.0f, float(kMostParts)));
   float sum = 0.0f;
   const glm::vec3 step = normal * std::max(1.0f, farSides * std::sqrt(doubleArea));
+  const auto inGrid = [&](const glm::vec3& p) { return glm::clamp(p, glm::vec3(0.0f), field.last()); };
   const auto look = [&](float u, float v) {
     const glm::vec3 p = a + (u / float(parts)) * ab + (v / float(parts)) * ac;
-    if (field.covers(p + step) && field.covers(p - step)) sum += field(p + step) - field(p - step);
+    sum += field(inGrid(p + step)) + behind * field(inGrid(p - step));
   };
   for (int i = 0; i < parts; ++i)
     for (int j = 0; i + j < parts; ++j) {
@@ -96,14 +97,15 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
   return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
 }
 
-void measureRises(const CellMesh& mesh, const Buffer<float>& field, float farSides, Progress& progress,
-                  Buffer<float>& rises) {
-  rises.resizeUninitialized(mesh.triangles.size());
+void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, float behind,
+                  Progress& progress, Buffer<float>& sides) {
+  sides.resizeUninitialized(mesh.triangles.size());
   const Trilinear<float> interpolate(mesh.dims, field.data());
-  parallelFor(rises.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(sides.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     progress.poll();
     for (size_t f = begin; f < end; ++f)
-      rises[f] = riseOf(interpolate, farSides, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+      sides[f] =
+          sidesOf(interpolate, farSides, behind, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
   });
 }
 

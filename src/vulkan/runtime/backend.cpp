@@ -176,22 +176,32 @@ double Backend::misfit() {
 }
 
 std::span<const float> Backend::rises() {
-  recordRises();
-  return risesOfGivenFaces();
+  return measureRises(kFarSides);
 }
 
 std::span<const float> Backend::parityRises() {
-  recordParityRises();
-  return risesOfGivenFaces();
+  recordParity();
+  return nearRises();
+}
+
+std::span<const float> Backend::nearRises() {
+  return measureRises(0.0f);
+}
+
+std::span<const float> Backend::nearSums() {
+  recordSides(0.0f, 1.0f);
+  run();
+  return orientationStage().sides();
 }
 
 /// Negates the values of reversed faces, because the host counts them as given.
-std::span<const float> Backend::risesOfGivenFaces() {
+std::span<const float> Backend::measureRises(float farSides) {
+  recordSides(farSides, -1.0f);
   run();
-  const std::span<const float> rises = orientationStage().rises();
+  const std::span<const float> rises = orientationStage().sides();
   rises_.assign(rises.begin(), rises.end());
   for (size_t f = 0; f < turns_.size(); ++f)
-    if (turns_[f]) rises_[f] = -rises_[f];
+    if (turns_[f] == kReversed) rises_[f] = -rises_[f];
   return rises_;
 }
 

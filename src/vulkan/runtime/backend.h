@@ -35,14 +35,18 @@ class Backend : public StageRecorder {
 
   const PackedMesh& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
+  double spacing() const { return job_->grid.spacing; }
   double doubtfulShare();
 
   FaceSides& faceSides() { return faceSides_; }
+  DoubleSidedFaces doubleSidedFaces() { return findDoubleSidedFaces(mesh()); }
   void turnFaces(const Turns& turns);
   double misfit();
   bool contradictsParity() const { return orientationStage().contradictsParity(); }
   std::span<const float> rises();
   std::span<const float> parityRises();
+  std::span<const float> nearRises();
+  std::span<const float> nearSums();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();
@@ -68,7 +72,7 @@ class Backend : public StageRecorder {
   void run();
   Extent extentOf(const PackedMesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults();
-  std::span<const float> risesOfGivenFaces();
+  std::span<const float> measureRises(float farSides);
   void recordPiece(const DeviceBuffer& result, uint64_t first);
   void readBack(const DeviceBuffer& result, void* to, bool isFirstThere = false);
 

@@ -93,13 +93,12 @@ void StageRecorder::recordMisfit() {
   orientation_.recordMisfit(*commands_, orientationFields());
 }
 
-void StageRecorder::recordRises() {
-  orientation_.recordRises(*commands_, orientationFields(), kFarSides);
+void StageRecorder::recordSides(float farSides, float behind) {
+  orientation_.recordSides(*commands_, orientationFields(), farSides, behind);
 }
 
-void StageRecorder::recordParityRises() {
+void StageRecorder::recordParity() {
   orientation_.recordParity(*commands_, orientationFields());
-  orientation_.recordRises(*commands_, orientationFields(), 0.0f);
 }
 
 OrientationStage::Fields StageRecorder::orientationFields() const {

@@ -88,8 +88,8 @@ class StageRecorder {
   void recordMesh(const CellMeshStage::Source& source);
   // For the stage `orientation`.
   void recordMisfit();
-  void recordRises();
-  void recordParityRises();
+  void recordSides(float farSides, float behind);
+  void recordParity();
   const OrientationStage& orientationStage() const { return orientation_; }
   // For the stage `close_holes`.
   void recordMissingEdges();

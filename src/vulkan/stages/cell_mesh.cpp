@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "method/turns.h"
 #include "shaders/cell_mesh_mend_spv.h"
 #include "shaders/cell_mesh_spv.h"
 #include "shaders/cell_mesh_triangles_spv.h"
@@ -84,10 +85,7 @@ void MeshUpload::fill(const PackedMesh& mesh) {
 
 void MeshUpload::turn(const PackedMesh& mesh, std::span<const uint8_t> turns) {
   const std::span<glm::uvec3> triangles = triangles_.mapped<glm::uvec3>();
-  for (size_t f = 0; f < turns.size(); ++f) {
-    const glm::uvec3& t = mesh.triangles[f];
-    triangles[f] = turns[f] ? glm::uvec3(t.x, t.z, t.y) : t;
-  }
+  for (size_t f = 0; f < turns.size(); ++f) triangles[f] = turned(mesh.triangles[f], turns[f]);
 }
 
 }  // namespace raymap::vulkan

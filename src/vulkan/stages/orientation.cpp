@@ -4,7 +4,7 @@
 
 #include "shaders/orientation_misfit_spv.h"
 #include "shaders/orientation_parity_spv.h"
-#include "shaders/orientation_rises_spv.h"
+#include "shaders/orientation_sides_spv.h"
 
 namespace raymap::vulkan {
 
@@ -16,32 +16,33 @@ constexpr uint64_t kSamplesOfGroup = uint64_t{kMisfitGroup} * kMisfitSamples;
 OrientationStage::OrientationStage(Device& device)
     : misfitOf_(device, shaders::kOrientationMisfit, kMisfitGroup),
       parityOf_(device, shaders::kOrientationParity, kGroup),
-      risesOf_(device, shaders::kOrientationRises, kGroup),
+      sidesOf_(device, shaders::kOrientationSides, kGroup),
       sums_(device, "misfits"),
       hostSums_(device, "misfits for the host", MemoryUse::ReadBack),
-      rises_(device, "rises"),
-      hostRises_(device, "rises for the host", MemoryUse::ReadBack) {}
+      sides_(device, "field beside the faces"),
+      hostSides_(device, "field beside the faces for the host", MemoryUse::ReadBack) {}
 
 void OrientationStage::reserve(const glm::ivec3& dims, uint32_t triangleCount) {
   samples_ = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   triangleCount_ = triangleCount;
   for (DeviceBuffer* sums : {&sums_, &hostSums_})
     sums->resize<float>(kMisfitNumbers * ((samples_ + kSamplesOfGroup - 1) / kSamplesOfGroup));
-  for (DeviceBuffer* rises : {&rises_, &hostRises_}) rises->resize<float>(triangleCount);
+  for (DeviceBuffer* sides : {&sides_, &hostSides_}) sides->resize<float>(triangleCount);
 }
 
-OrientationPush OrientationStage::push(const Fields& fields, float farSides) const {
+OrientationPush OrientationStage::push(const Fields& fields, float farSides, float behind) const {
   return {.rays = {fields.rays.axes[0], fields.rays.axes[1], fields.rays.axes[2]},
           .field = fields.field,
           .vertices = fields.mesh.vertices,
           .triangles = fields.mesh.triangles,
-          .rises = rises_.address(),
+          .sides = sides_.address(),
           .misfit = sums_.address(),
           .gridX = static_cast<uint32_t>(fields.rays.dims.x),
           .gridY = static_cast<uint32_t>(fields.rays.dims.y),
           .gridZ = static_cast<uint32_t>(fields.rays.dims.z),
           .triangleCount = triangleCount_,
           .farSides = farSides,
+          .behind = behind,
           .threshold = static_cast<float>(fields.threshold)};
 }
 
@@ -54,9 +55,9 @@ void OrientationStage::recordParity(Commands& commands, const Fields& fields) {
   commands.dispatch(parityOf_, push(fields), samples_);
 }
 
-void OrientationStage::recordRises(Commands& commands, const Fields& fields, float farSides) {
-  commands.dispatch(risesOf_, push(fields, farSides), triangleCount_);
-  commands.copy(rises_, hostRises_, hostRises_.bytes());
+void OrientationStage::recordSides(Commands& commands, const Fields& fields, float farSides, float behind) {
+  commands.dispatch(sidesOf_, push(fields, farSides, behind), triangleCount_);
+  commands.copy(sides_, hostSides_, hostSides_.bytes());
 }
 
 double OrientationStage::misfit() const {

@@ -3,7 +3,9 @@
 #include "vulkan/stages/orientation_push.h"
 #include "vulkan/stages/ray_map.glsl"
 
-layout(push_constant, scalar) uniform Push { OrientationPush push; };
+layout(push_constant, scalar) uniform Push {
+  OrientationPush push;
+};
 
 ivec3 gridDims() {
   return ivec3(push.gridX, push.gridY, push.gridZ);

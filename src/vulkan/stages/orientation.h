@@ -24,20 +24,21 @@ class OrientationStage {
   void recordMisfit(Commands& commands, const Fields& fields);
   /// Fills the field with the share of the six rays that cross an odd number of faces.
   void recordParity(Commands& commands, const Fields& fields);
-  /// Steps along the normals are `farSides` times the root of twice a face's area, and at least one cell.
-  void recordRises(Commands& commands, const Fields& fields, float farSides);
+  /// Measures, in the mean over each face, the field a step in front of it plus `behind` times that a step
+  /// behind it. The step is `farSides` times the root of twice the face's area, and at least one cell.
+  void recordSides(Commands& commands, const Fields& fields, float farSides, float behind);
 
   // Valid when the work is done:
   double misfit() const;
   /// Returns whether any sign contradicted the parity of all six rays in the last measurement of the misfit.
   bool contradictsParity() const;
-  std::span<const float> rises() const { return hostRises_.mapped<const float>(); }
+  std::span<const float> sides() const { return hostSides_.mapped<const float>(); }
 
  private:
-  OrientationPush push(const Fields& fields, float farSides = 0.0f) const;
+  OrientationPush push(const Fields& fields, float farSides = 0.0f, float behind = 0.0f) const;
 
-  Kernel<OrientationPush> misfitOf_, parityOf_, risesOf_;
-  DeviceBuffer sums_, hostSums_, rises_, hostRises_;
+  Kernel<OrientationPush> misfitOf_, parityOf_, sidesOf_;
+  DeviceBuffer sums_, hostSums_, sides_, hostSides_;
   uint64_t samples_ = 0;
   uint32_t triangleCount_ = 0;
 };

@@ -17,13 +17,15 @@ struct OrientationPush {
   RAYMAP_ADDRESS(Floats) field;     // One value per sample.
   RAYMAP_ADDRESS(Floats) vertices;  // In cells.
   RAYMAP_ADDRESS(Uints) triangles;
-  RAYMAP_ADDRESS(Floats) rises;   // One value per triangle.
+  RAYMAP_ADDRESS(Floats) sides;   // One value per triangle.
   RAYMAP_ADDRESS(Floats) misfit;  // kMisfitNumbers per group.
   uint gridX, gridY, gridZ;
   uint triangleCount;
   float farSides;  // Step along the normal, in roots of twice the face's area; at least a cell.
+  float behind;    // Factor of the field behind the face.
   float threshold;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(OrientationPush, 88);
+RAYMAP_CHECK_SIZE(OrientationPush, 96);
 
 RAYMAP_SHARED_END

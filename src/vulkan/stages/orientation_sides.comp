@@ -1,5 +1,5 @@
-// Computes how much the field rises along each face's normal: the mean over places on the face
-// (cpu/sign/orientation.cpp).
+// Computes the field in front of each face plus `behind` times that behind it: the mean over places on the
+// face (cpu/sign/orientation.cpp).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -9,8 +9,8 @@
 const float kPartLength = 2.0;
 const float kMostParts = 8.0;
 
-bool covers(vec3 p) {
-  return all(greaterThanEqual(p, vec3(0))) && all(lessThanEqual(p, vec3(gridDims() - 1)));
+vec3 inGrid(vec3 p) {
+  return clamp(p, vec3(0), vec3(gridDims() - 1));
 }
 
 float alongX(uint at, uint x, float t) {
@@ -32,11 +32,11 @@ float fieldAt(vec3 p) {
   return first + t.z * (alongY(at + z, x, y, t) - first);
 }
 
-float riseAt(vec3 p, vec3 along) {
-  return covers(p + along) && covers(p - along) ? fieldAt(p + along) - fieldAt(p - along) : 0.0;
+float sidesAt(vec3 p, vec3 along) {
+  return fieldAt(inGrid(p + along)) + push.behind * fieldAt(inGrid(p - along));
 }
 
-float riseOf(vec3 a, vec3 b, vec3 c) {
+float sidesOf(vec3 a, vec3 b, vec3 c) {
   const vec3 ab = b - a, ac = c - a, across = cross(ab, ac);
   const float doubleArea = length(across);
   if (!(doubleArea > 0)) return 0;
@@ -48,8 +48,8 @@ float riseOf(vec3 a, vec3 b, vec3 c) {
   for (int i = 0; i < parts; ++i)
     for (int j = 0; i + j < parts; ++j) {
       const vec3 corner = a + float(i) * u + float(j) * v;
-      sum += riseAt(corner + (u + v) / 3.0, along);
-      if (i + j + 1 < parts) sum += riseAt(corner + (u + v) * (2.0 / 3.0), along);
+      sum += sidesAt(corner + (u + v) / 3.0, along);
+      if (i + j + 1 < parts) sum += sidesAt(corner + (u + v) * (2.0 / 3.0), along);
     }
   return sum / float(parts * parts);
 }
@@ -57,6 +57,6 @@ float riseOf(vec3 a, vec3 b, vec3 c) {
 void main() {
   const uint t = invocationIndex();
   if (t >= push.triangleCount) return;
-  push.rises.at[t] = riseOf(readCorner(push.vertices, push.triangles, t, 0), readCorner(push.vertices, push.triangles, t, 1),
+  push.sides.at[t] = sidesOf(readCorner(push.vertices, push.triangles, t, 0), readCorner(push.vertices, push.triangles, t, 1),
                             readCorner(push.vertices, push.triangles, t, 2));
 }

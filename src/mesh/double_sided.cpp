@@ -1,0 +1,211 @@
+#include "mesh/double_sided.h"
+
+#include <hwy/contrib/sort/vqsort.h>
+#include <raymap/buffer.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "base/parallel.h"
+
+namespace raymap {
+
+namespace {
+
+/// A position as bits, equal exactly where the coordinates are: -0 equals 0.
+using PositionBits = std::array<uint32_t, 3>;
+
+PositionBits bitsOf(const glm::vec3& vertex) {
+  const glm::vec3 p = vertex + 0.0f;  // Turns -0 into 0.
+  return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
+}
+
+/// Returns a hash of a face's corners that does not depend on their order.
+uint32_t hashOf(const PackedMesh& mesh, const glm::uvec3& t) {
+  const PositionBits a = bitsOf(mesh.vertices[t.x]), b = bitsOf(mesh.vertices[t.y]),
+                     c = bitsOf(mesh.vertices[t.z]);
+  const auto sum = [&](size_t axis) { return uint64_t{a[axis]} + b[axis] + c[axis]; };
+  const uint64_t hash = (sum(0) * uint64_t{0x9E3779B97F4A7C15}) ^ (sum(1) * uint64_t{0xC2B2AE3D27D4EB4F}) ^
+                        (sum(2) * uint64_t{0x165667B19E3779F9});
+  return uint32_t(((hash ^ hash >> 29) * uint64_t{0xD6E8FEB86659FD93}) >> 32);
+}
+
+/// Counts hashes up to two. There are 8 slots or more for each face, so few faces share a slot by accident.
+class HashCounter {
+ public:
+  explicit HashCounter(size_t faces)
+      : shift_(32 - std::min<int>(std::bit_width(std::max<size_t>(16 * faces, 64) - 1), 32)),
+        once_((size_t{1} << (32 - shift_)) / 64),
+        twice_(once_.size()) {}
+
+  void add(uint32_t hash) {
+    const uint32_t slot = hash >> shift_;
+    const uint64_t bit = uint64_t{1} << slot % 64, once = once_[slot / 64];
+    if (once & bit) twice_[slot / 64] |= bit;
+    once_[slot / 64] = once | bit;
+  }
+  void add(const HashCounter& other) {
+    for (size_t w = 0; w < once_.size(); ++w) {
+      twice_[w] |= other.twice_[w] | (once_[w] & other.once_[w]);
+      once_[w] |= other.once_[w];
+    }
+  }
+  bool hasTwo(uint32_t hash) const {
+    const uint32_t slot = hash >> shift_;
+    return (twice_[slot / 64] >> slot % 64 & 1) != 0;
+  }
+
+ private:
+  int shift_;
+  std::vector<uint64_t> once_, twice_;
+};
+
+/// Two numbers that sort by the first one.
+uint64_t paired(uint32_t first, uint32_t second) {
+  return uint64_t{first} << 32 | second;
+}
+
+/// Calls `work(run)` with each run of numbers that were paired with the same first one.
+template <class Work>
+void forEachRun(std::span<const uint64_t> pairs, Work&& work) {
+  for (size_t begin = 0, end = 0; begin < pairs.size(); begin = end) {
+    while (end < pairs.size() && pairs[end] >> 32 == pairs[begin] >> 32) ++end;
+    work(pairs.subspan(begin, end - begin));
+  }
+}
+
+/// Returns the faces whose hash is that of another face too, and a few more, each paired with its hash.
+std::vector<uint64_t> findCandidates(const PackedMesh& mesh) {
+  const size_t count = mesh.triangles.size(), parts = std::min(parallelThreads(), count / 65536 + 1);
+  const auto forEachFace = [&](auto&& work) {
+    parallelFor(parts, 1, [&](size_t part, size_t) {
+      for (size_t f = count * part / parts; f < count * (part + 1) / parts; ++f) work(part, f);
+    });
+  };
+  Buffer<uint32_t> hashes(count);
+  std::vector<HashCounter> counters(parts, HashCounter(count));
+  forEachFace([&](size_t part, size_t f) {
+    hashes[f] = hashOf(mesh, mesh.triangles[f]);
+    counters[part].add(hashes[f]);
+  });
+  for (size_t part = 1; part < parts; ++part) counters[0].add(counters[part]);
+  std::vector<std::vector<uint64_t>> found(parts);
+  forEachFace([&](size_t part, size_t f) {
+    if (counters[0].hasTwo(hashes[f])) found[part].push_back(paired(hashes[f], uint32_t(f)));
+  });
+  std::vector<uint64_t> candidates;
+  for (const std::vector<uint64_t>& part : found)
+    candidates.insert(candidates.end(), part.begin(), part.end());
+  return candidates;
+}
+
+/// Returns every candidate whose hash another one has, paired with the lowest face of that hash. Near faces
+/// of the mesh are near in this order.
+std::vector<uint64_t> pairWithFirst(std::vector<uint64_t> candidates) {
+  hwy::Sorter()(candidates.data(), candidates.size(), hwy::SortAscending());
+  std::vector<uint64_t> pairs;
+  forEachRun(candidates, [&](std::span<const uint64_t> run) {
+    if (run.size() < 2) return;
+    for (const uint64_t candidate : run) pairs.push_back(paired(uint32_t(run[0]), uint32_t(candidate)));
+  });
+  hwy::Sorter()(pairs.data(), pairs.size(), hwy::SortAscending());
+  return pairs;
+}
+
+/// A face by its positions. Faces with the same corners are ordered by their index.
+struct CornersOfFace {
+  std::array<PositionBits, 3> corners;  ///< Ascending.
+  uint32_t face;
+  bool isEven;  ///< Whether an even number of swaps sorts the corners.
+
+  bool operator<(const CornersOfFace& other) const {
+    return corners != other.corners ? corners < other.corners : face < other.face;
+  }
+  bool isDegenerate() const { return corners[0] == corners[1] || corners[1] == corners[2]; }
+};
+
+CornersOfFace cornersOf(const PackedMesh& mesh, uint32_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  CornersOfFace c{
+      {bitsOf(mesh.vertices[t.x]), bitsOf(mesh.vertices[t.y]), bitsOf(mesh.vertices[t.z])}, face, true};
+  for (const auto& [low, high] : {std::pair(0u, 1u), std::pair(1u, 2u), std::pair(0u, 1u)})
+    if (c.corners[high] < c.corners[low]) {
+      std::swap(c.corners[low], c.corners[high]);
+      c.isEven = !c.isEven;
+    }
+  return c;
+}
+
+/// Adds the double-sided groups among faces that may lie on the same positions: all faces of a group but the
+/// first, each paired with the first.
+void addGroups(const PackedMesh& mesh, std::span<const uint64_t> candidates,
+               std::vector<CornersOfFace>& faces, std::vector<uint64_t>& others) {
+  faces.clear();
+  for (const uint64_t candidate : candidates) {
+    const CornersOfFace face = cornersOf(mesh, uint32_t(candidate));
+    if (!face.isDegenerate()) faces.push_back(face);
+  }
+  std::sort(faces.begin(), faces.end());
+  for (size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
+    size_t even = 0;
+    for (; end < faces.size() && faces[end].corners == faces[begin].corners; ++end)
+      even += faces[end].isEven ? 1 : 0;
+    if (2 * even != end - begin) continue;
+    for (size_t f = begin + 1; f < end; ++f) others.push_back(paired(faces[begin].face, faces[f].face));
+  }
+}
+
+/// Returns whether two faces are a double-sided group. Almost all groups are such pairs.
+bool isPair(const PackedMesh& mesh, uint32_t a, uint32_t b) {
+  const glm::uvec3 s = mesh.triangles[a], t = mesh.triangles[b];
+  const auto at = [&](uint32_t vertex) { return mesh.vertices[vertex]; };
+  if (at(s.x) == at(s.y) || at(s.y) == at(s.z) || at(s.z) == at(s.x)) return false;
+  const int first = at(t.x) == at(s.x) ? 0 : at(t.y) == at(s.x) ? 1 : 2;
+  return at(t[first]) == at(s.x) && at(t[(first + 1) % 3]) == at(s.z) && at(t[(first + 2) % 3]) == at(s.y);
+}
+
+/// Returns the faces of all groups but the first of each, paired with the first, ascending.
+std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
+  constexpr size_t kPart = size_t{1} << 16;
+  std::vector<std::vector<uint64_t>> found((candidates.size() + kPart - 1) / kPart);
+  const auto runStart = [&](size_t c) {  // The first run that starts at c or later.
+    while (c > 0 && c < candidates.size() && candidates[c] >> 32 == candidates[c - 1] >> 32) ++c;
+    return c;
+  };
+  parallelFor(found.size(), 1, [&](size_t part, size_t) {
+    const size_t begin = runStart(part * kPart),
+                 end = runStart(std::min((part + 1) * kPart, candidates.size()));
+    std::vector<CornersOfFace> faces;
+    forEachRun(candidates.subspan(begin, end - begin), [&](std::span<const uint64_t> run) {
+      if (run.size() > 2) return addGroups(mesh, run, faces, found[part]);
+      if (run.size() < 2) return;
+      const auto [low, high] = std::minmax({uint32_t(run[0]), uint32_t(run[1])});
+      if (isPair(mesh, low, high)) found[part].push_back(paired(low, high));
+    });
+  });
+  std::vector<uint64_t> others;
+  for (const std::vector<uint64_t>& part : found) others.insert(others.end(), part.begin(), part.end());
+  hwy::Sorter()(others.data(), others.size(), hwy::SortAscending());
+  return others;
+}
+
+}  // namespace
+
+DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh) {
+  return findDoubleSidedFaces(mesh, pairWithFirst(findCandidates(mesh)));
+}
+
+DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
+  DoubleSidedFaces found;
+  forEachRun(findOthers(mesh, candidates), [&](std::span<const uint64_t> run) {
+    for (const uint64_t other : run) {
+      found.others.push_back(uint32_t(other));
+      found.groupOf.push_back(uint32_t(found.firsts.size()));
+    }
+    found.firsts.push_back(uint32_t(run[0] >> 32));
+  });
+  return found;
+}
+
+}  // namespace raymap

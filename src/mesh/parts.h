@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "mesh/patches.h"
+
+namespace raymap {
+
+/// Returns the part of each patch: the lowest patch of a set in which every patch has a vertex near a vertex
+/// of another one. Vertices are near if they differ by less than `distance` along every axis; vertices that
+/// differ by more than three times as much along any axis are not.
+std::vector<uint32_t> findParts(const PackedMesh& mesh, const Patches& patches, double distance);
+
+}  // namespace raymap

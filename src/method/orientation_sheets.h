@@ -1,0 +1,57 @@
+#pragma once
+
+// Ours: which double-sided faces bound a solid, and which are sheets (docs/signs.md).
+
+#include <span>
+#include <vector>
+
+#include "method/orientation_surface.h"
+
+namespace raymap {
+
+/// How much double-sided faces, each taken once, look like the boundary of a solid: w is then a whole number
+/// on both sides. Around a sheet it is not.
+struct Solidity {
+  double whole = 0.0, seen = 0.0, rise = 0.0, area = 0.0;
+
+  void add(const Solidity& other) {
+    whole += other.whole;
+    seen += other.seen;
+    rise += other.rise;
+    area += other.area;
+  }
+  /// Returns whether the winding number differs by one between the sides of enough of the surface.
+  bool isSeen() const;
+  /// Returns 1 for closed surfaces, 0 for a plane sheet.
+  double share() const { return whole / seen; }
+};
+
+/// Finds the double-sided faces that are sheets, after all were taken once.
+class SheetFinder {
+ public:
+  /// `faces` are those that `surface` takes once. `spacing` is the sample spacing in the mesh's units.
+  SheetFinder(const PackedMesh& mesh, double spacing, const DoubleSidedFaces& faces,
+              const OrientationSurface& surface);
+
+  /// Takes all faces of the groups as given again that look like sheets. `rises` and `sums` are the winding
+  /// number one cell in front of each face minus and plus that one cell behind it. Returns whether there are
+  /// any new ones.
+  bool giveBack(std::span<const float> rises, std::span<const float> sums, Turns& turns);
+
+  /// Returns whether any group is no sheet.
+  bool hasSolid() const;
+
+ private:
+  void measure(std::span<const float> rises, std::span<const float> sums);
+  bool looksLikeSheet(uint32_t face) const;
+
+  const DoubleSidedFaces& faces_;
+  const OrientationSurface& surface_;
+  std::vector<uint32_t> parts_;
+  double leastArea_;                        ///< Twice the area from which on a sheet is seen.
+  std::vector<Borders> borders_;            ///< Of each patch.
+  std::vector<uint8_t> isSheet_;            ///< For each group.
+  std::vector<Solidity> ofPatch_, ofPart_;  ///< Of the double-sided faces in each.
+};
+
+}  // namespace raymap

@@ -1,0 +1,154 @@
+#include "method/orientation_surface.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "mesh/half_edges.h"
+
+namespace raymap {
+
+namespace {
+
+std::vector<glm::uvec3> takenFaces(const PackedMesh& mesh, const Turns& turns) {
+  std::vector<glm::uvec3> faces(mesh.triangles.begin(), mesh.triangles.end());
+  for (size_t f = 0; f < faces.size(); ++f) faces[f] = turned(faces[f], turns[f]);
+  return faces;
+}
+
+OrientationSurface surfaceOf(const PackedMesh& mesh, Turns asGiven, std::vector<uint8_t> isDirected) {
+  const std::vector<glm::uvec3> taken = takenFaces(mesh, asGiven);
+  OrientationSurface surface{.asGiven = std::move(asGiven),
+                             .isDirected = std::move(isDirected),
+                             .patches = findPatches({mesh.vertices, taken, mesh.origin}),
+                             .areas = std::vector<float>(taken.size()),
+                             .patchAreas = {}};
+  surface.patchAreas.resize(surface.patches.count);
+  for (size_t f = 0; f < taken.size(); ++f) {
+    const glm::vec3 a = mesh.vertices[taken[f].x];
+    const glm::vec3 across = glm::cross(mesh.vertices[taken[f].y] - a, mesh.vertices[taken[f].z] - a);
+    surface.areas[f] = glm::length(across);
+    surface.patchAreas[surface.patches.ids[f]] += surface.areas[f];
+    surface.area += surface.areas[f];
+  }
+  return surface;
+}
+
+}  // namespace
+
+size_t OrientationSurface::patchCount() const {
+  return size_t(std::count_if(patchAreas.begin(), patchAreas.end(), [](double a) { return a > 0.0; }));
+}
+
+Turns OrientationSurface::aligned() const {
+  Turns turns = asGiven;
+  for (size_t f = 0; f < turns.size(); ++f)
+    if (turns[f] == kAsGiven && patches.isReversed[f]) turns[f] = kReversed;
+  return turns;
+}
+
+OrientationSurface takeAllFaces(const PackedMesh& mesh) {
+  const size_t count = mesh.triangles.size();
+  return surfaceOf(mesh, Turns(count, kAsGiven), std::vector<uint8_t>(count, 1));
+}
+
+OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided) {
+  std::vector<uint8_t> isDirected(mesh.triangles.size(), 1);
+  for (const uint32_t face : doubleSided.others) isDirected[face] = 0;
+  for (const uint32_t face : doubleSided.firsts) isDirected[face] = 0;
+  return surfaceOf(mesh, withoutOthers(doubleSided, mesh.triangles.size()), std::move(isDirected));
+}
+
+Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {
+  Turns turns(faceCount, kAsGiven);
+  for (const uint32_t face : doubleSided.others) turns[face] = kLeftOut;
+  return turns;
+}
+
+std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface) {
+  const std::vector<glm::uvec3> taken = takenFaces(mesh, surface.asGiven);
+  const PackedMesh single(mesh.vertices, taken, mesh.origin);
+  std::vector<Borders> borders(surface.patches.count);
+  forEachEdge(sortHalfEdges(single, weldVertices(mesh.vertices)), [&](std::span<const HalfEdge> edge) {
+    const auto directed = std::count_if(edge.begin(), edge.end(),
+                                        [&](const HalfEdge& h) { return surface.isDirected[h.face]; });
+    for (const HalfEdge& h : edge) {
+      if (surface.isDirected[h.face]) continue;
+      Borders& ofPatch = borders[surface.patches.ids[h.face]];
+      if (edge.size() == 1) ++ofPatch.open;
+      if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
+    }
+  });
+  return borders;
+}
+
+namespace {
+
+/// Positions, not exactly: a position that was added is found, and few others are.
+class PositionFilter {
+ public:
+  explicit PositionFilter(size_t positions) : bits_(std::bit_ceil(std::max<size_t>(16 * positions, 64))) {}
+  void add(const glm::vec3& p) { bits_[slotOf(p)] = true; }
+  bool has(const glm::vec3& p) const { return bits_[slotOf(p)]; }
+
+ private:
+  size_t slotOf(const glm::vec3& vertex) const {
+    const glm::vec3 p = vertex + 0.0f;  // Turns -0 into 0.
+    uint64_t hash = std::bit_cast<uint32_t>(p.x) * uint64_t{0x9E3779B97F4A7C15};
+    hash = (hash ^ std::bit_cast<uint32_t>(p.y)) * uint64_t{0xC2B2AE3D27D4EB4F};
+    hash = (hash ^ std::bit_cast<uint32_t>(p.z)) * uint64_t{0x165667B19E3779F9};
+    return hash >> 32 & (bits_.size() - 1);
+  }
+  std::vector<bool> bits_;
+};
+
+/// The double-sided faces and those that share an edge with them, and a few more, as a mesh of its own.
+struct Surroundings {
+  Mesh mesh = {};
+  DoubleSidedFaces doubleSided = {};
+};
+
+Surroundings surroundingsOf(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided) {
+  PositionFilter positions(3 * doubleSided.firsts.size());
+  for (const uint32_t face : doubleSided.firsts)
+    for (int c = 0; c < 3; ++c) positions.add(mesh.vertices[mesh.triangles[face][c]]);
+  Surroundings result{.doubleSided = doubleSided};
+  std::vector<uint32_t> newIndex(mesh.triangles.size());
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    int known = 0;
+    for (int c = 0; c < 3; ++c) known += positions.has(mesh.vertices[t[c]]) ? 1 : 0;
+    if (known < 2) continue;
+    newIndex[f] = uint32_t(result.mesh.triangles.size());
+    const auto first = uint32_t(result.mesh.vertices.size());
+    for (int c = 0; c < 3; ++c) result.mesh.vertices.push_back(mesh.vertices[t[c]]);
+    result.mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  for (std::vector<uint32_t>* list : {&result.doubleSided.firsts, &result.doubleSided.others})
+    for (uint32_t& face : *list) face = newIndex[face];
+  return result;
+}
+
+}  // namespace
+
+DoubleSidedFaces withoutDividing(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided) {
+  if (doubleSided.count() == mesh.triangles.size()) return doubleSided;  // There is nothing to divide.
+  const Surroundings near = surroundingsOf(mesh, doubleSided);
+  const OrientationSurface surface = takeSingleFaces(near.mesh, near.doubleSided);
+  const std::vector<Borders> borders = findBorders(near.mesh, surface);
+  DoubleSidedFaces kept;
+  std::vector<uint32_t> newGroup(doubleSided.firsts.size(), UINT32_MAX);
+  for (size_t g = 0; g < newGroup.size(); ++g) {
+    const Borders& ofPatch = borders[surface.patches.ids[near.doubleSided.firsts[g]]];
+    if (ofPatch.dividing > ofPatch.closing) continue;
+    newGroup[g] = uint32_t(kept.firsts.size());
+    kept.firsts.push_back(doubleSided.firsts[g]);
+  }
+  for (size_t o = 0; o < doubleSided.others.size(); ++o) {
+    if (newGroup[doubleSided.groupOf[o]] == UINT32_MAX) continue;
+    kept.others.push_back(doubleSided.others[o]);
+    kept.groupOf.push_back(newGroup[doubleSided.groupOf[o]]);
+  }
+  return kept;
+}
+
+}  // namespace raymap

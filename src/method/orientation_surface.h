@@ -1,0 +1,50 @@
+#pragma once
+
+// Ours: the faces whose orientation is chosen (orientation_sides.h).
+
+#include <vector>
+
+#include "mesh/double_sided.h"
+#include "mesh/patches.h"
+#include "method/turns.h"
+
+namespace raymap {
+
+/// The faces that the sign takes, and what the mesh says of their directions.
+struct OrientationSurface {
+  Turns asGiven;                    ///< Takes each face as given or leaves it out.
+  std::vector<uint8_t> isDirected;  ///< Whether the given winding order of each face counts.
+  Patches patches;                  ///< Patches of the faces that are taken.
+  std::vector<float> areas;         ///< Twice the area of each face; 0 if it is left out.
+  std::vector<double> patchAreas;   ///< Sum of `areas` over each patch.
+  double area = 0.0;                ///< Sum of `areas`.
+
+  /// Returns the number of patches with an area.
+  size_t patchCount() const;
+  /// Returns the turns with which all faces of a patch point to the same side.
+  Turns aligned() const;
+};
+
+/// Takes all faces.
+OrientationSurface takeAllFaces(const PackedMesh& mesh);
+
+/// Takes one face of each double-sided group, whose given winding order does not count.
+OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided);
+
+/// Returns the turns that take the first face of each group as given and leave out the others.
+Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount);
+
+/// Number of edges at which the double-sided faces of a patch end.
+struct Borders {
+  uint32_t open = 0;      ///< No other face is there.
+  uint32_t closing = 0;   ///< An odd number of single-sided faces is there, which the patch completes.
+  uint32_t dividing = 0;  ///< An even number of them is there: they bound a solid without the patch.
+};
+
+/// Counts the edges at which the double-sided faces of each patch end.
+std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface);
+
+/// Returns the groups without those whose patch divides a solid or sticks out of one.
+DoubleSidedFaces withoutDividing(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided);
+
+}  // namespace raymap

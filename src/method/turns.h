@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace raymap {
+
+/// What the sign makes of a face: takes it as given, with reversed winding order, or not at all.
+enum Turn : uint8_t { kAsGiven = 0, kReversed = 1, kLeftOut = 2 };
+
+/// A `Turn` for each face.
+using Turns = std::vector<uint8_t>;
+
+/// Returns the face as the sign takes it. A face that is left out becomes a point.
+inline glm::uvec3 turned(const glm::uvec3& face, uint8_t turn) {
+  if (turn == kLeftOut) return glm::uvec3(face.x);
+  return turn == kReversed ? glm::uvec3(face.x, face.z, face.y) : face;
+}
+
+}  // namespace raymap

@@ -1,0 +1,118 @@
+#include "mesh/double_sided.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "base/parallel.h"
+#include "broken_meshes.h"
+#include "mesh/parts.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+const std::vector<glm::dvec3> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+DoubleSidedFaces found(std::vector<glm::uvec3> faces) {
+  return findDoubleSidedFaces(makeMesh(kCorners, std::move(faces)));
+}
+
+void expectGroups(const DoubleSidedFaces& found, const std::vector<uint32_t>& firsts,
+                  const std::vector<uint32_t>& others, const std::vector<uint32_t>& groupOf) {
+  EXPECT_EQ(found.firsts, firsts);
+  EXPECT_EQ(found.others, others);
+  EXPECT_EQ(found.groupOf, groupOf);
+  EXPECT_EQ(found.count(), firsts.size() + others.size());
+  EXPECT_EQ(found.empty(), firsts.empty());
+}
+
+TEST(DoubleSided, IsAPairOfOppositeWindingOrders) {
+  for (const glm::uvec3 reverse : {glm::uvec3{0, 2, 1}, glm::uvec3{2, 1, 0}, glm::uvec3{1, 0, 2}}) {
+    expectGroups(found({{0, 1, 2}, reverse}), {0}, {1}, {0});
+    expectGroups(found({reverse, {0, 1, 3}, {1, 2, 0}}), {0}, {2}, {0});
+  }
+  for (const glm::uvec3 same : {glm::uvec3{0, 1, 2}, glm::uvec3{1, 2, 0}, glm::uvec3{2, 0, 1}})
+    expectGroups(found({{0, 1, 2}, same}), {}, {}, {});
+  expectGroups(found({{0, 1, 2}, {0, 3, 1}}), {}, {}, {});
+  expectGroups(found({{0, 1, 1}, {1, 0, 1}, {2, 2, 2}, {2, 2, 2}}), {}, {}, {});
+}
+
+TEST(DoubleSided, NeedsAsManyFacesOfEachOrder) {
+  expectGroups(found({{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}), {}, {}, {});
+  expectGroups(found({{1, 2, 3}, {0, 1, 2}, {0, 2, 1}, {1, 2, 0}, {2, 1, 0}, {3, 2, 1}}), {0, 1},
+               {5, 2, 3, 4}, {0, 1, 1, 1});
+}
+
+TEST(DoubleSided, ComparesPositionsNotVertices) {
+  Mesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, -0.0f}, {1, 0, 0}, {0, 1, 0}},
+            .triangles = {{0, 1, 2}, {3, 5, 4}}};
+  expectGroups(findDoubleSidedFaces(mesh), {0}, {1}, {0});
+  mesh.vertices[4].x = std::nextafter(1.0f, 2.0f);
+  expectGroups(findDoubleSidedFaces(mesh), {}, {}, {});
+}
+
+/// Returns the same as `findDoubleSidedFaces`, by a map of all faces.
+DoubleSidedFaces searched(const Mesh& mesh) {
+  std::map<std::vector<uint32_t>, std::pair<std::vector<uint32_t>, int>> faces;
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    std::vector<uint32_t> corners{t.x, t.y, t.z};
+    std::sort(corners.begin(), corners.end());
+    const bool isRotation = (t.x == corners[0] && t.y == corners[1]) ||
+                            (t.y == corners[0] && t.z == corners[1]) ||
+                            (t.z == corners[0] && t.x == corners[1]);
+    auto& [list, balance] = faces[corners];
+    list.push_back(f);
+    balance += isRotation ? 1 : -1;
+  }
+  std::map<uint32_t, std::vector<uint32_t>> groups;
+  for (const auto& [corners, group] : faces)
+    if (group.second == 0) groups[group.first.front()] = group.first;
+  DoubleSidedFaces result;
+  for (const auto& [first, group] : groups) {
+    for (const uint32_t face : std::span(group).subspan(1)) {
+      result.others.push_back(face);
+      result.groupOf.push_back(uint32_t(result.firsts.size()));
+    }
+    result.firsts.push_back(first);
+  }
+  return result;
+}
+
+TEST(DoubleSided, AreFoundInLargeMeshesOnAnyNumberOfThreads) {
+  Mesh mesh = withDoubledFaces(shapes::sphere(1.0, 7), 0.4, 1);
+  mesh = withDoubledFaces(mesh, 0.05, 2);  // Some faces four times or three times.
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(3));
+  const DoubleSidedFaces expected = searched(mesh);
+  EXPECT_GT(expected.firsts.size(), 100000u);
+  EXPECT_GT(expected.others.size(), expected.firsts.size());
+  for (const int threads : {1, 2, 3})
+    withThreads(threads, [&] {
+      expectGroups(findDoubleSidedFaces(mesh), expected.firsts, expected.others, expected.groupOf);
+    });
+}
+
+TEST(Parts, AreNearPatches) {
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  const auto partCount = [&](double gap, double distance) {
+    Mesh moved = box;
+    moved.origin.x += 1.0 + gap;
+    const Mesh both = shapes::joined(box, moved);
+    const Patches patches = findPatches(both);
+    EXPECT_EQ(patches.count, 2u);
+    const std::vector<uint32_t> parts = findParts(both, patches, distance);
+    EXPECT_EQ(parts[0], 0u);
+    return parts[1] == 0 ? 1 : 2;
+  };
+  for (const double distance : {0.01, 0.03, 0.1}) {
+    EXPECT_EQ(partCount(0.99 * distance, distance), 1) << distance;
+    EXPECT_EQ(partCount(-0.99 * distance, distance), 1) << distance;
+    EXPECT_EQ(partCount(3.01 * distance, distance), 2) << distance;
+  }
+}
+
+}  // namespace
+}  // namespace raymap
