@@ -82,6 +82,68 @@ TEST(ReadPly, LeavesUnusedVerticesAlone) {
       read(readPly, replaced(replaced(kTextPly, "vertex 4", "vertex 5"), "4 0 1", "nan 0 0\n4 0 1")).mesh));
 }
 
+const std::string kLongRows = replaced(kTextPly, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n",
+                                       "0 0 0\n1 0 0 0.5 7\n1 1 0\n0 1 0 4\n4 0 1 2 3 0 255\n");
+
+TEST(ReadPly, IgnoresValuesBeyondARow) {
+  const samples::Reading reading = read(readPly, kLongRows);
+  EXPECT_TRUE(isSquare(reading.mesh));
+  EXPECT_EQ(
+      reading.warnings,
+      "sample.mesh: line 11: 2 values more than the header declares for 'vertex' ignored, as on 2 later "
+      "lines\n");
+  EXPECT_EQ(read(readPly, replaced(kTextPly, "2 3\n", "2 3 x # 4 5\n")).warnings,
+            "sample.mesh: line 14: 1 value more than the header declares for 'face' ignored\n");
+  EXPECT_EQ(read(readPly, kTextPly).warnings, "");
+}
+
+TEST(ReadPly, CountsLinesOfLongRowsWithAnyLineEnd) {
+  for (const char* end : {"\r\n", "\r"}) {
+    std::string text;
+    for (const char c : kLongRows) text += c == '\n' ? end : std::string(1, c);
+    const samples::Reading reading = read(readPly, text);
+    EXPECT_TRUE(isSquare(reading.mesh)) << testing::PrintToString(end);
+    EXPECT_TRUE(contains(reading.warnings, "line 11: 2 values more")) << reading.warnings;
+  }
+}
+
+TEST(ReadPly, TakesAFaceOfALongRowFromItsLine) {
+  // Read one after the other, the values would fit too, and give the triangle 3 0 1 and another corner.
+  const Mesh mesh =
+      read(readPly, replaced(replaced(kTextPly, "0 1 0\n", "0 1 0 4\n"), "4 0 1 2 3", "3 0 1 2")).mesh;
+  ASSERT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 2));
+}
+
+TEST(ReadPly, JoinsBrokenRows) {
+  for (const char* rows :
+       {"0\n0 0\n1 0 0\n1 1\n\n0\n0 1 0\n4 0 1\n2 3\n", "0 0 0 1 0 0 1 1 0 0 1 0\n4 0 1 2 3\n",
+        "0 0 0 1 0\n0 1 1\n0 0 1 0\n4 0 1\n2 3\n", "0 0 0 1 0 0 1 1 0 0 1 0 4 0 1 2 3"}) {
+    const samples::Reading reading =
+        read(readPly, replaced(kTextPly, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n", rows));
+    EXPECT_TRUE(isSquare(reading.mesh)) << rows;
+    EXPECT_EQ(reading.warnings, "") << rows;
+  }
+}
+
+TEST(ReadPly, RefusesLongRowsBesideWrongOnes) {
+  EXPECT_EQ(errorOf(readPly, replaced(kLongRows, "4 0 1 2 3", "4 0 1 2 4")),
+            "sample.mesh: face 0: vertex index 4 is out of range (the file has 4 vertices)");
+  EXPECT_EQ(
+      errorOf(readPly, replaced(kLongRows, "1 1 0\n", "1 1\n")),
+      "sample.mesh: line 12: the line has fewer values than the header declares for 'vertex', and the row "
+      "does not end with a later line either");
+  EXPECT_EQ(
+      errorOf(readPly, replaced(kTextPly, "1 1 0\n", "1 1\n")),
+      "sample.mesh: line 12: the line has fewer values than the header declares for 'vertex', and the row "
+      "does not end with a later line either");
+  EXPECT_EQ(errorOf(readPly, replaced(kLongRows, "4 0 1 2 3 0 255\n", "4 0 1\n")),
+            "sample.mesh: line 15: the file ends where a whole number should be");
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(replaced(kTextPly, "0 0 0\n1 0 0\n", "0 0 0 1 0 0\n"),
+                                                 "4 0 1 2 3", "4 0 1 2 3 5")),
+                       "line "));
+}
+
 TEST(ReadPly, NamesWhatIsWrong) {
   EXPECT_EQ(errorOf(readPly, replaced(kTextPly, "4 0 1 2 3", "4 0 1 2 99")),
             "sample.mesh: face 0: vertex index 99 is out of range (the file has 4 vertices)");

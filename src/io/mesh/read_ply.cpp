@@ -1,11 +1,14 @@
 // Stanford PLY: text and binary of both byte orders; faces as polygons or triangle strips; elements and
 // properties in any order.
 
+#include <raymap/error.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstring>
+#include <memory>
 
 #include "io/mesh/mesh_file.h"
 #include "io/mesh/ply_header.h"
@@ -17,10 +20,17 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+/// How a text file's rows lie in its lines.
+enum class TextRows {
+  Lines,  ///< Each row begins a line. A short one continues on the next line; a long one is cut at its end.
+  Values  ///< Line breaks mean nothing.
+};
+
 /// Values of a text file.
 class TextSource {
  public:
-  TextSource(const MeshFile& file, const PlyHeader& header) : text_(file, header.bytes) {}
+  TextSource(const MeshFile& file, const PlyHeader& header, TextRows rows)
+      : file_(file), text_(file, header.bytes), rows_(rows) {}
 
   double real(PlyType) { return text_.real(); }
   int64_t integer(PlyType) { return text_.integer(); }
@@ -29,8 +39,42 @@ class TextSource {
       if (text_.word().empty()) text_.fail("the file ends too early");
   }
 
+  void beginRow() {
+    text_.more();
+    row_ = text_.position();
+  }
+  void endRow(const PlyElement& element) {
+    if (rows_ == TextRows::Values || !text_.moreOnLine()) return;
+    if (cutRows_++ == 0) {
+      cutAt_ = text_.position();
+      cutElement_ = element.name;
+    }
+    const std::string_view row = file_.text().substr(row_, text_.position() - row_);
+    if (row.find_first_of("\r\n") != row.npos)
+      text_.failAt(row_, "the line has fewer values than the header declares for '" + element.name +
+                             "', and the row does not end with a later line either");
+    size_t values = 0;
+    for (; text_.moreOnLine(); ++values) text_.word();
+    if (cutRows_ == 1) cutValues_ = values;
+  }
+
+  bool isAtEnd() { return !text_.more(); }
+  bool hasCutRows() const { return cutRows_ > 0; }
+  /// Warns of the first row that was cut, if one was.
+  void warnCutRows() const {
+    if (cutValues_ == 0) return;
+    file_.warnThat("line " + std::to_string(text_.lineAt(cutAt_)) + ": " + counted(cutValues_, "value") +
+                   " more than the header declares for '" + cutElement_ + "' ignored" +
+                   (cutRows_ > 1 ? ", as on " + counted(cutRows_ - 1, "later line") : ""));
+  }
+
  private:
+  const MeshFile& file_;
   TextScanner text_;
+  TextRows rows_;
+  size_t row_ = 0;                                  // Where the current row begins.
+  size_t cutRows_ = 0, cutAt_ = 0, cutValues_ = 0;  // Number of rows cut; the first one's end and excess.
+  std::string cutElement_;
 };
 
 /// Values of a binary file.
@@ -77,6 +121,9 @@ class BinarySource {
     at_ += count * plyTypeBytes(type);
   }
 
+  void beginRow() {}
+  void endRow(const PlyElement&) {}
+
  private:
   template <std::unsigned_integral T>
   T load() {
@@ -114,13 +161,18 @@ class BinarySource {
 template <class Source, class Vec>
 class PlyReader {
  public:
-  PlyReader(const MeshFile& file, const PlyHeader& header)
-      : file_(file), header_(header), source_(file, header) {}
+  template <class... Options>
+  PlyReader(const MeshFile& file, const PlyHeader& header, Options... options)
+      : file_(file), header_(header), source_(file, header, options...) {}
 
-  Mesh read() {
+  void readElements() {
     if (!header_.find("vertex")) file_.fail("no 'vertex' element");
     if (!header_.find("face") && !header_.find("tristrips")) file_.fail("no 'face' or 'tristrips' element");
     for (const PlyElement& element : header_.elements) readElement(element);
+  }
+  Source& source() { return source_; }
+
+  Mesh finish() {
     warnDropped(file_, dropped_);
     return finishMesh(file_, std::move(positions_), std::move(triangles_));
   }
@@ -132,7 +184,18 @@ class PlyReader {
     else if (element.name == "face" || element.name == "tristrips")
       readFaces(element);
     else if (!element.properties.empty())
-      for (uint64_t row = 0; row < element.count; ++row) skip(element.properties);
+      forEachRow(element, [&](uint64_t) {
+        for (const PlyProperty& property : element.properties) skip(property);
+      });
+  }
+
+  template <class Read>
+  void forEachRow(const PlyElement& element, Read&& read) {
+    for (uint64_t row = 0; row < element.count; ++row) {
+      source_.beginRow();
+      read(row);
+      source_.endRow(element);
+    }
   }
 
   void readVertices(const PlyElement& element) {
@@ -145,7 +208,7 @@ class PlyReader {
       target[static_cast<size_t>(place)] = c;
     }
     positions_.reserve(element.count);
-    for (uint64_t row = 0; row < element.count; ++row) {
+    forEachRow(element, [&](uint64_t) {
       glm::vec<4, typename Vec::value_type> p;
       for (size_t i = 0; i < element.properties.size(); ++i) {
         const PlyProperty& property = element.properties[i];
@@ -155,7 +218,7 @@ class PlyReader {
           skip(property);
       }
       positions_.emplace_back(p);
-    }
+    });
   }
 
   void readFaces(const PlyElement& element) {
@@ -165,7 +228,7 @@ class PlyReader {
       file_.fail("element '" + element.name + "' has no list 'vertex_indices'");
     const bool areStrips = element.name == "tristrips";
     if (!areStrips) triangles_.reserve(element.count);
-    for (uint64_t row = 0; row < element.count; ++row)
+    forEachRow(element, [&](uint64_t row) {
       for (size_t i = 0; i < element.properties.size(); ++i) {
         if (static_cast<int>(i) != list)
           skip(element.properties[i]);
@@ -174,6 +237,7 @@ class PlyReader {
         else
           readPolygon(element.properties[i], row);
       }
+    });
   }
 
   void readPolygon(const PlyProperty& list, uint64_t row) {
@@ -222,9 +286,6 @@ class PlyReader {
   void skip(const PlyProperty& property) {
     source_.skip(property.type, property.isList ? readCount(property) : 1);
   }
-  void skip(const std::vector<PlyProperty>& row) {
-    for (const PlyProperty& property : row) skip(property);
-  }
 
   const MeshFile& file_;
   const PlyHeader& header_;
@@ -244,13 +305,49 @@ bool fitsFloat(const PlyHeader& header) {
          });
 }
 
+using TextReader = PlyReader<TextSource, glm::dvec3>;
+
+/// Reads the values of a text file one after the other. Returns the reader if they end with the file, else
+/// null.
+std::unique_ptr<TextReader> readValues(const MeshFile& file, const PlyHeader& header) {
+  auto reader = std::make_unique<TextReader>(file, header, TextRows::Values);
+  try {
+    reader->readElements();
+  } catch (const Error&) {
+    return nullptr;
+  }
+  return reader->source().isAtEnd() ? std::move(reader) : nullptr;
+}
+
+/// Reads rows that are lines. If that fails after a row was cut, several rows may share a line, so that line
+/// breaks mean nothing.
+Mesh readText(const MeshFile& file, const PlyHeader& header) {
+  TextReader reader(file, header, TextRows::Lines);
+  try {
+    reader.readElements();
+  } catch (const Error&) {
+    if (!reader.source().hasCutRows()) throw;
+    if (const auto values = readValues(file, header)) return values->finish();
+    reader.source().warnCutRows();
+    throw;
+  }
+  reader.source().warnCutRows();
+  return reader.finish();
+}
+
+template <class Vec>
+Mesh readBinary(const MeshFile& file, const PlyHeader& header) {
+  PlyReader<BinarySource, Vec> reader(file, header);
+  reader.readElements();
+  return reader.finish();
+}
+
 }  // namespace
 
 Mesh readPly(const MeshFile& file) {
   const PlyHeader header = readPlyHeader(file);
-  if (header.format == PlyFormat::Text) return PlyReader<TextSource, glm::dvec3>(file, header).read();
-  if (fitsFloat(header)) return PlyReader<BinarySource, glm::vec3>(file, header).read();
-  return PlyReader<BinarySource, glm::dvec3>(file, header).read();
+  if (header.format == PlyFormat::Text) return readText(file, header);
+  return fitsFloat(header) ? readBinary<glm::vec3>(file, header) : readBinary<glm::dvec3>(file, header);
 }
 
 }  // namespace raymap

@@ -121,11 +121,15 @@ void TextScanner::fail(const std::string& what) const {
 
 void TextScanner::failAt(size_t position, const std::string& what) const {
   // Counts lines only here, which keeps reading fast.
+  file_.fail("line " + std::to_string(lineAt(position)) + ": " + what);
+}
+
+size_t TextScanner::lineAt(size_t position) const {
   const std::string_view before(begin_, position);
   size_t line = 1;
   for (size_t i = 0; i < before.size(); ++i)
     if (before[i] == '\n' || (before[i] == '\r' && (i + 1 == before.size() || before[i + 1] != '\n'))) ++line;
-  file_.fail("line " + std::to_string(line) + ": " + what);
+  return line;
 }
 
 }  // namespace raymap

@@ -36,6 +36,8 @@ class TextScanner {
   /// Fails with the line of an earlier `position()`.
   [[noreturn]] void failAt(size_t position, const std::string& what) const;
   size_t position() const { return static_cast<size_t>(at_ - begin_); }
+  /// Returns the number of the line of a position, counted from 1. Reads the file up to there.
+  size_t lineAt(size_t position) const;
 
  private:
   [[noreturn]] void failWord(const char* start, const char* expected) const;
