@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/callbacks.h>
 #include <raymap/mesh_view.h>
 
 #include <cstddef>
@@ -37,8 +38,15 @@ struct Diagnostics {
   Box bounds = {};            ///< Bounds of the vertices that faces use.
 };
 
-/// Measures a mesh. Throws `Error(Input)`; see `validate`.
-RAYMAP_API Diagnostics diagnose(const MeshView& mesh);
+/// What `diagnose` does beyond counting.
+struct DiagnoseOptions {
+  bool isBrief = false;            ///< Leaves out holes, components and flipped faces, which take longest.
+  ProgressCallback progress = {};  ///< Receives the stage "diagnose".
+};
+
+/// Measures a mesh. Throws `Error(Input)`; see `validate`. Throws `Error(Cancelled)` if the progress callback
+/// returns false.
+RAYMAP_API Diagnostics diagnose(const MeshView& mesh, const DiagnoseOptions& options = {});
 
 /// Faces that cross others, so that inner points of the two coincide. Faces that only touch, overlap in one
 /// plane or share an edge do not cross. The test is exact for corners rounded to a lattice of at least 2^29
@@ -50,7 +58,8 @@ struct SelfIntersections {
 };
 
 /// Finds the faces that cross others. Stops early where too many faces overlap. Throws `Error(Input)`; see
-/// `validate`.
-RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh);
+/// `validate`. `progress` receives the stage "crossing pairs"; throws `Error(Cancelled)` if it returns false.
+RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh,
+                                                   const ProgressCallback& progress = {});
 
 }  // namespace raymap

@@ -36,8 +36,8 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
   // Bytes while patches are found. A triangle has three half edges, its patch and its turn; a vertex has a
-  // key and an id.
-  constexpr size_t kTurningTriangle = 80, kTurningVertex = 20;
+  // key, its bucket, an id and the index of the first vertex at its position.
+  constexpr size_t kTurningTriangle = 80, kTurningVertex = 26;
   const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
                              (options.closeHoles ? kRimBytesPerTriangle : 0) +

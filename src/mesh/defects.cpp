@@ -7,7 +7,6 @@
 
 #include "base/parallel_sort.h"
 #include "mesh/half_edges.h"
-#include "mesh/patches.h"
 
 namespace raymap {
 
@@ -39,8 +38,7 @@ std::vector<uint32_t> findDuplicates(const PackedMesh& mesh, const Welding& weld
 
 }  // namespace
 
-std::vector<uint32_t> findFlippedFaces(const PackedMesh& mesh) {
-  const Patches patches = findPatches(mesh);
+std::vector<uint32_t> findFlippedFaces(const Patches& patches) {
   std::vector<size_t> faces(patches.count), reversed(patches.count);
   for (size_t f = 0; f < patches.ids.size(); ++f) {
     ++faces[patches.ids[f]];
@@ -58,17 +56,19 @@ std::vector<uint32_t> findFlippedFaces(const PackedMesh& mesh) {
 
 Defects findDefects(const PackedMesh& mesh) {
   validate(mesh);
-  const Welding welding = weldVertices(mesh.vertices);
+  Buffer<SortKey> keys;
+  const Welding welding = weldVertices(mesh.vertices, keys);
   std::vector<uint32_t> vertexOf(welding.count);
   for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
   Defects defects;
-  const std::vector<HalfEdge> halfEdges = sortHalfEdges(mesh, welding);
-  forEachEdge(halfEdges, [&](std::span<const HalfEdge> edge) {
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     if (edge.size() == 2) return;
+    const HalfEdge first = halfEdgeOf(edge[0]);
     (edge.size() == 1 ? defects.boundaryEdges : defects.nonManifoldEdges)
-        .push_back({vertexOf[edge[0].low], vertexOf[edge[0].high]});
+        .push_back({vertexOf[first.low], vertexOf[first.high]});
   });
-  defects.flippedFaces = findFlippedFaces(mesh);
+  defects.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges));
   defects.duplicateFaces = findDuplicates(mesh, welding);
   defects.crossedFaces = findSelfIntersections(mesh).faces;
   return defects;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesh/packed_mesh.h"
+#include "mesh/patches.h"
 
 namespace raymap {
 
@@ -23,6 +24,6 @@ Defects findDefects(const PackedMesh& mesh);
 
 /// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
 /// matter which side is outside.
-std::vector<uint32_t> findFlippedFaces(const PackedMesh& mesh);
+std::vector<uint32_t> findFlippedFaces(const Patches& patches);
 
 }  // namespace raymap

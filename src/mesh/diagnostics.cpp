@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <atomic>
 
 #include "base/parallel_sort.h"
+#include "base/progress.h"
 #include "mesh/defects.h"
+#include "mesh/disjoint_sets.h"
 #include "mesh/half_edges.h"
 #include "mesh/holes.h"
 #include "mesh/weld.h"
@@ -15,6 +17,8 @@ namespace raymap {
 namespace {
 
 constexpr double kDegenerateHeight = 1e-6;  // Share of the longest edge.
+constexpr size_t kKeysPerTask = size_t{1} << 16;
+constexpr size_t kFacesPerTask = size_t{1} << 13, kFacesPerRound = size_t{1} << 17;
 
 bool hasRepeatedCorner(const glm::uvec3& face) {
   return face.x == face.y || face.y == face.z || face.z == face.x;
@@ -36,27 +40,48 @@ bool isFlat(const PackedMesh& mesh, const glm::uvec3& face, double doubleArea) {
   return doubleArea < kDegenerateHeight * longest2;
 }
 
+/// Area and volume of a face, and what is wrong with it.
+struct FaceMeasure {
+  double area = 0.0, volume = 0.0;
+  bool isDegenerate = false, isSurface = false;
+};
+
+FaceMeasure measureFace(const PackedMesh& mesh, const glm::uvec3& face, const glm::uvec3& welded,
+                        const glm::dvec3& centre) {
+  if (hasRepeatedCorner(welded)) return {.isDegenerate = true};
+  const glm::dvec3 normal = normalOf(mesh, face);
+  const double doubleArea = glm::length(normal);
+  return {.area = doubleArea / 2.0,
+          .volume = glm::dot(glm::dvec3(mesh.vertices[face.x]) - centre, normal) / 6.0,
+          .isDegenerate = isFlat(mesh, face, doubleArea),
+          .isSurface = true};
+}
+
+glm::uvec3 weldedFace(const PackedMesh& mesh, const Welding& welding, size_t face) {
+  const glm::uvec3& t = mesh.triangles[face];
+  return {welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
+}
+
 /// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
-/// so that an open mesh's volume does not depend on its position. Returns the welded faces without a repeated
-/// corner; the others belong to no surface.
-std::vector<glm::uvec3> measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
-  std::vector<glm::uvec3> faces;
-  faces.reserve(mesh.triangles.size());
+/// so that an open mesh's volume does not depend on its position. Faces with a repeated corner belong to no
+/// surface. Sums are taken in the order of the faces, so that they do not depend on the number of threads.
+void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
   const glm::dvec3 centre = found.bounds.centre() - mesh.origin;
-  for (const glm::uvec3& face : mesh.triangles) {
-    const glm::uvec3 welded(welding.ids[face.x], welding.ids[face.y], welding.ids[face.z]);
-    if (hasRepeatedCorner(welded)) {
-      ++found.degenerateFaces;
-      continue;
+  Buffer<FaceMeasure> measures(std::min(kFacesPerRound, mesh.triangles.size()));
+  for (size_t first = 0; first < mesh.triangles.size(); first += kFacesPerRound) {
+    const size_t count = std::min(kFacesPerRound, mesh.triangles.size() - first);
+    parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f)
+        measures[f] =
+            measureFace(mesh, mesh.triangles[first + f], weldedFace(mesh, welding, first + f), centre);
+    });
+    for (const FaceMeasure& measure : std::span(measures.data(), count)) {
+      found.degenerateFaces += measure.isDegenerate ? 1 : 0;
+      if (!measure.isSurface) continue;
+      found.area += measure.area;
+      found.signedVolume += measure.volume;
     }
-    const glm::dvec3 normal = normalOf(mesh, face);
-    const double doubleArea = glm::length(normal);
-    if (isFlat(mesh, face, doubleArea)) ++found.degenerateFaces;
-    found.area += doubleArea / 2.0;
-    found.signedVolume += glm::dot(glm::dvec3(mesh.vertices[face.x]) - centre, normal) / 6.0;
-    faces.push_back(welded);
   }
-  return faces;
 }
 
 std::vector<Hole> findHoles(const PackedMesh& mesh, const Welding& welding,
@@ -66,23 +91,62 @@ std::vector<Hole> findHoles(const PackedMesh& mesh, const Welding& welding,
   return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
 }
 
-void countEdges(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
-  const std::vector<HalfEdge> halfEdges = sortHalfEdges(mesh, welding);
+/// Edges of one task, in order.
+struct EdgeCounts {
   std::vector<std::pair<uint32_t, uint32_t>> boundary;
-  found.balanced = !halfEdges.empty();
-  forEachEdge(halfEdges, [&](std::span<const HalfEdge> edge) {
-    const size_t count = edge.size();
-    const auto forward =
-        size_t(std::count_if(edge.begin(), edge.end(), [](const HalfEdge& h) { return h.isForward; }));
-    if (count == 1) boundary.emplace_back(edge[0].low, edge[0].high);
-    if (count > 2) ++found.nonManifoldEdges;
-    if (count == 2 && forward != 1) ++found.flippedEdges;
-    if (2 * forward != count) found.balanced = false;
+  std::vector<uint32_t> layers;  ///< Faces that may have the same corners as another one.
+  size_t nonManifold = 0, flipped = 0;
+  bool isBalanced = true;
+
+  void add(std::span<const SortKey> edge) {
+    size_t forward = 0;
+    for (const SortKey& key : edge) forward += halfEdgeOf(key).isForward ? 1 : 0;
+    if (edge.size() == 1) boundary.emplace_back(halfEdgeOf(edge[0]).low, halfEdgeOf(edge[0]).high);
+    if (edge.size() > 2) ++nonManifold;
+    if (edge.size() == 2 && forward != 1) ++flipped;
+    if (2 * forward != edge.size()) isBalanced = false;
+    addLayers(edge);
+  }
+
+  /// Adds the faces that share the edge's third corner too, as far as its bits tell.
+  void addLayers(std::span<const SortKey> edge) {
+    if (edge.size() == 2) {  // The usual case.
+      if (halfEdgeOf(edge[0]).thirdBits != halfEdgeOf(edge[1]).thirdBits) return;
+    } else if (edge.size() == 1) {
+      return;
+    }
+    for (const SortKey& key : edge) layers.push_back(halfEdgeOf(key).face);
+  }
+
+  void append(const EdgeCounts& other) {
+    boundary.insert(boundary.end(), other.boundary.begin(), other.boundary.end());
+    layers.insert(layers.end(), other.layers.begin(), other.layers.end());
+    nonManifold += other.nonManifold;
+    flipped += other.flipped;
+    isBalanced = isBalanced && other.isBalanced;
+  }
+};
+
+EdgeCounts countEdges(std::span<const SortKey> halfEdges) {
+  std::vector<EdgeCounts> tasks((halfEdges.size() + kKeysPerTask - 1) / kKeysPerTask);
+  parallelFor(tasks.size(), 1, [&](size_t task, size_t) {
+    const size_t begin = task * kKeysPerTask, end = std::min(begin + kKeysPerTask, halfEdges.size());
+    forEachEdge(halfEdges, begin, end, [&](std::span<const SortKey> edge) { tasks[task].add(edge); });
   });
-  found.boundaryEdges = boundary.size();
-  found.watertight = !halfEdges.empty() && boundary.empty() && found.nonManifoldEdges == 0;
-  found.consistentlyOriented = found.flippedEdges == 0;
-  if (!boundary.empty()) found.holes = findHoles(mesh, welding, boundary);
+  EdgeCounts all;
+  for (const EdgeCounts& task : tasks) all.append(task);
+  return all;
+}
+
+/// Returns the welded faces that may have the same corners as another one.
+std::vector<glm::uvec3> layeredFaces(const PackedMesh& mesh, const Welding& welding,
+                                     std::vector<uint32_t>& layers) {
+  parallelSort(layers.begin(), layers.end());
+  layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
+  std::vector<glm::uvec3> faces;
+  faces.reserve(layers.size());
+  for (const uint32_t face : layers) faces.push_back(weldedFace(mesh, welding, face));
+  return faces;
 }
 
 size_t countDuplicates(const std::vector<glm::uvec3>& faces) {
@@ -95,42 +159,59 @@ size_t countDuplicates(const std::vector<glm::uvec3>& faces) {
   return static_cast<size_t>(corners.end() - std::unique(corners.begin(), corners.end()));
 }
 
-size_t countComponents(const std::vector<glm::uvec3>& faces, size_t vertexCount) {
-  std::vector<uint32_t> parent(vertexCount);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  std::vector<bool> isUsed(vertexCount);
-  for (const glm::uvec3& face : faces) {
-    const uint32_t into = root(face.x);
-    parent[root(face.y)] = into;
-    parent[root(face.z)] = into;
-    for (int c = 0; c < 3; ++c) isUsed[face[c]] = true;
-  }
+/// Counts the parts of the surface that half edges connect.
+size_t countComponents(std::span<const SortKey> halfEdges, size_t positions) {
+  DisjointSets sets(positions);
+  std::vector<uint8_t> isLinked(positions, 0);  // Whether another position was linked to this one.
+  parallelFor(halfEdges.size(), kKeysPerTask, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      if (k > 0 && halfEdges[k].high == halfEdges[k - 1].high) continue;
+      const HalfEdge edge = halfEdgeOf(halfEdges[k]);
+      if (const auto root = sets.link(edge.low, edge.high))
+        std::atomic_ref(isLinked[*root]).store(1, std::memory_order_relaxed);
+    }
+  });
   size_t count = 0;
-  for (uint32_t v = 0; v < vertexCount; ++v) count += isUsed[v] && parent[v] == v ? 1 : 0;
+  for (uint32_t p = 0; p < positions; ++p) count += isLinked[p] != 0 && sets.root(p) == p ? 1 : 0;
   return count;
 }
 
 }  // namespace
 
-Diagnostics diagnose(const MeshView& view) {
+Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options) {
   validate(view);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  const Welding welding = weldVertices(mesh.vertices);
+  Progress progress(options.progress);
   Diagnostics found;
-  found.vertices = mesh.vertices.size();
-  found.weldedVertices = welding.count;
-  found.triangles = mesh.triangles.size();
-  found.bounds = bounds(mesh);
-  const std::vector<glm::uvec3> faces = measureFaces(mesh, welding, found);
-  countEdges(mesh, welding, found);
-  found.duplicateFaces = countDuplicates(faces);
-  if (!found.consistentlyOriented) found.flippedFaces = findFlippedFaces(mesh).size();
-  found.components = countComponents(faces, welding.count);
+  progress.stage("diagnose", [&] {
+    Buffer<SortKey> keys;
+    const Welding welding = weldVertices(mesh.vertices, keys);
+    progress.report(0.3);
+    found.vertices = mesh.vertices.size();
+    found.weldedVertices = welding.count;
+    found.triangles = mesh.triangles.size();
+    found.bounds = bounds(mesh);
+    measureFaces(mesh, welding, found);
+    progress.report(0.4);
+    const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+    progress.report(0.7);
+    EdgeCounts edges = countEdges(halfEdges);
+    found.boundaryEdges = edges.boundary.size();
+    found.nonManifoldEdges = edges.nonManifold;
+    found.flippedEdges = edges.flipped;
+    found.balanced = !halfEdges.empty() && edges.isBalanced;
+    found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
+    found.consistentlyOriented = found.flippedEdges == 0;
+    found.duplicateFaces = countDuplicates(layeredFaces(mesh, welding, edges.layers));
+    if (options.isBrief) return;
+    progress.report(0.8);
+    found.components = countComponents(halfEdges, welding.count);
+    progress.report(0.9);
+    if (!edges.boundary.empty()) found.holes = findHoles(mesh, welding, edges.boundary);
+    if (!found.consistentlyOriented)
+      found.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges)).size();
+  });
   return found;
 }
 

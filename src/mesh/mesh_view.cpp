@@ -1,9 +1,13 @@
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <string>
+#include <vector>
 
+#include "base/parallel.h"
 #include "mesh/packed_mesh.h"
 #include "mesh/strided_mesh.h"
 
@@ -32,20 +36,51 @@ struct Extent {
   glm::vec<3, Scalar> low{INFINITY}, high{-INFINITY};
 };
 
+constexpr size_t kTrianglesPerTask = size_t{1} << 15;
+
 /// Finds the extent of the vertices that triangles use, without the view's origin.
 template <class Scalar, class Index>
 Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
-  Extent<Scalar> extent;
-  for (size_t t = 0; t < mesh.triangleCount(); ++t) {
-    const glm::vec<3, Index> triangle = mesh.triangle(t);
-    for (int c = 0; c < 3; ++c) {
-      if (triangle[c] >= mesh.vertexCount()) continue;
-      const glm::vec<3, Scalar> p = mesh.position(triangle[c]);
-      extent.low = glm::min(extent.low, p);
-      extent.high = glm::max(extent.high, p);
+  std::vector<Extent<Scalar>> extents((mesh.triangleCount() + kTrianglesPerTask - 1) / kTrianglesPerTask);
+  parallelFor(extents.size(), 1, [&](size_t task, size_t) {
+    Extent<Scalar> extent;
+    const size_t begin = task * kTrianglesPerTask;
+    for (size_t t = begin; t < std::min(begin + kTrianglesPerTask, mesh.triangleCount()); ++t) {
+      const glm::vec<3, Index> triangle = mesh.triangle(t);
+      for (int c = 0; c < 3; ++c) {
+        if (triangle[c] >= mesh.vertexCount()) continue;
+        const glm::vec<3, Scalar> p = mesh.position(triangle[c]);
+        extent.low = glm::min(extent.low, p);
+        extent.high = glm::max(extent.high, p);
+      }
     }
+    extents[task] = extent;
+  });
+  Extent<Scalar> all;
+  for (const Extent<Scalar>& extent : extents) {  // In order: of 0 and -0, the first one counts.
+    all.low = glm::min(all.low, extent.low);
+    all.high = glm::max(all.high, extent.high);
   }
-  return extent;
+  return all;
+}
+
+/// Throws if the triangle has an index out of range or a vertex that is not finite.
+template <class Scalar, class Index>
+void checkTriangle(const StridedMesh<Scalar, Index>& mesh, size_t t) {
+  const glm::vec<3, Index> triangle = mesh.triangle(t);
+  for (int c = 0; c < 3; ++c) {
+    if (triangle[c] >= mesh.vertexCount()) failIndex(t, triangle[c], mesh.vertexCount());
+    if (const auto p = mesh.position(triangle[c]); !isFinite(p))
+      throw Error(ErrorCode::Input, "vertex " + std::to_string(triangle[c]) + " of triangle " +
+                                        std::to_string(t) + " is not finite: " + text(p));
+  }
+}
+
+template <class Scalar, class Index>
+bool isValid(const StridedMesh<Scalar, Index>& mesh, const glm::vec<3, Index>& triangle) {
+  for (int c = 0; c < 3; ++c)
+    if (triangle[c] >= mesh.vertexCount() || !isFinite(mesh.position(triangle[c]))) return false;
+  return true;
 }
 
 /// Returns the point that double positions are centred on; zero for a mesh without vertices.
@@ -93,15 +128,13 @@ Box bounds(const MeshView& view) {
 void validate(const MeshView& view) {
   if (view.triangleCount == 0) throw Error(ErrorCode::Input, "the mesh has no triangles");
   visitTypes(view, [](const auto& mesh) {
-    for (size_t t = 0; t < mesh.triangleCount(); ++t) {
-      const auto triangle = mesh.triangle(t);
-      for (int c = 0; c < 3; ++c) {
-        if (triangle[c] >= mesh.vertexCount()) failIndex(t, triangle[c], mesh.vertexCount());
-        if (const auto p = mesh.position(triangle[c]); !isFinite(p))
-          throw Error(ErrorCode::Input, "vertex " + std::to_string(triangle[c]) + " of triangle " +
-                                            std::to_string(t) + " is not finite: " + text(p));
-      }
-    }
+    std::atomic<bool> areValid{true};
+    parallelFor(mesh.triangleCount(), kTrianglesPerTask, [&](size_t begin, size_t end) {
+      for (size_t t = begin; t < end; ++t)
+        if (!isValid(mesh, mesh.triangle(t))) areValid = false;
+    });
+    if (areValid) return;
+    for (size_t t = 0; t < mesh.triangleCount(); ++t) checkTriangle(mesh, t);
   });
   if (!std::isfinite(view.origin.x + view.origin.y + view.origin.z))
     throw Error(ErrorCode::Input, "the mesh's origin is not finite");

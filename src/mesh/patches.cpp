@@ -1,21 +1,24 @@
 #include "mesh/patches.h"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
+#include <vector>
 
-#include "mesh/half_edges.h"
+#include "base/parallel.h"
+#include "mesh/disjoint_sets.h"
 
 namespace raymap {
 
 namespace {
 
+constexpr size_t kKeysPerTask = size_t{1} << 16;
+constexpr size_t kFacesPerTask = size_t{1} << 16;
+
 /// Disjoint sets of faces (union by index, path halving). Each face has a bit: whether it is reversed against
 /// its parent.
 class FaceSets {
  public:
-  explicit FaceSets(size_t count) : parent_(count), isReversed_(count, 0) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
+  explicit FaceSets(Buffer<uint32_t> parents) : parent_(std::move(parents)), isReversed_(parent_.size(), 0) {}
 
   struct Place {
     uint32_t root;
@@ -33,16 +36,26 @@ class FaceSets {
   }
 
   /// Links two faces that point to the same side, or to opposite sides. Does nothing if they are linked.
-  void link(uint32_t a, uint32_t b, bool areOpposite) {
+  /// Returns whether the faces are linked as asked.
+  bool link(uint32_t a, uint32_t b, bool areOpposite) {
     const Place p = find(a), q = find(b);
+    const auto isReversed = uint8_t(p.isReversed ^ q.isReversed ^ uint8_t(areOpposite));
     const auto [low, high] = std::minmax(p.root, q.root);
+    if (low == high) return isReversed == 0;
     parent_[high] = low;
-    if (low != high) isReversed_[high] = uint8_t(p.isReversed ^ q.isReversed ^ uint8_t(areOpposite));
+    isReversed_[high] = isReversed;
+    return true;
   }
 
  private:
-  std::vector<uint32_t> parent_;
+  Buffer<uint32_t> parent_;
   std::vector<uint8_t> isReversed_;
+};
+
+/// Two faces that share an edge of exactly two faces.
+struct Link {
+  uint32_t a, b;
+  bool areOpposite;
 };
 
 /// Returns whether two faces at one edge share the third corner too: they are layers, not neighbours.
@@ -51,18 +64,62 @@ bool coincide(const PackedMesh& mesh, const Welding& welding, const HalfEdge& a,
     const glm::uvec3& t = mesh.triangles[face];
     return welding.ids[t.x] ^ welding.ids[t.y] ^ welding.ids[t.z];
   };
-  return allCorners(a.face) == allCorners(b.face);
+  return a.thirdBits == b.thirdBits && allCorners(a.face) == allCorners(b.face);
+}
+
+/// Calls `work(link)` for the edges that begin in [begin, end).
+template <class Work>
+void forEachLink(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges,
+                 size_t begin, size_t end, Work&& work) {
+  forEachEdge(halfEdges, begin, end, [&](std::span<const SortKey> edge) {
+    if (edge.size() != 2) return;
+    const HalfEdge a = halfEdgeOf(edge[0]), b = halfEdgeOf(edge[1]);
+    if (!coincide(mesh, welding, a, b)) work(Link{a.face, b.face, a.isForward == b.isForward});
+  });
+}
+
+Buffer<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
+  Buffer<uint32_t> roots(count);
+  parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) roots[f] = sets.root(uint32_t(f));
+  });
+  return roots;
+}
+
+/// Links in order. Of links that contradict each other, the last one is dropped.
+FaceSets linkInOrder(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
+  DisjointSets single(mesh.triangles.size());
+  FaceSets sets(rootsOf(single, mesh.triangles.size()));
+  forEachLink(mesh, welding, halfEdges, 0, halfEdges.size(),
+              [&](const Link& link) { sets.link(link.a, link.b, link.areOpposite); });
+  return sets;
+}
+
+/// Links with all threads. If no links contradict each other, as usual, their order does not matter: those of
+/// faces that point to the same side come first, because they need no bits.
+FaceSets linkFaces(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
+  std::vector<std::vector<Link>> opposite((halfEdges.size() + kKeysPerTask - 1) / kKeysPerTask);
+  DisjointSets alike(mesh.triangles.size());
+  parallelFor(opposite.size(), 1, [&](size_t task, size_t) {
+    const size_t begin = task * kKeysPerTask, end = std::min(begin + kKeysPerTask, halfEdges.size());
+    forEachLink(mesh, welding, halfEdges, begin, end, [&](const Link& link) {
+      if (link.areOpposite)
+        opposite[task].push_back(link);
+      else
+        alike.link(link.a, link.b);
+    });
+  });
+  FaceSets sets(rootsOf(alike, mesh.triangles.size()));
+  for (const std::vector<Link>& links : opposite)
+    for (const Link& link : links)
+      if (!sets.link(link.a, link.b, true)) return linkInOrder(mesh, welding, halfEdges);
+  return sets;
 }
 
 }  // namespace
 
-Patches findPatches(const PackedMesh& mesh) {
-  const Welding welding = weldVertices(mesh.vertices);
-  FaceSets sets(mesh.triangles.size());
-  forEachEdge(sortHalfEdges(mesh, welding), [&](std::span<const HalfEdge> edge) {
-    if (edge.size() == 2 && !coincide(mesh, welding, edge[0], edge[1]))
-      sets.link(edge[0].face, edge[1].face, edge[0].isForward == edge[1].isForward);
-  });
+Patches findPatches(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
+  FaceSets sets = linkFaces(mesh, welding, halfEdges);
   Patches patches{.ids = std::vector<uint32_t>(mesh.triangles.size()),
                   .isReversed = std::vector<uint8_t>(mesh.triangles.size())};
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
@@ -72,6 +129,12 @@ Patches findPatches(const PackedMesh& mesh) {
     patches.isReversed[face] = place.isReversed;
   }
   return patches;
+}
+
+Patches findPatches(const PackedMesh& mesh) {
+  Buffer<SortKey> keys;
+  const Welding welding = weldVertices(mesh.vertices, keys);
+  return findPatches(mesh, welding, sortHalfEdges(mesh, welding, keys));
 }
 
 }  // namespace raymap

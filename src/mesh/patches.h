@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mesh/packed_mesh.h"
+#include "mesh/half_edges.h"
 
 namespace raymap {
 
@@ -15,5 +15,6 @@ struct Patches {
 /// Finds the patches. Where links contradict each other (a Möbius strip), those of the higher vertices are
 /// dropped.
 Patches findPatches(const PackedMesh& mesh);
+Patches findPatches(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges);
 
 }  // namespace raymap
