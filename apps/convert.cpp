@@ -28,7 +28,7 @@ void convertField(const Arguments& arguments) {
 
 void convertMesh(const Arguments& arguments) {
   checkOutputs({{"output", arguments.output, writableMeshExtensions()}});
-  writeMesh(arguments.output, readMesh(arguments.input, warn));
+  writeMesh(arguments.output, loadMesh(arguments.input));
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ Options withProgress(Options options, ProgressLine& line) {
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments) {
   if (hasExtension(path, fieldExtensions())) return readField(path);
   if (hasExtension(path, meshExtensions())) {
-    const Mesh mesh = readMesh(path, warn);
+    const Mesh mesh = loadMesh(path);
     ProgressLine line;
     return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(arguments.options, line)).field;
   }

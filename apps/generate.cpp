@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <ostream>
+#include <string>
+#include <string_view>
 
 #include "checks.h"
 #include "commands.h"
@@ -35,9 +37,16 @@ struct Report {
   Diagnostics found;
   Grid grid;
   Stats stats;
-  double loadMilliseconds = 0.0;
-  double writeMilliseconds = 0.0;
+  std::vector<Stats::Stage> before, after;  ///< What the command does before and after the stages.
+  double elapsedMilliseconds = 0.0;
   std::vector<fs::path> written;
+
+  double millisecondsOf(std::string_view name) const {
+    double sum = 0.0;
+    for (const auto* steps : {&before, &after})
+      for (const Stats::Stage& step : *steps) sum += step.name == name ? step.milliseconds : 0.0;
+    return sum;
+  }
 };
 
 std::vector<Output> outputs(const Arguments& arguments) {
@@ -91,7 +100,10 @@ void writeAll(const Arguments& arguments, const Field& field, Report& report) {
 Json describe(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   return {{"raymap", version().text},
-          {"mesh", {{"file", arguments.mesh.string()}, {"load_ms", report.loadMilliseconds}}},
+          {"mesh",
+           {{"file", arguments.mesh.string()},
+            {"load_ms", report.millisecondsOf("load")},
+            {"diagnose_ms", report.millisecondsOf("diagnose")}}},
           {"diagnostics", toJson(report.found)},
           {"grid",
            {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
@@ -112,7 +124,7 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"device", report.stats.device},
           {"stages", toJson(report.stats)},
           {"total_ms", report.stats.totalMilliseconds},
-          {"write_ms", report.writeMilliseconds},
+          {"write_ms", report.millisecondsOf("write")},
           {"doubtful_share", report.stats.doubtfulShare},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"misfit_given", report.stats.misfitGiven},
@@ -144,6 +156,20 @@ void writeJson(const fs::path& path, const Json& json, Report& report) {
   report.written.push_back(path);
 }
 
+/// Prints a line for each step, and their sum. "other" is what lies between the stages: checks of the mesh,
+/// and freeing memory.
+void printTimes(const Report& report) {
+  double sum = 0.0;
+  const auto line = [&](const std::string& name, double milliseconds) {
+    std::printf("  %-20s %10.1f ms\n", name.c_str(), milliseconds);
+    sum += milliseconds;
+  };
+  for (const auto* steps : {&report.before, &report.stats.stages, &report.after})
+    for (const Stats::Stage& step : *steps) line(step.name, step.milliseconds);
+  line("other", std::max(report.elapsedMilliseconds - sum, 0.0));
+  line("elapsed", sum);
+}
+
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
@@ -152,10 +178,7 @@ void print(const Arguments& arguments, const Report& report) {
               describeDefects(report.found).c_str());
   std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
-  std::printf("  %-20s %10.1f ms\n", "load", report.loadMilliseconds);
-  for (const Stats::Stage& stage : report.stats.stages)
-    std::printf("  %-20s %10.1f ms\n", stage.name.c_str(), stage.milliseconds);
-  std::printf("  %-20s %10.1f ms\n", "write", report.writeMilliseconds);
+  printTimes(report);
   std::printf("field: %.1f ms on %s, peak memory %s", report.stats.totalMilliseconds,
               report.stats.device.c_str(), sizeText(peakMemory()).c_str());
   if (arguments.options.sign != SignMode::None)
@@ -170,27 +193,39 @@ void print(const Arguments& arguments, const Report& report) {
   for (const fs::path& path : report.written) printWritten(path);
 }
 
-void run(Arguments& arguments) {
-  finishOptions(arguments);
-  checkOutputs(outputs(arguments));
-  Report report;
-  Mesh mesh;
-  report.loadMilliseconds = milliseconds([&] { mesh = readMesh(arguments.mesh, warn); });
-  report.found = diagnose(mesh);
-  report.grid = fitGrid(mesh, arguments.grid);
-  Field field;
-  {
-    ProgressLine line;
-    report.stats = Generator().generate(mesh, report.grid, withProgress(arguments.options, line), field);
-  }
-  report.writeMilliseconds = milliseconds([&] { writeAll(arguments, field, report); });
+void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report) {
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report), report);
   if (!arguments.report.empty())
     writeJson(arguments.report, describeDefects(arguments, mesh, field, report), report);
-  if (!arguments.reportPicture.empty()) {
-    writePng(arguments.reportPicture, renderDefects(mesh));
-    report.written.push_back(arguments.reportPicture);
+  if (arguments.reportPicture.empty()) return;
+  writePng(arguments.reportPicture, renderDefects(mesh));
+  report.written.push_back(arguments.reportPicture);
+}
+
+void run(Arguments& arguments) {
+  const double start = secondsSinceStart();
+  finishOptions(arguments);
+  checkOutputs(outputs(arguments));
+  Report report;
+  const auto time = [](std::vector<Stats::Stage>& steps, const char* name, auto&& work) {
+    steps.push_back({name, milliseconds(work)});
+  };
+  Mesh mesh;
+  Field field;
+  time(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
+  {
+    ProgressLine line;
+    // The summary line needs no more. The files list everything.
+    const bool isBrief = arguments.stats.empty() && arguments.report.empty();
+    time(report.before, "diagnose",
+         [&] { report.found = diagnose(mesh, {.isBrief = isBrief, .progress = line.callback()}); });
+    time(report.before, "fit", [&] { report.grid = fitGrid(mesh, arguments.grid); });
+    report.stats = Generator().generate(mesh, report.grid, withProgress(arguments.options, line), field);
   }
+  time(report.after, "write", [&] { writeAll(arguments, field, report); });
+  if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
+    time(report.after, "report", [&] { writeReports(arguments, mesh, field, report); });
+  report.elapsedMilliseconds = 1e3 * (secondsSinceStart() - start);
   print(arguments, report);
 }
 

@@ -133,7 +133,7 @@ void run(Arguments& arguments) {
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   checkOutputs(
       {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
-  const Mesh mesh = readMesh(arguments.mesh, warn);
+  const Mesh mesh = loadMesh(arguments.mesh);
   const Grid grid = fitRepairGrid(mesh, arguments);
   const auto [result, report] = makeSolid(mesh, grid, arguments);
   if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");

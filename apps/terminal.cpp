@@ -1,6 +1,7 @@
 #include "terminal.h"
 
 #include <raymap/atomic_file.h>
+#include <raymap/io.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -33,9 +34,19 @@ extern "C" void onSignal(int signal) {
   _exit(128 + signal);
 }
 
+std::mutex waitingMutex;
+bool isWaitingShown = false;
+
+void clearWaiting() {
+  if (isWaitingShown) std::fputs("\r\033[K", stderr);
+  isWaitingShown = false;
+}
+
 }  // namespace
 
 void warn(std::string_view message) {
+  const std::lock_guard lock(waitingMutex);
+  clearWaiting();
   std::fprintf(stderr, "raymap: warning: %s\n", std::string(message).c_str());
 }
 
@@ -53,7 +64,12 @@ ProgressLine::ProgressLine() : next_(Clock::now() + kQuietTime), isTerminal_(isa
 
 ProgressLine::~ProgressLine() {
   isCancellable = false;
+  clear();
+}
+
+void ProgressLine::clear() {
   if (isShown_) std::fputs("\r\033[K", stderr);
+  isShown_ = false;
 }
 
 bool ProgressLine::report(std::string_view stage, double done) {
@@ -63,6 +79,36 @@ bool ProgressLine::report(std::string_view stage, double done) {
     isShown_ = true;
   }
   return caught == 0;
+}
+
+WaitingLine::WaitingLine(const std::string& task) {
+  if (isatty(STDERR_FILENO) == 1) thread_ = std::thread([this, task] { show(task); });
+}
+
+WaitingLine::~WaitingLine() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    isOver_ = true;
+  }
+  end_.notify_one();
+  thread_.join();
+  const std::lock_guard lock(waitingMutex);
+  clearWaiting();
+}
+
+void WaitingLine::show(const std::string& task) {
+  std::unique_lock lock(mutex_);
+  for (int seconds = 1; !end_.wait_for(lock, kQuietTime, [this] { return isOver_; }); ++seconds) {
+    const std::lock_guard waiting(waitingMutex);
+    std::fprintf(stderr, "\r\033[K  %s, %d s", task.c_str(), seconds);
+    isWaitingShown = true;
+  }
+}
+
+Mesh loadMesh(const std::filesystem::path& path) {
+  const WaitingLine line("reading " + path.filename().string());
+  return readMesh(path, warn);
 }
 
 }  // namespace raymap

@@ -1,9 +1,15 @@
 #pragma once
 
 #include <raymap/callbacks.h>
+#include <raymap/mesh.h>
 
 #include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <string>
 #include <string_view>
+#include <thread>
 
 namespace raymap {
 
@@ -30,6 +36,7 @@ class ProgressLine {
   ProgressCallback callback() {
     return [this](std::string_view stage, double done) { return report(stage, done); };
   }
+  void clear();
 
  private:
   bool report(std::string_view stage, double done);
@@ -39,5 +46,26 @@ class ProgressLine {
   bool isTerminal_;
   bool isShown_ = false;
 };
+
+/// A line on stderr that shows how long a task has taken that cannot tell its progress: only on a terminal,
+/// and only after a second.
+class WaitingLine {
+ public:
+  explicit WaitingLine(const std::string& task);
+  ~WaitingLine();
+  WaitingLine(const WaitingLine&) = delete;
+  WaitingLine& operator=(const WaitingLine&) = delete;
+
+ private:
+  void show(const std::string& task);
+
+  std::mutex mutex_;
+  std::condition_variable end_;
+  bool isOver_ = false;
+  std::thread thread_;
+};
+
+/// Reads a mesh. Prints its warnings and, after a second, how long it takes.
+Mesh loadMesh(const std::filesystem::path& path);
 
 }  // namespace raymap

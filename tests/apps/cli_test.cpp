@@ -210,6 +210,49 @@ TEST_F(Cli, ReportsStatistics) {
   EXPECT_LE(sum, stats["total_ms"].get<double>() * 1.001);
 }
 
+TEST_F(Cli, ShowsWhereTheTimeGoes) {
+  writeTorus();
+  std::istringstream out(
+      succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu --stats stats.json").out);
+  std::vector<std::string> names;
+  double sum = 0.0, elapsed = 0.0;
+  for (std::string line; std::getline(out, line);) {
+    if (!line.starts_with("  ")) continue;
+    std::istringstream words(line);
+    std::string name, unit;
+    double milliseconds = -1.0;
+    words >> name >> milliseconds >> unit;
+    EXPECT_EQ(unit, "ms") << line;
+    EXPECT_GE(milliseconds, 0.0) << line;
+    names.push_back(name);
+    (name == "elapsed" ? elapsed : sum) += milliseconds;
+  }
+  ASSERT_GT(names.size(), 9u);
+  EXPECT_EQ(std::vector(names.begin(), names.begin() + 4),
+            (std::vector<std::string>{"load", "diagnose", "fit", "begin"}));
+  EXPECT_EQ(std::vector(names.end() - 4, names.end()),
+            (std::vector<std::string>{"write", "report", "other", "elapsed"}));
+  EXPECT_NEAR(sum, elapsed, 0.05 * double(names.size()) + 0.05);  // Rounded to a tenth each.
+  EXPECT_GE(json("stats.json")["mesh"]["diagnose_ms"], 0.0);
+  EXPECT_EQ(succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu").out.find("  report  "),
+            std::string::npos);
+}
+
+TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
+  writeMesh(path("two.ply"), shapes::joined(shapes::torus(2.0, 0.7, 40, 24), shapes::sphere(1.5, 3)));
+  EXPECT_NE(succeed("info two.ply --fast").out.find("\ncrossing pairs of faces  not counted (--fast)\n"),
+            std::string::npos);
+  Json fast = Json::parse(succeed("info two.ply --fast --json").out);
+  Json full = Json::parse(succeed("info two.ply --json").out);
+  EXPECT_EQ(fast["self_intersections"], Json({{"counted", false}}));
+  EXPECT_GT(full["self_intersections"]["pairs"], 100);
+  EXPECT_FALSE(full["self_intersections"].contains("counted"));
+  fast.erase("self_intersections");
+  full.erase("self_intersections");
+  EXPECT_EQ(fast, full);
+  expectFailure("info two.ply --fast --picture two.png", ErrorCode::Usage, "leave out --fast");
+}
+
 TEST_F(Cli, CoversTheRequestedBox) {
   writeTorus();
   succeed("generate torus.ply -o box.nrrd --voxel-size 0.5 --bounds -4 -3 -1 4 3 1");
