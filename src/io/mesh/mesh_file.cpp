@@ -11,6 +11,8 @@
 #include <memory>
 #include <system_error>
 
+#include "base/parallel.h"
+
 namespace raymap {
 
 namespace {
@@ -34,6 +36,41 @@ bool isFinite(const Vec& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+constexpr size_t kTrianglesPerTask = size_t{1} << 15;
+constexpr size_t kVerticesPerTask = size_t{1} << 16;
+
+/// Bounds of some triangles, and the first one that has a vertex that is not finite.
+template <class Vec>
+struct Extent {
+  Vec low{INFINITY}, high{-INFINITY};
+  size_t firstBad = SIZE_MAX;
+};
+
+template <class Vec>
+Extent<Vec> extentOf(const std::vector<Vec>& positions, const std::vector<glm::uvec3>& triangles,
+                     size_t begin, size_t end) {
+  Extent<Vec> extent;
+  for (size_t t = begin; t < end; ++t)
+    for (int c = 0; c < 3; ++c) {
+      const Vec& p = positions[triangles[t][c]];
+      if (!isFinite(p)) extent.firstBad = std::min(extent.firstBad, t);
+      extent.low = glm::min(extent.low, p);
+      extent.high = glm::max(extent.high, p);
+    }
+  return extent;
+}
+
+template <class Vec>
+[[noreturn]] void failNotFinite(const MeshFile& file, const std::vector<Vec>& positions,
+                                const std::vector<glm::uvec3>& triangles, size_t t) {
+  int c = 0;
+  while (isFinite(positions[triangles[t][c]])) ++c;
+  const Vec& p = positions[triangles[t][c]];
+  file.fail("vertex " + std::to_string(triangles[t][c]) + " (used by triangle " + std::to_string(t) +
+            ") is not finite: (" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " +
+            std::to_string(p.z) + ")");
+}
+
 /// Returns the bounds of the vertices in use. Throws unless they are finite and their size fits single
 /// precision.
 template <class Vec>
@@ -42,17 +79,17 @@ Box checkedBounds(const MeshFile& file, const std::vector<Vec>& positions,
   if (triangles.empty()) file.fail("the file has no triangles");
   if (triangles.size() >= UINT32_MAX || positions.size() >= UINT32_MAX)
     throw Error(ErrorCode::Unsupported, file.path.string() + ": more than 2^32 triangles or vertices");
+  std::vector<Extent<Vec>> extents((triangles.size() + kTrianglesPerTask - 1) / kTrianglesPerTask);
+  parallelFor(extents.size(), 1, [&](size_t task, size_t) {
+    extents[task] = extentOf(positions, triangles, task * kTrianglesPerTask,
+                             std::min((task + 1) * kTrianglesPerTask, triangles.size()));
+  });
   Vec low(INFINITY), high(-INFINITY);
-  for (size_t t = 0; t < triangles.size(); ++t)
-    for (int c = 0; c < 3; ++c) {
-      const Vec& p = positions[triangles[t][c]];
-      if (!isFinite(p))
-        file.fail("vertex " + std::to_string(triangles[t][c]) + " (used by triangle " + std::to_string(t) +
-                  ") is not finite: (" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " +
-                  std::to_string(p.z) + ")");
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
+  for (const Extent<Vec>& extent : extents) {
+    if (extent.firstBad != SIZE_MAX) failNotFinite(file, positions, triangles, extent.firstBad);
+    low = glm::min(low, extent.low);
+    high = glm::max(high, extent.high);
+  }
   const Box box{glm::dvec3(low), glm::dvec3(high)};
   const glm::dvec3 size = box.size();
   if (!(std::max({size.x, size.y, size.z}) < FLT_MAX))
@@ -139,7 +176,9 @@ void warnDropped(const MeshFile& file, uint64_t polygons) {
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
   Mesh mesh;
   mesh.origin = checkedBounds(file, positions, triangles).centre();
-  for (glm::vec3& p : positions) p = glm::vec3(glm::dvec3(p) - mesh.origin);
+  parallelFor(positions.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) positions[v] = glm::vec3(glm::dvec3(positions[v]) - mesh.origin);
+  });
   mesh.vertices = std::move(positions);
   mesh.triangles = std::move(triangles);
   return mesh;
