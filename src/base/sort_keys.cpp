@@ -15,7 +15,7 @@ namespace raymap {
 
 namespace {
 
-static_assert(sizeof(SortKey) == sizeof(hwy::uint128_t) && alignof(SortKey) == alignof(hwy::uint128_t));
+static_assert(sizeof(SortKey) == sizeof(hwy::uint128_t));
 
 constexpr size_t kKeysPerBucket = size_t{1} << 14;  // 256 KiB
 constexpr size_t kMostBuckets = size_t{1} << 12;
