@@ -42,7 +42,8 @@ RAYMAP_API Field readField(const std::filesystem::path& path);
 
 /// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance", "winding",
 /// "confidence" or "triangle". The file appears whole or not at all. Throws `Error`: Usage for another
-/// extension or an array that the field does not have, File.
+/// extension, an array that the field does not have or a grid without samples or with numbers that are not
+/// finite; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            std::string_view name = "distance");
 

@@ -8,13 +8,21 @@ namespace raymap {
 
 void validateGrid(const Grid& grid) {
   const glm::ivec3 dims = grid.dims;
-  if (glm::any(glm::lessThan(dims, glm::ivec3(1))) || !(grid.spacing > 0.0) || !std::isfinite(grid.spacing))
-    throw Error(ErrorCode::Usage, "the field is empty: its grid has " + std::to_string(dims.x) + " x " +
-                                      std::to_string(dims.y) + " x " + std::to_string(dims.z) +
-                                      " samples at a spacing of " + std::to_string(grid.spacing));
+  const auto require = [](bool holds, const std::string& what) {
+    if (!holds) throw Error(ErrorCode::Usage, what);
+  };
+  require(glm::all(glm::greaterThan(dims, glm::ivec3(0))),
+          "the grid has " + std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " +
+              std::to_string(dims.z) + " samples; every side needs at least one");
+  require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
+          "the grid's spacing is " + std::to_string(grid.spacing) + "; it must be positive and finite");
+  for (int axis = 0; axis < 3; ++axis)
+    require(std::isfinite(grid.origin[axis]), std::string("the grid's origin has ") + "xyz"[axis] + " = " +
+                                                  std::to_string(grid.origin[axis]) + "; it must be finite");
 }
 
 void validateField(const Field& field) {
+  if (field.distance.empty()) throw Error(ErrorCode::Usage, "the field is empty: it has no distances");
   validateGrid(field.grid);
   if (field.distance.size() != field.grid.sampleCount())
     throw Error(ErrorCode::Usage, "the field holds " + std::to_string(field.distance.size()) +

@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-/// Throws `Error(Usage)` unless the grid has samples and a positive, finite spacing.
+/// Throws `Error(Usage)` unless the grid has samples, a positive, finite spacing and a finite origin.
 void validateGrid(const Grid& grid);
 /// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
 void validateField(const Field& field);

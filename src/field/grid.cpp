@@ -44,9 +44,14 @@ Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
     throw Error(ErrorCode::Usage, "the padding must not be negative, not " + std::to_string(options.padding));
   const Box box = options.box ? *options.box : paddedBounds(mesh, options.padding);
   const glm::dvec3 size = box.size();
+  for (int a = 0; a < 3; ++a)
+    if (!std::isfinite(size[a]))
+      throw Error(ErrorCode::Usage, std::string("the box reaches from ") + "xyz"[a] + " = " +
+                                        std::to_string(box.min[a]) + " to " + std::to_string(box.max[a]) +
+                                        "; both must be finite, and so must their difference");
   const double longest = std::max({size.x, size.y, size.z});
-  if (box.isEmpty() || !(longest > 0.0) || !std::isfinite(longest))
-    throw Error(ErrorCode::Usage, "the box is empty or not finite: its maximum must exceed its minimum");
+  if (box.isEmpty() || longest == 0.0)
+    throw Error(ErrorCode::Usage, "the box is empty: its maximum must exceed its minimum");
   Grid grid;
   grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longest / options.resolution;
   for (int a = 0; a < 3; ++a) grid.dims[a] = samplesAlong(size[a], grid.spacing);

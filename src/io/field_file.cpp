@@ -6,6 +6,7 @@
 #include <cctype>
 #include <ostream>
 
+#include "field/field_sampler.h"
 #include "io/field/field_formats.h"
 
 namespace raymap {
@@ -68,6 +69,7 @@ Field readField(const fs::path& path) {
 void writeField(const fs::path& path, const Field& field, std::string_view name) {
   const Format& format = formatOf(path);
   const NamedArray array = arrayOf(field, name);
+  validateGrid(field.grid);
   for (const NamedArray& each : arraysOf(field))
     if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))
       throw Error(ErrorCode::Usage,

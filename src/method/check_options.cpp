@@ -5,14 +5,15 @@
 #include <cmath>
 #include <string>
 
+#include "field/field_sampler.h"
+
 namespace raymap {
 
 void checkOptions(const Grid& grid, const Options& options) {
   const auto require = [](bool holds, const std::string& what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
   };
-  require(grid.dims.x > 0 && grid.dims.y > 0 && grid.dims.z > 0, "the grid has no samples");
-  require(grid.spacing > 0.0 && std::isfinite(grid.spacing), "the grid's spacing must be positive");
+  validateGrid(grid);
   require(options.band >= 0.0, "the band must not be negative");
   require(options.passes >= 0, "the number of passes must not be negative");
   require(options.threshold >= 0.0, "the threshold must not be negative");

@@ -19,6 +19,64 @@ TEST(Grid, RefusesAnEmptyBox) {
   EXPECT_THROW(fitGrid(shapes::box({0, 0, 0}, {1, 1, 1}), options), Error);
 }
 
+/// Returns the message of the error that `work` throws, which must be one of usage.
+template <class Work>
+std::string usageError(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Usage);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Grid, NamesTheSideOfABoxThatIsNotFinite) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  for (const double bad : {NAN, INFINITY}) {
+    const std::string number = std::to_string(bad);
+    for (int axis = 0; axis < 3; ++axis) {
+      Box box{glm::dvec3(0), glm::dvec3(1)};
+      box.max[axis] = bad;
+      const std::string error = usageError([&] { fitGrid(mesh, {.box = box}); });
+      EXPECT_EQ(error.find(std::string("the box reaches from ") + "xyz"[axis] + " = 0.000000 to " + number),
+                0u)
+          << error;
+    }
+  }
+  EXPECT_NE(usageError([&] { fitGrid(mesh, {.box = Box{glm::dvec3(-1.5e308), glm::dvec3(1.5e308)}}); }), "");
+  EXPECT_EQ(fitGrid(mesh, {.resolution = 1, .box = Box{glm::dvec3(-1e300), glm::dvec3(1e300)}}).dims,
+            glm::ivec3(1));
+}
+
+// All that take a grid from the caller refuse the same ones, and name the value.
+TEST(Grid, NamesTheValueThatIsNotFinite) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Grid grid = fitGrid(mesh, {.resolution = 8});
+  Field field = generate(mesh, grid).field;
+  const auto refuses = [&](const Grid& bad, const std::string& what) {
+    field.grid = bad;
+    EXPECT_EQ(usageError([&] { generate(mesh, bad); }).find(what), 0u);
+    EXPECT_EQ(usageError([&] { repair(mesh, bad, {}, {}); }).find(what), 0u);
+    EXPECT_EQ(usageError([&] { distanceAt(field, {}); }).find(what), 0u);
+    EXPECT_EQ(usageError([&] { gradientAt(field, {}); }).find(what), 0u);
+    EXPECT_EQ(usageError([&] { sample(field, {}); }).find(what), 0u);
+    EXPECT_EQ(usageError([&] { isosurface(field); }).find(what), 0u);
+  };
+  for (const auto& [bad, number] : {std::pair(double(NAN), "nan"), {INFINITY, "inf"}, {-INFINITY, "-inf"}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Grid moved = grid;
+      moved.origin[axis] = bad;
+      refuses(moved, std::string("the grid's origin has ") + "xyz"[axis] + " = " + number + ";");
+    }
+    refuses({grid.dims, grid.origin, bad}, std::string("the grid's spacing is ") + number + ";");
+  }
+  refuses({grid.dims, grid.origin, 0.0}, "the grid's spacing is 0.000000;");
+  refuses({grid.dims, grid.origin, -2.0}, "the grid's spacing is -2.000000;");
+  refuses({{8, 0, 8}, grid.origin, 1.0}, "the grid has 8 x 0 x 8 samples;");
+  refuses({{-1, 8, 8}, grid.origin, 1.0}, "the grid has -1 x 8 x 8 samples;");
+}
+
 TEST(Mesh, NamesTheBadIndex) {
   Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   mesh.triangles[3].y = 77;

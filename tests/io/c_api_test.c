@@ -303,6 +303,8 @@ static void test_null(void) {
   CHECK(raymap_field_load(NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);
   CHECK(raymap_devices_count(NULL) == 0 && raymap_devices_get(NULL, 0, &device) == usage);
+  grid.origin[1] = NAN;
+  CHECK_FAILS(raymap_generate(mesh, &grid, NULL), usage, "the grid's origin has y = nan");
   raymap_field_free(field);
   raymap_mesh_free(mesh);
 }

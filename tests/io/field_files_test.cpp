@@ -186,6 +186,45 @@ TEST_P(FieldFiles, NameWhatIsMissing) {
   EXPECT_THROW(readField(folder_.path()), Error);
 }
 
+/// Replaces every occurrence of `from`.
+std::string replacedAll(std::string text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+std::string bytesOf(double value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+// The file's numbers are changed in place, as text or as bytes. A .npz has a checksum over them.
+TEST_P(FieldFiles, NameAnOriginThatIsNotFinite) {
+  if (!hasGrid() || GetParam() == ".npz") return;
+  const double marked = 1234.5;
+  writeField(file(), sphereField({{6, 5, 4}, {1, marked, 2}, 1.0}, 0.0));
+  const std::string whole = bytes();
+  for (const auto& [bad, text] : {std::pair(double(NAN), "nan"), {INFINITY, "inf"}}) {
+    setBytes(replacedAll(replacedAll(whole, bytesOf(marked), bytesOf(bad)), "1234.5", text));
+    try {
+      readField(file());
+      ADD_FAILURE() << text << " was read";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::Input);
+      if (GetParam() == ".vdb") continue;  // OpenVDB itself refuses it, with a message of its own.
+      EXPECT_EQ(std::string(e.what()), file().string() + ": the grid's origin is not finite: y = " + text);
+    }
+  }
+}
+
+TEST_P(FieldFiles, AreNotWrittenWithAGridThatCannotBeRead) {
+  Field field = sphereField({{6, 5, 4}, {0, 0, 0}, 1.0}, 0.0);
+  for (const Grid& grid : {Grid{field.grid.dims, {0, 0, NAN}, 1.0}, Grid{field.grid.dims, {}, INFINITY}}) {
+    field.grid = grid;
+    EXPECT_THROW(writeField(file(), field), Error);
+    EXPECT_FALSE(fs::exists(file()));
+  }
+}
+
 std::string formatName(const testing::TestParamInfo<std::string>& info) {
   return info.param.substr(1);
 }

@@ -272,6 +272,11 @@ TEST(Render, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(refusal(tiny, {}), ErrorCode::Input);
   field.distance[77] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(refusal(field, {}), ErrorCode::Input);
+  Field nowhere = ball(16, 0.7);
+  nowhere.grid.origin.z = NAN;
+  EXPECT_EQ(refusal(nowhere, {}), ErrorCode::Usage);
+  EXPECT_THROW(renderSlice(nowhere, 2), Error);
+  EXPECT_THROW(compareFields(nowhere, nowhere), Error);
 }
 
 TEST(Slice, LiesAsDocumented) {

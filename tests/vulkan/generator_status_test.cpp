@@ -106,6 +106,7 @@ TEST_F(VulkanGenerator, RefusesWhatExceedsItsCapacity) {
   }
   refuses(uploaded.buffers, {grid.dims + 1, grid.origin, grid.spacing}, {}, target);
   refuses(uploaded.buffers, {grid.dims, grid.origin, 0.0}, {}, target);
+  refuses(uploaded.buffers, {grid.dims, {0.0, NAN, 0.0}, grid.spacing}, {}, target);
   refuses(uploaded.buffers, grid, {.distance = DistanceMode::Cell}, target);
   refuses(uploaded.buffers, grid, {.sign = SignMode::Rays}, target);
   refuses(uploaded.buffers, grid, {}, {});

@@ -157,7 +157,9 @@ void setDims(Grid& grid, const std::array<int64_t, 3>& dims) {
 
 void checkPlacement(const std::filesystem::path& path, const Field& field) {
   for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(field.grid.origin[axis])) throwInvalid(path, "the grid's origin is not finite");
+    if (!std::isfinite(field.grid.origin[axis]))
+      throwInvalid(path, "the grid's origin is not finite: " + std::string(1, "xyz"[axis]) + " = " +
+                             toText(field.grid.origin[axis]));
   if (!std::isfinite(field.grid.spacing) || field.grid.spacing <= 0.0)
     throwInvalid(path, "the grid's spacing is " + toText(field.grid.spacing) + ", not a positive number");
   if (!std::isfinite(field.band) || field.band < 0.0)
