@@ -7,6 +7,7 @@
 #include <span>
 
 #include "checks.h"
+#include "read_offsets.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -55,6 +56,12 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   addOrientationOption(command, arguments);
   add("--passes", options.passes, "Passes of --sign paths, steps of --sign evolution (default 5)")
       ->check(wholeNumberFrom(1));
+  add("--sampling", arguments.sampling,
+      "Sampling of --sign paths and evolution: raymap (default), or paper, the paper's own")
+      ->check(oneOf<Sampling>());
+  add("--offsets", arguments.offsets,
+      "Text file of offset points for --sign paths and evolution, a line x y z each, in samples")
+      ->type_name("FILE");
   add("--threshold", options.threshold, "A sample is inside if |winding number| exceeds this (default 0.5)")
       ->check(numberFrom(0, true));
   add("--band", options.band, "Clamp distances to this many samples; 0 = do not clamp (default)")
@@ -110,6 +117,11 @@ void finishFieldArguments(FieldArguments& arguments) {
   arguments.options.distance = fromName<DistanceMode>(arguments.distance);
   arguments.options.sign = fromName<SignMode>(arguments.sign);
   arguments.options.orientation = fromName<Orientation>(arguments.orientation);
+  arguments.options.sampling = fromName<Sampling>(arguments.sampling);
+  const bool walksPaths = arguments.sign == "paths" || arguments.sign == "evolution";
+  if (!walksPaths && (arguments.sampling != "raymap" || !arguments.offsets.empty()))
+    throw Error(ErrorCode::Usage, "--sampling and --offsets need --sign paths or evolution");
+  if (!arguments.offsets.empty()) arguments.options.offsets = readOffsets(arguments.offsets);
   if (arguments.options.thickness > 0.0) {
     if (arguments.sign != "harmonic" && arguments.sign != "none")
       throw Error(ErrorCode::Usage, "--thickness takes the place of --sign; leave one of them out");

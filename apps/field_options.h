@@ -16,7 +16,8 @@ namespace raymap {
 struct FieldArguments {
   GridOptions grid;
   std::vector<double> bounds;
-  std::string distance = "exact", sign = "harmonic", orientation = "auto";
+  std::string distance = "exact", sign = "harmonic", orientation = "auto", sampling = "raymap";
+  std::filesystem::path offsets;
   Options options;
 };
 

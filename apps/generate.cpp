@@ -97,6 +97,12 @@ void writeAll(const Arguments& arguments, const Field& field, Report& report) {
   write(arguments.confidence, "confidence");
 }
 
+Json listOf(const std::vector<glm::ivec3>& offsets) {
+  Json json = Json::array();
+  for (const glm::ivec3& offset : offsets) json.push_back({offset.x, offset.y, offset.z});
+  return json;
+}
+
 Json describe(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   return {{"raymap", version().text},
@@ -115,6 +121,8 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"sign", arguments.sign},
             {"orientation", arguments.orientation},
             {"passes", arguments.options.passes},
+            {"sampling", arguments.sampling},
+            {"offsets", listOf(arguments.options.offsets)},
             {"threshold", arguments.options.threshold},
             {"band", arguments.options.band},
             {"invert", arguments.options.invert},

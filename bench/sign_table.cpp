@@ -54,10 +54,14 @@ std::vector<Row> brokenVariants(const std::string& name, const Mesh& mesh) {
 struct Mode {
   const char* name;
   SignMode sign;
+  Sampling sampling = Sampling::Raymap;
 };
-constexpr Mode kModes[] = {{"6 rays", SignMode::Rays},
+constexpr Mode kModes[] = {{"1 ray", SignMode::Ray},
+                           {"6 rays", SignMode::Rays},
                            {"paths, 5 passes", SignMode::Paths},
+                           {"the same, paper's sampling", SignMode::Paths, Sampling::Paper},
                            {"evolution, 5 steps", SignMode::Evolution},
+                           {"the same, paper's sampling", SignMode::Evolution, Sampling::Paper},
                            {"harmonic", SignMode::Harmonic}};
 
 void printCell(const std::vector<double>& exact, size_t stride,
@@ -79,14 +83,12 @@ void printRow(const Row& row, int resolution) {
   const double work = double(grid.sampleCount()) * double(row.mesh.triangles.size());
   const size_t stride = size_t(work / kTriangleTests) | 1;
   const std::vector<double> exact = exactNumbers(row.mesh, grid, stride);
-  const RayMap map = rayMapOf(row.mesh, grid);
   std::printf("| %s |", row.name.c_str());
-  printCell(exact, stride, [&](size_t s) {
-    const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
-    return double(map.ray(0, {int(s % nx), int(s / nx % ny), int(s / nx / ny)}));
-  });
   for (const Mode& mode : kModes) {
-    const Buffer<float> winding = windingOf(row.mesh, grid, mode.sign).winding;
+    const Buffer<float> winding =
+        windingOf(row.mesh, grid,
+                  {.sign = mode.sign, .orientation = Orientation::Keep, .sampling = mode.sampling})
+            .winding;
     printCell(exact, stride, [&](size_t s) { return double(winding[s]); });
     if (mode.sign != SignMode::Rays) continue;
     const std::vector<double> all = averageAllRays(row.mesh, grid, winding);
@@ -108,10 +110,12 @@ int main(int argc, char** argv) {
     for (const char* name : kPublished)
       if (std::filesystem::exists(folder / name)) rows.push_back({name, readMesh(folder / name)});
   }
-  std::printf("| wrong signs (mean error of w) | 1 ray |");
+  std::printf("| wrong signs (mean error of w) |");
   for (const Mode& mode : kModes)
     std::printf(" %s |%s", mode.name, mode.sign == SignMode::Rays ? " 26 rays |" : "");
-  std::printf("\n|---|---|---|---|---|---|---|\n");
+  std::printf("\n|");
+  for (size_t column = 0; column < std::size(kModes) + 2; ++column) std::printf("---|");
+  std::printf("\n");
   for (const Row& row : rows) try {
       printRow(row, resolution);
     } catch (const Error& error) {

@@ -65,7 +65,8 @@ RAYMAP_API void raymap_options_free(raymap_options* options);
 
 /* Sets an option whose value is a name:
  *   "distance"     "exact" (default), "neighbours", "cell", "raster"
- *   "sign"         "harmonic" (default), "paths", "evolution", "rays", "none"
+ *   "sign"         "harmonic" (default), "paths", "evolution", "rays", "ray", "none"
+ *   "sampling"     "raymap" (default), "paper": how "paths" and "evolution" sample curves
  *   "orientation"  "auto" (default), "keep", "repair"
  *   "device"       "auto" (default), "cpu", "vulkan", "vulkan:0", ...; see raymap_devices_list */
 RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const char* option,
@@ -81,6 +82,11 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "invert", "close_holes", "triangle_ids", "winding", "confidence" (0)
  *                       switches, as in raymap::Options */
 RAYMAP_API raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value);
+
+/* Sets the offset points of "paths" and "evolution", used in turn: x, y, z of each, in samples. They are
+ * copied. A count of 0 brings back those of "sampling". */
+RAYMAP_API raymap_result raymap_options_set_offsets(raymap_options* options, const int32_t* offsets,
+                                                    size_t count);
 
 /* Reports the name of the current stage and the share of it that is done, 0 to 1. Returns true to go on,
  * false to cancel: the call then fails with RAYMAP_ERROR_CANCELLED. Any thread may call it, one at a time. */

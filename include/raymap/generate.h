@@ -24,7 +24,19 @@ enum class SignMode {
   Paths,      ///< Mean over paths through six axis orders to each offset point: the paper's simple variant.
   Evolution,  ///< Iteration of Eq. 10 and 11.
   Rays,       ///< Mean of the six axis-parallel rays (Eq. 9).
+  Ray,        ///< The ray along +x alone (Fig. 5, left).
   None        ///< No sign: the field is unsigned.
+};
+
+/// How `Paths` and `Evolution` sample curves (Krayer & Müller 2019, §3.5). An offset point lies inside or
+/// outside the grid.
+enum class Sampling {
+  /// Points spread over a box around the sample, with sides of 3/16 of the grid's. `Paths` has one a pass,
+  /// `Evolution` four a step. The winding number outside the grid is 0.
+  Raymap,
+  /// The eight diagonal neighbours, twice as far in each further pass or step: the paper's example. Outside
+  /// the grid it is the mean of the point's six rays (Eq. 7).
+  Paper
 };
 
 /// Whether faces that point the wrong way may be reversed.
@@ -39,9 +51,10 @@ struct Options {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
   Orientation orientation = Orientation::Auto;
-  int passes = 5;  ///< Number of passes P of `Paths` (one offset point each) or of steps of `Evolution`.
+  int passes = 5;                        ///< Number of passes P of `Paths` or of steps of `Evolution`.
+  Sampling sampling = Sampling::Raymap;  ///< Offset points of `Paths` and `Evolution`, and the rays there.
   std::vector<glm::ivec3> offsets =
-      {};                    ///< Offset points in samples, used in turn; empty = the built-in set.
+      {};                    ///< Offset points in samples, used in turn, in place of `sampling`'s.
   double threshold = 0.5;    ///< A sample is inside if |winding number| exceeds this (§3.5).
   double band = 0.0;         ///< Distances are clamped to this many samples; 0 = not clamped.
   bool invert = false;       ///< Whether inside is positive instead of negative.

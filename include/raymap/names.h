@@ -14,6 +14,7 @@ namespace raymap {
 
 RAYMAP_API std::string_view name(DistanceMode value);
 RAYMAP_API std::string_view name(SignMode value);
+RAYMAP_API std::string_view name(Sampling value);
 RAYMAP_API std::string_view name(Orientation value);
 RAYMAP_API std::string_view name(DeviceType value);
 RAYMAP_API std::string_view name(ErrorCode value);
@@ -34,6 +35,7 @@ std::span<const std::string_view> names();
   RAYMAP_API std::span<const std::string_view> names<Enum>();
 RAYMAP_DECLARE_NAMES(DistanceMode)
 RAYMAP_DECLARE_NAMES(SignMode)
+RAYMAP_DECLARE_NAMES(Sampling)
 RAYMAP_DECLARE_NAMES(Orientation)
 RAYMAP_DECLARE_NAMES(DeviceType)
 RAYMAP_DECLARE_NAMES(ErrorCode)

@@ -24,8 +24,16 @@ template <>
 struct Names<SignMode> {
   static constexpr std::string_view kKind = "sign mode";
   static constexpr std::array kValues{SignMode::Harmonic, SignMode::Paths, SignMode::Evolution,
-                                      SignMode::Rays, SignMode::None};
-  static constexpr std::array<std::string_view, 5> kNames{"harmonic", "paths", "evolution", "rays", "none"};
+                                      SignMode::Rays,     SignMode::Ray,   SignMode::None};
+  static constexpr std::array<std::string_view, 6> kNames{"harmonic", "paths", "evolution",
+                                                          "rays",     "ray",   "none"};
+};
+
+template <>
+struct Names<Sampling> {
+  static constexpr std::string_view kKind = "sampling";
+  static constexpr std::array kValues{Sampling::Raymap, Sampling::Paper};
+  static constexpr std::array<std::string_view, 2> kNames{"raymap", "paper"};
 };
 
 template <>
@@ -92,6 +100,7 @@ Enum valueOf(std::string_view text) {
   }
 RAYMAP_DEFINE_NAMES(DistanceMode)
 RAYMAP_DEFINE_NAMES(SignMode)
+RAYMAP_DEFINE_NAMES(Sampling)
 RAYMAP_DEFINE_NAMES(Orientation)
 RAYMAP_DEFINE_NAMES(DeviceType)
 RAYMAP_DEFINE_NAMES(ErrorCode)

@@ -3,6 +3,7 @@
 #include <raymap/callbacks.h>
 
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -54,6 +55,21 @@ class Progress {
   double begin_ = 0.0, length_ = 1.0;
   std::atomic<double> done_{0.0};
   std::atomic<bool> cancelled_{false};
+};
+
+/// Counts work that several threads do, and reports it as the part [begin, end] of the stage.
+class WorkMeter {
+ public:
+  WorkMeter(Progress& progress, double begin, double end, double total)
+      : progress_(progress), begin_(begin), length_(end - begin), total_(total) {}
+
+  /// Reports that `work` more is done. Throws like `Progress::report`.
+  void add(uint64_t work) { progress_.report(begin_ + length_ * double(done_ += work) / total_); }
+
+ private:
+  Progress& progress_;
+  double begin_, length_, total_;
+  std::atomic<uint64_t> done_{0};
 };
 
 }  // namespace raymap

@@ -29,13 +29,15 @@ void setText(Options& options, const std::string& option, const char* value) {
     options.distance = fromName<DistanceMode>(value);
   else if (option == "sign")
     options.sign = fromName<SignMode>(value);
+  else if (option == "sampling")
+    options.sampling = fromName<Sampling>(value);
   else if (option == "orientation")
     options.orientation = fromName<Orientation>(value);
   else if (option == "device")
     options.device = value;
   else
-    throw Error(ErrorCode::Usage,
-                "there is no option '" + option + "' with a name; use distance, sign, orientation or device");
+    throw Error(ErrorCode::Usage, "there is no option '" + option +
+                                      "' with a name; use distance, sign, sampling, orientation or device");
 }
 
 /// Sets an option that is a number. Throws `Error(Usage)` for another name.
@@ -93,6 +95,15 @@ raymap_result raymap_options_set_text(raymap_options* options, const char* optio
 raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value) {
   return guard(
       [&] { setNumber(need(options, "the handle of options").options, &need(option, "the option"), value); });
+}
+
+raymap_result raymap_options_set_offsets(raymap_options* options, const int32_t* offsets, size_t count) {
+  return guard([&] {
+    std::vector<glm::ivec3>& points = need(options, "the handle of options").options.offsets;
+    if (count > 0) need(offsets, "the array of offsets");
+    points.resize(count);
+    for (size_t p = 0; p < count; ++p) points[p] = {offsets[3 * p], offsets[3 * p + 1], offsets[3 * p + 2]};
+  });
 }
 
 raymap_result raymap_options_set_progress(raymap_options* options, raymap_progress_callback callback,

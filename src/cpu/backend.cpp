@@ -32,7 +32,8 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
   if (!exact) perSample += sizeof(float) + sizeof(uint32_t) + (raster ? 0 : sizeof(uint64_t));
   if (options.sign != SignMode::None) perSample += sizeof(float);
   if (options.sign == SignMode::Harmonic) perSample += 14;
-  if (options.sign == SignMode::Evolution) perSample += sizeof(float);
+  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution)
+    perSample += 3 * sizeof(int32_t) + sizeof(float);  // PathScratch
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
   // Bytes while patches are found. A triangle has three half edges, its patch and its turn; a vertex has a

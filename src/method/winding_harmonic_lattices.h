@@ -17,6 +17,10 @@ struct LatticeBox {
   glm::ivec3 dims{0};
 
   size_t sampleCount() const { return size_t(dims.x) * size_t(dims.y) * size_t(dims.z); }
+  /// Returns the number of samples in those of the planes [begin, end) across z that exist.
+  size_t planeSamples(int begin, int end) const {
+    return size_t(dims.x) * size_t(dims.y) * size_t(std::min(end, dims.z) - begin);
+  }
   size_t row(int j, int k) const { return size_t(k) * size_t(dims.y) + size_t(j); }
   float* row(float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }
   const float* row(const float* values, int j, int k) const { return values + row(j, k) * size_t(dims.x); }

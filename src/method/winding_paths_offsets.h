@@ -8,10 +8,11 @@ namespace raymap {
 
 inline constexpr int kPathsPerPoint = 6;  // xyz, xzy, yxz, yzx, zxy, zyx
 inline constexpr int kRays = 6;
-// Number of offset points per step of the evolution. With one point the field would nearly be that point's.
-inline constexpr int kPointsPerStep = 4;
 
-/// Returns the offset of a pass's point from the sample, in samples.
-glm::ivec3 offsetOf(const Options& options, int64_t pass, const glm::ivec3& dims);
+/// Returns the number of offset points of a pass of `Paths` or a step of `Evolution`.
+int pointsPerPass(const Options& options);
+
+/// Returns an offset point from the sample, in samples. `point` counts the points of all passes.
+glm::ivec3 offsetOf(const Options& options, int64_t point, const glm::ivec3& dims);
 
 }  // namespace raymap

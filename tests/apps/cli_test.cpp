@@ -253,6 +253,62 @@ TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
   expectFailure("info two.ply --fast --picture two.png", ErrorCode::Usage, "leave out --fast");
 }
 
+TEST_F(Cli, SamplesCurvesAsAsked) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).x > 2.2; });
+  writeMesh(path("torn.ply"), mesh);
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  std::ofstream(path("points.txt")) << "# in samples\n 3 -2 1\n\n-100\t0 4   # far away\r\n";
+  Options options{.orientation = Orientation::Keep, .winding = true, .device = "cpu"};
+  const auto expectSame = [&](const std::string& arguments) {
+    succeed(
+        "generate torn.ply -o f.npy --winding w.npy --resolution 24 --device cpu --orientation keep --stats "
+        "s.json " +
+        arguments);
+    const Field expected = generate(mesh, grid, options).field;
+    // A .npy of winding numbers is read as distances.
+    const Field made = readField(path("w.npy"));
+    ASSERT_EQ(made.distance.size(), expected.winding.size());
+    for (size_t s = 0; s < expected.winding.size(); ++s)
+      ASSERT_NEAR(made.distance[s], expected.winding[s], 1e-6f) << arguments << ", sample " << s;
+  };
+  options.sign = SignMode::Ray;
+  expectSame("--sign ray");
+  options.sign = SignMode::Paths;
+  options.sampling = Sampling::Paper;
+  options.passes = 3;
+  expectSame("--sign paths --sampling paper --passes 3");
+  EXPECT_EQ(json("s.json")["options"]["sampling"], "paper");
+  EXPECT_EQ(json("s.json")["options"]["offsets"], Json::array());
+  options.offsets = {{3, -2, 1}, {-100, 0, 4}};
+  expectSame("--sign paths --sampling paper --passes 3 --offsets points.txt");
+  EXPECT_EQ(json("s.json")["options"]["offsets"], Json({{3, -2, 1}, {-100, 0, 4}}));
+  options.sign = SignMode::Evolution;
+  options.sampling = Sampling::Raymap;
+  expectSame("--sign evolution --passes 3 --offsets points.txt");
+}
+
+TEST_F(Cli, NamesTheLineOfABadOffset) {
+  writeTorus();
+  const auto refuse = [&](const std::string& lines, ErrorCode code, const std::string& message) {
+    std::ofstream(path("points.txt")) << lines;
+    expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets points.txt", code, message);
+  };
+  refuse("1 2 3\n\n4 5\n", ErrorCode::Input, "points.txt:3: 2 numbers; a line holds an offset x y z");
+  refuse("1 2 3 4\n", ErrorCode::Input, "points.txt:1: 4 numbers");
+  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: '0.5' is no such number");
+  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: '3000000000' is no such number");
+  refuse("1, 2, 3\n", ErrorCode::Input, "points.txt:1: '1,'");
+  refuse("# nothing\n", ErrorCode::Input, "points.txt: it holds no offsets");
+  expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets no.txt", ErrorCode::File,
+                "no.txt: cannot be opened");
+  expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets .", ErrorCode::File, "cannot be opened");
+  for (const char* extra : {"--offsets points.txt", "--sampling paper", "--sign rays --sampling paper"})
+    expectFailure(std::string("generate torus.ply -o f.nrrd ") + extra, ErrorCode::Usage,
+                  "--sampling and --offsets need --sign paths or evolution");
+  EXPECT_FALSE(fs::exists(path("f.nrrd")));
+}
+
 TEST_F(Cli, CoversTheRequestedBox) {
   writeTorus();
   succeed("generate torus.ply -o box.nrrd --voxel-size 0.5 --bounds -4 -3 -1 4 3 1");

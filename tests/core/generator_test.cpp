@@ -106,7 +106,7 @@ TEST(Generator, StopsWithinALongStage) {
   options.passes = 100'000'000;
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution}) {
     options.sign = sign;
-    EXPECT_LT(shareWhenStopped(mesh, grid, options, "winding", 20), 1e-5);
+    EXPECT_LT(shareWhenStopped(mesh, grid, options, "winding", 200), 1e-5);
   }
   EXPECT_LE(shareWhenStopped(mesh, grid, {}, "winding", 50), 1.0);  // harmonic
   EXPECT_LE(shareWhenStopped(mesh, grid, {}, "crossings", 5), 1.0);

@@ -8,7 +8,7 @@ namespace {
 
 template <class Enum>
 class NamesOf : public testing::Test {};
-using Enums = testing::Types<DistanceMode, SignMode, Orientation, DeviceType, ErrorCode>;
+using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, DeviceType, ErrorCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {
@@ -29,11 +29,13 @@ TYPED_TEST(NamesOf, AreListedWhereOneIsUnknown) {
 
 TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(DistanceMode::Neighbours), "neighbours");
+  EXPECT_EQ(name(SignMode::Ray), "ray");
   EXPECT_EQ(name(SignMode::None), "none");
+  EXPECT_EQ(name(Sampling::Paper), "paper");
   EXPECT_EQ(name(Orientation::Repair), "repair");
   EXPECT_EQ(name(DeviceType::Software), "software");
   EXPECT_EQ(name(ErrorCode::DeviceLost), "device_lost");
-  EXPECT_EQ(names<SignMode>().size(), 5u);
+  EXPECT_EQ(names<SignMode>().size(), 6u);
   EXPECT_THROW(name(static_cast<SignMode>(77)), Error);
 }
 

@@ -109,7 +109,7 @@ TEST(Pipeline, RunsTheStagesOfEveryDistance) {
 }
 
 TEST(Pipeline, RunsTheStagesOfEverySign) {
-  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution, SignMode::Rays})
+  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution, SignMode::Rays, SignMode::Ray})
     EXPECT_EQ(stagesOf({.sign = sign}), (Names{"begin", "exact_distance", "crossings", "ray_map", "winding",
                                                "orientation", "sign", "finish"}));
   EXPECT_EQ(stagesOf({.sign = SignMode::Harmonic, .closeHoles = true}),

@@ -163,6 +163,7 @@ static void test_options(void) {
   raymap_options* options = raymap_options_create();
   CHECK(raymap_options_set_text(options, "distance", "cell") == RAYMAP_OK);
   CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
+  CHECK(raymap_options_set_text(options, "sampling", "paper") == RAYMAP_OK);
   CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
   static const char* const numbers[] = {"passes",       "threshold",    "band",      "thickness",
                                         "threads",      "memory_limit", "invert",    "close_holes",
@@ -175,6 +176,46 @@ static void test_options(void) {
   CHECK_FAILS(raymap_options_set_number(options, "threads", -1), RAYMAP_ERROR_USAGE, "whole");
   CHECK_FAILS(raymap_options_set_number(options, "invert", 2), RAYMAP_ERROR_USAGE, "0 to 1");
   CHECK_FAILS(raymap_options_set_number(options, "speed", 2), RAYMAP_ERROR_USAGE, "threshold");
+  CHECK_FAILS(raymap_options_set_text(options, "sampling", "best"), RAYMAP_ERROR_USAGE, "raymap or paper");
+  CHECK_FAILS(raymap_options_set_offsets(options, NULL, 1), RAYMAP_ERROR_USAGE, "offsets");
+  CHECK(raymap_options_set_offsets(options, NULL, 0) == RAYMAP_OK);
+  raymap_options_free(options);
+}
+
+/* Returns the sum of the winding numbers of the tetrahedron without its last face, over a small grid. */
+static double sum_of_winding(const raymap_options* options) {
+  raymap_mesh_arrays arrays = {
+      .vertices = kVertices, .vertex_count = 4, .triangles = kTriangles, .triangle_count = 3};
+  raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
+  const raymap_grid grid = {{6, 5, 4}, {-0.9, -0.8, -0.7}, 0.4};
+  raymap_field* field = raymap_generate(mesh, &grid, options);
+  CHECK(field != NULL && raymap_field_winding(field) != NULL);
+  double sum = 0.0;
+  for (size_t s = 0; s < sample_count(&grid); ++s) sum += raymap_field_winding(field)[s];
+  raymap_field_free(field);
+  raymap_mesh_free(mesh);
+  return sum;
+}
+
+static void test_offsets(void) {
+  raymap_options* options = on_cpu();
+  CHECK(raymap_options_set_number(options, "winding", 1) == RAYMAP_OK);
+  CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
+  CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
+  const double rays = sum_of_winding(options);
+  CHECK(raymap_options_set_text(options, "sign", "paths") == RAYMAP_OK);
+  const double built_in = sum_of_winding(options);
+  CHECK(fabs(built_in - rays) > 1e-3);
+  const int32_t zero[6] = {0, 0, 0, 0, 0, 0};
+  CHECK(raymap_options_set_offsets(options, zero, 2) == RAYMAP_OK);
+  CHECK(fabs(sum_of_winding(options) - rays) < 1e-3);
+  const int32_t far_away[3] = {0, 9, 0};
+  CHECK(raymap_options_set_offsets(options, far_away, 1) == RAYMAP_OK);
+  CHECK(fabs(sum_of_winding(options) - rays) > 1e-3);
+  CHECK(raymap_options_set_offsets(options, NULL, 0) == RAYMAP_OK);
+  CHECK(sum_of_winding(options) == built_in);
+  CHECK(raymap_options_set_text(options, "sampling", "paper") == RAYMAP_OK);
+  CHECK(fabs(sum_of_winding(options) - built_in) > 1e-3);
   raymap_options_free(options);
 }
 
@@ -316,6 +357,7 @@ int main(int argc, char** argv) {
   test_other_arrays();
   test_field();
   test_options();
+  test_offsets();
   test_callbacks();
   test_files(argc > 1 ? argv[1] : ".");
   test_devices();

@@ -14,7 +14,8 @@ namespace raymap {
 using namespace cpu;
 namespace {
 
-constexpr SignMode kModes[] = {SignMode::Rays, SignMode::Paths, SignMode::Evolution, SignMode::Harmonic};
+constexpr SignMode kModes[] = {SignMode::Rays, SignMode::Ray, SignMode::Paths, SignMode::Evolution,
+                               SignMode::Harmonic};
 
 Grid unitGrid(glm::ivec3 dims) {
   return {.dims = dims, .origin = glm::dvec3(0.0), .spacing = 1.0};
@@ -77,14 +78,39 @@ TEST(Winding, FlippedOrientationNegates) {
 TEST(Winding, SameForAnyNumberOfThreads) {
   const Mesh mesh = shapes::soup(500, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
+  for (const SignMode mode : kModes)
+    for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper}) {
+      const Options options{.sign = mode, .orientation = Orientation::Keep, .sampling = sampling};
+      Buffer<float> first;
+      withThreads(1, [&] { first = windingOf(mesh, grid, options).winding; });
+      for (const int threads : {2, 8}) {
+        Buffer<float> other;
+        withThreads(threads, [&] { other = windingOf(mesh, grid, options).winding; });
+        EXPECT_EQ(0, std::memcmp(first.data(), other.data(), first.size() * sizeof(float)))
+            << "mode " << int(mode) << ", sampling " << int(sampling);
+      }
+    }
+}
+
+// One thread: with several, a report may overtake another.
+TEST(Winding, ReportsHowFarItIs) {
+  const Mesh mesh = shapes::soup(300, 5);
+  const Grid grid = fitGrid(mesh, {.resolution = 64});
   for (const SignMode mode : kModes) {
-    Buffer<float> first;
-    withThreads(1, [&] { first = windingOf(mesh, grid, mode).winding; });
-    for (const int threads : {2, 8}) {
-      Buffer<float> other;
-      withThreads(threads, [&] { other = windingOf(mesh, grid, mode).winding; });
-      EXPECT_EQ(0, std::memcmp(first.data(), other.data(), first.size() * sizeof(float)))
-          << "mode " << int(mode);
+    std::vector<double> shares;
+    Options options{.sign = mode, .orientation = Orientation::Keep, .threads = 1, .device = "cpu"};
+    options.progress = [&](std::string_view stage, double done) {
+      if (stage == "winding") shares.push_back(done);
+      return true;
+    };
+    windingOf(mesh, grid, options);
+    ASSERT_GT(shares.size(), 20u) << "mode " << int(mode);
+    EXPECT_EQ(shares.front(), 0.0);
+    EXPECT_GT(shares.back(), 0.95) << "mode " << int(mode);
+    EXPECT_LE(shares.back(), 1.0) << "mode " << int(mode);
+    for (size_t r = 1; r < shares.size(); ++r) {
+      EXPECT_GE(shares[r], shares[r - 1]) << "mode " << int(mode);
+      EXPECT_LT(shares[r] - shares[r - 1], 0.2) << "mode " << int(mode);
     }
   }
 }

@@ -109,14 +109,14 @@ class SignStages : public VulkanTest {
     return edges();
   }
 
-  static SignResult compute(const CellMesh& mesh) {
+  static SignResult compute(const CellMesh& mesh, SignMode mode = SignMode::Rays) {
     SignResult result{.crossings = countCrossings(mesh)};
     const LatticeLines lines = stages().crossings.lines();
     DeviceBuffer winding(device(), "winding");
     winding.resize<float>(size_t(mesh.dims.x) * size_t(mesh.dims.y) * size_t(mesh.dims.z));
     run([&](Commands& commands) {
       stages().rayMap.record(commands, lines);
-      stages().windingRays.record(commands, lines, winding.address());
+      stages().windingRays.record(commands, lines, mode, winding.address());
     });
     result.rays = edges();
     result.winding = download<float>(winding);

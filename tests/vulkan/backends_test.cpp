@@ -252,9 +252,11 @@ TEST_F(Backends, GiveTheSameRays) {
   const Mesh mesh = shapes::soup(300, 8);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
   Options options = everything("cpu");
-  options.sign = SignMode::Rays;
-  const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
-  EXPECT_EQ(0, std::memcmp(cpu.winding.data(), gpu.winding.data(), cpu.winding.size() * sizeof(float)));
+  for (const SignMode sign : {SignMode::Rays, SignMode::Ray}) {
+    options.sign = sign;
+    const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
+    EXPECT_EQ(0, std::memcmp(cpu.winding.data(), gpu.winding.data(), cpu.winding.size() * sizeof(float)));
+  }
   options.sign = SignMode::None;
   for (const float d : make(mesh, grid, options, "vulkan").distance) ASSERT_GE(d, 0.0f);
 }
@@ -263,8 +265,12 @@ TEST_F(Backends, GiveTheSamePathsAndEvolution) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 20});
   Options options = everything("cpu");
-  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution}) {
+  for (const auto& [sign, sampling] : {std::pair(SignMode::Paths, Sampling::Raymap),
+                                       {SignMode::Evolution, Sampling::Raymap},
+                                       {SignMode::Paths, Sampling::Paper},
+                                       {SignMode::Evolution, Sampling::Paper}}) {
     options.sign = sign;
+    options.sampling = sampling;
     const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
     expectSame(cpu, gpu, mesh);
     for (size_t s = 0; s < cpu.winding.size(); ++s) ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 1e-5f) << s;

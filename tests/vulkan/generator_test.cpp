@@ -11,6 +11,10 @@ TEST_F(VulkanGenerator, MatchesTheBackendOfTheHost) {
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Neighbours, SignMode::Paths));
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Raster, SignMode::Evolution));
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Exact, SignMode::None));
+  expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Cell, SignMode::Ray));
+  Options sampled = everything(DistanceMode::Cell, SignMode::Evolution);
+  sampled.sampling = Sampling::Paper;
+  expectAsOnTheHostsWay(mesh, grid, sampled);
   Options options = everything(DistanceMode::Cell, SignMode::Harmonic);
   options.band = 2.0;
   options.invert = true;

@@ -29,7 +29,7 @@ class VulkanWindingHarmonic : public VulkanRaysTest {
     Progress progress;
     HarmonicScratch scratch;
     Buffer<float> winding(size_t(map.dims.x) * size_t(map.dims.y) * size_t(map.dims.z));
-    solveHarmonic(map, progress, scratch, winding);
+    solveHarmonic(map, progress, 0.0, scratch, winding);
     return winding;
   }
 };

@@ -14,8 +14,9 @@ namespace {
 class VulkanWindingPaths : public VulkanRaysTest {
  protected:
   static std::vector<float> rayAverage(const RayMap& map) {
+    Progress progress;
     Buffer<float> winding;
-    averageRays(RaySweep(map), winding);
+    averageRays(RaySweep(map), progress, 1.0, winding);
     return {winding.begin(), winding.end()};
   }
 
@@ -24,8 +25,8 @@ class VulkanWindingPaths : public VulkanRaysTest {
     PathScratch scratch;
     const RaySweep sweep(map);
     Buffer<float> winding;
-    averageRays(sweep, winding);
-    (options.sign == SignMode::Paths ? averagePaths : evolvePaths)(sweep, options, progress, scratch,
+    averageRays(sweep, progress, 0.0, winding);
+    (options.sign == SignMode::Paths ? averagePaths : evolvePaths)(sweep, options, progress, 0.0, scratch,
                                                                    winding);
     return {winding.begin(), winding.end()};
   }
@@ -60,17 +61,21 @@ TEST_F(VulkanWindingPaths, MatchTheCpu) {
     const RayMap map =
         rayMapOf(shapes::soup(200, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = 0.03});
     for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-      for (const int passes : {0, 1, 2, 5, 9}) expectTwins(map, {.sign = sign, .passes = passes});
+      for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+        for (const int passes : {0, 1, 2, 5, 9})
+          expectTwins(map, {.sign = sign, .passes = passes, .sampling = sampling});
   }
 }
 
 TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
   const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-    expectTwins(map,
-                {.sign = sign,
-                 .passes = 7,
-                 .offsets = {{0, 0, 0}, {-3, 5, 11}, {1000000000, 0, 0}, {-2000000000, 7, -9}, {0, 0, -4}}});
+    for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+      expectTwins(
+          map, {.sign = sign,
+                .passes = 7,
+                .sampling = sampling,
+                .offsets = {{0, 0, 0}, {-3, 5, 11}, {1000000000, 0, 0}, {-2000000000, 7, -9}, {0, 0, -4}}});
 }
 
 TEST_F(VulkanWindingPaths, LeaveWhatAllRaysAgreeOn) {

@@ -9,14 +9,15 @@
 namespace raymap::vulkan {
 namespace {
 
-SignResult computeOnCpu(const CellMesh& mesh) {
+SignResult computeOnCpu(const CellMesh& mesh, SignMode mode) {
   Progress progress;
   cpu::Crossings crossings;
   countCrossings(mesh, progress, crossings);
   cpu::RayMap map;
   buildRayMap(mesh.dims, crossings, map);
   Buffer<float> winding;
-  const size_t doubtful = averageRays(RaySweep(map), winding);
+  const size_t doubtful =
+      (mode == SignMode::Ray ? takeOneRay : averageRays)(RaySweep(map), progress, 1.0, winding);
   return {.crossings = edgeCounts(crossings, mesh.dims),
           .rays = edgeCounts(map),
           .winding = {winding.begin(), winding.end()},
@@ -25,12 +26,14 @@ SignResult computeOnCpu(const CellMesh& mesh) {
 
 void expectTwins(const Mesh& mesh, const Grid& grid) {
   const CellMesh cells = cellMesh(mesh, grid);
-  const SignResult device = SignStages::compute(cells), cpu = computeOnCpu(cells);
-  EXPECT_EQ(device.crossings, cpu.crossings);
-  EXPECT_EQ(device.rays, cpu.rays);
-  EXPECT_EQ(device.winding, cpu.winding);
-  EXPECT_EQ(device.doubtful, cpu.doubtful);
-  EXPECT_TRUE(SignStages::compute(cells) == device) << "the second time";
+  for (const SignMode mode : {SignMode::Rays, SignMode::Ray}) {
+    const SignResult device = SignStages::compute(cells, mode), cpu = computeOnCpu(cells, mode);
+    EXPECT_EQ(device.crossings, cpu.crossings);
+    EXPECT_EQ(device.rays, cpu.rays);
+    EXPECT_EQ(device.winding, cpu.winding) << "mode " << int(mode);
+    EXPECT_EQ(device.doubtful, cpu.doubtful);
+    EXPECT_TRUE(SignStages::compute(cells, mode) == device) << "the second time";
+  }
 }
 
 Grid unitGrid(glm::ivec3 dims) {

@@ -5,8 +5,20 @@
 #include "cpu/sign/winding_harmonic.h"
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
+#include "method/winding_paths_offsets.h"
 
 namespace raymap::cpu {
+
+namespace {
+
+/// Returns the share of the rays in the time of a mode.
+double shareOfRays(SignMode mode, const Options& options) {
+  if (mode == SignMode::Rays || mode == SignMode::Ray) return 1.0;
+  if (mode == SignMode::Harmonic) return 0.2;
+  return 1.0 / (2.0 + double(options.passes) * pointsPerPass(options));
+}
+
+}  // namespace
 
 struct Winding::Impl {
   PathScratch paths;
@@ -22,16 +34,18 @@ size_t Winding::bytes() const {
 
 double Winding::compute(const RayMap& map, SignMode mode, const Options& options, Progress& progress,
                         Buffer<float>& winding) {
+  const double rays = shareOfRays(mode, options);
   const RaySweep sweep(map);
-  const size_t doubtful = averageRays(sweep, winding);
+  const size_t doubtful = mode == SignMode::Ray ? takeOneRay(sweep, progress, rays, winding)
+                                                : averageRays(sweep, progress, rays, winding);
   // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
     if (mode == SignMode::Paths)
-      averagePaths(sweep, options, progress, impl_->paths, winding);
+      averagePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Evolution)
-      evolvePaths(sweep, options, progress, impl_->paths, winding);
+      evolvePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Harmonic)
-      solveHarmonic(map, progress, impl_->harmonic, winding);
+      solveHarmonic(map, progress, rays, impl_->harmonic, winding);
   }
   return double(doubtful) / double(sweep.sampleCount());
 }

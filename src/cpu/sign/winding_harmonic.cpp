@@ -14,8 +14,8 @@ namespace {
 
 class Hierarchy {
  public:
-  Hierarchy(std::vector<HarmonicLevel>& levels, Progress& progress, Buffer<float>& winding)
-      : levels_(levels), progress_(progress), winding_(winding) {}
+  Hierarchy(std::vector<HarmonicLevel>& levels, WorkMeter& meter, Buffer<float>& winding)
+      : levels_(levels), meter_(meter), winding_(winding) {}
 
   /// Solves lattice `l` by full multigrid, starting from the solution on the next coarser one. One V-cycle
   /// then leaves an error below that of the lattice itself (docs/signs.md). More cycles would only cost more.
@@ -28,7 +28,7 @@ class Hierarchy {
       overrelaxField(level.box, jumps, kCoarsestSweeps, values);
       return;
     }
-    prolongField(levels_[l + 1].box, levels_[l + 1].values.data(), level.box, level.jumps, values);
+    prolongField(levels_[l + 1].box, levels_[l + 1].values.data(), level.box, level.jumps, meter_, values);
     improve(l, jumps, values);
   }
 
@@ -40,8 +40,8 @@ class Hierarchy {
   void improve(size_t l, const RightHandSide& rightHandSide, float* values) {
     const LatticeBox& box = levels_[l].box;
     HarmonicLevel& coarse = levels_[l + 1];
-    relaxField(box, rightHandSide, progress_, values);
-    restrictResidual(box, rightHandSide, values, coarse.box, coarse.residual.data());
+    relaxField(box, rightHandSide, meter_, values);
+    restrictResidual(box, rightHandSide, values, coarse.box, meter_, coarse.residual.data());
     const RightHandSide residual{.values = coarse.residual.data()};
     float* correction = coarse.correction.data();
     std::fill_n(correction, coarse.box.sampleCount(), 0.0f);
@@ -49,12 +49,12 @@ class Hierarchy {
       overrelaxField(coarse.box, residual, kCoarsestSweeps, correction);
     else
       improve(l + 1, residual, correction);
-    addCorrection(coarse.box, correction, box, values);
-    relaxField(box, rightHandSide, progress_, values);
+    addCorrection(coarse.box, correction, box, meter_, values);
+    relaxField(box, rightHandSide, meter_, values);
   }
 
   std::vector<HarmonicLevel>& levels_;
-  Progress& progress_;
+  WorkMeter& meter_;
   Buffer<float>& winding_;
 };
 
@@ -64,6 +64,15 @@ void buildLevel(const RayMap& map, size_t l, HarmonicLevel& level) {
   if (l == 0) return;
   for (Buffer<float>* field : {&level.values, &level.correction, &level.residual})
     field->resizeUninitialized(level.box.sampleCount());
+}
+
+/// Returns the number of samples that `solveHarmonic` visits, each time that it does. A level is prolonged to
+/// once. The V-cycle of each finer level and its own pass through it, with four visits.
+double samplesToVisit(const glm::ivec3& dims) {
+  double visits = 0.0;
+  for (int l = 0; l < coarsestHarmonicLevel(dims); ++l)
+    visits += double(harmonicBox(dims, l).sampleCount()) * (1.0 + 4.0 * (l + 1));
+  return visits;
 }
 
 }  // namespace
@@ -77,13 +86,14 @@ size_t HarmonicScratch::bytes() const {
   return sum;
 }
 
-void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding) {
+void solveHarmonic(const RayMap& map, Progress& progress, double begin, HarmonicScratch& scratch,
+                   Buffer<float>& winding) {
   scratch.levels.resize(size_t(coarsestHarmonicLevel(map.dims)) + 1);
-  Hierarchy hierarchy(scratch.levels, progress, winding);
+  WorkMeter meter(progress, begin, 1.0, samplesToVisit(map.dims));
+  Hierarchy hierarchy(scratch.levels, meter, winding);
   for (size_t l = scratch.levels.size(); l-- > 0;) {
     buildLevel(map, l, scratch.levels[l]);
     hierarchy.solve(l);
-    progress.report(1.0 / double(size_t{1} << 3 * l));
   }
 }
 

@@ -23,7 +23,9 @@ struct HarmonicScratch {
 };
 
 /// Fills `winding` with the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as
-/// possible, in the least-squares sense. The field vanishes far away.
-void solveHarmonic(const RayMap& map, Progress& progress, HarmonicScratch& scratch, Buffer<float>& winding);
+/// possible, in the least-squares sense. The field vanishes far away. Reports the part of the stage from
+/// `begin` on.
+void solveHarmonic(const RayMap& map, Progress& progress, double begin, HarmonicScratch& scratch,
+                   Buffer<float>& winding);
 
 }  // namespace raymap::cpu

@@ -39,16 +39,15 @@ void RightHandSide::clear(const LatticeBox& box, int j, int k, std::vector<float
     for (const JumpRows::Jump& jump : along.row(box.row(j, k))) scratch[size_t(jump.x)] = 0.0f;
 }
 
-void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, Progress& progress,
-                float* values) {
+void relaxField(const LatticeBox& box, const RightHandSide& rightHandSide, WorkMeter& meter, float* values) {
   const size_t slabs = (size_t(box.dims.z) + kPlanesPerSlab - 1) / kPlanesPerSlab;
   // Every second slab runs at a time, so that no slab reads a neighbour that is being written.
   for (const int colour : {0, 1})
     for (const size_t parity : {0, 1})
       parallelFor((slabs + 1 - parity) / 2, 1, [&](size_t task, size_t) {
-        progress.poll();
-        const size_t begin = (2 * task + parity) * kPlanesPerSlab;
-        relaxSlab(box, rightHandSide, colour, int(begin), int(begin + kPlanesPerSlab), values);
+        const auto begin = int((2 * task + parity) * kPlanesPerSlab), end = begin + int(kPlanesPerSlab);
+        relaxSlab(box, rightHandSide, colour, begin, end, values);
+        meter.add(box.planeSamples(begin, end) / 2);
       });
 }
 

@@ -17,8 +17,13 @@ constexpr size_t kPairsPerTask = 4;
 class Interpolation {
  public:
   Interpolation(const LatticeBox& coarse, const float* from, const LatticeBox& fine,
-                const std::array<JumpRows, 3>* jumps)
-      : coarse_(coarse), from_(from), fine_(fine), jumps_(jumps), shift_(fine.low / 2 - coarse.low) {}
+                const std::array<JumpRows, 3>* jumps, WorkMeter& meter)
+      : coarse_(coarse),
+        from_(from),
+        fine_(fine),
+        jumps_(jumps),
+        meter_(meter),
+        shift_(fine.low / 2 - coarse.low) {}
 
   /// Calls `write(before, after, j, k)` for all rows. Row (j, k) is the mean of both rows, which are equal in
   /// even planes.
@@ -39,6 +44,7 @@ class Interpolation {
           write(fine_.row(plane.data(), j, 0), fine_.row(next.data(), j, 0), j, k + 1);
         plane.swap(next);
       }
+      meter_.add(fine_.planeSamples(int(2 * begin), int(2 * end)));
     });
   }
 
@@ -71,6 +77,7 @@ class Interpolation {
   const float* from_;
   const LatticeBox& fine_;
   const std::array<JumpRows, 3>* jumps_;
+  WorkMeter& meter_;
   glm::ivec3 shift_;
 };
 
@@ -134,23 +141,26 @@ class ResidualPlanes {
 }  // namespace
 
 void prolongField(const LatticeBox& coarse, const float* from, const LatticeBox& fine,
-                  const std::array<JumpRows, 3>& jumps, float* to) {
-  Interpolation(coarse, from, fine, &jumps).run([&](const float* before, const float* after, int j, int k) {
-    float* row = fine.row(to, j, k);
-    for (int i = 0; i < fine.dims.x; ++i) row[i] = 0.5f * (before[i] + after[i]);
-    if (k % 2) jumps[2].addTo(row, fine.row(j, k), 0.5f);
-  });
+                  const std::array<JumpRows, 3>& jumps, WorkMeter& meter, float* to) {
+  Interpolation(coarse, from, fine, &jumps, meter)
+      .run([&](const float* before, const float* after, int j, int k) {
+        float* row = fine.row(to, j, k);
+        for (int i = 0; i < fine.dims.x; ++i) row[i] = 0.5f * (before[i] + after[i]);
+        if (k % 2) jumps[2].addTo(row, fine.row(j, k), 0.5f);
+      });
 }
 
-void addCorrection(const LatticeBox& coarse, const float* from, const LatticeBox& fine, float* to) {
-  Interpolation(coarse, from, fine, nullptr).run([&](const float* before, const float* after, int j, int k) {
-    float* row = fine.row(to, j, k);
-    for (int i = 0; i < fine.dims.x; ++i) row[i] += 0.5f * (before[i] + after[i]);
-  });
+void addCorrection(const LatticeBox& coarse, const float* from, const LatticeBox& fine, WorkMeter& meter,
+                   float* to) {
+  Interpolation(coarse, from, fine, nullptr, meter)
+      .run([&](const float* before, const float* after, int j, int k) {
+        float* row = fine.row(to, j, k);
+        for (int i = 0; i < fine.dims.x; ++i) row[i] += 0.5f * (before[i] + after[i]);
+      });
 }
 
 void restrictResidual(const LatticeBox& fine, const RightHandSide& rightHandSide, const float* values,
-                      const LatticeBox& coarse, float* residual) {
+                      const LatticeBox& coarse, WorkMeter& meter, float* residual) {
   const glm::ivec3 shift = fine.low / 2 - coarse.low, size = (fine.dims + 1) / 2;
   std::fill_n(residual, coarse.sampleCount(), 0.0f);
   parallelFor(size_t(size.z), kPairsPerTask, [&](size_t begin, size_t end) {
@@ -170,6 +180,7 @@ void restrictResidual(const LatticeBox& fine, const RightHandSide& rightHandSide
       }
       before.swap(after);
     }
+    meter.add(fine.planeSamples(int(2 * begin), int(2 * end)));
   });
 }
 

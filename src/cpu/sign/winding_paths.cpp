@@ -3,7 +3,6 @@
 #include "cpu/sign/winding_paths.h"
 
 #include <algorithm>
-#include <atomic>
 #include <utility>
 
 #include "method/winding_paths_offsets.h"
@@ -14,10 +13,8 @@ namespace {
 
 /// Counts the rows walked, once for each offset point.
 struct Walked {
-  Progress& progress;
-  double total;          ///< Number of rows to walk.
+  WorkMeter meter;
   size_t rowsPerReport;  ///< About a millisecond of work, for any number of points per row.
-  std::atomic<uint64_t> done{0};
 };
 
 /// Walks from the samples of a row to their offset points, along the edges of the box between them.
@@ -53,10 +50,7 @@ class PathRow {
     return sum_;
   }
 
-  void report() {
-    walked_.done += std::exchange(unreported_, 0);
-    walked_.progress.report(double(walked_.done) / walked_.total);
-  }
+  void report() { walked_.meter.add(std::exchange(unreported_, 0)); }
 
  private:
   /// Fetches r along `axis` at the samples (i + shift, j, k) (Eq. 7).
@@ -87,26 +81,58 @@ class PathRow {
   std::vector<int32_t> from_, to_, sum_;
 };
 
-/// Fetches the values at the offset points of row (j, k). Paper: six rays there too. Here: 0 outside the
-/// grid, because a point there counts as outside the surface: a ray that misses the grid crosses nothing.
-void fetchValues(const glm::ivec3& dims, const glm::ivec3& offset, int j, int k, const Buffer<float>& values,
-                 std::vector<float>& row) {
-  std::fill(row.begin(), row.end(), 0.0f);
-  j += offset.y;
-  k += offset.z;
-  if (j < 0 || j >= dims.y || k < 0 || k >= dims.z) return;
-  const float* first = values.data() + (size_t(k) * dims.y + j) * dims.x;
-  for (int i = std::max(0, -offset.x); i < std::min(dims.x, dims.x - offset.x); ++i)
-    row[size_t(i)] = first[i + offset.x];
-}
+/// Fetches the values at the offset points of a row: `values` inside the grid.
+class OffsetValues {
+ public:
+  OffsetValues(const RayMap& map, Sampling sampling, const Buffer<float>& values)
+      : map_(map), sampling_(sampling), values_(values), row_(size_t(map.dims.x)) {}
 
-void fillRays(const RaySweep& sweep, std::array<Buffer<int32_t>, 3>& rays) {
+  /// Returns the values of row (j, k). Paper: six rays outside the grid too. Here: 0 there unless asked for,
+  /// because a point there counts as outside the surface: a ray that misses the grid crosses nothing.
+  const std::vector<float>& fetch(const glm::ivec3& offset, int j, int k) {
+    const glm::ivec3& dims = map_.dims;
+    j += offset.y;
+    k += offset.z;
+    const bool jInside = j >= 0 && j < dims.y, kInside = k >= 0 && k < dims.z;
+    const int begin = std::clamp(-offset.x, 0, dims.x), end = std::clamp(dims.x - offset.x, begin, dims.x);
+    std::fill(row_.begin(), row_.end(), 0.0f);
+    if (jInside && kInside) {
+      const size_t line = size_t(k) * dims.y + j;
+      for (int i = begin; i < end; ++i) row_[size_t(i)] = values_[line * dims.x + i + offset.x];
+      if (sampling_ == Sampling::Raymap) return row_;
+      std::fill(row_.begin(), row_.begin() + begin, meanRay(0, line, true));
+      std::fill(row_.begin() + end, row_.end(), meanRay(0, line, false));
+    } else if (sampling_ == Sampling::Paper && jInside != kInside) {
+      const int axis = jInside ? 2 : 1;
+      const size_t firstLine = size_t(jInside ? j : k) * dims.x;
+      for (int i = begin; i < end; ++i)
+        row_[size_t(i)] = meanRay(axis, firstLine + size_t(i + offset.x), jInside ? k < 0 : j < 0);
+    }
+    return row_;
+  }
+
+ private:
+  /// Returns the mean of the six rays of a point before or beyond a line (Eq. 7). Only the ray along the line
+  /// crosses anything. Seen from beyond, each crossing counts the other way.
+  float meanRay(int axis, size_t line, bool isBefore) const {
+    const int32_t total = map_.total(axis, line);
+    return float(isBefore ? total : -total) / float(kRays);
+  }
+
+  const RayMap& map_;
+  Sampling sampling_;
+  const Buffer<float>& values_;
+  std::vector<float> row_;
+};
+
+void fillRays(const RaySweep& sweep, Walked& walked, std::array<Buffer<int32_t>, 3>& rays) {
   for (Buffer<int32_t>& r : rays) r.resizeUninitialized(sweep.sampleCount());
   sweep.run([&](const RayRow& row) {
     const size_t count = sweep.rowLength();
     std::copy_n(row.x, count, rays[0].data() + row.first);
     std::copy_n(row.y, count, rays[1].data() + row.first);
     std::copy_n(row.z, count, rays[2].data() + row.first);
+    if (row.j + 1 == sweep.map().dims.y) walked.meter.add(uint64_t(row.j) + 1);
   });
 }
 
@@ -122,9 +148,10 @@ void forEachRow(const RayMap& map, const PathScratch& scratch, Walked& walked, W
   });
 }
 
-Walked walks(const RayMap& map, Progress& progress, double points) {
+/// Counts the rows of `points` offset points. The work before them counts as one more.
+Walked walks(const RayMap& map, Progress& progress, double begin, double points) {
   constexpr size_t kSamplesPerReport = size_t{1} << 15;
-  return {progress, points * map.dims.y * map.dims.z,
+  return {{progress, begin, 1.0, (points + 1.0) * map.dims.y * map.dims.z},
           std::max<size_t>(1, kSamplesPerReport / size_t(map.dims.x))};
 }
 
@@ -134,20 +161,22 @@ size_t PathScratch::bytes() const {
   return rays[0].capacityBytes() + rays[1].capacityBytes() + rays[2].capacityBytes() + next.capacityBytes();
 }
 
-void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
-                  Buffer<float>& winding) {
+void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+                  PathScratch& scratch, Buffer<float>& winding) {
   const RayMap& map = sweep.map();
-  fillRays(sweep, scratch.rays);
+  const int64_t points = int64_t{options.passes} * pointsPerPass(options);
+  Walked walked = walks(map, progress, begin, double(points));
+  fillRays(sweep, walked, scratch.rays);
   scratch.next.resizeUninitialized(winding.size());
-  const float curves = kRays * (1.0f + kPathsPerPoint * float(options.passes));
-  Walked walked = walks(map, progress, options.passes);
+  const float curves = kRays * (1.0f + kPathsPerPoint * float(points));
   forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
-    std::vector<float> sum(sweep.rowLength()), there(sweep.rowLength());
+    OffsetValues values(map, options.sampling, winding);
+    std::vector<float> sum(sweep.rowLength());
     for (size_t i = 0; i < sum.size(); ++i) sum[i] = kRays * winding[first + i];
-    for (int pass = 0; pass < options.passes; ++pass) {
-      const glm::ivec3 offset = offsetOf(options, pass, map.dims);
+    for (int64_t point = 0; point < points; ++point) {
+      const glm::ivec3 offset = offsetOf(options, point, map.dims);
       const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
-      fetchValues(map.dims, offset, j, k, winding, there);
+      const std::vector<float>& there = values.fetch(offset, j, k);
       for (size_t i = 0; i < sum.size(); ++i)  // Eq. 9, summed over the six paths
         sum[i] += kRays * (float(counts[i]) + kPathsPerPoint * there[i]);
     }
@@ -156,26 +185,27 @@ void averagePaths(const RaySweep& sweep, const Options& options, Progress& progr
   winding.swap(scratch.next);
 }
 
-void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
-                 Buffer<float>& winding) {
+void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+                 PathScratch& scratch, Buffer<float>& winding) {
   const RayMap& map = sweep.map();
-  fillRays(sweep, scratch.rays);
+  const int points = pointsPerPass(options);
+  Walked walked = walks(map, progress, begin, double(points) * options.passes);
+  fillRays(sweep, walked, scratch.rays);
   scratch.next.resizeUninitialized(winding.size());
-  Walked walked = walks(map, progress, double(kPointsPerStep) * options.passes);
   for (int step = 0; step < options.passes; ++step) {
     forEachRow(map, scratch, walked, [&](PathRow& paths, int j, int k, size_t first) {
+      OffsetValues values(map, options.sampling, winding);
       std::vector<float> sum(winding.data() + first, winding.data() + first + sweep.rowLength());
-      std::vector<float> there(sum.size());
-      for (int point = 0; point < kPointsPerStep; ++point) {
-        const glm::ivec3 offset = offsetOf(options, int64_t{step} * kPointsPerStep + point, map.dims);
+      for (int point = 0; point < points; ++point) {
+        const glm::ivec3 offset = offsetOf(options, int64_t{step} * points + point, map.dims);
         const std::vector<int32_t>& counts = paths.countPaths(j, k, offset);
-        fetchValues(map.dims, offset, j, k, winding, there);
+        const std::vector<float>& there = values.fetch(offset, j, k);
         for (size_t i = 0; i < sum.size(); ++i) sum[i] += float(counts[i]) + kPathsPerPoint * there[i];
       }
-      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n = 6 * 25^t is the same at every sample
-      // and cancels. Then no count grows with the steps.
+      // Eq. 10-11. Paper: counts c and n. Here: w = c / n, because n grows alike at every sample and cancels.
+      // Then no count grows with the steps.
       for (size_t i = 0; i < sum.size(); ++i)
-        scratch.next[first + i] = sum[i] / float(1 + kPathsPerPoint * kPointsPerStep);
+        scratch.next[first + i] = sum[i] / float(1 + kPathsPerPoint * points);
     });
     winding.swap(scratch.next);
   }

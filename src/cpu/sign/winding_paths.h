@@ -7,7 +7,8 @@
 
 namespace raymap::cpu {
 
-// `averagePaths` and `evolvePaths` start from the six-ray average in `winding` and replace it.
+// `averagePaths` and `evolvePaths` start from the six-ray average in `winding` and replace it. They report
+// the part of the stage from `begin` on.
 
 /// Memory that both keep between runs.
 struct PathScratch {
@@ -17,14 +18,14 @@ struct PathScratch {
   size_t bytes() const;
 };
 
-/// Averages over P passes (§3.5, Eq. 9), the paper's simpler technique. Each pass has one offset point q, the
+/// Averages over P passes (§3.5, Eq. 9), the paper's simpler technique. Each offset point q of a pass has the
 /// six paths to it along the axes, and its six rays.
-void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
-                  Buffer<float>& winding);
+void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+                  PathScratch& scratch, Buffer<float>& winding);
 
-/// Evolves the field in P steps (§3.5, Eq. 10-11). Each step has four offset points and starts from the field
-/// of the previous step.
-void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, PathScratch& scratch,
-                 Buffer<float>& winding);
+/// Evolves the field in P steps (§3.5, Eq. 10-11). Each step has several offset points and starts from the
+/// field of the previous step.
+void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+                 PathScratch& scratch, Buffer<float>& winding);
 
 }  // namespace raymap::cpu

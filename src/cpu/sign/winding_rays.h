@@ -5,8 +5,13 @@
 
 namespace raymap::cpu {
 
-/// Fills `winding` with the average of the six rays of each sample. Returns the number of samples whose rays
-/// disagree. If they agree, the value is exactly their whole number.
-size_t averageRays(const RaySweep& sweep, Buffer<float>& winding);
+// Both functions return the number of samples whose six rays disagree, and report the part of the stage up to
+// `end`. If the rays agree, the value is exactly their whole number.
+
+/// Fills `winding` with the average of the six rays of each sample.
+size_t averageRays(const RaySweep& sweep, Progress& progress, double end, Buffer<float>& winding);
+
+/// Fills `winding` with each sample's ray along +x, the first of the paper's directions (Eq. 8, Fig. 5).
+size_t takeOneRay(const RaySweep& sweep, Progress& progress, double end, Buffer<float>& winding);
 
 }  // namespace raymap::cpu

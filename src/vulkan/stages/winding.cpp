@@ -14,7 +14,7 @@ void WindingStage::reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedT
 
 void WindingStage::record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,
                           VkDeviceAddress winding) {
-  rays_.record(commands, rays, winding);
+  rays_.record(commands, rays, mode, winding);
   const WindingFields fields{.rays = rays.axes, .winding = winding, .doubtful = doubtful().address()};
   if (mode == SignMode::Harmonic) harmonic_.record(commands, fields);
   if (mode == SignMode::Paths) paths_.recordAverage(commands, fields, options);

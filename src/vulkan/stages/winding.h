@@ -11,8 +11,8 @@ class WindingStage {
  public:
   WindingStage(Device& device, ScratchMemory* scratch);
 
-  /// Reserves memory for grids of these dims and these modes; `Rays` needs none. All previously recorded work
-  /// must have completed.
+  /// Reserves memory for grids of these dims and these modes; `Rays` and `Ray` need none. All previously
+  /// recorded work must have completed.
   void reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedToo);
   /// Writes a float per sample to `winding`. The options give the number of passes and the offsets.
   void record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,

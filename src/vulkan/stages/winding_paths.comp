@@ -3,8 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/ray_map.glsl"
+#include "vulkan/stages/sixth.glsl"
 #include "vulkan/stages/winding_paths_push.h"
 
+layout(constant_id = 1) const uint kReadsRaysOutside = 0;
 layout(push_constant, scalar) uniform Push { WindingPathsPush push; };
 
 const float kPathsPerPoint = 6.0;  // xyz, xzy, yxz, yzx, zxy, zyx.
@@ -18,6 +20,26 @@ int ray(uint axis, ivec3 s, ivec3 dims) {
   ivec3 across = s;
   across[axis] = 0;
   return isInside(across, dims) ? rayFrom(push.rays[axis], axis, dims, s) : 0;
+}
+
+// Returns the mean of the six rays of a point outside the grid. Only a ray along a line of the grid meets
+// anything, and from beyond the line it counts the other way.
+float meanRayOutside(ivec3 s, ivec3 dims) {
+  float mean = 0.0;
+  [[unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    ivec3 before = s;
+    before[axis] = -1;
+    const int total = ray(axis, before, dims);
+    if (total != 0) mean = sixth(s[axis] < 0 ? total : -total);
+  }
+  return mean;
+}
+
+// Paper: offset points outside the grid get six rays, too. Here: they get 0 unless asked for, because no
+// surface lies there.
+float valueAt(ivec3 s, ivec3 dims) {
+  if (isInside(s, dims)) return push.values.at[(s.z * dims.y + s.y) * dims.x + s.x];
+  return kReadsRaysOutside != 0 ? meanRayOutside(s, dims) : 0.0;
 }
 
 // Returns the sum of the signed crossings of the six paths from a sample to its offset point.
@@ -49,10 +71,7 @@ void main() {
   precise float sum = push.sumScale * push.sums.at[index];
   for (uint point = 0; point < push.pointCount; ++point) {
     const ivec3 offset = ivec3(push.offsets[3 * point], push.offsets[3 * point + 1], push.offsets[3 * point + 2]);
-    const ivec3 end = s + offset;
-    // Paper: offset points outside the grid get six rays, too. Here: they get 0, because no surface lies
-    // there.
-    const float there = isInside(end, dims) ? push.values.at[(end.z * dims.y + end.y) * dims.x + end.x] : 0.0;
+    const float there = valueAt(s + offset, dims);
     sum += push.pointScale * (float(countPaths(s, offset, dims)) + kPathsPerPoint * there);
   }
   // Rounds like a division: no quotient of two floats is as close to the middle between two floats as the

@@ -10,11 +10,10 @@
 
 namespace raymap::vulkan {
 
-static_assert(kPointsPerStep <= kPointsPerDispatch);
-
 WindingPathsStage::WindingPathsStage(Device& device, ScratchMemory* scratch)
     : gate_(device, "winding paths dispatch"),
-      kernel_(device, shaders::kWindingPaths, kWindingPathsGroup),
+      zeroOutside_(device, shaders::kWindingPaths, kWindingPathsGroup, {0}),
+      raysOutside_(device, shaders::kWindingPaths, kWindingPathsGroup, {1}),
       next_(device, "winding of the next step", scratch) {
   gate_.reserve(1);
 }
@@ -29,46 +28,53 @@ void WindingPathsStage::reserve(const glm::ivec3& dims) {
 void WindingPathsStage::recordAverage(Commands& commands, const WindingFields& fields,
                                       const Options& options) {
   gate_.record(commands, fields.doubtful);
-  WindingPathsPush some = push(fields);
-  some.sumScale = some.pointScale = kRays;
-  int64_t pass = 0;
-  do {  // Runs once even for no passes: six times the average, divided by six, is the CPU's average.
-    const int64_t end = std::min<int64_t>(pass + kPointsPerDispatch, options.passes);
-    if (end == options.passes) some.factor = 1.0 / double(kRays * (1.0f + kPathsPerPoint * float(end)));
-    add(commands, some, options, pass, end);
-    some.sums = some.result;
-    some.sumScale = 1.0f;
-    pass = end;
-  } while (pass < options.passes);
-  some.factor = 1.0;
-  some.result = fields.winding;
-  add(commands, some, options, 0, 0);
+  const int64_t points = int64_t{options.passes} * pointsPerPass(options);
+  WindingPathsPush mean = push(fields);
+  mean.sumScale = mean.pointScale = kRays;
+  mean.factor = 1.0 / double(kRays * (1.0f + kPathsPerPoint * float(points)));
+  add(commands, mean, options, 0,
+      points);  // No points: six times the average, divided by six, as on the CPU.
+  copy(commands, next_.address(), fields);
 }
 
 void WindingPathsStage::recordEvolution(Commands& commands, const WindingFields& fields,
                                         const Options& options) {
   gate_.record(commands, fields.doubtful);
+  const int64_t points = pointsPerPass(options);
   WindingPathsPush step = push(fields);
   // Eq. 10-11. Paper: counts c and n. Here: w = c / n, as on the CPU.
-  step.factor = 1.0 / double(1 + kPathsPerPoint * kPointsPerStep);
-  for (int64_t first = 0; first < int64_t{options.passes} * kPointsPerStep; first += kPointsPerStep) {
-    add(commands, step, options, first, first + kPointsPerStep);
+  step.factor = 1.0 / double(1 + kPathsPerPoint * points);
+  for (int64_t first = 0; first < options.passes * points; first += points) {
+    add(commands, step, options, first, first + points);
     std::swap(step.values, step.result);
     step.sums = step.values;
   }
-  if (step.values == fields.winding) return;
-  step.factor = 1.0;
-  add(commands, step, options, 0, 0);
+  if (step.values != fields.winding) copy(commands, step.values, fields);
 }
 
 void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first,
                             int64_t end) {
-  push.pointCount = static_cast<uint32_t>(end - first);
-  for (int64_t pass = first; pass < end; ++pass) {
-    const glm::ivec3 offset = offsetOf(options, pass, dims_);
-    for (int c = 0; c < 3; ++c) push.offsets[3 * (pass - first) + c] = offset[c];
-  }
-  gate_.dispatch(commands, kernel_, push, 0);
+  Kernel<WindingPathsPush>& kernel = options.sampling == Sampling::Paper ? raysOutside_ : zeroOutside_;
+  const double factor = push.factor;
+  do {
+    push.pointCount = static_cast<uint32_t>(std::min<int64_t>(end - first, kPointsPerDispatch));
+    for (uint32_t point = 0; point < push.pointCount; ++point) {
+      const glm::ivec3 offset = offsetOf(options, first + point, dims_);
+      for (int c = 0; c < 3; ++c) push.offsets[3 * point + c] = offset[c];
+    }
+    first += push.pointCount;
+    push.factor = first < end ? 1.0 : factor;
+    gate_.dispatch(commands, kernel, push, 0);
+    push.sums = push.result;
+    push.sumScale = 1.0f;
+  } while (first < end);
+}
+
+void WindingPathsStage::copy(Commands& commands, VkDeviceAddress from, const WindingFields& fields) {
+  WindingPathsPush push = this->push(fields);
+  push.sums = from;
+  push.result = fields.winding;
+  gate_.dispatch(commands, zeroOutside_, push, 0);
 }
 
 WindingPathsPush WindingPathsStage::push(const WindingFields& fields) const {

@@ -18,20 +18,21 @@ class WindingPathsStage {
 
   /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// Averages over `options.passes` offset points (§3.5, Eq. 9), on the grid of the last `reserve`.
+  /// Averages over `options.passes` passes (§3.5, Eq. 9), on the grid of the last `reserve`.
   void recordAverage(Commands& commands, const WindingFields& fields, const Options& options);
-  /// Takes `options.passes` steps with four offset points each (§3.5, Eq. 10-11), on the grid of the last
-  /// `reserve`.
+  /// Takes `options.passes` steps (§3.5, Eq. 10-11), on the grid of the last `reserve`.
   void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
 
  private:
-  /// Sets the points of passes [first, end) and dispatches.
+  /// Adds the curves through the points [first, end) and multiplies the sums by the push constants' factor.
   void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
+  /// Copies the numbers at `from` to `fields.winding`.
+  void copy(Commands& commands, VkDeviceAddress from, const WindingFields& fields);
   WindingPathsPush push(const WindingFields& fields) const;
 
   glm::ivec3 dims_{0};
   Gate gate_;
-  Kernel<WindingPathsPush> kernel_;
+  Kernel<WindingPathsPush> zeroOutside_, raysOutside_;  // By the value of points outside the grid.
   DeviceBuffer next_;
 };
 

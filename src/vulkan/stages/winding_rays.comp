@@ -1,35 +1,27 @@
-// Computes the average of the six rays of each sample.
+// Computes the average of the six rays of each sample, or takes the one along +x.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
+#include "vulkan/stages/sixth.glsl"
 #include "vulkan/stages/winding_rays_push.h"
 
+layout(constant_id = 1) const uint kIsOneRay = 0;
 layout(push_constant, scalar) uniform Push { WindingRaysPush push; };
 
 shared uint doubtfulOfGroup;
 
-// Returns sum / 6, correctly rounded, which GLSL's division does not guarantee. Holds for |sum| < 2^24: 4 and
-// 2 times the estimate are within a factor of two of their minuends, so the remainder is exact. No quotient
-// is so close to the middle between two floats that the last rounding could go wrong.
-float sixth(int sum) {
-  const float kSixth = 1.0 / 6.0;
-  const float estimate = float(sum) * kSixth;
-  precise const float remainder = (float(sum) - 4.0 * estimate) - 2.0 * estimate;
-  precise const float result = estimate + remainder * kSixth;
-  return result;
-}
-
 // Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the ray to minus
 // infinity. With our sign, leaving through a face counts +1 both ways. Counts the sample if its rays
 // disagree.
-float averageOfRays(uint index, inout uint doubtful) {
+float windingOf(uint index, inout uint doubtful) {
   const uint nx = push.dims[0], ny = push.dims[1];
   const uint i = index % nx, row = index / nx, k = row / ny;
   const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
   const int y = push.rays[1].at[index + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];
   const int z = push.rays[2].at[index + nx * ny], totalZ = push.rays[2].at[index - k * nx * ny];
   doubtful += uint(((x ^ y) | (y ^ z) | totalX | totalY | totalZ) != 0);
+  if (kIsOneRay != 0) return float(x);
   return sixth(2 * (x + y + z) - (totalX + totalY + totalZ));
 }
 
@@ -44,7 +36,7 @@ void main() {
   float winding[kWindingRaysRows];
   // All reads precede all writes, so that they can overlap.
   [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
-    if (sampleIndex(row) < push.sampleCount) winding[row] = averageOfRays(sampleIndex(row), doubtful);
+    if (sampleIndex(row) < push.sampleCount) winding[row] = windingOf(sampleIndex(row), doubtful);
   [[unroll]] for (uint row = 0; row < kWindingRaysRows; ++row)
     if (sampleIndex(row) < push.sampleCount) push.winding.at[sampleIndex(row)] = winding[row];
   doubtful = subgroupAdd(doubtful);

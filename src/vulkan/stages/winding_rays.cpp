@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.5: the average of the six rays.
+// Krayer & Müller 2019, §3.5: the average of the six rays, or one of them.
 
 #include "vulkan/stages/winding_rays.h"
 
@@ -7,11 +7,14 @@
 namespace raymap::vulkan {
 
 WindingRaysStage::WindingRaysStage(Device& device)
-    : kernel_(device, shaders::kWindingRays, kWindingRaysGroup), doubtful_(device, "doubtful samples") {
+    : average_(device, shaders::kWindingRays, kWindingRaysGroup, {0}),
+      oneRay_(device, shaders::kWindingRays, kWindingRaysGroup, {1}),
+      doubtful_(device, "doubtful samples") {
   doubtful_.resize<uint32_t>(1);
 }
 
-void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, VkDeviceAddress winding) {
+void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, SignMode mode,
+                              VkDeviceAddress winding) {
   WindingRaysPush push{.winding = winding, .doubtful = doubtful_.address(), .sampleCount = 1};
   for (int axis = 0; axis < 3; ++axis) {
     push.rays[axis] = rays.axes[static_cast<size_t>(axis)];
@@ -20,7 +23,7 @@ void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, VkDe
   }
   commands.fill(doubtful_, 0);
   const uint64_t samplesOfGroup = uint64_t{kWindingRaysGroup} * kWindingRaysRows;
-  commands.dispatch(kernel_, push,
+  commands.dispatch(mode == SignMode::Ray ? oneRay_ : average_, push,
                     (push.sampleCount + samplesOfGroup - 1) / samplesOfGroup * kWindingRaysGroup);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/generate.h>
+
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/winding_rays_push.h"
 
@@ -12,19 +14,20 @@ struct WindingFields {
   VkDeviceAddress doubtful = 0;           ///< Number of samples whose rays disagree.
 };
 
-/// Averages the six rays of each sample.
+/// Averages the six rays of each sample, or takes one.
 class WindingRaysStage {
  public:
   explicit WindingRaysStage(Device& device);
 
-  /// Writes a float per sample to `winding`, from a ray map.
-  void record(Commands& commands, const LatticeLines& rays, VkDeviceAddress winding);
+  /// Writes a float per sample to `winding`, from a ray map. `SignMode::Ray` takes the ray along +x, any
+  /// other mode the average.
+  void record(Commands& commands, const LatticeLines& rays, SignMode mode, VkDeviceAddress winding);
   /// Number of samples whose rays disagree, one 32-bit number. If it is 0, the average is the solution of
   /// every mode.
   const DeviceBuffer& doubtful() const { return doubtful_; }
 
  private:
-  Kernel<WindingRaysPush> kernel_;
+  Kernel<WindingRaysPush> average_, oneRay_;
   DeviceBuffer doubtful_;
 };
 
