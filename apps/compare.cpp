@@ -5,6 +5,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_array.h"
 #include "report.h"
 
 namespace raymap {
@@ -19,45 +20,73 @@ constexpr const char* kFooter = R"(Example:
   raymap compare a.nrrd b.nrrd -o difference.png
 
 The picture shows the slice with the most sign differences: red is inside in a only, green in b only. If no
-sign differs, it shows the slice with the largest difference, from white (equal) to dark red.)";
+sign differs, it shows the slice with the largest difference, from white (equal) to dark red.
+
+Files of generate --winding, --confidence and --triangle-ids are compared too.)";
 
 struct Arguments {
   fs::path a, b, picture;
+  std::string as;
   bool isJson = false;
 };
 
-Json toJson(const Comparison& found) {
-  return {{"samples", found.samples},
-          {"max", found.maxError},
-          {"mean", found.meanError},
-          {"rms", found.rmsError},
-          {"sign_differences", found.signDifferences},
-          {"non_finite", found.nonFinite},
-          {"worst_sample", {found.worstSample.x, found.worstSample.y, found.worstSample.z}}};
+Json toJson(const Comparison& found, FieldArray array) {
+  Json json{{"array", name(array)}, {"samples", found.samples}};
+  if (array == FieldArray::Triangle) {
+    json["differences"] = found.differences;
+    return json;
+  }
+  json.update({{"max", found.maxError}, {"mean", found.meanError}, {"rms", found.rmsError}});
+  if (array == FieldArray::Distance) json["sign_differences"] = found.signDifferences;
+  json.update({{"non_finite", found.nonFinite},
+               {"worst_sample", {found.worstSample.x, found.worstSample.y, found.worstSample.z}}});
+  return json;
 }
 
-void print(const Comparison& found) {
+void printCount(const char* what, size_t count, const Comparison& found) {
+  std::printf("%-16s  %s, %.4g %%\n", what, grouped(count).c_str(),
+              100.0 * double(count) / double(found.samples));
+}
+
+void print(const Comparison& found, FieldArray array) {
   std::printf("samples           %s\n", grouped(found.samples).c_str());
-  std::printf("sign differences  %s, %.4g %%\n", grouped(found.signDifferences).c_str(),
-              100.0 * double(found.signDifferences) / double(found.samples));
-  std::printf("largest           %.4g samples, at %d %d %d\n", found.maxError, found.worstSample.x,
+  if (array == FieldArray::Triangle) {
+    printCount("differences", found.differences, found);
+    return;
+  }
+  const char* const unit = array == FieldArray::Distance ? " samples" : "";
+  if (array == FieldArray::Distance) printCount("sign differences", found.signDifferences, found);
+  std::printf("largest           %.4g%s, at %d %d %d\n", found.maxError, unit, found.worstSample.x,
               found.worstSample.y, found.worstSample.z);
-  std::printf("mean              %.4g samples\n", found.meanError);
-  std::printf("root mean square  %.4g samples\n", found.rmsError);
+  std::printf("mean              %.4g%s\n", found.meanError, unit);
+  std::printf("root mean square  %.4g%s\n", found.rmsError, unit);
   if (found.nonFinite > 0)
     std::printf("not finite        %s, left out of all the above\n", grouped(found.nonFinite).c_str());
 }
 
+FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
+  const FieldArray ofA = chooseArray(arguments.a, arguments.as, a);
+  const FieldArray ofB = chooseArray(arguments.b, arguments.as, b);
+  if (ofA != ofB)
+    throw Error(ErrorCode::Usage, arguments.a.string() + " holds the array '" + std::string(name(ofA)) +
+                                      "', " + arguments.b.string() + " the array '" + std::string(name(ofB)) +
+                                      "'; compare files of the same array, or say " +
+                                      "with --as which one to take");
+  return ofA;
+}
+
 void run(const Arguments& arguments) {
   checkOutputs({{"--output", arguments.picture, {".png"}}});
-  const Field a = readField(arguments.a), b = readField(arguments.b);
-  const Comparison found = compareFields(a, b);
-  if (!arguments.picture.empty()) writePng(arguments.picture, renderComparison(a, b));
+  Field a = readField(arguments.a), b = readField(arguments.b);
+  const FieldArray array = chooseCommon(arguments, a, b);
+  const Comparison found = compareFields(a, b, array);
+  constexpr int kWidth = 1024;
+  if (!arguments.picture.empty()) writePng(arguments.picture, renderComparison(a, b, kWidth, array));
   if (arguments.isJson) {
-    std::cout << toJson(found).dump(2) << "\n";
+    std::cout << toJson(found, array).dump(2) << "\n";
     return;
   }
-  print(found);
+  print(found, array);
   if (!arguments.picture.empty()) printWritten(arguments.picture);
 }
 
@@ -70,6 +99,7 @@ void addCompare(CLI::App& app) {
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
   command->add_option("-o,--output", arguments->picture, "Picture of the differences, .png")
       ->type_name("FILE");
+  addArrayOption(*command, arguments->as);
   command->add_flag("--json", arguments->isJson, "Print JSON");
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -2,19 +2,13 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_array.h"
 #include "report.h"
 #include "terminal.h"
 
 namespace raymap {
 
 namespace {
-
-/// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
-std::string_view arrayToConvert(const Field& field) {
-  if (!field.distance.empty()) return "distance";
-  if (!field.winding.empty()) return "winding";
-  return field.confidence.empty() ? "triangle" : "confidence";
-}
 
 struct Arguments {
   std::filesystem::path input, output;
@@ -23,7 +17,7 @@ struct Arguments {
 void convertField(const Arguments& arguments) {
   checkOutputs({{"output", arguments.output, fieldExtensions()}});
   const Field field = readField(arguments.input);
-  writeField(arguments.output, field, arrayToConvert(field));
+  writeField(arguments.output, field, name(heldArray(field)));
 }
 
 void convertMesh(const Arguments& arguments) {

@@ -2,6 +2,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_array.h"
 #include "field_options.h"
 #include "report.h"
 #include "terminal.h"
@@ -18,11 +19,12 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.ply -o globe.png --resolution 256    (makes the field first)
   raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
   raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
+  raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
   raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (z points up))";
 
 struct Arguments {
   fs::path input, picture;
-  std::string slice;
+  std::string slice, as;
   int index = -1;
   int resolution = 256;
   double thickness = 0.0;
@@ -36,12 +38,18 @@ Field loadField(const Arguments& arguments) {
   field.options.threads = arguments.options.threads;
   field.options.device = arguments.options.device;
   field.options.thickness = arguments.thickness;
+  field.options.winding = arguments.as == "winding";
+  field.options.confidence = arguments.as == "confidence";
+  field.options.triangleIds = arguments.as == "triangle";
   return loadField(arguments.input, field);
 }
 
-Picture draw(const Field& field, const Arguments& arguments) {
+Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   if (!arguments.slice.empty())
-    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.view.size[0]);
+    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.view.size[0], array);
+  if (array != FieldArray::Distance)
+    throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
+                                      "' has no surface to draw; draw a slice of it with --slice x, y or z");
   ProgressLine line;
   RenderOptions options = arguments.options;
   options.warn = warn;
@@ -52,13 +60,15 @@ Picture draw(const Field& field, const Arguments& arguments) {
 void run(Arguments& arguments) {
   checkOutputs({{"--output", arguments.picture, {".png"}}});
   setView(arguments.view, arguments.options);
-  writePng(arguments.picture, draw(loadField(arguments), arguments));
+  Field field = loadField(arguments);
+  const FieldArray array = chooseArray(arguments.input, arguments.as, field);
+  writePng(arguments.picture, draw(field, array, arguments));
   printWritten(arguments.picture);
 }
 
 void addSliceOptions(CLI::App& command, Arguments& arguments) {
-  CLI::Option* slice = command.add_option(
-      "--slice", arguments.slice, "Draw contour lines in a slice across this axis instead of the surface");
+  CLI::Option* slice = command.add_option("--slice", arguments.slice,
+                                          "Draw a map of the slice across this axis instead of the surface");
   slice->check(CLI::IsMember({"x", "y", "z"}));
   command.add_option("--index", arguments.index, "Index of the slice, in samples (default: the middle one)")
       ->check(wholeNumberFrom(0))
@@ -101,6 +111,7 @@ void addRender(CLI::App& app) {
   addViewOptions(*command, arguments->view);
   addShapeOptions(*command, *arguments);
   addSliceOptions(*command, *arguments);
+  addArrayOption(*command, arguments->as);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

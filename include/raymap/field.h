@@ -18,6 +18,9 @@ struct Field {
   double band = 0.0;               ///< Distances are clamped to +-band, in the mesh's units; 0 = not clamped.
 };
 
+/// One of a field's arrays.
+enum class FieldArray { Distance, Winding, Confidence, Triangle };
+
 /// Value of `Field::triangle` beyond a band, and where surface that closes a hole is closer.
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
 

@@ -16,6 +16,7 @@ RAYMAP_API std::string_view name(DistanceMode value);
 RAYMAP_API std::string_view name(SignMode value);
 RAYMAP_API std::string_view name(Sampling value);
 RAYMAP_API std::string_view name(Orientation value);
+RAYMAP_API std::string_view name(FieldArray value);
 RAYMAP_API std::string_view name(DeviceType value);
 RAYMAP_API std::string_view name(ErrorCode value);
 
@@ -37,6 +38,7 @@ RAYMAP_DECLARE_NAMES(DistanceMode)
 RAYMAP_DECLARE_NAMES(SignMode)
 RAYMAP_DECLARE_NAMES(Sampling)
 RAYMAP_DECLARE_NAMES(Orientation)
+RAYMAP_DECLARE_NAMES(FieldArray)
 RAYMAP_DECLARE_NAMES(DeviceType)
 RAYMAP_DECLARE_NAMES(ErrorCode)
 #undef RAYMAP_DECLARE_NAMES

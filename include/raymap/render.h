@@ -70,22 +70,32 @@ RAYMAP_API Picture renderDefects(const MeshView& mesh, const RenderOptions& opti
 /// samples are bilinear, and a sample fills `width` / samples pixels. Outside is warm, inside cool, darker
 /// with distance. Thin lines mark multiples of a round distance (1, 2 or 5 times a power of ten), a thick
 /// line zero. Throws `Error(Usage)`.
-RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int width = 1024);
+///
+/// Other arrays have colours of their own:
+/// - `Winding`: a thick line where |w| = 0.5, the default threshold. Outside is warm. Inside is cool, or
+/// green
+///   where w < 0, and deeper with each turn; thin lines at 1.5, 2.5, ... part the whole numbers.
+/// - `Confidence`: dark at 0, teal at 0.5, pale at 1.
+/// - `Triangle`: a colour of its own for each triangle, one square per sample; light grey = none.
+RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int width = 1024,
+                               FieldArray array = FieldArray::Distance);
 
-/// Differences of two fields on the same grid, in samples (distance over spacing).
+/// Differences of an array of two fields on the same grid. Errors of distances are in samples (distance over
+/// spacing), of winding numbers and confidences as they are, of triangles 0.
 struct Comparison {
   double maxError = 0.0;
   double meanError = 0.0;
   double rmsError = 0.0;       ///< Root mean square.
-  size_t signDifferences = 0;  ///< Number of samples that are negative in one field only.
+  size_t signDifferences = 0;  ///< Number of samples with a distance that is negative in one field only.
+  size_t differences = 0;      ///< Number of samples whose values differ.
   size_t nonFinite = 0;        ///< Number of samples that are NaN or infinite in either; not in the above.
   size_t samples = 0;          ///< Number of all samples.
   glm::ivec3 worstSample{0};   ///< The first sample with the largest error.
 };
 
-/// Compares two fields. If either is clamped to a band, compares within the narrower one. Throws
-/// `Error(Usage)` if the grids differ by more than rounding.
-RAYMAP_API Comparison compareFields(const Field& a, const Field& b);
+/// Compares an array of two fields. If either is clamped to a band, compares distances within the narrower
+/// one. Throws `Error(Usage)` if the grids differ by more than rounding, or a field lacks the array.
+RAYMAP_API Comparison compareFields(const Field& a, const Field& b, FieldArray array = FieldArray::Distance);
 
 /// Draws the slice with the most sign differences, across any axis, one square per sample, laid out as by
 /// `renderSlice` (Krayer & Müller 2019, Fig. 11).
@@ -94,7 +104,12 @@ RAYMAP_API Comparison compareFields(const Field& a, const Field& b);
 /// green, not finite violet. The zero contours of `a` (black) and `b` (blue) lie on top. If no sign differs,
 /// draws the slice across z of the worst sample instead, from white (equal) to dark red (`maxError`). Throws
 /// as `compareFields` does.
-RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024);
+///
+/// Winding numbers and confidences are drawn as distances without a difference of sign. The contours are
+/// those of |w| = 0.5; confidences have none. Of triangles, the slice with the most differences is drawn:
+/// light grey where they agree, red where they differ.
+RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024,
+                                    FieldArray array = FieldArray::Distance);
 
 /// Writes a picture as PNG. The file appears whole or not at all. Throws `Error`: Usage if the picture is
 /// empty or larger than `kMaxPictureSide`, File if it cannot be written.

@@ -44,6 +44,14 @@ struct Names<Orientation> {
 };
 
 template <>
+struct Names<FieldArray> {
+  static constexpr std::string_view kKind = "array";
+  static constexpr std::array kValues{FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence,
+                                      FieldArray::Triangle};
+  static constexpr std::array<std::string_view, 4> kNames{"distance", "winding", "confidence", "triangle"};
+};
+
+template <>
 struct Names<DeviceType> {
   static constexpr std::string_view kKind = "type of device";
   static constexpr std::array kValues{DeviceType::Discrete, DeviceType::Integrated, DeviceType::Virtual,
@@ -102,6 +110,7 @@ RAYMAP_DEFINE_NAMES(DistanceMode)
 RAYMAP_DEFINE_NAMES(SignMode)
 RAYMAP_DEFINE_NAMES(Sampling)
 RAYMAP_DEFINE_NAMES(Orientation)
+RAYMAP_DEFINE_NAMES(FieldArray)
 RAYMAP_DEFINE_NAMES(DeviceType)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 

@@ -22,12 +22,25 @@ void validateGrid(const Grid& grid) {
 }
 
 void validateField(const Field& field) {
-  if (field.distance.empty()) throw Error(ErrorCode::Usage, "the field is empty: it has no distances");
+  validateArray(field, FieldArray::Distance);
+}
+
+void validateArray(const Field& field, FieldArray array) {
+  constexpr const char* kValues[] = {"distances", "winding numbers", "confidences", "triangles"};
+  const std::string values = kValues[static_cast<size_t>(array)];
+  const size_t count = array == FieldArray::Triangle ? field.triangle.size() : numbersOf(field, array).size();
+  if (count == 0) throw Error(ErrorCode::Usage, "the field is empty: it has no " + values);
   validateGrid(field.grid);
-  if (field.distance.size() != field.grid.sampleCount())
-    throw Error(ErrorCode::Usage, "the field holds " + std::to_string(field.distance.size()) +
-                                      " distances but its grid has " +
-                                      std::to_string(field.grid.sampleCount()) + " samples");
+  if (count != field.grid.sampleCount())
+    throw Error(ErrorCode::Usage, "the field holds " + std::to_string(count) + " " + values +
+                                      " but its grid has " + std::to_string(field.grid.sampleCount()) +
+                                      " samples");
+}
+
+const Buffer<float>& numbersOf(const Field& field, FieldArray array) {
+  return array == FieldArray::Winding      ? field.winding
+         : array == FieldArray::Confidence ? field.confidence
+                                           : field.distance;
 }
 
 }  // namespace raymap

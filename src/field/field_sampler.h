@@ -15,6 +15,11 @@ void validateGrid(const Grid& grid);
 /// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
 void validateField(const Field& field);
 
+/// Throws `Error(Usage)` unless the grid is valid and the field has one value of this array per sample.
+void validateArray(const Field& field, FieldArray array);
+/// Returns an array of numbers: any but the triangles.
+const Buffer<float>& numbersOf(const Field& field, FieldArray array);
+
 /// Computes the distances and the gradients at all points; null = not wanted. See raymap/sample.h. Throws
 /// `Error(Usage)` as `validateField` does.
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, float* distance, glm::vec3* gradient);

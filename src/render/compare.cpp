@@ -40,28 +40,41 @@ void requireSameGrid(const Grid& a, const Grid& b) {
     refuseGrids("origin " + text(a.origin) + " against " + text(b.origin));
 }
 
-/// Two fields on one grid, sample by sample.
+/// An array of two fields on one grid, sample by sample.
 class FieldPair {
  public:
-  FieldPair(const Field& a, const Field& b) : a_(a), b_(b) {
-    validateField(a);
-    validateField(b);
+  FieldPair(const Field& a, const Field& b, FieldArray array) : a_(a), b_(b), array_(array) {
+    validateArray(a, array);
+    validateArray(b, array);
     requireSameGrid(a.grid, b.grid);
+    if (array != FieldArray::Distance) return;
+    unit_ = a.grid.spacing;
     for (const double band : {a.band, b.band})
       if (band > 0.0) band_ = std::min(band_, band);
   }
-  bool isFinite(size_t n) const { return std::isfinite(a_.distance[n]) && std::isfinite(b_.distance[n]); }
-  /// Returns the difference of the distances, in samples.
-  double error(size_t n) const {
-    return std::abs(clamped(a_.distance[n]) - clamped(b_.distance[n])) / a_.grid.spacing;
+  bool isFinite(size_t n) const {
+    return isTriangle() || (std::isfinite(numbers(a_)[n]) && std::isfinite(numbers(b_)[n]));
   }
-  bool differsInSign(size_t n) const { return (a_.distance[n] < 0.0f) != (b_.distance[n] < 0.0f); }
+  /// Returns the difference of the numbers; of distances in samples.
+  double error(size_t n) const {
+    return isTriangle() ? 0.0 : std::abs(clamped(numbers(a_)[n]) - clamped(numbers(b_)[n])) / unit_;
+  }
+  bool differsInSign(size_t n) const {
+    return array_ == FieldArray::Distance && (a_.distance[n] < 0.0f) != (b_.distance[n] < 0.0f);
+  }
+  bool differs(size_t n) const {
+    return isTriangle() ? a_.triangle[n] != b_.triangle[n] : numbers(a_)[n] != numbers(b_)[n];
+  }
 
  private:
+  bool isTriangle() const { return array_ == FieldArray::Triangle; }
+  const Buffer<float>& numbers(const Field& field) const { return numbersOf(field, array_); }
   double clamped(float value) const { return std::clamp(double(value), -band_, band_); }
 
   const Field& a_;
   const Field& b_;
+  FieldArray array_;
+  double unit_ = 1.0;
   double band_ = INFINITY;
 };
 
@@ -88,6 +101,7 @@ Tally tallySheet(const FieldPair& pair, const Grid& grid, int k) {
       tally.sum += error;
       tally.squares += error * error;
       c.signDifferences += pair.differsInSign(n) ? 1 : 0;
+      c.differences += pair.differs(n) ? 1 : 0;
       if (error > c.maxError) {
         c.maxError = error;
         c.worstSample = {i, j, k};
@@ -103,6 +117,7 @@ Comparison joinSheets(const std::vector<Tally>& sheets) {
     sum += sheet.sum;
     squares += sheet.squares;
     all.signDifferences += sheet.result.signDifferences;
+    all.differences += sheet.result.differences;
     all.nonFinite += sheet.result.nonFinite;
     all.samples += sheet.result.samples;
     if (sheet.result.maxError > all.maxError) {
@@ -116,15 +131,16 @@ Comparison joinSheets(const std::vector<Tally>& sheets) {
   return all;
 }
 
-/// Returns the slice with the most samples that differ in sign, as {axis, index}.
-glm::ivec2 mostDifferentSlice(const FieldPair& pair, const Grid& grid) {
+/// Returns the slice with the most finite samples for which `isCounted(sample)`, as {axis, index}.
+template <class Counted>
+glm::ivec2 mostDifferentSlice(const FieldPair& pair, const Grid& grid, Counted&& isCounted) {
   std::array<std::vector<size_t>, 3> counts;
   for (int a = 0; a < 3; ++a) counts[a].resize(size_t(grid.dims[a]));
   for (int k = 0; k < grid.dims.z; ++k)
     for (int j = 0; j < grid.dims.y; ++j)
       for (int i = 0; i < grid.dims.x; ++i) {
         const size_t n = grid.index({i, j, k});
-        if (!pair.differsInSign(n) || !pair.isFinite(n)) continue;
+        if (!isCounted(n) || !pair.isFinite(n)) continue;
         ++counts[0][size_t(i)];
         ++counts[1][size_t(j)];
         ++counts[2][size_t(k)];
@@ -152,37 +168,61 @@ Colour errorColour(double share) {
                      : glm::mix(kRamp[1], kRamp[2], 2.0 * share - 1.0);
 }
 
+/// Draws the surface of a field, where it has one, over the colours of a comparison.
+class SurfaceLines {
+ public:
+  SurfaceLines(const SliceView& view, double pixel, FieldArray array)
+      : view_(view), pixel_(pixel), array_(array) {}
+
+  Colour draw(const Colour& ground, const Field& field, glm::dvec2 at, const Colour& line) const {
+    if (array_ == FieldArray::Confidence) return ground;
+    const Buffer<float>& numbers = numbersOf(field, array_);
+    const double number = view_.value(numbers, at), slope = view_.slope(numbers, at, pixel_);
+    const double value = array_ == FieldArray::Winding ? std::abs(number) - 0.5 : number;
+    return slope > 0.0 && std::isfinite(value / slope) ? drawContour(ground, value, slope, line) : ground;
+  }
+
+ private:
+  const SliceView& view_;
+  double pixel_;
+  FieldArray array_;
+};
+
+Picture renderTriangles(const FieldPair& pair, const Grid& grid, int width) {
+  const glm::ivec2 slice = mostDifferentSlice(pair, grid, [&](size_t n) { return pair.differs(n); });
+  const SliceView view(grid, slice[0], slice[1]);
+  return view.paint(width, [&](glm::dvec2 at) {
+    return pair.differs(view.nearest(at)) ? srgb(208, 58, 52) : srgb(238, 239, 241);
+  });
+}
+
 }  // namespace
 
-Comparison compareFields(const Field& a, const Field& b) {
-  const FieldPair pair(a, b);
+Comparison compareFields(const Field& a, const Field& b, FieldArray array) {
+  const FieldPair pair(a, b, array);
   std::vector<Tally> sheets(size_t(a.grid.dims.z));
   parallelFor(sheets.size(), 1, [&](size_t k, size_t) { sheets[k] = tallySheet(pair, a.grid, int(k)); });
   return joinSheets(sheets);
 }
 
-Picture renderComparison(const Field& a, const Field& b, int width) {
-  const Comparison comparison = compareFields(a, b);
+Picture renderComparison(const Field& a, const Field& b, int width, FieldArray array) {
+  const Comparison comparison = compareFields(a, b, array);
   makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
-  const FieldPair pair(a, b);
+  const FieldPair pair(a, b, array);
+  if (array == FieldArray::Triangle) return renderTriangles(pair, a.grid, width);
   const bool showsSigns = comparison.signDifferences > 0;
   const glm::ivec2 slice =
-      showsSigns ? mostDifferentSlice(pair, a.grid) : glm::ivec2(2, comparison.worstSample.z);
+      showsSigns ? mostDifferentSlice(pair, a.grid, [&](size_t n) { return pair.differsInSign(n); })
+                 : glm::ivec2(2, comparison.worstSample.z);
   const SliceView view(a.grid, slice[0], slice[1]);
-  const double pixel = view.pixelSize(width);
+  const SurfaceLines lines(view, view.pixelSize(width), array);
   const double scale = comparison.maxError > 0.0 ? 1.0 / comparison.maxError : 0.0;
-
-  const auto drawSurface = [&](const Colour& ground, const Field& field, glm::dvec2 at, const Colour& line) {
-    const double value = view.value(field.distance, at);
-    const double slope = view.slope(field.distance, at, pixel);
-    return slope > 0.0 && std::isfinite(value / slope) ? drawContour(ground, value, slope, line) : ground;
-  };
   return view.paint(width, [&](glm::dvec2 at) {
     const size_t n = view.nearest(at);
     if (!pair.isFinite(n)) return kNotFinite;
     const Colour ground = showsSigns ? signColour(a.distance[n] < 0.0f, b.distance[n] < 0.0f)
                                      : errorColour(scale * pair.error(n));
-    return drawSurface(drawSurface(ground, b, at, srgb(40, 90, 200)), a, at, kContour);
+    return lines.draw(lines.draw(ground, b, at, srgb(40, 90, 200)), a, at, kContour);
   });
 }
 

@@ -1,4 +1,4 @@
-// A slice of a field as a map: shaded by distance, with iso-lines and the zero contour.
+// A slice of a field as a map: shaded by value, with iso-lines and the contour of the surface.
 
 #include <algorithm>
 
@@ -32,12 +32,7 @@ Range findRange(const Field& field, const SliceView& view) {
   return range;
 }
 
-}  // namespace
-
-Picture renderSlice(const Field& field, int axis, int index, int width) {
-  validateField(field);
-  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
-  const SliceView view(field.grid, axis, index);
+Picture drawDistance(const Field& field, const SliceView& view, int width) {
   const double pixel = view.pixelSize(width);
   const double plain = 0.1 * pixel * field.grid.spacing;  // A smaller slope is a plateau, not a line.
   const Range range = findRange(field, view);
@@ -52,6 +47,40 @@ Picture renderSlice(const Field& field, int axis, int index, int width) {
     if (!(slope > plain)) return ground;
     return drawContour(drawIsoLines(ground, value, slope, step), value, slope, kContour);
   });
+}
+
+Picture drawWinding(const Field& field, const SliceView& view, int width) {
+  const double pixel = view.pixelSize(width);
+  const double plain = 1e-3 * pixel;  // As for distances.
+  return view.paint(width, [&](glm::dvec2 at) {
+    const double value = view.value(field.winding, at);
+    if (!std::isfinite(value)) return kNotFinite;
+    const Colour ground = windingColour(value);
+    const double beyond = std::abs(value) - 0.5, slope = view.slope(field.winding, at, pixel);
+    if (!(slope > plain)) return ground;
+    return drawContour(beyond > 0.5 ? drawIsoLines(ground, beyond, slope, 1.0) : ground, beyond, slope,
+                       kContour);
+  });
+}
+
+Picture drawConfidence(const Field& field, const SliceView& view, int width) {
+  return view.paint(width, [&](glm::dvec2 at) {
+    const double value = view.value(field.confidence, at);
+    return std::isfinite(value) ? confidenceColour(value) : kNotFinite;
+  });
+}
+
+}  // namespace
+
+Picture renderSlice(const Field& field, int axis, int index, int width, FieldArray array) {
+  validateArray(field, array);
+  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
+  const SliceView view(field.grid, axis, index);
+  if (array == FieldArray::Winding) return drawWinding(field, view, width);
+  if (array == FieldArray::Confidence) return drawConfidence(field, view, width);
+  if (array == FieldArray::Triangle)
+    return view.paint(width, [&](glm::dvec2 at) { return triangleColour(field.triangle[view.nearest(at)]); });
+  return drawDistance(field, view, width);
 }
 
 }  // namespace raymap

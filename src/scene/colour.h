@@ -52,6 +52,16 @@ inline const Colour kInside[] = {srgb(228, 241, 250), srgb(116, 173, 214), srgb(
 /// deepest at +-`range`.
 Colour distanceColour(double value, double range);
 
+/// Returns the colour of a winding number. Where |w| > 0.5 it is inside: cool, or green where w < 0, and
+/// deeper with each further turn. Outside is warm. Both are palest at the threshold.
+Colour windingColour(double value);
+
+/// Returns the colour of a confidence: dark at 0, teal at 0.5, pale at 1.
+Colour confidenceColour(double value);
+
+/// Returns a colour for a triangle; triangles of neighbouring indices differ. `kNoTriangle` is light grey.
+Colour triangleColour(uint32_t triangle);
+
 inline const Colour kNotFinite = srgb(140, 60, 160);
 inline const Colour kContour = srgb(24, 26, 32);
 

@@ -8,7 +8,8 @@ namespace {
 
 template <class Enum>
 class NamesOf : public testing::Test {};
-using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, DeviceType, ErrorCode>;
+using Enums =
+    testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType, ErrorCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {
@@ -33,6 +34,7 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(SignMode::None), "none");
   EXPECT_EQ(name(Sampling::Paper), "paper");
   EXPECT_EQ(name(Orientation::Repair), "repair");
+  EXPECT_EQ(name(FieldArray::Triangle), "triangle");
   EXPECT_EQ(name(DeviceType::Software), "software");
   EXPECT_EQ(name(ErrorCode::DeviceLost), "device_lost");
   EXPECT_EQ(names<SignMode>().size(), 6u);

@@ -156,5 +156,77 @@ TEST(Compare, ShadesTheErrorWhereNoSignDiffers) {
   EXPECT_EQ(equal.green, 255);
 }
 
+/// Returns a field with the same values in all arrays of numbers, and with triangles.
+Field filled(const Grid& grid, float value, uint32_t triangle) {
+  Field field{.grid = grid};
+  for (Buffer<float>* array : {&field.distance, &field.winding, &field.confidence}) {
+    array->resizeUninitialized(grid.sampleCount());
+    std::fill(array->begin(), array->end(), value);
+  }
+  field.triangle.resizeUninitialized(grid.sampleCount());
+  std::fill(field.triangle.begin(), field.triangle.end(), triangle);
+  return field;
+}
+
+TEST(Compare, MeasuresWindingNumbersAndConfidencesAsTheyAre) {
+  const Grid grid = cube(10, 2.0);
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
+    const Field a = filled(grid, -0.25f, 0);
+    Field b = filled(grid, -0.25f, 0);
+    Buffer<float>& numbers = array == FieldArray::Winding ? b.winding : b.confidence;
+    numbers[grid.index({3, 7, 2})] = 0.75f;
+    numbers[grid.index({4, 7, 2})] = 0.25f;
+    numbers[5] = NAN;
+    b.band = 0.1;  // Of the distances alone.
+    const Comparison c = compareFields(a, b, array);
+    EXPECT_EQ(c.maxError, 1.0);
+    EXPECT_EQ(c.worstSample, glm::ivec3(3, 7, 2));
+    EXPECT_DOUBLE_EQ(c.meanError, 1.5 / 999);
+    EXPECT_DOUBLE_EQ(c.rmsError, std::sqrt(1.25 / 999));
+    EXPECT_EQ(c.nonFinite, 1u);
+    EXPECT_EQ(c.differences, 2u);
+    EXPECT_EQ(c.signDifferences, 0u);
+    const Picture picture = renderComparison(a, b, 100, array);  // z = 2, 10 pixels a sample.
+    const Pixel worst = at(picture, 35, 100 - 75), half = at(picture, 45, 100 - 75),
+                same = at(picture, 75, 25);
+    EXPECT_LT(worst.green, 60);
+    EXPECT_GT(half.green, worst.green + 80);
+    EXPECT_EQ(same.green, 255);
+    EXPECT_EQ(compareFields(a, b).differences, 0u) << "the distances";
+  }
+}
+
+TEST(Compare, DrawsTheThresholdOfWindingNumbers) {
+  const Grid grid = cube(10, 2.0);
+  Field a = filled(grid, 0.0f, 0), b = filled(grid, 0.0f, 0);
+  for (int k = 0; k < 10; ++k)
+    for (int j = 0; j < 10; ++j)
+      for (int i = 5; i < 10; ++i)
+        a.winding[grid.index({i, j, k})] = a.confidence[grid.index({i, j, k})] = -1.0f;
+  const auto isBlack = [](Pixel p) { return p.red < 40 && p.green < 40 && p.blue < 50; };
+  EXPECT_GE(count(renderComparison(a, b, 100, FieldArray::Winding), isBlack), 100u);
+  EXPECT_EQ(count(renderComparison(a, b, 100, FieldArray::Confidence), isBlack), 0u);
+}
+
+TEST(Compare, CountsTrianglesThatDiffer) {
+  const Grid grid = cube(16, 2.0);
+  const Field a = filled(grid, 1.0f, 7);
+  Field b = filled(grid, NAN, 7);
+  for (int n = 0; n < 12; ++n) b.triangle[grid.index({1, n, 13})] = 8 + uint32_t(n);
+  b.triangle[grid.index({4, 4, 4})] = kNoTriangle;
+  const Comparison c = compareFields(a, b, FieldArray::Triangle);
+  EXPECT_EQ(c.differences, 13u);
+  EXPECT_EQ(c.samples, 4096u);
+  EXPECT_EQ(c.maxError, 0.0);
+  EXPECT_EQ(c.nonFinite, 0u);
+  const Picture picture = renderComparison(a, b, 256, FieldArray::Triangle);  // z = 13, 16 pixels a sample
+  EXPECT_EQ(count(picture, isRed), 12u * 256u);
+  EXPECT_TRUE(isRed(at(picture, 24, 256 - 5 * 16 - 8)));
+  EXPECT_EQ(at(picture, 40, 100).blue, 241);
+  Field none;
+  none.grid = grid;
+  EXPECT_THROW(compareFields(a, none, FieldArray::Triangle), Error);
+}
+
 }  // namespace
 }  // namespace raymap

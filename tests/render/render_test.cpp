@@ -3,6 +3,7 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -331,6 +332,120 @@ TEST(Slice, SurvivesWhatIsNotFinite) {
   field.distance[300] = std::numeric_limits<float>::quiet_NaN();
   for (int axis = 0; axis < 3; ++axis)
     for (int index = 0; index < 8; ++index) EXPECT_EQ(renderSlice(field, axis, index, 32).height, 32);
+}
+
+using Rgb = std::array<int, 3>;
+
+Rgb pixelOf(const Picture& picture, int x, int y) {
+  const uint8_t* p = picture.rgb.data() + 3 * (size_t(y) * size_t(picture.width) + size_t(x));
+  return {p[0], p[1], p[2]};
+}
+
+/// Returns a field of one row of columns, each four samples wide, whose other arrays are of these values.
+Field columns(const std::vector<float>& values) {
+  const Grid grid{{4 * int(values.size()), 4, 1}, {0, 0, 0}, 0.25};
+  Field field{.grid = grid};
+  for (Buffer<float>* array : {&field.winding, &field.confidence}) {
+    array->resizeUninitialized(grid.sampleCount());
+    for (size_t n = 0; n < array->size(); ++n) (*array)[n] = values[n % size_t(grid.dims.x) / 4];
+  }
+  return field;
+}
+
+/// Returns the colour in the middle of each column, at 10 pixels a sample.
+std::vector<Rgb> coloursOf(const Field& field, FieldArray array) {
+  const Picture picture = renderSlice(field, 2, 0, 10 * field.grid.dims.x, array);
+  std::vector<Rgb> colours;
+  for (int x = 20; x < picture.width; x += 40) colours.push_back(pixelOf(picture, x, 20));
+  return colours;
+}
+
+TEST(Slice, ColoursWindingNumbersByTurns) {
+  const Field field = columns({0, 1, 2, 3, 9, -1, -2, -3, 0.25f, -0.25f, NAN});
+  const std::vector<Rgb> colours = coloursOf(field, FieldArray::Winding);
+  const std::vector<Rgb> expected{{247, 190, 120}, {116, 173, 214}, {38, 84, 148}, {16, 30, 66},
+                                  {16, 30, 66},    {122, 190, 124}, {34, 108, 66}, {12, 44, 30}};
+  EXPECT_EQ(std::vector(colours.begin(), colours.begin() + 8), expected);
+  EXPECT_EQ(colours[8], colours[9]);  // Outside by either sign.
+  EXPECT_GT(colours[8][2], 120);
+  EXPECT_LT(colours[8][2], 232);
+  EXPECT_EQ(colours[10], (Rgb{140, 60, 160}));
+}
+
+TEST(Slice, DrawsTheThresholdAndPartsTheTurns) {
+  const auto darkest = [](const std::vector<float>& values) {
+    const Picture picture = renderSlice(columns(values), 2, 0, 80, FieldArray::Winding);
+    Rgb least{255, 255, 255};
+    int column = 0;
+    for (int x = 30; x < 50; ++x)
+      if (const Rgb colour = pixelOf(picture, x, 20); colour[2] < least[2]) least = colour, column = x;
+    return std::pair(least, column);
+  };
+  // Between samples 3 and 4, whose centres lie at pixels 35 and 45.
+  EXPECT_EQ(darkest({0, 1}), std::pair(Rgb({24, 26, 32}), 39));
+  EXPECT_EQ(darkest({-1, 0}), std::pair(Rgb({24, 26, 32}), 39));
+  EXPECT_EQ(darkest({0.25f, 0.75f}), std::pair(Rgb({24, 26, 32}), 39));
+  EXPECT_GT(darkest({0.75f, 1.25f}).first[2], 160);  // No line at 1.
+  EXPECT_GT(darkest({0, 0.45f}).first[2], 100);
+  // A thin line at 1.5 is darker than both sides of it.
+  const Picture turns = renderSlice(columns({1, 2}), 2, 0, 800, FieldArray::Winding);
+  EXPECT_LT(pixelOf(turns, 399, 200)[2], pixelOf(turns, 396, 200)[2] - 10);
+  EXPECT_LT(pixelOf(turns, 399, 200)[2], pixelOf(turns, 403, 200)[2] - 10);
+}
+
+TEST(Slice, ColoursConfidencesFromDarkToPale) {
+  const std::vector<Rgb> colours =
+      coloursOf(columns({0, 0.5f, 1, -3, 3, NAN, 0.25f, 0.75f}), FieldArray::Confidence);
+  const Rgb none{34, 30, 40}, half{36, 136, 128}, sure{240, 247, 214};
+  const std::vector<Rgb> expected{none, half, sure, none, sure, {140, 60, 160}};
+  EXPECT_EQ(std::vector(colours.begin(), colours.begin() + 6), expected);
+  for (const int c : {1, 2}) {
+    EXPECT_LT(none[size_t(c)], colours[6][size_t(c)]);
+    EXPECT_LT(colours[6][size_t(c)], half[size_t(c)]);
+    EXPECT_LT(half[size_t(c)], colours[7][size_t(c)]);
+    EXPECT_LT(colours[7][size_t(c)], sure[size_t(c)]);
+  }
+}
+
+TEST(Slice, GivesEachTriangleAColour) {
+  Field field{.grid = {{60, 1, 2}, {0, 0, 0}, 1.0}};
+  field.triangle.resizeUninitialized(120);
+  for (uint32_t n = 0; n < 120; ++n) field.triangle[n] = n % 60 == 59 ? kNoTriangle : n % 60 / 2;
+  const Picture picture = renderSlice(field, 2, 1, 600, FieldArray::Triangle);
+  std::vector<Rgb> seen;
+  for (int triangle = 0; triangle < 29; ++triangle) {
+    const Rgb colour = pixelOf(picture, 20 * triangle, 0);
+    for (int x = 20 * triangle; x < 20 * triangle + 20; ++x)  // Two samples with sharp borders.
+      for (const int y : {0, 9}) ASSERT_EQ(pixelOf(picture, x, y), colour) << x << " " << y;
+    for (const Rgb& other : seen)
+      EXPECT_GT(
+          std::abs(colour[0] - other[0]) + std::abs(colour[1] - other[1]) + std::abs(colour[2] - other[2]), 8)
+          << triangle;
+    seen.push_back(colour);
+  }
+  EXPECT_EQ(pixelOf(picture, 595, 5), (Rgb{238, 239, 241}));
+}
+
+TEST(Slice, SaysWhichArrayIsMissing) {
+  const Field field = ball(8, 0.7);
+  const auto refused = [](const Field& of, FieldArray array) -> std::string {
+    try {
+      renderSlice(of, 2, -1, 64, array);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(field, FieldArray::Winding), "the field is empty: it has no winding numbers");
+  EXPECT_EQ(refused(field, FieldArray::Confidence), "the field is empty: it has no confidences");
+  EXPECT_EQ(refused(field, FieldArray::Triangle), "the field is empty: it has no triangles");
+  Field alone = columns({1});
+  EXPECT_EQ(refused(alone, FieldArray::Distance), "the field is empty: it has no distances");
+  EXPECT_EQ(refused(alone, FieldArray::Winding), "");
+  alone.winding.resizeUninitialized(3);
+  EXPECT_EQ(refused(alone, FieldArray::Winding),
+            "the field holds 3 winding numbers but its grid has 16 samples");
 }
 
 TEST(WritePng, ReadsBackTheSame) {

@@ -137,9 +137,10 @@ TEST(WindingPaths, SampleAsThePaper) {
 TEST(WindingPaths, TakeTheOffsetsInTurn) {
   const Case on = cube();
   const Points offsets{{3, -2, 1}, {0, 0, 5}, {-40, 1, 0}, {2, 2, -2}, {-1, 14, 0}};
-  for (const auto& [sign, sampling, perPass] :
-       {std::tuple(SignMode::Paths, Sampling::Raymap, 1), {SignMode::Evolution, Sampling::Raymap, 4},
-        {SignMode::Paths, Sampling::Paper, 8}, {SignMode::Evolution, Sampling::Paper, 8}}) {
+  for (const auto& [sign, sampling, perPass] : {std::tuple(SignMode::Paths, Sampling::Raymap, 1),
+                                                {SignMode::Evolution, Sampling::Raymap, 4},
+                                                {SignMode::Paths, Sampling::Paper, 8},
+                                                {SignMode::Evolution, Sampling::Paper, 8}}) {
     std::vector<Points> passes(2);
     for (size_t point = 0; point < 2 * size_t(perPass); ++point)
       passes[point / size_t(perPass)].push_back(offsets[point % offsets.size()]);

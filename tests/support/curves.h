@@ -19,7 +19,8 @@ inline Mesh exactSoup(int count, unsigned seed, const glm::ivec3& low, const glm
   std::vector<glm::dvec3> p(size_t(count) * 3);
   std::vector<glm::uvec3> t;
   for (glm::dvec3& v : p)
-    for (int c = 0; c < 3; ++c) v[c] = low[c] + double(random() % (1024u * size_t(size[c]))) / 1024.0 + 1.0 / 2048.0;
+    for (int c = 0; c < 3; ++c)
+      v[c] = low[c] + double(random() % (1024u * size_t(size[c]))) / 1024.0 + 1.0 / 2048.0;
   for (uint32_t i = 0; i < uint32_t(count); ++i) t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   return makeMesh(p, std::move(t));
 }
@@ -76,7 +77,8 @@ class Curves {
     EXPECT_FALSE(ab == 0.0 || bc == 0.0 || ca == 0.0) << "an edge on a lattice line: choose another seed";
     const bool isFront = ab > 0.0;
     if ((bc > 0.0) != isFront || (ca > 0.0) != isFront) return 0;
-    const double at = (bc * triangle.a[axis] + ca * triangle.b[axis] + ab * triangle.c[axis]) / (ab + bc + ca);
+    const double at =
+        (bc * triangle.a[axis] + ca * triangle.b[axis] + ab * triangle.c[axis]) / (ab + bc + ca);
     EXPECT_GT(std::abs(at - std::round(at)), 1e-9) << "a sample on a face: choose another seed";
     if (to > from[axis]) return at > from[axis] && at < to ? (isFront ? 1 : -1) : 0;
     return at < from[axis] && at > to ? (isFront ? -1 : 1) : 0;

@@ -1,0 +1,53 @@
+#include "field_array.h"
+
+#include <raymap/error.h>
+#include <raymap/names.h>
+
+#include <span>
+#include <vector>
+
+namespace raymap {
+
+namespace {
+
+bool hasArray(const Field& field, FieldArray array) {
+  switch (array) {
+    case FieldArray::Distance: return !field.distance.empty();
+    case FieldArray::Winding: return !field.winding.empty();
+    case FieldArray::Confidence: return !field.confidence.empty();
+    case FieldArray::Triangle: return !field.triangle.empty();
+  }
+  return false;
+}
+
+}  // namespace
+
+FieldArray heldArray(const Field& field) {
+  for (const FieldArray array : {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence})
+    if (hasArray(field, array)) return array;
+  return FieldArray::Triangle;
+}
+
+void addArrayOption(CLI::App& command, std::string& as) {
+  const std::span<const std::string_view> accepted = names<FieldArray>();
+  command
+      .add_option("--as", as,
+                  "Array to show: distance, winding, confidence or triangle (default: what the file says it "
+                  "holds; a .npy of floats holds distances)")
+      ->check(CLI::IsMember(std::vector<std::string>(accepted.begin(), accepted.end())));
+}
+
+FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field) {
+  const FieldArray held = heldArray(field);
+  if (as.empty()) return held;
+  const auto asked = fromName<FieldArray>(as);
+  if (hasArray(field, asked)) return asked;
+  const bool isNumber = asked == FieldArray::Winding || asked == FieldArray::Confidence;
+  if (held != FieldArray::Distance || !isNumber)
+    throw Error(ErrorCode::Usage, path.string() + ": it holds the array '" + std::string(name(held)) +
+                                      "', not '" + as + "'; leave out --as");
+  (asked == FieldArray::Winding ? field.winding : field.confidence) = std::move(field.distance);
+  return asked;
+}
+
+}  // namespace raymap
