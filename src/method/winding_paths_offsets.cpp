@@ -1,7 +1,6 @@
 #include "method/winding_paths_offsets.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace raymap {
@@ -33,8 +32,10 @@ glm::ivec3 spreadOffset(int64_t point, const glm::ivec3& dims) {
 /// cells diagonal to the sample's, at twice the distance in each further pass. After a quarter of the longest
 /// side the distance begins again at one cell.
 glm::ivec3 neighbourOffset(int64_t point, const glm::ivec3& dims) {
-  const auto farthest = static_cast<uint32_t>(std::max({4, dims.x, dims.y, dims.z})) / 4;
-  const int distance = 1 << (point / kNeighbours % std::bit_width(farthest));
+  const int longest = std::max({dims.x, dims.y, dims.z});
+  int distances = 1;
+  while (longest >> (distances + 2) > 0) ++distances;
+  const int distance = 1 << (point / kNeighbours % distances);
   const auto along = [&](int axis) { return (point >> axis & 1) != 0 ? distance : -distance; };
   return {along(0), along(1), along(2)};
 }
