@@ -12,10 +12,14 @@ namespace {
 
 bool hasArray(const Field& field, FieldArray array) {
   switch (array) {
-    case FieldArray::Distance: return !field.distance.empty();
-    case FieldArray::Winding: return !field.winding.empty();
-    case FieldArray::Confidence: return !field.confidence.empty();
-    case FieldArray::Triangle: return !field.triangle.empty();
+    case FieldArray::Distance:
+      return !field.distance.empty();
+    case FieldArray::Winding:
+      return !field.winding.empty();
+    case FieldArray::Confidence:
+      return !field.confidence.empty();
+    case FieldArray::Triangle:
+      return !field.triangle.empty();
   }
   return false;
 }
