@@ -135,6 +135,8 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"write_ms", report.millisecondsOf("write")},
           {"doubtful_share", report.stats.doubtfulShare},
           {"turned_faces", report.stats.turnedFaces.size()},
+          {"left_out_faces", report.stats.leftOutFaces.size()},
+          {"orientation_fits", report.stats.orientationFits},
           {"misfit_given", report.stats.misfitGiven},
           {"misfit", report.stats.misfit},
           {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
@@ -155,6 +157,11 @@ Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& 
   json["signs"] = {{"doubtful_share", report.stats.doubtfulShare},
                    {"guessed_share", double(guessed) / double(field.confidence.size())},
                    {"guessed_below", kSure}};
+  json["orientation"] = {{"turned_faces", report.stats.turnedFaces.size()},
+                         {"left_out_faces", report.stats.leftOutFaces.size()},
+                         {"fits", report.stats.orientationFits},
+                         {"misfit_given", report.stats.misfitGiven},
+                         {"misfit", report.stats.misfit}};
   json["patch"] = {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}};
   return json;
 }
@@ -178,6 +185,19 @@ void printTimes(const Report& report) {
   line("elapsed", sum);
 }
 
+void printOrientation(const Stats& stats) {
+  const size_t turned = stats.turnedFaces.size(), leftOut = stats.leftOutFaces.size();
+  if (!stats.orientationFits)
+    std::printf("orientation: no directions of the faces fit the crossings, misfit %.3g%s\n", stats.misfit,
+                turned == 0 ? "; the faces are used as given" : "");
+  if (leftOut > 0)
+    std::printf("orientation: double-sided faces bound a solid; %s left out\n",
+                counted(leftOut, "other side").c_str());
+  if (turned > 0)
+    std::printf("orientation: turned %s; misfit of the crossings %.3g as given, %.3g now\n",
+                counted(turned, "face").c_str(), stats.misfitGiven, stats.misfit);
+}
+
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
@@ -192,9 +212,7 @@ void print(const Arguments& arguments, const Report& report) {
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
-  if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
-    std::printf("orientation: turned %s, so that the misfit of the crossings fell from %.3g to %.3g\n",
-                counted(turned, "face").c_str(), report.stats.misfitGiven, report.stats.misfit);
+  printOrientation(report.stats);
   if (report.stats.patchTriangles > 0)
     std::printf("closed holes: %s, area %.4g\n", counted(report.stats.patchTriangles, "triangle").c_str(),
                 report.stats.patchArea);

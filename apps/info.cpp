@@ -72,6 +72,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   count("flipped faces", found.flippedFaces);
   count("degenerate faces", found.degenerateFaces);
   count("duplicate faces", found.duplicateFaces);
+  count("double-sided faces", found.doubleSidedFaces);
   print(crossings);
 }
 
@@ -95,7 +96,7 @@ void addInfo(CLI::App& app) {
       ->add_option(
           "--picture", arguments->picture,
           "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that "
-          "cross others orange, flipped faces blue, duplicates yellow")
+          "cross others orange, flipped faces blue, duplicates yellow, double-sided ones green")
       ->type_name("FILE");
   addViewOptions(*command, arguments->view);
   command->footer(kFooter);

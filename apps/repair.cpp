@@ -78,6 +78,8 @@ Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& 
           {"hollows", report.hollows},
           {"drain_holes", report.holes},
           {"turned_faces", report.stats.turnedFaces.size()},
+          {"left_out_faces", report.stats.leftOutFaces.size()},
+          {"orientation_fits", report.stats.orientationFits},
           {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
           {"stages", toJson(report.stats)}};
 }
@@ -106,6 +108,10 @@ void print(const Arguments& arguments, const Grid& grid, const RepairReport& rep
   print("mesh from result", report.ofMesh, grid.spacing);
   if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
     std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
+  if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
+    std::printf("  %-22s %s left out\n", "double-sided", counted(leftOut, "other side").c_str());
+  if (!report.stats.orientationFits)
+    std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
   if (report.buriedShare > 0.0)

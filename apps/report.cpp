@@ -49,6 +49,7 @@ Json toJson(const Diagnostics& found) {
           {"flipped_faces", found.flippedFaces},
           {"degenerate_faces", found.degenerateFaces},
           {"duplicate_faces", found.duplicateFaces},
+          {"double_sided_faces", found.doubleSidedFaces},
           {"signed_volume", found.signedVolume},
           {"area", found.area},
           {"bbox_min", toJson(found.bounds.min)},
@@ -63,11 +64,13 @@ Json toJson(const Stats& stats) {
 }
 
 std::string describeDefects(const Diagnostics& found) {
-  const std::array<std::pair<size_t, const char*>, 5> defects{{{found.boundaryEdges, "boundary edge"},
-                                                               {found.nonManifoldEdges, "non-manifold edge"},
-                                                               {found.flippedEdges, "flipped edge"},
-                                                               {found.degenerateFaces, "degenerate face"},
-                                                               {found.duplicateFaces, "duplicate face"}}};
+  const std::array<std::pair<size_t, const char*>, 6> defects{
+      {{found.boundaryEdges, "boundary edge"},
+       {found.nonManifoldEdges, "non-manifold edge"},
+       {found.flippedEdges, "flipped edge"},
+       {found.degenerateFaces, "degenerate face"},
+       {found.duplicateFaces, "duplicate face"},
+       {found.doubleSidedFaces, "double-sided face"}}};
   std::string text;
   for (const auto& [count, name] : defects)
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, name);

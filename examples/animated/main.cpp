@@ -155,9 +155,12 @@ std::vector<double> medians(std::vector<std::vector<double>>& times) {
   return result;
 }
 
-/// A frame takes faces as they point, so those that point the wrong way are turned once, beforehand.
+/// A frame takes faces as they point. So those that point the wrong way are turned once, beforehand, and the
+/// other sides of double-sided ones are removed.
 void turnWrongFaces(raymap::Mesh& mesh) {
-  turnFaces(mesh, generate(mesh, fitGrid(mesh, {.resolution = 64})).stats.turnedFaces);
+  const raymap::Stats stats = generate(mesh, fitGrid(mesh, {.resolution = 64})).stats;
+  turnFaces(mesh, stats.turnedFaces);
+  removeFaces(mesh, stats.leftOutFaces);
 }
 
 void run(const Arguments& arguments) {

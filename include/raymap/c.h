@@ -217,12 +217,14 @@ RAYMAP_API const float* raymap_field_confidence(const raymap_field* field);
 
 /* What making a field cost, and what it found out; all 0 for a field that was read from a file. */
 typedef struct raymap_stats {
-  double milliseconds;      /* Time from triangles in memory to the finished field. */
-  uint64_t bytes;           /* Most bytes that the generator and the field held together. */
-  double doubtful_share;    /* Share of samples whose six rays disagree. */
-  uint64_t turned_faces;    /* Number of faces that were reversed. */
-  double misfit_given;      /* Disagreement of the crossings of the given mesh, 0 to 1. */
-  double misfit;            /* The same after those faces were reversed. */
+  double milliseconds;     /* Time from triangles in memory to the finished field. */
+  uint64_t bytes;          /* Most bytes that the generator and the field held together. */
+  double doubtful_share;   /* Share of samples whose six rays disagree. */
+  uint64_t turned_faces;   /* Number of faces that were reversed. */
+  uint64_t left_out_faces; /* Number of faces that the sign left out: the other sides of double-sided ones. */
+  int no_orientation_fits; /* 1 if the faces were examined, but no choice has a misfit of at most 0.5. */
+  double misfit_given;     /* Disagreement of the crossings of the given mesh, 0 to 1. */
+  double misfit;           /* The same with those faces reversed and left out. */
   uint64_t patch_triangles; /* Number of triangles of the surface that closes holes. */
   double patch_area;        /* Its area. */
 } raymap_stats;

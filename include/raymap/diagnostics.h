@@ -29,8 +29,10 @@ struct Diagnostics {
   std::vector<Hole> holes = {};  ///< Boundary loops, the longest first.
   size_t components = 0;         ///< Number of parts connected through shared vertices.
   size_t degenerateFaces = 0;    ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
-  size_t duplicateFaces = 0;     ///< Number of further faces on the same three corners, either orientation.
-  bool watertight = false;       ///< Whether every edge has exactly two faces.
+  /// Number of faces in groups on the same three corners, as many in one winding order as in the other.
+  size_t doubleSidedFaces = 0;
+  size_t duplicateFaces = 0;  ///< Number of further faces on the same three corners, either orientation.
+  bool watertight = false;    ///< Whether every edge has exactly two faces.
   bool consistentlyOriented = false;  ///< Whether neighbours agree across every edge with two faces.
   bool balanced = false;  ///< Whether every edge is used equally often both ways: winding numbers are whole.
   double signedVolume = 0.0;  ///< In the mesh's units cubed; positive if faces point outwards.

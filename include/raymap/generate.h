@@ -92,9 +92,10 @@ struct Stats {
   /// Indices of the faces that the sign left out, ascending. Each is double-sided: another face has the same
   /// corners in the opposite winding order. The sign took one of them, because they bound a solid.
   std::vector<uint32_t> leftOutFaces = {};
-  double misfitGiven = 0.0;   ///< Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined.
-  double misfit = 0.0;  ///< The same with `turnedFaces` reversed and without `leftOutFaces`.
-  bool orientationFits = true;  ///< False if the faces were examined, but no choice has a misfit below 0.5.
+  double misfitGiven = 0.0;  ///< Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined.
+  double misfit = 0.0;       ///< The same with `turnedFaces` reversed and without `leftOutFaces`.
+  bool orientationFits =
+      true;  ///< False if the faces were examined, but no choice has a misfit of at most 0.5.
   size_t patchTriangles = 0;  ///< Number of triangles of the surface that closes holes.
   double patchArea = 0.0;     ///< Its area, in the mesh's units squared.
 };

@@ -50,4 +50,8 @@ RAYMAP_API Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm:
 /// an index is out of range.
 RAYMAP_API void turnFaces(Mesh& mesh, std::span<const uint32_t> faces);
 
+/// Removes these faces, for example those of `Stats::leftOutFaces`; the others keep their order. Throws
+/// `Error(Usage)` if an index is out of range. Turn faces first: removing some changes the others' indices.
+RAYMAP_API void removeFaces(Mesh& mesh, std::span<const uint32_t> faces);
+
 }  // namespace raymap

@@ -102,6 +102,8 @@ raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats)
                                                .bytes = found.bytes,
                                                .doubtful_share = found.doubtfulShare,
                                                .turned_faces = found.turnedFaces.size(),
+                                               .left_out_faces = found.leftOutFaces.size(),
+                                               .no_orientation_fits = found.orientationFits ? 0 : 1,
                                                .misfit_given = found.misfitGiven,
                                                .misfit = found.misfit,
                                                .patch_triangles = found.patchTriangles,

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/parallel_sort.h"
+#include "mesh/double_sided.h"
 #include "mesh/half_edges.h"
 
 namespace raymap {
@@ -70,6 +71,10 @@ Defects findDefects(const PackedMesh& mesh) {
   });
   defects.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges));
   defects.duplicateFaces = findDuplicates(mesh, welding);
+  const DoubleSidedFaces doubleSided = findDoubleSidedFaces(mesh);
+  defects.doubleSidedFaces = doubleSided.firsts;
+  defects.doubleSidedFaces.insert(defects.doubleSidedFaces.end(), doubleSided.others.begin(),
+                                  doubleSided.others.end());
   defects.crossedFaces = findSelfIntersections(mesh).faces;
   return defects;
 }

@@ -16,7 +16,7 @@ struct EdgeEnds {
 /// Defects of a mesh, as `diagnose` and `findSelfIntersections` count them.
 struct Defects {
   std::vector<EdgeEnds> boundaryEdges, nonManifoldEdges;
-  std::vector<uint32_t> flippedFaces, duplicateFaces, crossedFaces;
+  std::vector<uint32_t> flippedFaces, duplicateFaces, doubleSidedFaces, crossedFaces;
 };
 
 /// Finds all defects. Throws `Error(Input)` if the mesh is not valid.

@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "mesh/defects.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/double_sided.h"
 #include "mesh/half_edges.h"
 #include "mesh/holes.h"
 #include "mesh/weld.h"
@@ -138,25 +139,23 @@ EdgeCounts countEdges(std::span<const SortKey> halfEdges) {
   return all;
 }
 
-/// Returns the welded faces that may have the same corners as another one.
-std::vector<glm::uvec3> layeredFaces(const PackedMesh& mesh, const Welding& welding,
-                                     std::vector<uint32_t>& layers) {
+/// Counts duplicate and double-sided faces among those that may have the same corners as another one.
+void countLayers(const PackedMesh& mesh, const Welding& welding, std::vector<uint32_t>& layers,
+                 Diagnostics& found) {
   parallelSort(layers.begin(), layers.end());
   layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
-  std::vector<glm::uvec3> faces;
-  faces.reserve(layers.size());
-  for (const uint32_t face : layers) faces.push_back(weldedFace(mesh, welding, face));
-  return faces;
-}
-
-size_t countDuplicates(const std::vector<glm::uvec3>& faces) {
-  std::vector<std::array<uint32_t, 3>> corners(faces.size());
-  for (size_t f = 0; f < faces.size(); ++f) {
-    corners[f] = {faces[f].x, faces[f].y, faces[f].z};
+  std::vector<glm::uvec3> faces(layers.size());
+  std::vector<std::array<uint32_t, 3>> corners(layers.size());
+  for (size_t f = 0; f < layers.size(); ++f) {
+    faces[f] = mesh.triangles[layers[f]];
+    const glm::uvec3 welded = weldedFace(mesh, welding, layers[f]);
+    corners[f] = {welded.x, welded.y, welded.z};
     std::sort(corners[f].begin(), corners[f].end());
   }
   parallelSort(corners.begin(), corners.end());
-  return static_cast<size_t>(corners.end() - std::unique(corners.begin(), corners.end()));
+  found.duplicateFaces = size_t(corners.end() - std::unique(corners.begin(), corners.end()));
+  if (found.duplicateFaces > 0)
+    found.doubleSidedFaces = findDoubleSidedFaces({mesh.vertices, faces, mesh.origin}).count();
 }
 
 /// Counts the parts of the surface that half edges connect.
@@ -203,7 +202,7 @@ Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options) {
     found.balanced = !halfEdges.empty() && edges.isBalanced;
     found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
     found.consistentlyOriented = found.flippedEdges == 0;
-    found.duplicateFaces = countDuplicates(layeredFaces(mesh, welding, edges.layers));
+    countLayers(mesh, welding, edges.layers, found);
     if (options.isBrief) return;
     progress.report(0.8);
     found.components = countComponents(halfEdges, welding.count);

@@ -28,13 +28,33 @@ Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> tri
   return mesh;
 }
 
+namespace {
+
+void checkFace(const Mesh& mesh, uint32_t face) {
+  if (face >= mesh.triangles.size())
+    throw Error(ErrorCode::Usage, "there is no face " + std::to_string(face) + ", only " +
+                                      std::to_string(mesh.triangles.size()));
+}
+
+}  // namespace
+
 void turnFaces(Mesh& mesh, std::span<const uint32_t> faces) {
   for (const uint32_t face : faces) {
-    if (face >= mesh.triangles.size())
-      throw Error(ErrorCode::Usage, "there is no face " + std::to_string(face) + " to turn, only " +
-                                        std::to_string(mesh.triangles.size()));
+    checkFace(mesh, face);
     std::swap(mesh.triangles[face].y, mesh.triangles[face].z);
   }
+}
+
+void removeFaces(Mesh& mesh, std::span<const uint32_t> faces) {
+  std::vector<bool> isRemoved(mesh.triangles.size());
+  for (const uint32_t face : faces) {
+    checkFace(mesh, face);
+    isRemoved[face] = true;
+  }
+  size_t kept = 0;
+  for (size_t f = 0; f < isRemoved.size(); ++f)
+    if (!isRemoved[f]) mesh.triangles[kept++] = mesh.triangles[f];
+  mesh.triangles.resize(kept);
 }
 
 }  // namespace raymap

@@ -66,14 +66,17 @@ Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {
 
 std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface) {
   const std::vector<glm::uvec3> taken = takenFaces(mesh, surface.asGiven);
-  const PackedMesh single(mesh.vertices, taken, mesh.origin);
+  Buffer<SortKey> keys;
+  const Welding welding = weldVertices(mesh.vertices, keys);
+  const std::span<const SortKey> halfEdges =
+      sortHalfEdges({mesh.vertices, taken, mesh.origin}, welding, keys);
   std::vector<Borders> borders(surface.patches.count);
-  forEachEdge(sortHalfEdges(single, weldVertices(mesh.vertices)), [&](std::span<const HalfEdge> edge) {
-    const auto directed = std::count_if(edge.begin(), edge.end(),
-                                        [&](const HalfEdge& h) { return surface.isDirected[h.face]; });
-    for (const HalfEdge& h : edge) {
-      if (surface.isDirected[h.face]) continue;
-      Borders& ofPatch = borders[surface.patches.ids[h.face]];
+  const auto isDirected = [&](const SortKey& key) { return surface.isDirected[halfEdgeOf(key).face] != 0; };
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    const auto directed = std::count_if(edge.begin(), edge.end(), isDirected);
+    for (const SortKey& key : edge) {
+      if (isDirected(key)) continue;
+      Borders& ofPatch = borders[surface.patches.ids[halfEdgeOf(key).face]];
       if (edge.size() == 1) ++ofPatch.open;
       if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
     }

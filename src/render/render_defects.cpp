@@ -15,7 +15,8 @@ namespace raymap {
 namespace {
 
 const Colour kFront = srgb(206, 208, 212), kBack = srgb(120, 128, 142);
-const Colour kFlipped = srgb(70, 120, 220), kCrossed = srgb(240, 150, 40), kDuplicate = srgb(230, 205, 60);
+const Colour kFlipped = srgb(70, 120, 220), kCrossed = srgb(240, 150, 40), kDuplicate = srgb(230, 205, 60),
+             kDoubleSided = srgb(110, 170, 70);
 const Colour kBoundary = srgb(214, 30, 40), kNonManifold = srgb(160, 40, 190);
 constexpr int kFineness = 2;        // Sub-pixels along a pixel's side.
 constexpr double kLineWidth = 2.5;  // In pixels.
@@ -77,6 +78,7 @@ class Drawing {
   void drawFaces(const Defects& defects) {
     std::vector<const Colour*> colours(mesh_.triangles.size(), nullptr);
     for (const uint32_t face : defects.duplicateFaces) colours[face] = &kDuplicate;
+    for (const uint32_t face : defects.doubleSidedFaces) colours[face] = &kDoubleSided;
     for (const uint32_t face : defects.flippedFaces) colours[face] = &kFlipped;
     for (const uint32_t face : defects.crossedFaces) colours[face] = &kCrossed;
     for (size_t f = 0; f < mesh_.triangles.size(); ++f) drawFace(mesh_.triangles[f], colours[f]);

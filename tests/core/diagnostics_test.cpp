@@ -236,5 +236,37 @@ TEST(Diagnostics, RefusesABadIndex) {
   EXPECT_THROW(diagnose(mesh), Error);
 }
 
+TEST(Diagnostics, CountsDoubleSidedFaces) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(diagnose(mesh).doubleSidedFaces, 0u);
+  const glm::uvec3 first = mesh.triangles[0], second = mesh.triangles[1];
+  mesh.triangles.push_back(first);
+  EXPECT_EQ(diagnose(mesh).duplicateFaces, 1u);
+  EXPECT_EQ(diagnose(mesh).doubleSidedFaces, 0u);
+  mesh.triangles.emplace_back(second.y, second.x, second.z);
+  EXPECT_EQ(diagnose(mesh).duplicateFaces, 2u);
+  EXPECT_EQ(diagnose(mesh).doubleSidedFaces, 2u);
+  mesh.triangles.emplace_back(first.x, first.z, first.y);
+  mesh.triangles.emplace_back(first.z, first.y, first.x);
+  EXPECT_EQ(diagnose(mesh).duplicateFaces, 4u);
+  EXPECT_EQ(diagnose(mesh).doubleSidedFaces, 6u);
+  EXPECT_EQ(diagnose(mesh, {.isBrief = true}).doubleSidedFaces, 6u);
+}
+
+TEST(RemoveFaces, KeepsTheOthersInOrder) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Mesh whole = mesh;
+  removeFaces(mesh, std::vector<uint32_t>{11, 3, 3, 0});
+  ASSERT_EQ(mesh.triangles.size(), 9u);
+  EXPECT_EQ(mesh.triangles[0], whole.triangles[1]);
+  EXPECT_EQ(mesh.triangles[2], whole.triangles[4]);
+  EXPECT_EQ(mesh.triangles[8], whole.triangles[10]);
+  EXPECT_EQ(mesh.vertices, whole.vertices);
+  EXPECT_THROW(removeFaces(mesh, std::vector<uint32_t>{0, 9}), Error);
+  EXPECT_EQ(mesh.triangles.size(), 9u);
+  removeFaces(mesh, {});
+  EXPECT_EQ(mesh.triangles.size(), 9u);
+}
+
 }  // namespace
 }  // namespace raymap

@@ -253,6 +253,10 @@ void expectSolid(const Mesh& single, const Mesh& broken, size_t leftOut, double 
     EXPECT_LE(double(countUnlike(right, run)), most * double(grid.sampleCount()));
     EXPECT_EQ(run.stats.leftOutFaces.size(), leftOut);
     EXPECT_TRUE(run.stats.orientationFits);
+    Mesh taken = broken;
+    turnFaces(taken, run.stats.turnedFaces);
+    removeFaces(taken, run.stats.leftOutFaces);
+    EXPECT_LE(countUnlike(run, runOf(taken, grid, Orientation::Keep)), 2u);  // Rounding.
     for (size_t s = 0; s < grid.sampleCount(); ++s)
       ASSERT_NEAR(std::abs(run.field.distance[s]), std::abs(right.field.distance[s]), 1e-6);
   }
