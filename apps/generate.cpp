@@ -37,7 +37,7 @@ struct Report {
   Diagnostics found;
   Grid grid;
   Stats stats;
-  std::vector<Stats::Stage> before, after;  ///< What the command does before and after the stages.
+  std::vector<Stats::Stage> before, after;  ///< Steps of the command before and after the stages.
   double elapsedMilliseconds = 0.0;
   std::vector<fs::path> written;
 

@@ -1,11 +1,11 @@
-"""Measures how often signs are wrong where faces were flipped at random, ours beside the peers'.
+"""Measures how often signs are wrong where faces point the wrong way, or both ways, ours beside the peers'.
 
-The results are the section "Turned faces" of docs/evaluation.md.
+The results are the section "Turned faces" of docs/evaluation.md (SET flipped), and "Double-sided faces" of
+docs/signs.md (SET doubled).
 
-    evaluate_orientation.py ORIENTATION_CASES FOLDER OUT
+    evaluate_orientation.py ORIENTATION_CASES SET FOLDER OUT
 
-ORIENTATION_CASES is the program, FOLDER holds meshes, OUT gets tables (.md): orientation.md, mesh by mesh, and
-orientation_summary.md. A sample is inside
+ORIENTATION_CASES is the program, FOLDER holds meshes, OUT gets tables: SET.md, mesh by mesh, and SET_summary.md. A sample is inside
 - for ours and libigl's fast winding number, if |w| > 1/2;
 - for Open3D, if most of 11 rays leave through an odd number of faces;
 - for OpenVDB's meshToVolume, if its distance is negative.
@@ -47,9 +47,9 @@ def add_peers(case):
         case[name] = {"wrong": 100 * np.mean(is_inside(vertices, triangles, samples) != truth)}
 
 
-def run_cases(program, folder):
+def run_cases(program, cases_set, folder):
     with tempfile.TemporaryDirectory() as work:
-        with subprocess.Popen([program, folder, work], stdout=subprocess.PIPE, text=True) as cases:
+        with subprocess.Popen([program, cases_set, folder, work], stdout=subprocess.PIPE, text=True) as cases:
             for line in cases.stdout:
                 case = json.loads(line)
                 add_peers(case)
@@ -95,17 +95,18 @@ def summary(cases):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
+    parser.add_argument("set", choices=("flipped", "doubled"))
     parser.add_argument("folder")
     parser.add_argument("out", type=pathlib.Path)
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     cases = []
-    with open(args.out / "orientation.md", "w") as table:
+    with open(args.out / f"{args.set}.md", "w") as table:
         print(titles(), file=table)
-        for case in run_cases(args.program, args.folder):
+        for case in run_cases(args.program, args.set, args.folder):
             print(row(case), file=table, flush=True)
             cases.append(case)
-    (args.out / "orientation_summary.md").write_text(summary(cases) + "\n")
+    (args.out / f"{args.set}_summary.md").write_text(summary(cases) + "\n")
     print(summary(cases))
 
 

@@ -1,11 +1,12 @@
-// Measures how well meshes with randomly reversed faces are repaired, and OpenVDB's result: a line of JSON
-// each. bench/evaluate_orientation.py adds the other peers and makes the tables.
+// Measures how well meshes whose faces point the wrong way, or both ways, are repaired, and OpenVDB's result:
+// a line of JSON each. bench/evaluate_orientation.py adds the other peers and makes the tables.
 //
-//   orientation_cases FOLDER OUT [RESOLUTION]
+//   orientation_cases flipped|doubled FOLDER OUT [RESOLUTION]
 //
-// FOLDER holds the meshes named here. OUT receives each broken mesh, as exportMesh names its files, and
-// NAME.inside: a byte for every `stride`-th sample, 1 inside. The exact generalized winding number of the
-// mesh before its faces were reversed decides.
+// `flipped` reverses faces of many meshes. `doubled` makes meshes double-sided, and coarse ones soups of
+// faces. FOLDER holds the meshes named here. OUT receives each broken mesh, as exportMesh names its files,
+// and NAME.inside: a byte for every `stride`-th sample, 1 inside. The exact generalized winding number of the
+// mesh before its faces were reversed, doubled or moved decides.
 
 #include <raymap/raymap.h>
 
@@ -43,10 +44,26 @@ const char* const kMeshes[] = {"libigl__bunny.off",         "common3d__spot.obj"
                                "libigl__decimated-max.obj", "sellan__eiffel.obj",
                                "thingi10k__79741.stl",      "prusaslicer__M3x10_screw.stl"};
 
+const char* const kCoarseMeshes[] = {"geogram__joint.off",
+                                     "trimesh__20mm-xyz-cube.stl",
+                                     "thingi10k__65004.stl",
+                                     "trimesh__nested.glb",
+                                     "geomcentral__dodecahedron_poly.obj",
+                                     "geomcentral__hourglass_ico.obj",
+                                     "prusaslicer__20mmbox-CR.stl",
+                                     "draco__cube_quads.ply"};
+
 struct Broken {
   const char* how;
   Mesh mesh;
   std::vector<double> flippedShares = {0.0, 0.1, 0.3, 0.5};
+};
+
+/// A mesh to repair, and the mesh whose inside is right.
+struct Case {
+  std::string file, how;
+  double flipped;
+  Mesh mesh, right;
 };
 
 /// Returns a mesh and a copy of it, moved so that they overlap.
@@ -63,6 +80,30 @@ std::vector<Broken> breakMesh(const Mesh& mesh) {
           {.how = "10 % of faces missing", .mesh = withMissingFaces(mesh, 0.1, 3)},
           {.how = "five holes and 10 % missing", .mesh = withMissingFaces(holed, 0.1, 3)},
           {.how = "two overlapping", .mesh = overlappingPair(mesh), .flippedShares = {0.0, 0.1, 0.3}}};
+}
+
+void addFlipped(const std::string& file, const Mesh& mesh, std::vector<Case>& cases) {
+  for (const Broken& broken : breakMesh(mesh))
+    for (const double share : broken.flippedShares)
+      cases.push_back({file, broken.how, share, withFlippedFaces(broken.mesh, share, 5), broken.mesh});
+}
+
+void addDoubled(const std::string& file, const Mesh& mesh, std::vector<Case>& cases) {
+  for (const unsigned seed : {11u, 12u}) {
+    const Mesh holed = withHoles(mesh, 3, 0.06, seed);
+    cases.push_back({file, "every face twice", 0.0, withDoubledFaces(mesh, 1.0, seed), mesh});
+    cases.push_back({file, "the same, three holes", 0.0, withDoubledFaces(holed, 1.0, seed), holed});
+    cases.push_back({file, "40 % of the faces twice", 0.0, withDoubledFaces(mesh, 0.4, seed), mesh});
+  }
+}
+
+/// Gives every face corners of its own, moved by 0.05 % of the longest side.
+void addSoups(const std::string& file, const Mesh& mesh, std::vector<Case>& cases) {
+  for (const unsigned seed : {11u, 12u}) {
+    const Mesh soup = withMovedCorners(mesh, 0.0005, seed);
+    cases.push_back({file, "coarse soup", 0.0, soup, mesh});
+    cases.push_back({file, "coarse soup", 0.4, withFlippedFaces(soup, 0.4, seed), mesh});
+  }
 }
 
 struct Truth {
@@ -121,31 +162,44 @@ Json runCase(const Mesh& mesh, const Grid& grid, const Truth& truth) {
   return report;
 }
 
+void runAll(const std::vector<Case>& cases, const std::string& out, int resolution, size_t& count) {
+  for (const Case& c : cases) {
+    const Grid grid = fitGrid(c.mesh, {.resolution = resolution});
+    const Truth truth = truthOf(c.right, grid);
+    const std::string name = out + "/" + std::to_string(++count);
+    exportMesh(c.mesh, name);
+    writeRaw(name + ".inside", truth.inside.data(), truth.inside.size());
+    Json report = runCase(c.mesh, grid, truth);
+    report.update({{"mesh", c.file},
+                   {"broken", c.how},
+                   {"flipped", c.flipped},
+                   {"name", name},
+                   {"stride", truth.stride}});
+    std::puts(report.dump().c_str());
+    std::fflush(stdout);
+  }
+}
+
 int run(int argc, char** argv) {
-  if (argc < 3) return std::fprintf(stderr, "usage: orientation_cases FOLDER OUT [RESOLUTION]\n"), 2;
-  const std::filesystem::path folder = argv[1], out = argv[2];
-  const int resolution = argc > 3 ? std::atoi(argv[3]) : 64;
+  const std::string set = argc > 1 ? argv[1] : "";
+  if (argc < 4 || (set != "flipped" && set != "doubled"))
+    return std::fprintf(stderr, "usage: orientation_cases flipped|doubled FOLDER OUT [RESOLUTION]\n"), 2;
+  const std::filesystem::path folder = argv[2];
+  const int resolution = argc > 4 ? std::atoi(argv[4]) : 64;
   size_t count = 0;
-  for (const std::string file : kMeshes) {
-    if (!std::filesystem::exists(folder / file)) continue;
-    for (const Broken& broken : breakMesh(readMesh(folder / file))) {
-      const Grid grid = fitGrid(broken.mesh, {.resolution = resolution});
-      const Truth truth = truthOf(broken.mesh, grid);
-      for (const double share : broken.flippedShares) {
-        const Mesh flipped = withFlippedFaces(broken.mesh, share, 5);
-        const std::string name = (out / std::to_string(++count)).string();
-        exportMesh(flipped, name);
-        writeRaw(name + ".inside", truth.inside.data(), truth.inside.size());
-        Json report = runCase(flipped, grid, truth);
-        report.update({{"mesh", file},
-                       {"broken", broken.how},
-                       {"flipped", share},
-                       {"name", name},
-                       {"stride", truth.stride}});
-        std::puts(report.dump().c_str());
-        std::fflush(stdout);
-      }
+  const auto runMeshes = [&](std::span<const char* const> files, auto&& add) {
+    for (const std::string file : files) {
+      if (!std::filesystem::exists(folder / file)) continue;
+      std::vector<Case> cases;
+      add(file, readMesh(folder / file), cases);
+      runAll(cases, argv[3], resolution, count);
     }
+  };
+  if (set == "flipped") {
+    runMeshes(kMeshes, addFlipped);
+  } else {
+    runMeshes(kMeshes, addDoubled);
+    runMeshes(kCoarseMeshes, addSoups);
   }
   return 0;
 }

@@ -13,14 +13,15 @@ out=out/evaluation
 python=$build/evaluation/bin/python
 
 signs() { "$build/bin/sign_table" "$folder" | tee "$out/signs.md"; }
-orientation() { "$python" bench/evaluate_orientation.py "$build/bin/orientation_cases" "$folder" "$out"; }
+orientation() { "$python" bench/evaluate_orientation.py "$build/bin/orientation_cases" flipped "$folder" "$out"; }
+double_sided() { "$python" bench/evaluate_orientation.py "$build/bin/orientation_cases" doubled "$folder" "$out"; }
 close_holes() { "$build/bin/close_holes_table" "$folder/libigl__bunny.off" | tee "$out/close_holes.md"; }
 winding_fields() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only winding_fields; }
 deficient_meshes() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only deficient_meshes; }
 repair() { "$python" bench/evaluate_repair.py "$build/bin/raymap" "$folder" --work "$out/repair" | tee "$out/repair.md"; }
 
 parts=("${@:2}")
-if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation close_holes winding_fields deficient_meshes repair); fi
+if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair); fi
 for part in "${parts[@]}"; do
   declare -F "$part" >/dev/null || { echo "$part is no part" >&2 && exit 2; }
 done

@@ -40,7 +40,7 @@ struct Diagnostics {
   Box bounds = {};            ///< Bounds of the vertices that faces use.
 };
 
-/// What `diagnose` does beyond counting.
+/// Options of `diagnose`.
 struct DiagnoseOptions {
   bool isBrief = false;            ///< Leaves out holes, components and flipped faces, which take longest.
   ProgressCallback progress = {};  ///< Receives the stage "diagnose".

@@ -36,9 +36,10 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
     perSample += 3 * sizeof(int32_t) + sizeof(float);  // PathScratch
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  // Bytes while patches are found. A triangle has three half edges, its patch and its turn; a vertex has a
-  // key, its bucket, an id and the index of the first vertex at its position.
-  constexpr size_t kTurningTriangle = 80, kTurningVertex = 26;
+  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, its turn,
+  // its area and, if it is double-sided, its group; a vertex has a key, its bucket, an id and the index of
+  // the first vertex at its position.
+  constexpr size_t kTurningTriangle = 120, kTurningVertex = 26;
   const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
                              (options.closeHoles ? kRimBytesPerTriangle : 0) +

@@ -49,9 +49,9 @@ class SheetFinder {
   const OrientationSurface& surface_;
   std::vector<uint32_t> parts_;
   double leastArea_;                        ///< Twice the area from which on a sheet is seen.
-  std::vector<Borders> borders_;            ///< Of each patch.
-  std::vector<uint8_t> isSheet_;            ///< For each group.
-  std::vector<Solidity> ofPatch_, ofPart_;  ///< Of the double-sided faces in each.
+  std::vector<Borders> borders_;            ///< Borders of each patch.
+  std::vector<uint8_t> isSheet_;            ///< One flag per group.
+  std::vector<Solidity> ofPatch_, ofPart_;  ///< Solidity of their double-sided faces.
 };
 
 }  // namespace raymap

@@ -39,7 +39,7 @@ constexpr double kNoAccident = 1.0;
 /// Share of a flipped part's area by which the misfit may rise.
 constexpr double kAsGood = 0.1;
 
-/// What the sign makes of the faces, and the misfit of the field with them.
+/// A choice of turns, and the misfit of the field with them.
 struct State {
   Turns turns;
   double misfit = INFINITY;

@@ -16,7 +16,7 @@ namespace raymap {
 /// one cell: closer to such a face the field falls whichever way the face points.
 inline constexpr float kFarSides = 0.7f;
 
-/// What the sign makes of the faces, and the misfits before and after. A misfit is the sum of squares by
+/// Turns of the faces, and the misfits before and after. A misfit is the sum of squares by
 /// which the field misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
 struct FaceSides {
   Turns turns;  ///< Empty if no face was examined.
@@ -67,7 +67,7 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
 /// Chooses which faces the sign takes reversed or not at all. On entry `field` must be solved for the mesh as
 /// given, with misfit `misfitGiven`. On return it is solved for the result's turns.
 ///
-/// Of double-sided faces, one of each group is taken if they bound a solid with the rest. Then the faces are
+/// If double-sided faces bound a solid with the rest, one of each group is taken. Then the faces are
 /// reversed that the field contradicts, if that lowers the misfit as much as `orientation` demands;
 /// `mayReverse` is false if they need not be examined.
 FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,

@@ -6,7 +6,7 @@
 
 namespace raymap {
 
-/// What the sign makes of a face: takes it as given, with reversed winding order, or not at all.
+/// How the sign takes a face: as given, with reversed winding order, or not at all.
 enum Turn : uint8_t { kAsGiven = 0, kReversed = 1, kLeftOut = 2 };
 
 /// A `Turn` for each face.

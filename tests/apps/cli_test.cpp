@@ -14,6 +14,7 @@
 #include <sstream>
 #include <string>
 
+#include "broken_meshes.h"
 #include "files.h"
 #include "shapes.h"
 
@@ -531,6 +532,55 @@ TEST_F(Cli, LeavesHolesAndFacesAsTheyAreOnRequest) {
   EXPECT_EQ(kept["turned_faces"], 0);
   EXPECT_EQ(kept["patch"]["triangles"], 0);
   EXPECT_TRUE(kept["after"]["watertight"]);
+}
+
+TEST_F(Cli, MakesASolidOfADoubleSidedMesh) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const size_t faces = ball.triangles.size();
+  const auto least = [](const fs::path& file) {
+    const Field field = readField(file);
+    return *std::min_element(field.distance.begin(), field.distance.end());
+  };
+  writeMesh(path("ball.ply"), withDoubledFaces(ball, 1.0, 1));
+  const std::string info = succeed("info ball.ply").out;
+  EXPECT_NE(info.find("\ndouble-sided faces       10,240\n"), std::string::npos) << info;
+  EXPECT_EQ(Json::parse(succeed("info ball.ply --json").out)["double_sided_faces"], 2 * faces);
+  const std::string text =
+      succeed("generate ball.ply -o ball.nrrd --resolution 48 --device cpu --stats s.json --report r.json")
+          .out;
+  EXPECT_NE(text.find("10,240 double-sided faces"), std::string::npos) << text;
+  EXPECT_NE(text.find("bound a solid; 5,120 other sides left out\n"), std::string::npos) << text;
+  EXPECT_EQ(json("s.json")["left_out_faces"], faces);
+  EXPECT_EQ(json("s.json")["orientation_fits"], true);
+  EXPECT_EQ(json("r.json")["orientation"]["left_out_faces"], faces);
+  EXPECT_EQ(json("r.json")["orientation"]["fits"], true);
+  EXPECT_LT(least(path("ball.nrrd")), -0.95f);
+  succeed("generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json");
+  EXPECT_EQ(json("s.json")["left_out_faces"], 0);
+  EXPECT_GT(least(path("kept.nrrd")), 0.0f);
+  const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;
+  EXPECT_NE(repaired.find("5,120 other sides left out"), std::string::npos) << repaired;
+  const Json solid = json("solid.json");
+  EXPECT_EQ(solid["left_out_faces"], faces);
+  EXPECT_EQ(solid["orientation_fits"], true);
+  EXPECT_TRUE(solid["after"]["watertight"]);
+  EXPECT_NEAR(solid["after"]["signed_volume"], 4.18879, 0.04);
+}
+
+TEST_F(Cli, SaysThatNoOrientationFits) {
+  Mesh fan = shapes::sphere(1.0, 5);  // All faces meet in the centre.
+  fan.vertices.emplace_back(0.0f);
+  for (glm::uvec3& t : fan.triangles) t.z = uint32_t(fan.vertices.size() - 1);
+  writeMesh(path("fan.ply"), withFlippedFaces(fan, 0.5, 5));
+  const std::string text =
+      succeed("generate fan.ply -o fan.nrrd --resolution 40 --device cpu --stats s.json").out;
+  EXPECT_NE(text.find("orientation: no directions of the faces fit the crossings, misfit "),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("; the faces are used as given\n"), std::string::npos) << text;
+  EXPECT_EQ(json("s.json")["orientation_fits"], false);
+  EXPECT_EQ(json("s.json")["turned_faces"], 0);
+  EXPECT_GT(json("s.json")["misfit"], 0.5);
 }
 
 TEST_F(Cli, HollowsAMeshOut) {
