@@ -136,15 +136,23 @@ TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
   const Mesh ball = shapes::sphere(1.0, 3);
   const Mesh holed = keepTriangles(ball, [&](const glm::uvec3& t) { return ball.position(t.x).z < 0.8; });
   const Mesh pair = shapes::joined(holed, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0}));
+  Mesh half = ball;  // The northern half is double-sided.
+  for (const glm::uvec3& t : ball.triangles)
+    if (ball.position(t.x).z + ball.position(t.y).z + ball.position(t.z).z > 0.0)
+      half.triangles.emplace_back(t.x, t.z, t.y);
   struct Case {
     Mesh mesh;
     bool isSolid = true;
   };
-  for (const auto& [mesh, isSolid] : std::initializer_list<Case>{{withDoubledFaces(box, 1.0, 1)},
-                                                                 {withDoubledFaces(holed, 1.0, 1)},
-                                                                 {withDoubledFaces(ball, 0.4, 1)},
-                                                                 {withDoubledFaces(flipped(pair, 3), 0.5, 1)},
-                                                                 {withDoubledFaces(open, 1.0, 1), false}}) {
+  for (const auto& [mesh, isSolid] : std::initializer_list<Case>{
+           {withDoubledFaces(box, 1.0, 1)},
+           {withDoubledFaces(holed, 1.0, 1)},
+           {withDoubledFaces(ball, 0.4, 1)},
+           {withDoubledFaces(flipped(pair, 3), 0.5, 1)},
+           {half},
+           {withDoubledFaces(shapes::joined(box, shapes::box({0.3, 0.2, 0.1}, {0.6, 0.6, 0.6})), 1.0, 1)},
+           {withDoubledFaces(shapes::joined(box, shapes::box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5})), 1.0, 1)},
+           {withDoubledFaces(open, 1.0, 1), false}}) {
     const Grid grid = fitGrid(mesh, {.resolution = 32});
     Generator generator;
     Field cpu, gpu;
