@@ -149,7 +149,7 @@ bool Backend::contradictsParity() {
 }
 
 std::span<const float> Backend::rises() {
-  return measureSides(kFarSides, -1.0f);
+  return measureSides(kFarSides, FaceMeasure::Rise);
 }
 
 std::span<const float> Backend::parityRises() {
@@ -158,17 +158,17 @@ std::span<const float> Backend::parityRises() {
 }
 
 std::span<const float> Backend::nearRises() {
-  return measureSides(0.0f, -1.0f);
+  return measureSides(0.0f, FaceMeasure::Rise);
 }
 
-std::span<const float> Backend::nearSums() {
-  return measureSides(0.0f, 1.0f);
+std::span<const float> Backend::wholeness() {
+  return measureSides(0.0f, FaceMeasure::Wholeness);
 }
 
 /// Measures the field beside the faces as given.
-std::span<const float> Backend::measureSides(float farSides, float behind) {
+std::span<const float> Backend::measureSides(float farSides, FaceMeasure measure) {
   const std::span<const glm::uvec3> turned = std::exchange(mesh_.triangles, mesh().triangles);
-  cpu::measureSides(mesh_, windingBuffer(), farSides, behind, progress(), rises_);
+  cpu::measureSides(mesh_, windingBuffer(), farSides, measure, progress(), rises_);
   mesh_.triangles = turned;
   return rises_;
 }

@@ -57,7 +57,7 @@ class Backend {
   std::span<const float> rises();
   std::span<const float> parityRises();
   std::span<const float> nearRises();
-  std::span<const float> nearSums();
+  std::span<const float> wholeness();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();
@@ -75,7 +75,7 @@ class Backend {
  private:
   /// Returns the tree. Builds it on first use and updates it after faces are reversed.
   const SurfaceTree& surfaceTree();
-  std::span<const float> measureSides(float farSides, float behind);
+  std::span<const float> measureSides(float farSides, FaceMeasure measure);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
   Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }

@@ -54,7 +54,7 @@ template <class B>
 concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<const glm::vec3> points) {
   { b.mesh() } -> std::same_as<const PackedMesh&>;
   { b.progress() } -> std::same_as<Progress&>;
-  { b.spacing() } -> std::same_as<double>;  // Sample spacing in the mesh's units.
+  { b.spacing() } -> std::same_as<double>;        // Sample spacing in the mesh's units.
   { b.doubtfulShare() } -> std::same_as<double>;  // Share of samples whose six rays disagree.
 
   // For the stage `orientation`, which leaves its result in `faceSides`.
@@ -66,7 +66,7 @@ concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<
   { b.rises() } -> std::same_as<std::span<const float>>;
   { b.parityRises() } -> std::same_as<std::span<const float>>;
   { b.nearRises() } -> std::same_as<std::span<const float>>;
-  { b.nearSums() } -> std::same_as<std::span<const float>>;
+  { b.wholeness() } -> std::same_as<std::span<const float>>;
 
   // For the stage `close_holes`, which leaves its result in `patch`.
   b.patch();

@@ -18,13 +18,9 @@ constexpr double kLeastSeen = 0.2, kUnclear = 0.3;
 constexpr double kSheetRise = 0.5;
 constexpr double kLeastCells = 64.0;
 
-/// Returns the solidity of a face whose winding number is `rise` higher before the face than behind it, and
-/// has this sum on both sides.
-Solidity solidityOf(double area, double rise, double sum) {
-  const double odd = 2.0 * std::round(0.5 * (sum - 1.0)) + 1.0;  // 0 + 1, 1 + 2 and so on at a solid.
+Solidity solidityOf(double area, double rise, double wholeness) {
   const double seen = std::abs(std::abs(rise) - 1.0) < kUnclear ? area : 0.0;
-  return {
-      .whole = seen * (1.0 - std::abs(sum - odd)), .seen = seen, .rise = area * std::abs(rise), .area = area};
+  return {.whole = seen * wholeness, .seen = seen, .rise = area * std::abs(rise), .area = area};
 }
 
 }  // namespace
@@ -33,17 +29,21 @@ bool Solidity::isSeen() const {
   return seen > kLeastSeen * area;
 }
 
+double leastSheetArea(double spacing) {
+  return 2.0 * kLeastCells * spacing * spacing;
+}
+
 SheetFinder::SheetFinder(const PackedMesh& mesh, double spacing, const DoubleSidedFaces& faces,
                          const OrientationSurface& surface)
     : faces_(faces),
       surface_(surface),
       parts_(findParts(mesh, surface.patches, 0.5 * spacing)),
-      leastArea_(2.0 * kLeastCells * spacing * spacing),
+      leastArea_(leastSheetArea(spacing)),
       borders_(findBorders(mesh, surface)),
       isSheet_(faces.firsts.size(), 0) {}
 
-bool SheetFinder::giveBack(std::span<const float> rises, std::span<const float> sums, Turns& turns) {
-  measure(rises, sums);
+bool SheetFinder::giveBack(std::span<const float> rises, std::span<const float> wholeness, Turns& turns) {
+  measure(rises, wholeness);
   bool hasSheets = false;
   for (size_t g = 0; g < faces_.firsts.size(); ++g) {
     if (isSheet_[g] || !looksLikeSheet(faces_.firsts[g])) continue;
@@ -60,13 +60,13 @@ bool SheetFinder::hasSolid() const {
   return std::find(isSheet_.begin(), isSheet_.end(), 0) != isSheet_.end();
 }
 
-void SheetFinder::measure(std::span<const float> rises, std::span<const float> sums) {
+void SheetFinder::measure(std::span<const float> rises, std::span<const float> wholeness) {
   ofPatch_.assign(surface_.patches.count, {});
   ofPart_.assign(surface_.patches.count, {});
   for (size_t g = 0; g < faces_.firsts.size(); ++g) {
     if (isSheet_[g]) continue;
     const uint32_t face = faces_.firsts[g], patch = surface_.patches.ids[face];
-    const Solidity solidity = solidityOf(surface_.areas[face], rises[face], sums[face]);
+    const Solidity solidity = solidityOf(surface_.areas[face], rises[face], wholeness[face]);
     ofPatch_[patch].add(solidity);
     ofPart_[parts_[patch]].add(solidity);
   }

@@ -26,6 +26,9 @@ struct Solidity {
   double share() const { return whole / seen; }
 };
 
+/// Returns twice the area from which on a sheet is seen. `spacing` is the sample spacing.
+double leastSheetArea(double spacing);
+
 /// Finds the double-sided faces that are sheets, after all were taken once.
 class SheetFinder {
  public:
@@ -33,16 +36,16 @@ class SheetFinder {
   SheetFinder(const PackedMesh& mesh, double spacing, const DoubleSidedFaces& faces,
               const OrientationSurface& surface);
 
-  /// Takes all faces of the groups as given again that look like sheets. `rises` and `sums` are the winding
-  /// number one cell in front of each face minus and plus that one cell behind it. Returns whether there are
-  /// any new ones.
-  bool giveBack(std::span<const float> rises, std::span<const float> sums, Turns& turns);
+  /// Takes all faces of the groups as given again that look like sheets. `rises` is the winding number one
+  /// cell in front of each face minus that one cell behind it, `wholeness` is as in `FaceField`. Returns
+  /// whether there are any new ones.
+  bool giveBack(std::span<const float> rises, std::span<const float> wholeness, Turns& turns);
 
   /// Returns whether any group is no sheet.
   bool hasSolid() const;
 
  private:
-  void measure(std::span<const float> rises, std::span<const float> sums);
+  void measure(std::span<const float> rises, std::span<const float> wholeness);
   bool looksLikeSheet(uint32_t face) const;
 
   const DoubleSidedFaces& faces_;

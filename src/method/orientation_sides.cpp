@@ -235,13 +235,14 @@ class SideChooser {
 bool giveBackSheets(SheetFinder& sheets, const FaceField& field, Turns& turns) {
   const std::span<const float> nearRises = field.nearRises();
   const std::vector<float> rises(nearRises.begin(), nearRises.end());
-  return sheets.giveBack(rises, field.nearSums(), turns);
+  return sheets.giveBack(rises, field.wholeness(), turns);
 }
 
 /// Takes each double-sided group as one face of unknown direction where it bounds a solid with the rest.
 /// Returns nothing if none does or nothing fits.
 std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver& solver) {
-  const DoubleSidedFaces faces = withoutDividing(examined.mesh, examined.doubleSided);
+  const DoubleSidedFaces faces =
+      withoutSheets(examined.mesh, examined.doubleSided, leastSheetArea(examined.spacing));
   if (faces.empty()) return {};
   if (faces.count() == examined.mesh.triangles.size()) {  // All in order, perhaps: that needs no patches.
     const State& first = solver.solve(withoutOthers(faces, examined.mesh.triangles.size()));

@@ -16,6 +16,10 @@ namespace raymap {
 /// one cell: closer to such a face the field falls whichever way the face points.
 inline constexpr float kFarSides = 0.7f;
 
+/// Measure of a field beside a face: its rise from behind the face to the front, or how whole it is on both
+/// sides (`FaceField::wholeness`).
+enum class FaceMeasure { Rise, Wholeness };
+
 /// Turns of the faces, and the misfits before and after. A misfit is the sum of squares by
 /// which the field misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
 struct FaceSides {
@@ -44,9 +48,13 @@ struct FaceField {
   /// Returns the same for the share of the six rays that cross an odd number of faces. It does not depend on
   /// which faces are reversed, but on which are left out. It replaces the solved field.
   std::function<std::span<const float>(const Turns& turns)> parityRises;
-  /// Return, for each face as given, the last solved field one cell before the face minus or plus that one
-  /// cell behind it.
-  std::function<std::span<const float>()> nearRises, nearSums;
+  /// Returns, for each face as given, the last solved field one cell before the face minus that one cell
+  /// behind it.
+  std::function<std::span<const float>()> nearRises;
+  /// Returns, for each face, how whole the field is on both sides. The sum of the field one cell before the
+  /// face and one cell behind it is odd where both are whole numbers that differ by 1. The result is 1 less
+  /// the mean distance of the sum from the nearest odd number.
+  std::function<std::span<const float>()> wholeness;
 };
 
 /// The mesh whose faces are examined.
@@ -114,7 +122,7 @@ void orientFaces(B& backend) {
                        .rises = [&] { return backend.rises(); },
                        .parityRises = parityRises,
                        .nearRises = [&] { return backend.nearRises(); },
-                       .nearSums = [&] { return backend.nearSums(); }},
+                       .wholeness = [&] { return backend.wholeness(); }},
                       backend.progress());
   sides.doubtfulShare = doubtfulShare;
   if (!isHarmonic) backend.winding(options.sign);

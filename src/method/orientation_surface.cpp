@@ -133,16 +133,21 @@ Surroundings surroundingsOf(const PackedMesh& mesh, const DoubleSidedFaces& doub
 
 }  // namespace
 
-DoubleSidedFaces withoutDividing(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided) {
-  if (doubleSided.count() == mesh.triangles.size()) return doubleSided;  // There is nothing to divide.
+DoubleSidedFaces withoutSheets(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided,
+                               double leastArea) {
+  if (doubleSided.count() == mesh.triangles.size()) return doubleSided;  // Nothing else is there.
   const Surroundings near = surroundingsOf(mesh, doubleSided);
   const OrientationSurface surface = takeSingleFaces(near.mesh, near.doubleSided);
   const std::vector<Borders> borders = findBorders(near.mesh, surface);
+  std::vector<double> areas(borders.size());  // Twice the area of the double-sided faces in each patch.
+  for (const uint32_t face : near.doubleSided.firsts) areas[surface.patches.ids[face]] += surface.areas[face];
   DoubleSidedFaces kept;
   std::vector<uint32_t> newGroup(doubleSided.firsts.size(), UINT32_MAX);
   for (size_t g = 0; g < newGroup.size(); ++g) {
-    const Borders& ofPatch = borders[surface.patches.ids[near.doubleSided.firsts[g]]];
+    const uint32_t patch = surface.patches.ids[near.doubleSided.firsts[g]];
+    const Borders& ofPatch = borders[patch];
     if (ofPatch.dividing > ofPatch.closing) continue;
+    if (areas[patch] < leastArea && ofPatch.open + ofPatch.closing > 0) continue;
     newGroup[g] = uint32_t(kept.firsts.size());
     kept.firsts.push_back(doubleSided.firsts[g]);
   }

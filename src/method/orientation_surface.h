@@ -44,7 +44,8 @@ struct Borders {
 /// Counts the edges at which the double-sided faces of each patch end.
 std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface);
 
-/// Returns the groups without those whose patch divides a solid or sticks out of one.
-DoubleSidedFaces withoutDividing(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided);
+/// Returns the groups without those whose patch divides a solid or sticks out of one, and without small ones
+/// that bound nothing by themselves: their area in the patch is less than half of `leastArea`.
+DoubleSidedFaces withoutSheets(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided, double leastArea);
 
 }  // namespace raymap

@@ -66,7 +66,7 @@ class FakeHostBackend : public FakeBackend {
   std::span<const float> rises() const { return {}; }
   std::span<const float> parityRises() const { return {}; }
   std::span<const float> nearRises() const { return {}; }
-  std::span<const float> nearSums() const { return {}; }
+  std::span<const float> wholeness() const { return {}; }
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges() const { return {}; }
   std::vector<float> windingAt(std::span<const glm::vec3>) const { return {}; }

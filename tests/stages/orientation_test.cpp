@@ -299,6 +299,9 @@ TEST(DoubleSidedFaces, MakeAUnionOrACavityOfTwo) {
   const Mesh pair = shapes::joined(ball, other);
   expectSolid(pair, doubled(pair), pair.triangles.size());
   expectSolid(pair, shuffled(doubled(pair)), pair.triangles.size());
+  const Mesh boxes =
+      shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
+  expectSolid(boxes, doubled(boxes), 24);  // A face is half in the other solid.
   const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1}), inner = shapes::box({0.2, 0.2, 0.2}, {0.7, 0.7, 0.7});
   const Mesh hollow = shapes::joined(box, insideOut(inner));  // Nothing says that the inner one is solid.
   expectSolid(hollow, doubled(hollow), 24);

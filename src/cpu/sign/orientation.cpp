@@ -34,9 +34,15 @@ void addLine(std::span<const Crossing> line, const float* field, size_t stride, 
   }
 }
 
-/// Returns the mean of the field in front of a face plus `behind` times that behind it. A large face is cut
-/// into triangles, and the field is read at their centres. Points beyond the grid's border are moved onto it.
-float sidesOf(const Trilinear<float>& field, float farSides, float behind, const glm::vec3& a,
+float measureOf(FaceMeasure measure, float before, float behind) {
+  if (measure == FaceMeasure::Rise) return before - behind;
+  const float half = 0.5f * (before + behind - 1.0f);  // Whole where the sum is odd.
+  return 1.0f - 2.0f * std::abs(half - std::round(half));
+}
+
+/// Returns a measure of the field in front of a face and behind it, in the mean. A large face is cut into
+/// triangles, and the field is read at their centres. Points beyond the grid's border are moved onto it.
+float sidesOf(const Trilinear<float>& field, float farSides, FaceMeasure measure, const glm::vec3& a,
               const glm::vec3& b, const glm::vec3& c) {
   constexpr float kPartLength = 2.0f;
   constexpr int kMostParts = 8;
@@ -51,7 +57,7 @@ float sidesOf(const Trilinear<float>& field, float farSides, float behind, const
   const auto inGrid = [&](const glm::vec3& p) { return glm::clamp(p, glm::vec3(0.0f), field.last()); };
   const auto look = [&](float u, float v) {
     const glm::vec3 p = a + (u / float(parts)) * ab + (v / float(parts)) * ac;
-    sum += field(inGrid(p + step)) + behind * field(inGrid(p - step));
+    sum += measureOf(measure, field(inGrid(p + step)), field(inGrid(p - step)));
   };
   for (int i = 0; i < parts; ++i)
     for (int j = 0; i + j < parts; ++j) {
@@ -97,7 +103,7 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
   return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
 }
 
-void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, float behind,
+void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, FaceMeasure measure,
                   Progress& progress, Buffer<float>& sides) {
   sides.resizeUninitialized(mesh.triangles.size());
   const Trilinear<float> interpolate(mesh.dims, field.data());
@@ -105,7 +111,7 @@ void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSid
     progress.poll();
     for (size_t f = begin; f < end; ++f)
       sides[f] =
-          sidesOf(interpolate, farSides, behind, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+          sidesOf(interpolate, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
   });
 }
 

@@ -15,10 +15,9 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
 /// winding number is farther from the threshold than the lattice's error.
 bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold);
 
-/// Measures the field on both sides of every face, in the mean over the face: the value a step in front of
-/// it plus `behind` times the value a step behind it. With -1 this is the rise along the normal. The step is
-/// one cell, or `farSides` times the square root of twice the face's area if that is longer.
-void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, float behind,
+/// Measures the field a step in front of every face and a step behind it, in the mean over the face. The step
+/// is one cell, or `farSides` times the square root of twice the face's area if that is longer.
+void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, FaceMeasure measure,
                   Progress& progress, Buffer<float>& sides);
 
 /// Computes the share of each sample's six rays that cross an odd number of faces.

@@ -188,15 +188,15 @@ std::span<const float> Backend::nearRises() {
   return measureRises(0.0f);
 }
 
-std::span<const float> Backend::nearSums() {
-  recordSides(0.0f, 1.0f);
+std::span<const float> Backend::wholeness() {
+  recordSides(0.0f, FaceMeasure::Wholeness);
   run();
   return orientationStage().sides();
 }
 
 /// Negates the values of reversed faces, because the host counts them as given.
 std::span<const float> Backend::measureRises(float farSides) {
-  recordSides(farSides, -1.0f);
+  recordSides(farSides, FaceMeasure::Rise);
   run();
   const std::span<const float> rises = orientationStage().sides();
   rises_.assign(rises.begin(), rises.end());

@@ -46,7 +46,7 @@ class Backend : public StageRecorder {
   std::span<const float> rises();
   std::span<const float> parityRises();
   std::span<const float> nearRises();
-  std::span<const float> nearSums();
+  std::span<const float> wholeness();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();

@@ -93,8 +93,8 @@ void StageRecorder::recordMisfit() {
   orientation_.recordMisfit(*commands_, orientationFields());
 }
 
-void StageRecorder::recordSides(float farSides, float behind) {
-  orientation_.recordSides(*commands_, orientationFields(), farSides, behind);
+void StageRecorder::recordSides(float farSides, FaceMeasure measure) {
+  orientation_.recordSides(*commands_, orientationFields(), farSides, measure);
 }
 
 void StageRecorder::recordParity() {

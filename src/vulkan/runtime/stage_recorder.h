@@ -88,7 +88,7 @@ class StageRecorder {
   void recordMesh(const CellMeshStage::Source& source);
   // For the stage `orientation`.
   void recordMisfit();
-  void recordSides(float farSides, float behind);
+  void recordSides(float farSides, FaceMeasure measure);
   void recordParity();
   const OrientationStage& orientationStage() const { return orientation_; }
   // For the stage `close_holes`.

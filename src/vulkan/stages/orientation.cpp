@@ -30,7 +30,7 @@ void OrientationStage::reserve(const glm::ivec3& dims, uint32_t triangleCount) {
   for (DeviceBuffer* sides : {&sides_, &hostSides_}) sides->resize<float>(triangleCount);
 }
 
-OrientationPush OrientationStage::push(const Fields& fields, float farSides, float behind) const {
+OrientationPush OrientationStage::push(const Fields& fields, float farSides, FaceMeasure measure) const {
   return {.rays = {fields.rays.axes[0], fields.rays.axes[1], fields.rays.axes[2]},
           .field = fields.field,
           .vertices = fields.mesh.vertices,
@@ -42,8 +42,8 @@ OrientationPush OrientationStage::push(const Fields& fields, float farSides, flo
           .gridZ = static_cast<uint32_t>(fields.rays.dims.z),
           .triangleCount = triangleCount_,
           .farSides = farSides,
-          .behind = behind,
-          .threshold = static_cast<float>(fields.threshold)};
+          .threshold = static_cast<float>(fields.threshold),
+          .isWholeness = measure == FaceMeasure::Wholeness ? 1u : 0u};
 }
 
 void OrientationStage::recordMisfit(Commands& commands, const Fields& fields) {
@@ -55,8 +55,9 @@ void OrientationStage::recordParity(Commands& commands, const Fields& fields) {
   commands.dispatch(parityOf_, push(fields), samples_);
 }
 
-void OrientationStage::recordSides(Commands& commands, const Fields& fields, float farSides, float behind) {
-  commands.dispatch(sidesOf_, push(fields, farSides, behind), triangleCount_);
+void OrientationStage::recordSides(Commands& commands, const Fields& fields, float farSides,
+                                   FaceMeasure measure) {
+  commands.dispatch(sidesOf_, push(fields, farSides, measure), triangleCount_);
   commands.copy(sides_, hostSides_, hostSides_.bytes());
 }
 

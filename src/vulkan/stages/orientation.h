@@ -1,5 +1,6 @@
 #pragma once
 
+#include "method/orientation_sides.h"
 #include "vulkan/device/commands.h"
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/orientation_push.h"
@@ -24,9 +25,9 @@ class OrientationStage {
   void recordMisfit(Commands& commands, const Fields& fields);
   /// Fills the field with the share of the six rays that cross an odd number of faces.
   void recordParity(Commands& commands, const Fields& fields);
-  /// Measures, in the mean over each face, the field a step in front of it plus `behind` times that a step
-  /// behind it. The step is `farSides` times the root of twice the face's area, and at least one cell.
-  void recordSides(Commands& commands, const Fields& fields, float farSides, float behind);
+  /// Measures, in the mean over each face, the field a step in front of it and a step behind it. The step is
+  /// `farSides` times the root of twice the face's area, and at least one cell.
+  void recordSides(Commands& commands, const Fields& fields, float farSides, FaceMeasure measure);
 
   // Valid when the work is done:
   double misfit() const;
@@ -35,7 +36,8 @@ class OrientationStage {
   std::span<const float> sides() const { return hostSides_.mapped<const float>(); }
 
  private:
-  OrientationPush push(const Fields& fields, float farSides = 0.0f, float behind = 0.0f) const;
+  OrientationPush push(const Fields& fields, float farSides = 0.0f,
+                       FaceMeasure measure = FaceMeasure::Rise) const;
 
   Kernel<OrientationPush> misfitOf_, parityOf_, sidesOf_;
   DeviceBuffer sums_, hostSums_, sides_, hostSides_;

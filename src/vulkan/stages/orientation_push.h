@@ -22,8 +22,8 @@ struct OrientationPush {
   uint gridX, gridY, gridZ;
   uint triangleCount;
   float farSides;  // Step along the normal, in roots of twice the face's area; at least a cell.
-  float behind;    // Factor of the field behind the face.
   float threshold;
+  uint isWholeness;  // Whether to measure how whole the field is, not its rise.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(OrientationPush, 96);

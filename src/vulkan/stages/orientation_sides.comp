@@ -1,5 +1,5 @@
-// Computes the field in front of each face plus `behind` times that behind it: the mean over places on the
-// face (cpu/sign/orientation.cpp).
+// Measures the field in front of each face and behind it, in the mean over places on the face
+// (cpu/sign/orientation.cpp).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -33,7 +33,10 @@ float fieldAt(vec3 p) {
 }
 
 float sidesAt(vec3 p, vec3 along) {
-  return fieldAt(inGrid(p + along)) + push.behind * fieldAt(inGrid(p - along));
+  const float before = fieldAt(inGrid(p + along)), behind = fieldAt(inGrid(p - along));
+  if (push.isWholeness == 0) return before - behind;
+  const float halved = 0.5 * (before + behind - 1.0);  // Whole where the sum is odd.
+  return 1.0 - 2.0 * abs(halved - round(halved));
 }
 
 float sidesOf(vec3 a, vec3 b, vec3 c) {
