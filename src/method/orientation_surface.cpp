@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/parallel.h"
 #include "mesh/half_edges.h"
 
 namespace raymap {
@@ -104,6 +105,22 @@ class PositionFilter {
   std::vector<bool> bits_;
 };
 
+/// Returns the faces with two or more corners at the positions, ascending.
+std::vector<uint32_t> facesAt(const PackedMesh& mesh, const PositionFilter& positions) {
+  constexpr size_t kPart = size_t{1} << 16;
+  std::vector<std::vector<uint32_t>> found((mesh.triangles.size() + kPart - 1) / kPart);
+  parallelFor(found.size(), 1, [&](size_t part, size_t) {
+    for (size_t f = part * kPart; f < std::min((part + 1) * kPart, mesh.triangles.size()); ++f) {
+      int known = 0;
+      for (int c = 0; c < 3; ++c) known += positions.has(mesh.vertices[mesh.triangles[f][c]]) ? 1 : 0;
+      if (known >= 2) found[part].push_back(uint32_t(f));
+    }
+  });
+  std::vector<uint32_t> faces;
+  for (const std::vector<uint32_t>& part : found) faces.insert(faces.end(), part.begin(), part.end());
+  return faces;
+}
+
 /// The double-sided faces and those that share an edge with them, and a few more, as a mesh of its own.
 struct Surroundings {
   Mesh mesh = {};
@@ -116,14 +133,10 @@ Surroundings surroundingsOf(const PackedMesh& mesh, const DoubleSidedFaces& doub
     for (int c = 0; c < 3; ++c) positions.add(mesh.vertices[mesh.triangles[face][c]]);
   Surroundings result{.doubleSided = doubleSided};
   std::vector<uint32_t> newIndex(mesh.triangles.size());
-  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
-    const glm::uvec3& t = mesh.triangles[f];
-    int known = 0;
-    for (int c = 0; c < 3; ++c) known += positions.has(mesh.vertices[t[c]]) ? 1 : 0;
-    if (known < 2) continue;
+  for (const uint32_t f : facesAt(mesh, positions)) {
     newIndex[f] = uint32_t(result.mesh.triangles.size());
     const auto first = uint32_t(result.mesh.vertices.size());
-    for (int c = 0; c < 3; ++c) result.mesh.vertices.push_back(mesh.vertices[t[c]]);
+    for (int c = 0; c < 3; ++c) result.mesh.vertices.push_back(mesh.vertices[mesh.triangles[f][c]]);
     result.mesh.triangles.emplace_back(first, first + 1, first + 2);
   }
   for (std::vector<uint32_t>* list : {&result.doubleSided.firsts, &result.doubleSided.others})
