@@ -259,7 +259,7 @@ std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver
 
 }  // namespace
 
-std::vector<uint32_t> FaceSides::facesWith(Turn turn) const {
+std::vector<uint32_t> FaceSides::facesWith(uint8_t turn) const {
   std::vector<uint32_t> faces;
   for (uint32_t f = 0; f < turns.size(); ++f)
     if (turns[f] == turn) faces.push_back(f);

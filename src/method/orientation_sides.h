@@ -34,7 +34,7 @@ struct FaceSides {
   std::vector<uint32_t> leftOutFaces() const { return facesWith(kLeftOut); }
 
  private:
-  std::vector<uint32_t> facesWith(Turn turn) const;
+  std::vector<uint32_t> facesWith(uint8_t turn) const;
 };
 
 /// Functions that `chooseSides` needs.

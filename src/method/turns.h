@@ -6,11 +6,9 @@
 
 namespace raymap {
 
-/// How the sign takes a face: as given, with reversed winding order, or not at all.
-enum Turn : uint8_t { kAsGiven = 0, kReversed = 1, kLeftOut = 2 };
-
-/// A `Turn` for each face.
+/// How the sign takes each face: as given, with reversed winding order, or not at all.
 using Turns = std::vector<uint8_t>;
+inline constexpr uint8_t kAsGiven = 0, kReversed = 1, kLeftOut = 2;
 
 /// Returns the face as the sign takes it. A face that is left out becomes a point.
 inline glm::uvec3 turned(const glm::uvec3& face, uint8_t turn) {

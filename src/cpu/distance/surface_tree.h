@@ -43,8 +43,8 @@ class SurfaceTree {
 
   /// Returns the triangles that may lie on the same positions as others, for `findDoubleSidedFaces`.
   std::vector<uint64_t> build(const CellMesh& mesh);
-  /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turn`). Distances
-  /// of the tree are wrong afterwards if any is. An empty span changes none.
+  /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turns`).
+  /// Distances of the tree are wrong afterwards if any is. An empty span changes none.
   void turn(std::span<const uint8_t> turns);
 
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }

@@ -55,7 +55,7 @@ class MeshUpload {
 
   /// Copies the mesh. All previously recorded work must have completed.
   void fill(const PackedMesh& mesh);
-  /// Copies the triangles of the same mesh again, as the sign takes them (`Turn`).
+  /// Copies the triangles of the same mesh again, as the sign takes them (`Turns`).
   void turn(const PackedMesh& mesh, std::span<const uint8_t> turns);
   const CellMeshStage::Source& source() const { return source_; }
 
