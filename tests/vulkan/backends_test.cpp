@@ -167,33 +167,6 @@ TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
   }
 }
 
-TEST_F(Backends, ForgetTheFacesThatTheLastRunTurned) {
-  // Faces apart from each other are read before any is turned.
-  const auto flippedSoup = [](int subdivisions, unsigned seed) {
-    const Mesh sphere = shapes::sphere(1.0, subdivisions);
-    Mesh soup{.origin = sphere.origin};
-    for (const glm::uvec3& face : sphere.triangles) {
-      const auto first = uint32_t(soup.vertices.size());
-      for (int c = 0; c < 3; ++c)
-        soup.vertices.push_back(sphere.vertices[face[c]] * (1.0f + 1e-4f * float(first % 7)));
-      soup.triangles.emplace_back(first, first + 1, first + 2);
-    }
-    return withFlippedFaces(std::move(soup), 0.3, seed);
-  };
-  const Mesh large = flippedSoup(3, 1), small = flippedSoup(2, 2);
-  const Grid grid = fitGrid(small, {.resolution = 24});
-  const Options options = everything("vulkan");
-  Generator used;
-  Field field;
-  ASSERT_FALSE(used.generate(large, grid, options, field).turnedFaces.empty());
-  const Stats again = used.generate(small, grid, options, field);
-  const Generated fresh = generate(small, grid, options);
-  ASSERT_FALSE(fresh.stats.turnedFaces.empty());
-  EXPECT_EQ(again.turnedFaces, fresh.stats.turnedFaces);
-  EXPECT_EQ(again.misfit, fresh.stats.misfit);
-  EXPECT_TRUE(std::equal(field.winding.begin(), field.winding.end(), fresh.field.winding.begin()));
-}
-
 TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
   const Grid grid = fitGrid(mesh, {.resolution = 30, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});
