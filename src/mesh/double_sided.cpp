@@ -31,7 +31,7 @@ uint32_t hashOf(const PackedMesh& mesh, const glm::uvec3& t) {
   return uint32_t(((hash ^ hash >> 29) * uint64_t{0xD6E8FEB86659FD93}) >> 32);
 }
 
-/// Counts hashes up to two. There are 8 slots or more for each face, so few faces share a slot by accident.
+/// Counts hashes up to two. There are 16 slots or more for each face, so few faces share a slot by accident.
 class HashCounter {
  public:
   explicit HashCounter(size_t faces)

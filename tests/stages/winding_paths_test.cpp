@@ -27,7 +27,7 @@ Points neighboursAt(int distance) {
 struct Case {
   Mesh mesh;
   Grid grid;
-  std::vector<int> distances;  ///< Of the paper's neighbours, pass by pass.
+  std::vector<int> distances;  ///< Distances of the paper's neighbours, pass by pass.
 };
 
 Case cube() {
