@@ -15,6 +15,7 @@
 #include "cpu/sign/close_holes.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
+#include "method/orientation_surface.h"
 
 namespace raymap::cpu {
 
@@ -52,7 +53,7 @@ void Backend::begin() {
   const auto& [mesh, grid, options, progress, field] = *job_;
   memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
   toCellUnits(mesh, grid, mesh_);
-  hasSurfaceTree_ = isSurfaceTreeStale_ = false;
+  hasSurfaceTree_ = false;
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
@@ -66,8 +67,20 @@ void Backend::begin() {
 }
 
 const SurfaceTree& Backend::surfaceTree() {
-  if (!std::exchange(hasSurfaceTree_, true)) coincidentTriangles_ = surfaceTree_.build(mesh_);
-  if (std::exchange(isSurfaceTreeStale_, false)) surfaceTree_.turn(turns_);
+  if (std::exchange(hasSurfaceTree_, true)) return surfaceTree_;
+  doubleSided_ = surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
+  turns_.clear();
+  isSurfaceTreeTurned_ = false;
+  return surfaceTree_;
+}
+
+const SurfaceTree& Backend::turnedSurfaceTree() {
+  surfaceTree();
+  if (std::exchange(isSurfaceTreeTurned_, true)) return surfaceTree_;
+  if (const auto turns = turnsOfFirsts(doubleSided_, std::move(turns_), mesh().triangles.size()))
+    surfaceTree_.turn(*turns);
+  else
+    surfaceTree_.build(mesh_);
   return surfaceTree_;
 }
 
@@ -124,9 +137,7 @@ void Backend::winding(SignMode mode) {
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
-  if (!hasSurfaceTree_) return findDoubleSidedFaces(mesh());
-  const std::vector<uint64_t> candidates = std::exchange(coincidentTriangles_, {});
-  return findDoubleSidedFaces(mesh(), candidates);
+  return hasSurfaceTree_ ? doubleSided_ : findDoubleSidedFaces(mesh());
 }
 
 void Backend::turnFaces(const Turns& turns) {
@@ -136,8 +147,7 @@ void Backend::turnFaces(const Turns& turns) {
     for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);
   });
   mesh_.triangles = turnedTriangles_;
-  turns_ = turns;
-  isSurfaceTreeStale_ = hasSurfaceTree_;  // The pipeline uses the tree only after the last reversal.
+  if (hasSurfaceTree_) turns_ = turns;
 }
 
 double Backend::misfit() const {
@@ -175,7 +185,7 @@ std::span<const float> Backend::measureSides(float farSides, FaceMeasure measure
 
 void Backend::windingDipoles() {
   if (doubtfulShare() == 0.0) return;
-  windingDipoles_.settle([this]() -> const SurfaceTree& { return surfaceTree(); }, mesh_.dims,
+  windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
                          job_->field.distance, options().threshold, progress(), windingBuffer());
 }
 
@@ -184,7 +194,7 @@ std::vector<MissingEdge> Backend::missingEdges() {
 }
 
 std::vector<float> Backend::windingAt(std::span<const glm::vec3> points) {
-  return windingDipoles_.numbersAt([this]() -> const SurfaceTree& { return surfaceTree(); }, points,
+  return windingDipoles_.numbersAt([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, points,
                                    progress());
 }
 

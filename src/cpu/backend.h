@@ -73,8 +73,10 @@ class Backend {
   static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
 
  private:
-  /// Returns the tree. Builds it on first use and updates it after faces are reversed.
+  /// Returns the tree for distances. Builds it on first use.
   const SurfaceTree& surfaceTree();
+  /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
+  const SurfaceTree& turnedSurfaceTree();
   std::span<const float> measureSides(float farSides, FaceMeasure measure);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
@@ -88,14 +90,14 @@ class Backend {
   Buffer<glm::uvec3> turnedTriangles_;
   std::vector<CellLevel> levels_;  // lattices of the paper's distance stages
   SurfaceTree surfaceTree_;
-  std::vector<uint64_t> coincidentTriangles_;  // Found with the tree.
-  bool hasSurfaceTree_ = false, isSurfaceTreeStale_ = false;
+  DoubleSidedFaces doubleSided_;  // Each group is one face in the tree.
+  Turns turns_;                   // Since the tree was built.
+  bool hasSurfaceTree_ = false, isSurfaceTreeTurned_ = false;
   Crossings crossings_;
   RayMap rayMap_;
   Winding windingSolver_;
   WindingDipoles windingDipoles_;
   double doubtfulShare_ = 0.0;
-  Turns turns_;
   Buffer<float> rises_;
   FaceSides faceSides_;
   Buffer<float> winding_;

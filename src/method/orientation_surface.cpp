@@ -65,6 +65,20 @@ Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {
   return turns;
 }
 
+std::optional<Turns> turnsOfFirsts(const DoubleSidedFaces& doubleSided, Turns turns, size_t faceCount) {
+  if (doubleSided.empty()) return turns;
+  if (turns.empty()) turns.assign(faceCount, kAsGiven);
+  const std::vector<uint32_t>&others = doubleSided.others, &groupOf = doubleSided.groupOf;
+  for (size_t o = 0; o < others.size(); ++o) {
+    const uint8_t first = turns[doubleSided.firsts[groupOf[o]]], other = turns[others[o]];
+    if (o > 0 && groupOf[o] == groupOf[o - 1] && other != turns[others[o - 1]]) return {};
+    if (other != kLeftOut && (other != kAsGiven || first != kAsGiven)) return {};
+  }
+  for (size_t o = 0; o < others.size(); ++o)
+    if (turns[others[o]] == kAsGiven) turns[doubleSided.firsts[groupOf[o]]] = kLeftOut;
+  return turns;
+}
+
 std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface) {
   const std::vector<glm::uvec3> taken = takenFaces(mesh, surface.asGiven);
   Buffer<SortKey> keys;

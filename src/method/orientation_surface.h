@@ -2,6 +2,7 @@
 
 // Ours: the faces whose orientation is chosen (orientation_sides.h).
 
+#include <optional>
 #include <vector>
 
 #include "mesh/double_sided.h"
@@ -33,6 +34,11 @@ OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFace
 
 /// Returns the turns that take the first face of each group as given and leave out the others.
 Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount);
+
+/// Returns the turns that the first face of each group needs to stand for its whole group. It is left out
+/// where all faces of the group are as given, as they cancel. Returns nothing if a group is neither as given
+/// nor its first face alone. Empty turns take all faces as given.
+std::optional<Turns> turnsOfFirsts(const DoubleSidedFaces& doubleSided, Turns turns, size_t faceCount);
 
 /// Number of edges at which the double-sided faces of a patch end.
 struct Borders {

@@ -56,10 +56,12 @@ std::vector<glm::dvec3> cornersOf(const SurfaceTree& tree, uint32_t t) {
 /// Visits the tree from its root to its triangles and checks every node on the way.
 class Walk {
  public:
-  Walk(const SurfaceTree& tree, const CellMesh& mesh)
+  Walk(const SurfaceTree& tree, const CellMesh& mesh, const std::vector<uint32_t>& removed = {})
       : tree_(tree), mesh_(mesh), seen_(mesh.triangles.size()) {
     visit(tree.root(), tree.levels().size() - 1);
-    EXPECT_EQ(seen_, std::vector<int>(mesh.triangles.size(), 1)) << "each triangle is in one leaf";
+    std::vector<int> expected(mesh.triangles.size(), 1);
+    for (const uint32_t triangle : removed) expected[triangle] = 0;
+    EXPECT_EQ(seen_, expected) << "each triangle is in one leaf";
   }
 
  private:
@@ -139,18 +141,22 @@ TEST(SurfaceTree, HoldsDegenerateAndEqualTriangles) {
   expectSound(makeMesh(line, std::vector<glm::uvec3>(100, {0, 1, 2})));
 }
 
-TEST(SurfaceTree, FindsTrianglesOnTheSamePositions) {
+TEST(SurfaceTree, HoldsOneFaceOfEachDoubleSidedGroup) {
   Mesh mesh = withDoubledFaces(shapes::sphere(1.0, 5), 0.3, 1);
   for (glm::uvec3& t : mesh.triangles)  // The corners begin anywhere.
     if (t.x % 3 == 0) t = {t.y, t.z, t.x};
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(2));
   SurfaceTree tree;
-  const DoubleSidedFaces found = findDoubleSidedFaces(mesh, tree.build(cellsOf(mesh)));
+  const OwnCellMesh cells = cellsOf(mesh);
+  const DoubleSidedFaces found = tree.buildSingleSided(cells, mesh.vertices);
   const DoubleSidedFaces expected = findDoubleSidedFaces(mesh);
   EXPECT_GT(expected.firsts.size(), 5000u);
   EXPECT_EQ(found.firsts, expected.firsts);
   EXPECT_EQ(found.others, expected.others);
   EXPECT_EQ(found.groupOf, expected.groupOf);
+  ASSERT_EQ(tree.triangleCount(), mesh.triangles.size() - expected.others.size());
+  ASSERT_EQ(tree.leafCount(), (tree.triangleCount() + kPacket - 1) / kPacket);
+  Walk(tree, cells, expected.others);
 }
 
 TEST(SurfaceTree, IsBuiltAnewForAnotherMesh) {

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "broken_meshes.h"
+#include "cpu/backend.h"
+#include "method/orientation_surface.h"
 #include "reference.h"
 #include "shapes.h"
 #include "sign_scene.h"
@@ -81,6 +84,56 @@ TEST(WindingDipoles, SurviveDegenerateTriangles) {
   Mesh mesh = openSphere();
   mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
   for (const float w : settled(mesh, 16, 0.5f).winding) ASSERT_TRUE(std::abs(w) < 1.1f);
+}
+
+/// Compares winding numbers of the backend, which keeps one face of each double-sided group in its tree, with
+/// those of the mesh as the sign takes it.
+void expectTaken(const Mesh& mesh, const Turns& turns, bool isTreeThereBefore) {
+  Mesh taken = mesh;
+  for (size_t f = 0; f < turns.size(); ++f) taken.triangles[f] = turned(mesh.triangles[f], turns[f]);
+  const Grid grid = fitGrid(mesh, {.resolution = 12});
+  const Options options;
+  Progress progress;
+  Field field;
+  cpu::Backend backend;
+  backend.take({mesh, grid, options, progress, field});
+  backend.begin();
+  if (isTreeThereBefore) backend.exactDistance();
+  if (!turns.empty()) backend.turnFaces(turns);
+  std::vector<glm::vec3> points;
+  for (size_t s = 0; s < grid.sampleCount(); s += 5)
+    points.emplace_back((samplePosition(grid, s) - grid.origin) / grid.spacing);
+  const std::vector<float> numbers = backend.windingAt(points);
+  for (size_t p = 0; p < points.size(); ++p)
+    ASSERT_NEAR(numbers[p], reference::windingNumber(taken, samplePosition(grid, 5 * p)), 0.05) << p;
+}
+
+TEST(WindingDipoles, CountDoubleSidedFacesAsTheSignTakesThem) {
+  const Mesh mesh = withDoubledFaces(openSphere(), 0.4, 1);
+  const DoubleSidedFaces faces = findDoubleSidedFaces(mesh);
+  ASSERT_GT(faces.firsts.size(), 500u);
+  const Turns single = withoutOthers(faces, mesh.triangles.size());
+  Turns reversed = single, sheets = single, odd = single, bothReversed = single;
+  for (const uint32_t first : faces.firsts) reversed[first] = kReversed;
+  for (size_t g = 0; g < faces.firsts.size(); ++g) {
+    if (g % 2 == 0) sheets[faces.others[g]] = kAsGiven;
+    odd[faces.others[g]] = g % 2 == 0 ? kReversed : kAsGiven;  // Twice the same way, or cancelled.
+    bothReversed[faces.firsts[g]] = bothReversed[faces.others[g]] = kReversed;
+  }
+  for (const Turns& turns : {Turns{}, single, reversed, sheets, odd, bothReversed})
+    for (const bool isTreeThereBefore : {false, true}) expectTaken(mesh, turns, isTreeThereBefore);
+}
+
+TEST(WindingDipoles, CountLargerGroupsOfDoubleSidedFaces) {
+  Mesh mesh = openSphere();
+  const std::vector<glm::uvec3> once = mesh.triangles;
+  for (size_t f = 0; f < once.size(); f += 3)  // Two faces of each direction.
+    for (const glm::uvec3& t : {once[f], turned(once[f], kReversed), turned(once[f], kReversed)})
+      mesh.triangles.push_back(t);
+  const Turns given(mesh.triangles.size(), kAsGiven);
+  Turns mixed = given;
+  mixed[once.size() + 1] = kLeftOut;
+  for (const Turns& turns : {Turns{}, given, mixed}) expectTaken(mesh, turns, true);
 }
 
 }  // namespace

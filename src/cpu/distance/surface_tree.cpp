@@ -132,14 +132,33 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 
 }  // namespace
 
-std::vector<uint64_t> SurfaceTree::build(const CellMesh& mesh) {
-  triangleCount_ = static_cast<uint32_t>(mesh.triangles.size());
-  placeLevels();
+void SurfaceTree::build(const CellMesh& mesh) {
   const PlaceLattice lattice(mesh);
-  std::vector<uint64_t> coincident = sortTriangles(mesh, lattice);
+  sortTriangles(mesh, lattice);
+  buildNodes(mesh, lattice);
+}
+
+DoubleSidedFaces SurfaceTree::buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions) {
+  const PlaceLattice lattice(mesh);
+  const std::vector<uint64_t> candidates = sortTriangles(mesh, lattice);
+  DoubleSidedFaces doubleSided = findDoubleSidedFaces({positions, mesh.triangles, {}}, candidates);
+  if (!doubleSided.empty()) removeTriangles(doubleSided.others, mesh.triangles.size());
+  buildNodes(mesh, lattice);
+  return doubleSided;
+}
+
+void SurfaceTree::removeTriangles(std::span<const uint32_t> triangles, size_t meshTriangles) {
+  std::vector<uint8_t> isRemoved(meshTriangles);
+  for (const uint32_t triangle : triangles) isRemoved[triangle] = 1;
+  triangleCount_ = 0;
+  for (size_t k = 0; k < meshTriangles; ++k)
+    if (!isRemoved[uint32_t(keys_[k])]) keys_[triangleCount_++] = keys_[k];
+}
+
+void SurfaceTree::buildNodes(const CellMesh& mesh, const PlaceLattice& lattice) {
+  placeLevels();
   buildLeaves(mesh, lattice);
   for (uint32_t level = 1; level < levels_.size(); ++level) buildLevel(level);
-  return coincident;
 }
 
 void SurfaceTree::placeLevels() {
@@ -199,18 +218,18 @@ std::vector<uint64_t> takeTags(std::span<uint64_t> keys, uint64_t tagMask) {
 std::vector<uint64_t> SurfaceTree::sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice) {
   const size_t count = mesh.triangles.size();
   const uint64_t tagMask = ~uint64_t{0} << std::bit_width(count - 1);
-  keys_.resizeUninitialized(size_t{leafCount()} * kPacket);
+  triangleCount_ = static_cast<uint32_t>(count);
+  keys_.resizeUninitialized((count + kPacket - 1) / kPacket * kPacket);
   parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) keys_[t] = (tagOf(lattice(mesh, t)) & tagMask) | t;
   });
   hwy::Sorter()(keys_.data(), count, hwy::SortAscending());
-  std::vector<uint64_t> sameTag = takeTags({keys_.data(), count}, tagMask);
-  std::fill(keys_.begin() + count, keys_.end(), keys_[count - 1]);
-  return sameTag;
+  return takeTags({keys_.data(), count}, tagMask);
 }
 
 void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice) {
-  const size_t count = mesh.triangles.size();
+  const size_t count = triangleCount_;
+  std::fill(keys_.begin() + count, keys_.begin() + size_t{leafCount()} * kPacket, keys_[count - 1]);
   parallelFor((leafCount() + kRunLeaves - 1) / kRunLeaves, 4, [&](size_t begin, size_t end) {
     for (size_t run = begin; run < end; ++run) {
       uint64_t* keys = keys_.data() + run * kRun;

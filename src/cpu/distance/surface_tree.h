@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh/double_sided.h"
 #include "method/cell_mesh.h"
 
 namespace raymap::cpu {
@@ -41,8 +42,10 @@ class SurfaceTree {
     uint32_t start, count;
   };
 
-  /// Returns the triangles that may lie on the same positions as others, for `findDoubleSidedFaces`.
-  std::vector<uint64_t> build(const CellMesh& mesh);
+  void build(const CellMesh& mesh);
+  /// Builds the tree of one face, the first, of each group of double-sided faces and of all other faces.
+  /// `positions` are those of the mesh as given. Returns the groups.
+  DoubleSidedFaces buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions);
   /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turns`).
   /// Distances of the tree are wrong afterwards if any is. An empty span changes none.
   void turn(std::span<const uint8_t> turns);
@@ -65,8 +68,10 @@ class SurfaceTree {
   size_t bytes() const;
 
  private:
-  void placeLevels();
   std::vector<uint64_t> sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
+  void removeTriangles(std::span<const uint32_t> triangles, size_t meshTriangles);
+  void buildNodes(const CellMesh& mesh, const PlaceLattice& lattice);
+  void placeLevels();
   void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLevel(uint32_t level);
 
