@@ -177,9 +177,9 @@ std::span<const float> Backend::wholeness() {
 
 /// Measures the field beside the faces as given.
 std::span<const float> Backend::measureSides(float farSides, FaceMeasure measure) {
-  const std::span<const glm::uvec3> turned = std::exchange(mesh_.triangles, mesh().triangles);
-  cpu::measureSides(mesh_, windingBuffer(), farSides, measure, progress(), rises_);
-  mesh_.triangles = turned;
+  const std::span<const glm::uvec3> taken = std::exchange(mesh_.triangles, mesh().triangles);
+  cpu::measureSides(mesh_, taken, windingBuffer(), farSides, measure, progress(), rises_);
+  mesh_.triangles = taken;
   return rises_;
 }
 

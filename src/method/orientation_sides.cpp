@@ -71,6 +71,13 @@ class FieldSolver {
     solved_.turns = turns;
     return solved_;
   }
+  /// Returns whether all rays agree with these turns. The field is then solved for them.
+  bool raysAgree(const Turns& turns) {
+    solved_.turns.clear();
+    if (!field_.raysAgree(turns)) return false;
+    solved_ = {turns, 0.0};
+    return true;
+  }
   std::span<const float> parityRises(const Turns& turns) {
     solved_.turns.clear();
     return field_.parityRises(turns);
@@ -100,7 +107,7 @@ class SideChooser {
     if (surface_.patchCount() > 1) {
       const State start = best;
       takeIfBetter(improve(first.turns), start, best);
-      if (best.misfit > 0.0) takeIfBetter(improve(startFromParity()), start, best);
+      if (best.misfit > 0.0 && !isFromParity_) takeIfBetter(improve(startFromParity()), start, best);
       keepGivenParts(best);
     }
     return best;
@@ -124,8 +131,12 @@ class SideChooser {
       votes[patches.ids[f]].alike += surface_.isDirected[f] && !patches.isReversed[f] ? 1 : 0;
     }
     bool areClear = true;
-    for (size_t p = 0; p < patches.count; ++p)
-      areClear = areClear && (surface_.patchAreas[p] == 0.0 || votes[p].areClear());
+    isFromParity_ = true;
+    for (size_t p = 0; p < patches.count; ++p) {
+      const bool isClear = votes[p].areClear();
+      areClear = areClear && (surface_.patchAreas[p] == 0.0 || isClear);
+      isFromParity_ = isFromParity_ && !isClear;
+    }
     Turns turns = areClear ? surface_.aligned() : startFromParity();
     for (size_t f = 0; f < turns.size(); ++f)
       if (const Votes& v = votes[patches.ids[f]]; turns[f] != kLeftOut && v.areClear())
@@ -227,7 +238,8 @@ class SideChooser {
   const OrientationSurface& surface_;
   FieldSolver& solver_;
   State given_;
-  double risingShare_ = 0.0;  ///< Largest share of the surface that the field contradicted in one round.
+  bool isFromParity_ = false;  ///< Whether the first state is wholly the one that the parity says.
+  double risingShare_ = 0.0;   ///< Largest share of the surface that the field contradicted in one round.
 };
 
 /// Takes all faces of the groups as given again that look like sheets in the solved field. Returns whether
@@ -245,8 +257,8 @@ std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver
       withoutSheets(examined.mesh, examined.doubleSided, leastSheetArea(examined.spacing));
   if (faces.empty()) return {};
   if (faces.count() == examined.mesh.triangles.size()) {  // All in order, perhaps: that needs no patches.
-    const State& first = solver.solve(withoutOthers(faces, examined.mesh.triangles.size()));
-    if (first.misfit == 0.0 && !solver.field().contradictsParity()) return first;
+    Turns turns = withoutOthers(faces, examined.mesh.triangles.size());
+    if (solver.raysAgree(turns) && !solver.field().contradictsParity()) return State{std::move(turns), 0.0};
   }
   const OrientationSurface surface = takeSingleFaces(examined.mesh, faces);
   State best = SideChooser(examined, surface, solver, {surface.asGiven, INFINITY}).choose(true);

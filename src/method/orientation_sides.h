@@ -41,6 +41,9 @@ struct FaceSides {
 struct FaceField {
   /// Computes the harmonic field of the mesh with these turns. Returns its misfit.
   std::function<double(const Turns& turns)> solve;
+  /// Takes the mean of the six rays as the field, for the mesh with these turns. Returns whether all rays
+  /// agree. The field is then the harmonic one, and its misfit is 0.
+  std::function<bool(const Turns& turns)> raysAgree;
   /// Returns whether a sign of the last solved field contradicts the parity of all six rays.
   std::function<bool()> contradictsParity;
   /// Returns, for each face as given, how much the last solved field rises along its normal.
@@ -104,6 +107,11 @@ void orientFaces(B& backend) {
     backend.winding(SignMode::Harmonic);
     return backend.misfit();
   };
+  const auto raysAgree = [&](const Turns& turns) {
+    count(turns);
+    backend.winding(SignMode::Rays);
+    return backend.doubtfulShare() == 0.0 && backend.misfit() == 0.0;
+  };
   const auto parityRises = [&](const Turns& turns) {
     if (hasDouble) count(turns);
     return backend.parityRises();
@@ -118,6 +126,7 @@ void orientFaces(B& backend) {
   const double doubtfulShare = sides.doubtfulShare;
   sides = chooseSides(examined, misfit, options.orientation, mayReverse,
                       {.solve = solve,
+                       .raysAgree = raysAgree,
                        .contradictsParity = [&] { return backend.contradictsParity(); },
                        .rises = [&] { return backend.rises(); },
                        .parityRises = parityRises,

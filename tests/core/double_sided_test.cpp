@@ -114,5 +114,19 @@ TEST(Parts, AreNearPatches) {
   }
 }
 
+TEST(Parts, AreJoinedAtVertices) {
+  // Each face is a patch. Vertex 6 belongs to none.
+  std::vector<glm::dvec3> vertices{{0, 0, 0},  {1, 0, 0},  {0, 1, 0}, {0, 0, 1},
+                                   {-1, 0, 0}, {0, -1, 0}, {9, 0, 0}};
+  for (const double x : {9.0, 8.0}) vertices.insert(vertices.end(), {{x, 0, 0}, {x, 1, 0}, {x, 0, 1}});
+  const std::vector<glm::uvec3> faces{{0, 1, 2}, {0, 4, 5}, {7, 8, 9}, {3, 2, 1}, {10, 11, 12}};
+  const Mesh mesh = makeMesh(vertices, faces);
+  const Patches patches{.ids = {0, 1, 2, 3, 4}, .isReversed = std::vector<uint8_t>(5), .count = 5};
+  EXPECT_EQ(findParts(mesh, patches, 0.01), (std::vector<uint32_t>{0, 0, 2, 0, 4}));
+  EXPECT_EQ(findParts(mesh, patches, 1.01), (std::vector<uint32_t>{0, 0, 2, 0, 2}));
+  const Patches two{.ids = {0, 0, 1, 0, 1}, .isReversed = std::vector<uint8_t>(5), .count = 2};
+  EXPECT_EQ(findParts(mesh, two, 0.01), (std::vector<uint32_t>{0, 1}));
+}
+
 }  // namespace
 }  // namespace raymap

@@ -103,15 +103,18 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
   return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
 }
 
-void measureSides(const CellMesh& mesh, const Buffer<float>& field, float farSides, FaceMeasure measure,
-                  Progress& progress, Buffer<float>& sides) {
+void measureSides(const CellMesh& mesh, std::span<const glm::uvec3> taken, const Buffer<float>& field,
+                  float farSides, FaceMeasure measure, Progress& progress, Buffer<float>& sides) {
   sides.resizeUninitialized(mesh.triangles.size());
   const Trilinear<float> interpolate(mesh.dims, field.data());
   parallelFor(sides.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     progress.poll();
-    for (size_t f = begin; f < end; ++f)
-      sides[f] =
-          sidesOf(interpolate, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+    for (size_t f = begin; f < end; ++f) {
+      const bool isLeftOut = taken[f] == glm::uvec3(taken[f].x);
+      sides[f] = isLeftOut ? 0.0f
+                           : sidesOf(interpolate, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1),
+                                     mesh.corner(f, 2));
+    }
   });
 }
 
