@@ -311,6 +311,40 @@ TEST_F(Backends, StopWhenAskedAndLeaveNothing) {
   }
 }
 
+TEST_F(Backends, ReportProgressWithinTheirPaths) {
+  const Mesh mesh = holedSphere();
+  Options options = everything("vulkan");
+  options.sign = SignMode::Evolution;
+  options.passes = 5;
+  std::vector<double> shares;
+  options.progress = [&](std::string_view stage, double done) {
+    if (stage == "winding") shares.push_back(done);
+    return true;
+  };
+  make(mesh, fitGrid(mesh, {.resolution = 16}), options, "vulkan");
+  EXPECT_EQ(shares, (std::vector<double>{0.0, 0.2, 0.4, 0.6, 0.8, 1.0}));
+}
+
+TEST_F(Backends, ReportProgressWithinTheWindingStage) {
+  const Mesh mesh = holedSphere();
+  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  Options options = everything("vulkan");
+  const Field quiet = make(mesh, grid, options, "vulkan");
+  std::vector<double> shares;
+  options.progress = [&](std::string_view stage, double done) {
+    if (stage == "winding") shares.push_back(done);
+    return true;
+  };
+  const Field told = make(mesh, grid, options, "vulkan");
+  ASSERT_GT(shares.size(), 15u);
+  EXPECT_EQ(shares.front(), 0.0);
+  EXPECT_GT(shares[1], 0.2);
+  EXPECT_LT(shares[1], 0.5);
+  for (size_t s = 1; s < shares.size(); ++s) EXPECT_GT(shares[s], shares[s - 1]);
+  EXPECT_NEAR(shares.back(), 1.0, 0.01);
+  EXPECT_EQ(0, std::memcmp(quiet.winding.data(), told.winding.data(), quiet.winding.size() * sizeof(float)));
+}
+
 TEST_F(Backends, KeepNothingForWhatIsNotAskedFor) {
   const Mesh mesh = holedSphere();
   for (const DistanceMode mode : {DistanceMode::Exact, DistanceMode::Cell}) {

@@ -4,6 +4,7 @@
 
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
+#include "vulkan/device/dispatch_limits.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"
@@ -297,6 +298,124 @@ struct Foreign {
   Instance instance{Validation::On, [this](std::string_view message) { messages += message; }};
   DeviceHandles borrowed;
 };
+
+TEST_F(VulkanDevice, NumbersInvocationsAcrossDispatches) {
+  for (const uint32_t groupSize : {64u, 128u})
+    for (const uint64_t count : {uint64_t{kMostInvocations}, uint64_t{kMostInvocations} + 1,
+                                 3 * uint64_t{kMostInvocations} + 1000}) {
+      const DeviceBuffer numbers = upload(std::vector<uint32_t>(count, UINT32_MAX));
+      NumberKernel kernel(device(), shaders::kNumberInvocations, groupSize);
+      const NumberInvocationsPush push{
+          .groups = numbers.address(), .count = uint32_t(count), .groupSize = groupSize};
+      run([&](Commands& commands) { commands.dispatch(kernel, push, count); });
+      const std::vector<uint32_t> found = download<uint32_t>(numbers);
+      for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(found[i], i / groupSize) << count;
+    }
+}
+
+/// Continues in new command buffers, as often as it is called.
+class Restarts final : public RecordingListener {
+ public:
+  explicit Restarts(CommandBuffer& buffer) : buffer_(buffer), commands_(begin()) {}
+  Commands& commands() { return commands_; }
+  void onMuchWork() override {
+    ++count;
+    buffer_.submitAndWait();
+    commands_ = begin();
+  }
+  void onProgress(double done) override { progress.push_back(done); }
+
+  int count = 0;
+  std::vector<double> progress;
+
+ private:
+  Commands begin() {
+    Commands commands = buffer_.begin();
+    commands.listen(this);
+    return commands;
+  }
+  CommandBuffer& buffer_;
+  Commands commands_;
+};
+
+TEST_F(VulkanDevice, PausesWhenMuchWorkIsRecorded) {
+  constexpr uint64_t kMostSubmitted = uint64_t{1} << 27, kCount = uint64_t{1} << 24;
+  DeviceBuffer numbers(device(), "numbers");
+  numbers.resize<uint32_t>(kCount);
+  NumberKernel kernel(device(), shaders::kNumberInvocations, 128);
+  const NumberInvocationsPush push{.groups = numbers.address(), .count = kCount, .groupSize = 128};
+  const auto pausesAfter = [&](uint64_t dispatches) {
+    CommandBuffer buffer(device());
+    Restarts restarts(buffer);
+    for (uint64_t d = 0; d < dispatches; ++d) restarts.commands().dispatch(kernel, push, kCount);
+    restarts.commands().report(0.25);
+    buffer.submitAndWait();
+    EXPECT_EQ(restarts.progress, std::vector<double>{0.25});
+    return restarts.count;
+  };
+  EXPECT_EQ(pausesAfter(kMostSubmitted / kCount), 0);
+  EXPECT_EQ(pausesAfter(kMostSubmitted / kCount + 1), 1);
+  // A pause may fall between the dispatches of one kernel.
+  NumberKernel other(device(), shaders::kNumberInvocations, 128, {7});
+  CommandBuffer buffer(device());
+  Restarts restarts(buffer);
+  restarts.commands().fill(numbers, 0);
+  for (uint64_t done = kMostInvocations; done < kMostSubmitted; done += kMostInvocations)
+    restarts.commands().dispatch(kernel, push, kMostInvocations);
+  restarts.commands().dispatch(other, push, kCount);
+  buffer.submitAndWait();
+  EXPECT_EQ(restarts.count, 1);
+  const std::vector<uint32_t> found = download<uint32_t>(numbers);
+  for (uint32_t i = 0; i < kCount; ++i) ASSERT_EQ(found[i], 7 + i / 128) << i;
+}
+
+/// Calls the driver's function, then lowers or raises limits.
+PFN_vkGetPhysicalDeviceProperties2 realProperties = nullptr;
+VkDeviceSize toldBufferSize = 0, toldAllocationSize = 0;
+
+VKAPI_ATTR void VKAPI_CALL tellOtherLimits(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
+  realProperties(device, properties);
+  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
+      reinterpret_cast<VkPhysicalDeviceVulkan11Properties*>(next)->maxMemoryAllocationSize =
+          toldAllocationSize;
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES)
+      reinterpret_cast<VkPhysicalDeviceVulkan13Properties*>(next)->maxBufferSize = toldBufferSize;
+  }
+}
+
+/// Returns a device that tells these limits.
+Device deviceTelling(VkDeviceSize bufferSize, VkDeviceSize allocationSize) {
+  realProperties = vkGetPhysicalDeviceProperties2;
+  toldBufferSize = bufferSize;
+  toldAllocationSize = allocationSize;
+  vkGetPhysicalDeviceProperties2 = tellOtherLimits;
+  struct Restore {
+    ~Restore() { vkGetPhysicalDeviceProperties2 = realProperties; }
+  } const restore;
+  return Device({.validation = Validation::Off});
+}
+
+TEST_F(VulkanDevice, KeepsBuffersBelowEveryLimit) {
+  constexpr VkDeviceSize kMebi = 1 << 20, kHuge = VkDeviceSize{1} << 40;
+  for (const auto& [bufferSize, allocationSize] : {std::pair(kMebi, kHuge), std::pair(kHuge, kMebi)}) {
+    Device small = deviceTelling(bufferSize, allocationSize);
+    DeviceBuffer buffer(small, "distance");
+    buffer.resize<std::byte>(kMebi);
+    EXPECT_EQ(buffer.bytes(), kMebi);
+    try {
+      buffer.resize<std::byte>(kMebi + 1);
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Memory);
+      EXPECT_STREQ(error.what(),
+                   "the device's buffer 'distance' needs 2 MiB, but one buffer can have at most 1 MiB; use a "
+                   "lower resolution or another device");
+    }
+  }
+  // Kernels number 2^31 elements of four bytes.
+  EXPECT_EQ(deviceTelling(kHuge, kHuge).limits().bufferSize, VkDeviceSize{1} << 33);
+}
 
 TEST_F(VulkanDevice, WorksOnACallersDevice) {
   Foreign foreign;

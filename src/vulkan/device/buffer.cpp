@@ -13,10 +13,10 @@ constexpr VkBufferUsageFlags kUsage =
     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
     VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
-[[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, uint64_t limit) {
-  throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + mebibytes(bytes) +
-                                     ", but only " + mebibytes(limit) +
-                                     " is available; use a lower resolution or another device");
+/// `most` says what there is at most: "only 5 MiB is available".
+[[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, const std::string& most) {
+  throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + mebibytes(bytes) + ", but " +
+                                     most + "; use a lower resolution or another device");
 }
 
 }  // namespace
@@ -66,7 +66,8 @@ void DeviceBuffer::resizeBytes(uint64_t bytes) {
 void DeviceBuffer::allocate(uint64_t bytes) {
   const DeviceLimits& limits = device_->limits();
   const uint64_t guardBytes = device_->guards() ? 2 * Guards::kBytes : 0;
-  if (bytes > limits.bufferSize - guardBytes) throwTooLarge(name_, bytes, limits.bufferSize - guardBytes);
+  if (bytes > limits.bufferSize - guardBytes)
+    throwTooLarge(name_, bytes, "one buffer can have at most " + mebibytes(limits.bufferSize - guardBytes));
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                 .size = bytes + guardBytes,
                                 .usage = kUsage,
@@ -87,7 +88,8 @@ uint32_t DeviceBuffer::allocateMemory() {
   vkGetBufferMemoryRequirements(device_->handle(), handle(), &needs);
   const uint32_t type = device_->memoryType(use_, needs.memoryTypeBits);
   const uint64_t available = device_->availableMemory(type);
-  if (needs.size > available) throwTooLarge(name_, needs.size, available);
+  if (needs.size > available)
+    throwTooLarge(name_, needs.size, "only " + mebibytes(available) + " is available");
   const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
                                         .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,

@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
+
 #include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
@@ -11,6 +13,9 @@ namespace {
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
 }
+
+/// Invocations of one submission: systems also limit the time of these.
+constexpr uint64_t kMostSubmitted = uint64_t{1} << 27;
 
 constexpr VkPipelineStageFlags2 kWork =
     VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
@@ -54,13 +59,28 @@ void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t
   if (invocations == 0) return;
   // Shaders number their invocations with 32 bits.
   const uint64_t groups = ceilDiv(invocations, kernel.groupSize());
-  const uint64_t y = ceilDiv(groups, kMaxGroups);
+  const uint64_t mostGroups = std::max<uint64_t>(kMostInvocations / kernel.groupSize(), 1);
+  const uint64_t y = ceilDiv(groups, std::min<uint64_t>(kMaxGroups, mostGroups));
   const uint64_t x = ceilDiv(groups, y);
   if (x * y * kernel.groupSize() > uint64_t{1} << 32)
     throw Error(ErrorCode::Unsupported, "a kernel would run " + std::to_string(invocations) +
                                             " times, at most 2^32 can be numbered; use a lower resolution");
-  bind(kernel, push, pushBytes);
-  vkCmdDispatch(buffer_, static_cast<uint32_t>(x), static_cast<uint32_t>(y), 1);
+  const uint64_t mostRows = mostGroups / x;
+  for (uint64_t row = 0; row < y; row += mostRows) {
+    const uint64_t rows = std::min(mostRows, y - row);
+    if (makeRoom(x * rows * kernel.groupSize()) || row == 0) bind(kernel, push, pushBytes);
+    vkCmdDispatchBase(buffer_, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
+                      static_cast<uint32_t>(rows), 1);
+  }
+}
+
+/// Returns whether recording continues in a new command buffer.
+bool Commands::makeRoom(uint64_t invocations) {
+  recorded_ += invocations;
+  if (!listener_ || isConcurrent_ || recorded_ <= kMostSubmitted) return false;
+  listener_->onMuchWork();
+  recorded_ = invocations;
+  return true;
 }
 
 void Commands::dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,

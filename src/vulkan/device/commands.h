@@ -12,6 +12,19 @@ void waitForAll(VkCommandBuffer buffer);
 /// Makes the results recorded before visible to all later commands, and to the host once the work is done.
 void showAll(VkCommandBuffer buffer);
 
+/// Listens while commands are recorded. Each function may submit what is recorded so far and let the
+/// `Commands` continue in another command buffer.
+class RecordingListener {
+ public:
+  /// Called before more invocations are recorded than the device should work on without a pause.
+  virtual void onMuchWork() = 0;
+  /// Called with the share of the stage that is done once all recorded work is.
+  virtual void onProgress(double done) = 0;
+
+ protected:
+  ~RecordingListener() = default;
+};
+
 /// Records into a command buffer, ours or the caller's. A full barrier precedes every command, so each one
 /// sees the results of all commands before it (docs/decisions/vulkan_memory.md). Records no allocation.
 class Commands {
@@ -20,8 +33,15 @@ class Commands {
   Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
 
   VkCommandBuffer handle() const { return buffer_; }
+  /// Sets the listener; null for none.
+  void listen(RecordingListener* listener) { listener_ = listener; }
+  /// Tells the listener what share of the stage is recorded. Not allowed within `concurrent`.
+  void report(double done) {
+    if (listener_) listener_->onProgress(done);
+  }
 
-  /// Runs at least `invocations` invocations, in groups of the kernel's size. Shaders check bounds.
+  /// Runs at least `invocations` invocations, in groups of the kernel's size. Shaders check bounds. Many
+  /// invocations become several dispatches that may run at the same time.
   template <class Push>
   void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
     dispatchBytes(kernel, &push, sizeof push, invocations);
@@ -71,12 +91,15 @@ class Commands {
   void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                              const DeviceBuffer& arguments, VkDeviceSize offset);
   void updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size);
+  bool makeRoom(uint64_t invocations);
   void bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes);
   void barrier();
 
   VkCommandBuffer buffer_;
   VkPipelineLayout layout_;
   StageTimer* timer_;
+  RecordingListener* listener_ = nullptr;
+  uint64_t recorded_ = 0;  // Invocations in this command buffer, as far as the host knows them.
   bool isConcurrent_ = false;
 };
 

@@ -12,6 +12,9 @@ namespace raymap::vulkan {
 
 namespace {
 
+/// Kernels read indices as signed, and elements have at least four bytes (kernel.glsl).
+constexpr uint64_t kMostBytes = (uint64_t{1} << 31) * sizeof(uint32_t);
+
 size_t choose(const std::vector<DeviceInfo>& devices, std::optional<size_t> index) {
   const std::optional<size_t> chosen = index ? index : bestDevice(devices);
   if (!chosen) throw Error(ErrorCode::Unsupported, "no Vulkan device is usable; see raymap devices");
@@ -94,7 +97,8 @@ void Device::makeDevice() {
 }
 
 void Device::readLimits() {
-  VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES, &v11};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v13};
   vkGetPhysicalDeviceProperties2(handles_.physical, &properties);
   const VkPhysicalDeviceLimits& basic = properties.properties.limits;
@@ -107,7 +111,7 @@ void Device::readLimits() {
       .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
       .minSubgroupSize = v13.minSubgroupSize,
       .maxSubgroupSize = v13.maxSubgroupSize,
-      .bufferSize = v13.maxBufferSize,
+      .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),
       .timestampPeriod = families.at(queueFamily()).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
       // Vulkan cannot report whether a caller enabled them on a borrowed device.
       .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),

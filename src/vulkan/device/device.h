@@ -24,7 +24,7 @@ struct DeviceLimits {
   uint32_t groupSize = 0;        ///< Invocations per work group.
   uint32_t minSubgroupSize = 0;  ///< Fewest invocations per subgroup.
   uint32_t maxSubgroupSize = 0;
-  uint64_t bufferSize = 0;     ///< Size of the largest buffer, bytes.
+  uint64_t bufferSize = 0;     ///< Size of the largest buffer that kernels can use, bytes.
   double timestampPeriod = 0;  ///< Nanoseconds per timestamp step; 0 = no timestamps.
   bool hasInt64Atomics = false;
   bool hasMemoryBudget = false;

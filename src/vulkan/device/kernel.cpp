@@ -38,6 +38,7 @@ void ComputePipeline::make() {
   const bool isFull = groupSize() % device_->limits().maxSubgroupSize == 0;
   const VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+      .flags = VK_PIPELINE_CREATE_DISPATCH_BASE,
       .stage =
           {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
            .flags =

@@ -14,8 +14,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { flo
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Uvec4s { uvec4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };
 
-// Returns the index of this work group in the dispatch, which may extend over y. The last groups may be
-// surplus: check bounds.
+// Returns the index of this work group among those of the whole work, which may extend over y and over several
+// dispatches. The last groups may be surplus: check bounds.
 uint groupIndex() {
   return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
 }

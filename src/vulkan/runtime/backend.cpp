@@ -71,7 +71,7 @@ void Backend::take(const Job& job) {
   job_.emplace(job);
   stages_.clear();
   openStage_ = nullptr;
-  start(commandBuffer_.begin(), job.grid, job.options);
+  start(newCommands(), job.grid, job.options);
 }
 
 void Backend::begin() {
@@ -148,8 +148,20 @@ void Backend::run() {
     else
       stages_.push_back({time.name, time.milliseconds});
   }
-  continueIn(commandBuffer_.begin());
+  continueIn(newCommands());
   if (stage) startStage(stage);
+}
+
+Commands Backend::newCommands() {
+  Commands commands = commandBuffer_.begin();
+  commands.listen(this);
+  return commands;
+}
+
+void Backend::onProgress(double done) {
+  if (!options().progress) return;
+  run();
+  progress().report(done);
 }
 
 double Backend::doubtfulShare() {

@@ -9,7 +9,7 @@ namespace raymap::vulkan {
 /// Pipeline from the host's mesh to the host's field. The device runs the recorded work when the field is
 /// complete or the host reads something; with a progress callback it runs every stage separately. Keeps its
 /// memory between runs: a run like the one before allocates nothing.
-class Backend : public StageRecorder {
+class Backend : public StageRecorder, private RecordingListener {
  public:
   explicit Backend(Device& device);
 
@@ -70,6 +70,10 @@ class Backend : public StageRecorder {
   void stopStage();
   /// Runs all recorded work.
   void run();
+  /// Returns commands that record into our command buffer from its beginning.
+  Commands newCommands();
+  void onMuchWork() override { run(); }
+  void onProgress(double done) override;
   Extent extentOf(const PackedMesh& mesh, const Grid& grid, const Options& options) const;
   void reserveResults();
   std::span<const float> measureRises(float farSides);

@@ -3,6 +3,8 @@
 
 #include "vulkan/stages/winding_harmonic.h"
 
+#include <algorithm>
+
 #include "shaders/winding_harmonic_coarsest_spv.h"
 #include "shaders/winding_harmonic_correct_spv.h"
 #include "shaders/winding_harmonic_jumps_spv.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
 constexpr uint32_t kCoarsestGroup = 256;
+constexpr double kRestrictShare = 0.125;  // Of a lattice's samples: the next coarser lattice has as many.
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
@@ -57,6 +60,13 @@ void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
 }
 
 void WindingHarmonicStage::plan() {
+  double cycle = 0.0;  // Samples that a V-cycle visits: relaxed twice, corrected, restricted.
+  work_ = 0.0;
+  for (uint32_t l = coarsest(); l-- > 0;) {
+    const auto samples = double(levels_[l].box.sampleCount());
+    cycle += (3.0 + kRestrictShare) * samples;
+    work_ += cycle + samples;  // Prolonged before.
+  }
   gate_.reserve(static_cast<uint32_t>(levels_.size()) * kExtents);
   for (uint32_t l = 0; l < levels_.size(); ++l) {
     const LatticeBox& box = levels_[l].box;
@@ -69,9 +79,11 @@ void WindingHarmonicStage::plan() {
 
 void WindingHarmonicStage::record(Commands& commands, const WindingFields& fields) {
   gate_.record(commands, fields.doubtful);
+  done_ = 0.0;
   commands.concurrent([&] {
     for (uint32_t l = 1; l < levels_.size(); ++l)
-      dispatch(commands, jumps_, push(fields, l, levels_[l].rightHandSide.address()), Extent::Samples);
+      gate_.dispatch(commands, jumps_, push(fields, l, levels_[l].rightHandSide.address()),
+                     l * kExtents + static_cast<uint32_t>(Extent::Samples));
   });
   for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
 }
@@ -138,8 +150,18 @@ WindingHarmonicPush WindingHarmonicStage::push(const WindingFields& fields, uint
 }
 
 void WindingHarmonicStage::dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel,
-                                    const WindingHarmonicPush& push, Extent extent) const {
+                                    const WindingHarmonicPush& push, Extent extent) {
   gate_.dispatch(commands, kernel, push, push.level * kExtents + static_cast<uint32_t>(extent));
+  report(commands, push.level, extent);
+}
+
+/// Reports the work on the two finest lattices, which is most of it. The rays before it count as a fifth of
+/// the stage, as on the CPU.
+void WindingHarmonicStage::report(Commands& commands, uint32_t level, Extent extent) {
+  constexpr double kShares[kExtents] = {1.0, 0.5, kRestrictShare, 0.0};
+  constexpr double kRays = 0.2;
+  done_ += kShares[static_cast<uint32_t>(extent)] * double(levels_[level].box.sampleCount());
+  if (level <= 1) commands.report(kRays + (1.0 - kRays) * std::min(done_ / work_, 1.0));
 }
 
 }  // namespace raymap::vulkan

@@ -42,13 +42,15 @@ class WindingHarmonicStage {
   void relax(Commands& commands, WindingHarmonicPush push);
   WindingHarmonicPush push(const WindingFields& fields, uint32_t level, VkDeviceAddress values) const;
   void dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel, const WindingHarmonicPush& push,
-                Extent extent) const;
+                Extent extent);
+  void report(Commands& commands, uint32_t level, Extent extent);
   uint32_t coarsest() const { return static_cast<uint32_t>(levels_.size()) - 1; }
 
   Device* device_;
   ScratchMemory* scratch_;
   glm::ivec3 dims_{0};
   std::vector<Level> levels_;
+  double work_ = 0.0, done_ = 0.0;  // Samples that a whole solve visits, and those visited so far.
   Gate gate_;
   Kernel<WindingHarmonicPush> jumps_, relax_, restrict_, correct_, prolong_, coarsest_;
 };

@@ -56,6 +56,7 @@ void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Opt
                             int64_t end) {
   Kernel<WindingPathsPush>& kernel = options.sampling == Sampling::Paper ? raysOutside_ : zeroOutside_;
   const double factor = push.factor;
+  const int64_t all = std::max<int64_t>(int64_t{options.passes} * pointsPerPass(options), 1);
   do {
     push.pointCount = static_cast<uint32_t>(std::min<int64_t>(end - first, kPointsPerDispatch));
     for (uint32_t point = 0; point < push.pointCount; ++point) {
@@ -65,6 +66,7 @@ void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Opt
     first += push.pointCount;
     push.factor = first < end ? 1.0 : factor;
     gate_.dispatch(commands, kernel, push, 0);
+    commands.report(double(first) / double(all));
     push.sums = push.result;
     push.sumScale = 1.0f;
   } while (first < end);
