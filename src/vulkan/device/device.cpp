@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <vector>
 
@@ -35,6 +36,16 @@ bool hasExtension(VkPhysicalDevice device, const char* name) {
   return std::any_of(found.begin(), found.end(), [name](const VkExtensionProperties& extension) {
     return std::strcmp(extension.extensionName, name) == 0;
   });
+}
+
+DriverIdentity identityOf(VkPhysicalDevice device) {
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  const VkPhysicalDeviceProperties& basic = properties.properties;
+  return {.vendor = basic.vendorID,
+          .device = basic.deviceID,
+          .driverVersion = basic.driverVersion,
+          .cacheId = std::to_array(basic.pipelineCacheUUID)};
 }
 
 bool hasInt64Atomics(VkPhysicalDevice device) {
@@ -125,8 +136,10 @@ void Device::makeShared() {
                                           .pushConstantRangeCount = 1,
                                           .pPushConstantRanges = &range};
   create(pipelineLayout_, handle(), vkCreatePipelineLayout, layout, "making the layout of all kernels");
-  const VkPipelineCacheCreateInfo cache{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
-  create(pipelineCache_, handle(), vkCreatePipelineCache, cache, "making a pipeline cache");
+  // A caller's device is the caller's business.
+  std::optional<PipelineCacheFile> file;
+  if (!isBorrowed_) file.emplace(identityOf(handles_.physical));
+  pipelines_.emplace(*this, file);
 }
 
 uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {

@@ -9,6 +9,7 @@
 #include "vulkan/device/guards.h"
 #include "vulkan/device/handle.h"
 #include "vulkan/device/instance.h"
+#include "vulkan/device/pipelines.h"
 
 namespace raymap::vulkan {
 
@@ -58,7 +59,7 @@ class Device {
   const DeviceLimits& limits() const { return limits_; }
   /// Layout of every kernel: no descriptors, `kPushBytes` bytes of push constants.
   VkPipelineLayout pipelineLayout() const { return pipelineLayout_.get(); }
-  VkPipelineCache pipelineCache() const { return pipelineCache_.get(); }
+  Pipelines& pipelines() { return *pipelines_; }
   static constexpr uint32_t kPushBytes = 128;
 
   /// Returns the memory type for a use, among those in `allowed`. Throws `Error(Unsupported)` if none suits.
@@ -102,7 +103,7 @@ class Device {
   VkPhysicalDeviceMemoryProperties memory_{};
   PFN_vkSetDebugUtilsObjectNameEXT setName_ = nullptr;
   PipelineLayout pipelineLayout_;
-  PipelineCache pipelineCache_;
+  std::optional<Pipelines> pipelines_;
   uint64_t heldMemory_ = 0;
   std::unique_ptr<Guards> guards_;
 };

@@ -3,14 +3,13 @@
 #include <initializer_list>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "vulkan/device/device.h"
 #include "vulkan/device/shader.h"
 
 namespace raymap::vulkan {
 
-/// Compute pipeline of a shader, created when it is first used.
+/// Compute pipeline of a shader, made when a kernel of the device is first used.
 class ComputePipeline {
  public:
   /// `groupSize` is specialization constant 0; `constants` are those from 1 on. If the group size is a
@@ -19,16 +18,13 @@ class ComputePipeline {
   ComputePipeline(Device& device, const Shader& shader, uint32_t pushBytes, uint32_t groupSize,
                   std::initializer_list<uint32_t> constants);
 
-  VkPipeline handle();
-  uint32_t groupSize() const { return constants_.front(); }
+  VkPipeline handle() const { return device_->pipelines().at(number_); }
+  uint32_t groupSize() const { return groupSize_; }
 
  private:
-  void make();
-
   Device* device_;
-  Shader shader_;
-  std::vector<uint32_t> constants_;
-  Pipeline pipeline_;
+  uint32_t groupSize_;
+  size_t number_;  // Among the device's pipelines.
 };
 
 /// Pipeline with the C++ type of its push constants, which C++ and the shader share (base/shader_types.h).

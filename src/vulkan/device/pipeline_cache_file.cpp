@@ -1,0 +1,65 @@
+#include "vulkan/device/pipeline_cache_file.h"
+
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+#include "base/user_cache.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+constexpr size_t kVulkanHeader = 32;  // VkPipelineCacheHeaderVersionOne
+constexpr uint64_t kMostBytes = uint64_t{1} << 28;
+
+/// Begins the file. Its bytes are as in memory, because the file never leaves the machine.
+struct Header {
+  std::array<char, 8> magic{'R', 'A', 'Y', 'M', 'A', 'P', 'P', '1'};
+  DriverIdentity identity;
+  uint32_t unused = 0;
+  uint64_t size = 0;
+  uint64_t hash = 0;
+
+  bool operator==(const Header&) const = default;
+};
+static_assert(sizeof(Header) == 8 + 28 + 4 + 16, "no padding, which would be written");
+
+/// FNV-1a: finds damage, not malice.
+uint64_t hashOf(std::span<const std::byte> bytes) {
+  uint64_t hash = 0xcbf29ce484222325;
+  for (const std::byte byte : bytes) hash = (hash ^ std::to_integer<uint64_t>(byte)) * 0x100000001b3;
+  return hash;
+}
+
+}  // namespace
+
+std::filesystem::path PipelineCacheFile::name() const {
+  char name[64];
+  std::snprintf(name, sizeof name, "vulkan-pipelines-%04x-%04x.bin", identity_.vendor, identity_.device);
+  return name;
+}
+
+std::vector<std::byte> PipelineCacheFile::read() const {
+  const std::optional<std::filesystem::path> folder = userCacheFolder();
+  if (!folder) return {};
+  std::ifstream file(*folder / name(), std::ios::binary);
+  Header found;
+  if (!file.read(reinterpret_cast<char*>(&found), sizeof found) || found.size > kMostBytes) return {};
+  std::vector<std::byte> compiled(found.size);
+  if (!file.read(reinterpret_cast<char*>(compiled.data()), static_cast<std::streamsize>(found.size))) return {};
+  const Header expected{.identity = identity_, .size = found.size, .hash = hashOf(compiled)};
+  return found == expected ? compiled : std::vector<std::byte>();
+}
+
+void PipelineCacheFile::write(std::span<const std::byte> compiled) const {
+  if (compiled.size() <= kVulkanHeader || compiled.size() > kMostBytes) return;
+  const Header header{.identity = identity_, .size = compiled.size(), .hash = hashOf(compiled)};
+  writeUserCache(name(), [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(&header), sizeof header);
+    out.write(reinterpret_cast<const char*>(compiled.data()), static_cast<std::streamsize>(compiled.size()));
+  });
+}
+
+}  // namespace raymap::vulkan
