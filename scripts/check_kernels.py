@@ -42,7 +42,8 @@ def driver():
 def compile_kernels(program, family, size):
     """Returns the kernels by name and constants, and the names of the shaders that no kernel uses."""
     environment = {**os.environ, "RADV_FORCE_FAMILY": family, "VK_ICD_FILENAMES": driver(),
-                   "VK_DRIVER_FILES": driver(), "MESA_SHADER_CACHE_DISABLE": "1"}
+                   "VK_DRIVER_FILES": driver(), "MESA_SHADER_CACHE_DISABLE": "1",
+                   "RAYMAP_CACHE": "off"}
     result = subprocess.run([program, str(size)], env=environment, stdout=subprocess.PIPE, text=True)
     if result.returncode:
         sys.exit(f"the kernels do not compile for {family} with {size} invocations per subgroup")

@@ -80,8 +80,8 @@ class AbsentCard {
   ReplacedEntry<PFN_vkGetBufferDeviceAddress> address_{
       vkGetBufferDeviceAddress,
       [](VkDevice, const VkBufferDeviceAddressInfo*) { return VkDeviceAddress{4096}; }};
-  ReplacedEntry<PFN_vkCmdDispatch> dispatch_{vkCmdDispatch,
-                                             [](VkCommandBuffer, uint32_t, uint32_t, uint32_t) {}};
+  ReplacedEntry<PFN_vkCmdDispatchBase> dispatch_{
+      vkCmdDispatchBase, [](VkCommandBuffer, uint32_t, uint32_t, uint32_t, uint32_t, uint32_t, uint32_t) {}};
   ReplacedEntry<PFN_vkCmdDispatchIndirect> dispatchIndirect_{vkCmdDispatchIndirect,
                                                              [](VkCommandBuffer, VkBuffer, VkDeviceSize) {}};
   ReplacedEntry<PFN_vkCmdFillBuffer> fill_{

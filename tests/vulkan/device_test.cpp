@@ -9,6 +9,7 @@
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"
 #include "vulkan/primitives/dispatch_arguments.h"
+#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 namespace {
@@ -369,10 +370,10 @@ TEST_F(VulkanDevice, PausesWhenMuchWorkIsRecorded) {
   for (uint32_t i = 0; i < kCount; ++i) ASSERT_EQ(found[i], 7 + i / 128) << i;
 }
 
-/// Calls the driver's function, then lowers or raises limits.
 PFN_vkGetPhysicalDeviceProperties2 realProperties = nullptr;
 VkDeviceSize toldBufferSize = 0, toldAllocationSize = 0;
 
+/// Calls the driver's function, then lowers or raises limits.
 VKAPI_ATTR void VKAPI_CALL tellOtherLimits(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
   realProperties(device, properties);
   for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
@@ -386,13 +387,10 @@ VKAPI_ATTR void VKAPI_CALL tellOtherLimits(VkPhysicalDevice device, VkPhysicalDe
 
 /// Returns a device that tells these limits.
 Device deviceTelling(VkDeviceSize bufferSize, VkDeviceSize allocationSize) {
-  realProperties = vkGetPhysicalDeviceProperties2;
   toldBufferSize = bufferSize;
   toldAllocationSize = allocationSize;
-  vkGetPhysicalDeviceProperties2 = tellOtherLimits;
-  struct Restore {
-    ~Restore() { vkGetPhysicalDeviceProperties2 = realProperties; }
-  } const restore;
+  const ReplacedEntry replaced(vkGetPhysicalDeviceProperties2, tellOtherLimits);
+  realProperties = replaced.real();
   return Device({.validation = Validation::Off});
 }
 

@@ -12,6 +12,7 @@
 #include "shaders/number_invocations_spv.h"
 #include "shaders/wave_vertices_spv.h"
 #include "vulkan_device.h"
+#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 namespace {
@@ -26,7 +27,8 @@ Bytes someBytes(size_t count) {
   return bytes;
 }
 
-constexpr DriverIdentity kIdentity{.vendor = 0x10DE, .device = 0x2330, .driverVersion = 7, .cacheId = {1, 2, 3}};
+constexpr DriverIdentity kIdentity{
+    .vendor = 0x10DE, .device = 0x2330, .driverVersion = 7, .cacheId = {1, 2, 3}};
 
 TEST(PipelineCacheFile, KeepsWhatTheDriverCompiled) {
   const TemporaryFolder folder;
@@ -103,16 +105,18 @@ TEST_F(VulkanPipelines, AreMadeOnceAndTogether) {
   static std::atomic<int> made;
   static PFN_vkCreateComputePipelines real;
   made = 0;
-  real = std::exchange(vkCreateComputePipelines,
-                       [](VkDevice owner, VkPipelineCache cache, uint32_t count,
-                          const VkComputePipelineCreateInfo* infos, const VkAllocationCallbacks* callbacks,
-                          VkPipeline* pipelines) {
-                         made += int(count);
-                         return real(owner, cache, count, infos, callbacks, pipelines);
-                       });
+  const ReplacedEntry<PFN_vkCreateComputePipelines> counted(
+      vkCreateComputePipelines,
+      [](VkDevice owner, VkPipelineCache cache, uint32_t count, const VkComputePipelineCreateInfo* infos,
+         const VkAllocationCallbacks* callbacks, VkPipeline* pipelines) {
+        made += int(count);
+        return real(owner, cache, count, infos, callbacks, pipelines);
+      });
+  real = counted.real();
   Pipelines pipelines(device(), {});
-  const PipelineSource number{shaders::kNumberInvocations, {64, 0}}, other{shaders::kNumberInvocations, {64, 1}},
-      full{shaders::kNumberInvocations, {64, 0}, true}, wave{shaders::kWaveVertices, {64}};
+  const PipelineSource number{shaders::kNumberInvocations, {64, 0}},
+      other{shaders::kNumberInvocations, {64, 1}}, full{shaders::kNumberInvocations, {64, 0}, true},
+      wave{shaders::kWaveVertices, {64}};
   std::set<size_t> numbers;
   for (const PipelineSource& source : {number, other, full, wave}) numbers.insert(pipelines.add(source));
   EXPECT_EQ(numbers.size(), 4u);
@@ -125,20 +129,19 @@ TEST_F(VulkanPipelines, AreMadeOnceAndTogether) {
   const size_t late = pipelines.add({shaders::kNumberInvocations, {32, 0}});
   EXPECT_NE(pipelines.at(late), VK_NULL_HANDLE);
   EXPECT_EQ(made, 5);
-  vkCreateComputePipelines = real;
 }
 
 TEST_F(VulkanPipelines, FailOnlyWhereTheyAreNeeded) {
   static PFN_vkCreateComputePipelines real;
-  real = std::exchange(vkCreateComputePipelines,
-                       [](VkDevice owner, VkPipelineCache cache, uint32_t count,
-                          const VkComputePipelineCreateInfo* infos, const VkAllocationCallbacks* callbacks,
-                          VkPipeline* pipelines) {
-                         const auto* const constants =
-                             static_cast<const uint32_t*>(infos->stage.pSpecializationInfo->pData);
-                         if (constants[0] == 32) return VK_ERROR_UNKNOWN;
-                         return real(owner, cache, count, infos, callbacks, pipelines);
-                       });
+  const ReplacedEntry<PFN_vkCreateComputePipelines> refusing(
+      vkCreateComputePipelines,
+      [](VkDevice owner, VkPipelineCache cache, uint32_t count, const VkComputePipelineCreateInfo* infos,
+         const VkAllocationCallbacks* callbacks, VkPipeline* pipelines) {
+        const auto* const constants = static_cast<const uint32_t*>(infos->stage.pSpecializationInfo->pData);
+        if (constants[0] == 32) return VK_ERROR_UNKNOWN;
+        return real(owner, cache, count, infos, callbacks, pipelines);
+      });
+  real = refusing.real();
   Pipelines pipelines(device(), {});
   const size_t good = pipelines.add({shaders::kNumberInvocations, {64, 0}}),
                bad = pipelines.add({shaders::kNumberInvocations, {32, 0}});
@@ -149,7 +152,6 @@ TEST_F(VulkanPipelines, FailOnlyWhereTheyAreNeeded) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("making the kernel number_invocations"), std::string::npos);
   }
-  vkCreateComputePipelines = real;
 }
 
 /// What the driver is given and what it returns as compiled code.
@@ -174,8 +176,9 @@ VKAPI_ATTR VkResult VKAPI_CALL getCacheData(VkDevice, VkPipelineCache, size_t* s
 TEST_F(VulkanPipelines, StartFromTheLastRun) {
   const TemporaryFolder folder;
   const ScopedVariable cache("RAYMAP_CACHE", folder.path().string());
-  realCreate = std::exchange(vkCreatePipelineCache, createCache);
-  const PFN_vkGetPipelineCacheData realGet = std::exchange(vkGetPipelineCacheData, getCacheData);
+  const ReplacedEntry created(vkCreatePipelineCache, createCache);
+  const ReplacedEntry stored(vkGetPipelineCacheData, getCacheData);
+  realCreate = created.real();
   const auto run = [](bool usesKernel) {
     Device own({.validation = Validation::Off});
     const size_t number = own.pipelines().add({shaders::kNumberInvocations, {64, 0}});
@@ -191,8 +194,6 @@ TEST_F(VulkanPipelines, StartFromTheLastRun) {
   EXPECT_EQ(given, someBytes(1000));
   run(false);
   EXPECT_EQ(given, someBytes(2000));
-  vkCreatePipelineCache = realCreate;
-  vkGetPipelineCacheData = realGet;
 }
 
 }  // namespace

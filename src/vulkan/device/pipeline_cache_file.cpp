@@ -48,7 +48,8 @@ std::vector<std::byte> PipelineCacheFile::read() const {
   Header found;
   if (!file.read(reinterpret_cast<char*>(&found), sizeof found) || found.size > kMostBytes) return {};
   std::vector<std::byte> compiled(found.size);
-  if (!file.read(reinterpret_cast<char*>(compiled.data()), static_cast<std::streamsize>(found.size))) return {};
+  if (!file.read(reinterpret_cast<char*>(compiled.data()), static_cast<std::streamsize>(found.size)))
+    return {};
   const Header expected{.identity = identity_, .size = found.size, .hash = hashOf(compiled)};
   return found == expected ? compiled : std::vector<std::byte>();
 }
