@@ -179,6 +179,17 @@ TEST(ShaderArithmetic, OverflowsLikeDoubles) {
   EXPECT_EQ(glsl::floatOf(bitsOf(-0x1.ffffffp127)), -std::numeric_limits<float>::infinity());
 }
 
+TEST(ShaderArithmetic, MultipliesByPowersOfTwo) {
+  Numbers numbers;
+  for (int i = 0; i < 10'000; ++i) {
+    const double value = numbers.next(100);
+    const int exponent = i % 81 - 40;
+    ASSERT_EQ(glsl::timesPowerOfTwo(bitsOf(value), exponent), bitsOf(std::ldexp(value, exponent)));
+  }
+  EXPECT_EQ(glsl::timesPowerOfTwo(bitsOf(0.0), 3), bitsOf(0.0));
+  EXPECT_EQ(valueOf(glsl::kHalf), 0.5);
+}
+
 TEST(ShaderArithmetic, DividesDoublesWhateverTheDevicesDivisionRounds) {
   for (const auto& [a, b] : somePairs(300'000)) {
     if (b == 0.0 || !isOrdinary(a / b)) continue;

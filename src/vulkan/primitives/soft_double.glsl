@@ -7,6 +7,7 @@
 const uint64_t kDoubleSign = 0x8000000000000000ul;
 const uint64_t kDoubleMantissa = 0xffffffffffffful;
 const int kDoubleBias = 1023;
+const uint64_t kHalf = 0x3fe0000000000000ul;
 
 int exponentBits(Double a) {
   return int(uint(a >> 52) & 0x7ffu);
@@ -65,6 +66,11 @@ Double negative(Double a) {
 
 Double absolute(Double a) {
   return a & ~kDoubleSign;
+}
+
+// The result must be in the range of normal numbers.
+Double timesPowerOfTwo(Double a, int exponent) {
+  return absolute(a) == 0ul ? a : a + (uint64_t(int64_t(exponent)) << 52);
 }
 
 Double sum(Double a, Double b) {

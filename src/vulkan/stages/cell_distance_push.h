@@ -18,6 +18,6 @@ struct CellDistancePush {
   float perCell2;  // Square cells per square sample.
   uint unused;
 };
-RAYMAP_CHECK_SIZE(CellDistancePush, 104);
+RAYMAP_CHECK_SIZE(CellDistancePush, 96);
 
 RAYMAP_SHARED_END

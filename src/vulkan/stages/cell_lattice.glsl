@@ -1,5 +1,6 @@
 // Cells of a lattice. GPU twin of CellLattice in method/cell_lattice.h.
 
+#include "vulkan/primitives/soft_double.glsl"
 #include "vulkan/stages/cell_lattice_push.h"
 
 const uint kNoCell = 0xffffffffu;
@@ -13,10 +14,30 @@ uvec3 cellAt(Lattice cells, uint index) {
   return uvec3(index % cells.nx, row % cells.ny, row / cells.ny);
 }
 
-dvec3 firstCentre(Lattice cells) {
-  return dvec3(cells.firstX, cells.firstY, cells.firstZ);
+Double firstCentre(Lattice cells, uint axis) {
+  return axis == 0 ? cells.firstX : axis == 1 ? cells.firstY : cells.firstZ;
+}
+
+// Returns whether each cell (i, j, k) is the one around sample (i, j, k).
+bool isOfSamples(Lattice cells) {
+  return (cells.firstX | cells.firstY | cells.firstZ) == 0 && cells.size == 1.0;
+}
+
+// Returns the exponent of the cells' size, which is a power of two.
+int sizeExponent(Lattice cells) {
+  return int(floatBitsToUint(cells.size) >> 23) - 127;
 }
 
 vec3 cellCentre(Lattice cells, uvec3 c) {
-  return vec3(firstCentre(cells) + cells.size * dvec3(c));
+  if (isOfSamples(cells)) return vec3(c);
+  const int exponent = sizeExponent(cells);
+  vec3 centre;
+  [[unroll]] for (uint axis = 0; axis < 3; ++axis)
+    centre[axis] = floatOf(sum(firstCentre(cells, axis), timesPowerOfTwo(doubleOf(int(c[axis])), exponent)));
+  return centre;
+}
+
+// Returns a coordinate in cells instead of samples.
+Double inCells(Lattice cells, uint axis, Double coordinate) {
+  return timesPowerOfTwo(difference(coordinate, firstCentre(cells, axis)), -sizeExponent(cells));
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <bit>
+
 #include "method/cell_lattice.h"
 #include "vulkan/stages/cell_lattice_push.h"
 
@@ -7,10 +9,10 @@ namespace raymap::vulkan {
 
 /// Returns the lattice in the shaders' layout.
 inline Lattice latticeOf(const CellLattice& cells) {
-  return {.firstX = cells.first.x,
-          .firstY = cells.first.y,
-          .firstZ = cells.first.z,
-          .size = cells.size,
+  return {.firstX = std::bit_cast<uint64_t>(cells.first.x),
+          .firstY = std::bit_cast<uint64_t>(cells.first.y),
+          .firstZ = std::bit_cast<uint64_t>(cells.first.z),
+          .size = static_cast<float>(cells.size),
           .nx = static_cast<uint32_t>(cells.dims.x),
           .ny = static_cast<uint32_t>(cells.dims.y),
           .nz = static_cast<uint32_t>(cells.dims.z)};

@@ -7,11 +7,11 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 // See CellLattice in method/cell_lattice.h.
 struct Lattice {
-  double firstX, firstY, firstZ, size;
+  uint64_t firstX, firstY, firstZ;  // Bits of doubles.
+  float size;
   uint nx, ny, nz;
-  uint unused;
 };
-RAYMAP_CHECK_SIZE(Lattice, 48);
+RAYMAP_CHECK_SIZE(Lattice, 40);
 
 RAYMAP_SHARED_END
 

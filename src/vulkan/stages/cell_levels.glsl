@@ -11,7 +11,10 @@ struct CellPoint {
 };
 
 CellPoint cellPointOf(Lattice cells, uvec3 position) {
-  precise const dvec3 at = (dvec3(position) - firstCentre(cells)) / cells.size;
-  const ivec3 cell = clamp(ivec3(floor(vec3(at) + 0.5)), ivec3(0), ivec3(cells.nx, cells.ny, cells.nz) - 1);
-  return CellPoint(vec3(at), uvec3(cell));
+  if (isOfSamples(cells)) return CellPoint(vec3(position), position);
+  vec3 at;
+  [[unroll]] for (uint axis = 0; axis < 3; ++axis)
+    at[axis] = floatOf(inCells(cells, axis, doubleOf(int(position[axis]))));
+  const ivec3 cell = clamp(ivec3(floor(at + 0.5)), ivec3(0), ivec3(cells.nx, cells.ny, cells.nz) - 1);
+  return CellPoint(at, uvec3(cell));
 }

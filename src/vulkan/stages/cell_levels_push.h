@@ -18,7 +18,7 @@ struct CellLevelData {
   RAYMAP_ADDRESS(Uints) nearestCell;
   Lattice cells;
 };
-RAYMAP_CHECK_SIZE(CellLevelData, 96);
+RAYMAP_CHECK_SIZE(CellLevelData, 88);
 
 RAYMAP_SHARED_END
 

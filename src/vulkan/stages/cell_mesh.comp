@@ -1,18 +1,22 @@
-// Converts vertices to cell units, where sample (i, j, k) lies at (i, j, k). Double precision gives exactly
-// the CPU's result.
+// Converts vertices to cell units, where sample (i, j, k) lies at (i, j, k), in double precision as the CPU does.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
+#include "vulkan/primitives/soft_double.glsl"
 #include "vulkan/stages/cell_mesh.glsl"
+
+float inCells(float position, Double shift) {
+  return floatOf(product(sum(shift, doubleOf(position)), push.scale));
+}
 
 void main() {
   const uint v = invocationIndex();
   if (v >= push.vertexCount) return;
   const uint from = push.stride * v;
-  const dvec3 position = dvec3(push.positions.at[from], push.positions.at[from + 1], push.positions.at[from + 2]);
-  precise const dvec3 fromOrigin = dvec3(push.shiftX, push.shiftY, push.shiftZ) + position;
-  precise const dvec3 cells = fromOrigin * push.scale;
-  const vec3 vertex = vec3(cells);
+  const vec3 position = vec3(push.positions.at[from], push.positions.at[from + 1], push.positions.at[from + 2]);
+  vec3 vertex = position;
+  if (isFinite(position))
+    vertex = vec3(inCells(position.x, push.shiftX), inCells(position.y, push.shiftY), inCells(position.z, push.shiftZ));
   writeVertex(v, vertex);
   if (!isFinite(vertex)) atomicAdd(push.status.now.bad, 1);
 }

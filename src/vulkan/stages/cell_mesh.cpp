@@ -3,6 +3,7 @@
 #include "vulkan/stages/cell_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "method/turns.h"
@@ -51,10 +52,10 @@ void CellMeshStage::record(Commands& commands, const Source& source, const Grid&
                           .vertices = vertices_.address(),
                           .triangles = triangles_.address(),
                           .status = status_.address(),
-                          .shiftX = shift.x,
-                          .shiftY = shift.y,
-                          .shiftZ = shift.z,
-                          .scale = 1.0 / grid.spacing,
+                          .shiftX = std::bit_cast<uint64_t>(shift.x),
+                          .shiftY = std::bit_cast<uint64_t>(shift.y),
+                          .shiftZ = std::bit_cast<uint64_t>(shift.z),
+                          .scale = std::bit_cast<uint64_t>(1.0 / grid.spacing),
                           .stride = source.stride,
                           .vertexCount = source.vertexCount,
                           .triangleCount = source.triangleCount,

@@ -28,8 +28,8 @@ struct CellMeshPush {
   RAYMAP_ADDRESS(Floats) vertices;   // Three numbers per vertex, in cells.
   RAYMAP_ADDRESS(Uints) triangles;   // Checked copy of `corners`.
   RAYMAP_ADDRESS(CellMeshStatusAddress) status;
-  double shiftX, shiftY, shiftZ;  // From the grid's origin to the mesh's.
-  double scale;                   // Cells per unit.
+  uint64_t shiftX, shiftY, shiftZ;  // From the grid's origin to the mesh's; bits of doubles.
+  uint64_t scale;                   // Cells per unit; bits of a double.
   uint stride;                    // Numbers from one position to the next.
   uint vertexCount;
   uint triangleCount;

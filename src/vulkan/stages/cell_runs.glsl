@@ -3,57 +3,53 @@
 
 #include "vulkan/stages/cell_lattice.glsl"
 #include "vulkan/stages/mesh.glsl"
-#include "vulkan/stages/triangle.glsl"
 #include "vulkan/stages/cell_runs_push.h"
 
 layout(push_constant, scalar) uniform Push { CellRunsPush push; };
 
-// Cells grow by this share of the triangle's reach, which makes up for rounding in double precision.
-const double kSlack = 1e-12lf;
-
-struct Interval {
-  double low;
-  double high;
-};
-
-// Keeps the x with from <= factor * x <= to. An empty interval ends below 0.
-void clip(inout Interval interval, double factor, double from, double to) {
-  if (factor == 0.0) {
-    if (from > 0.0 || to < 0.0) interval.high = -1.0;
-    return;
-  }
-  const double a = from / factor, b = to / factor;
-  interval.low = max(interval.low, min(a, b));
-  interval.high = min(interval.high, max(a, b));
-}
-
-bool isEmpty(Interval interval) {
-  return !(interval.low <= interval.high);
-}
-
-// Triangle relative to the lowest cell of its bounds, in cells.
+// Triangle, and the cells of its bounds.
 struct LocalTriangle {
-  dvec3 corner[3];
-  ivec3 base;
+  vec3 vertex[3];
+  ivec3 base;    // Lowest cell of its bounds.
   ivec3 extent;  // From `base` to the highest cell of its bounds; negative outside the lattice.
   bool isCut;    // Whether its bounds reach beyond the lattice.
 };
 
+// Returns the integers nearest to x, the greater one of two; beyond 2^30, any beyond 2^30.
+ivec3 nearestIntegers(vec3 x) {
+  const float kFar = 2147483520.0;
+  const vec3 whole = floor(x);
+  return ivec3(clamp(whole + vec3(greaterThanEqual(x - whole, vec3(0.5))), vec3(-kFar), vec3(kFar)));
+}
+
+Double cornerInCells(LocalTriangle local, uint corner, uint axis) {
+  return inCells(push.cells, axis, doubleOf(local.vertex[corner][axis]));
+}
+
+// Finds the lowest and the highest cell that the bounds touch.
+void findBounds(LocalTriangle local, out ivec3 lowest, out ivec3 highest) {
+  if (isOfSamples(push.cells)) {
+    lowest = -nearestIntegers(-min(min(local.vertex[0], local.vertex[1]), local.vertex[2]));
+    highest = nearestIntegers(max(max(local.vertex[0], local.vertex[1]), local.vertex[2]));
+    return;
+  }
+  for (uint axis = 0; axis < 3; ++axis) {
+    const Double a = cornerInCells(local, 0, axis), b = cornerInCells(local, 1, axis), c = cornerInCells(local, 2, axis);
+    lowest[axis] = ceilOf(difference(minimum(minimum(a, b), c), kHalf));
+    highest[axis] = floorOf(sum(maximum(maximum(a, b), c), kHalf));
+  }
+}
+
 LocalTriangle readLocalTriangle(uint triangle) {
   LocalTriangle local;
-  [[unroll]] for (uint c = 0; c < 3; ++c) {
-    precise const dvec3 corner = (dvec3(readCorner(push.vertices, push.triangles, triangle, c)) - firstCentre(push.cells)) / push.cells.size;
-    local.corner[c] = corner;
-  }
-  const dvec3 low = min(min(local.corner[0], local.corner[1]), local.corner[2]);
-  const dvec3 high = max(max(local.corner[0], local.corner[1]), local.corner[2]);
-  const dvec3 dims = dvec3(push.cells.nx, push.cells.ny, push.cells.nz);
-  const dvec3 lowest = ceil(low - 0.5lf), highest = floor(high + 0.5lf);
-  const dvec3 base = clamp(lowest, dvec3(0.0), dims), last = clamp(highest, dvec3(-1.0), dims - 1.0lf);
-  local.base = ivec3(base);
-  local.extent = ivec3(last) - local.base;
-  local.isCut = base != lowest || last != highest;
-  [[unroll]] for (uint c = 0; c < 3; ++c) local.corner[c] -= base;
+  for (uint c = 0; c < 3; ++c) local.vertex[c] = readCorner(push.vertices, push.triangles, triangle, c);
+  ivec3 lowest, highest;
+  findBounds(local, lowest, highest);
+  const ivec3 dims = ivec3(push.cells.nx, push.cells.ny, push.cells.nz);
+  local.base = clamp(lowest, ivec3(0), dims);
+  const ivec3 last = clamp(highest, ivec3(-1), dims - 1);
+  local.extent = last - local.base;
+  local.isCut = local.base != lowest || last != highest;
   return local;
 }
 
@@ -61,15 +57,8 @@ uint rowCount(LocalTriangle local) {
   return any(lessThan(local.extent, ivec3(0))) ? 0 : uint(local.extent.y + 1) * uint(local.extent.z + 1);
 }
 
-// Clips by the edges in the projection along an axis.
-void clipByEdges(inout Interval interval, LocalTriangle local, uint along, uint axis, uint other, int at,
-                 double slack) {
-  [[unroll]] for (uint e = 0; e < 3; ++e) {
-    const Slab slab = edgeSlab(local.corner, e, along, slack);
-    precise const double shift = slab.axis[other] * double(at);
-    clip(interval, slab.axis[axis], slab.low - shift, slab.high - shift);
-  }
-}
+#include "vulkan/stages/cell_runs_exact.glsl"
+#include "vulkan/stages/cell_runs_rough.glsl"
 
 // Returns the cells along x, relative to the triangle's lowest one, that it touches in row j, k; possibly
 // none.
@@ -77,19 +66,8 @@ ivec2 touchedRun(LocalTriangle local, int j, int k) {
   const ivec3 extent = local.extent;
   // Within one line of cells the bounds decide.
   if (!local.isCut && int(extent.x > 0) + int(extent.y > 0) + int(extent.z > 0) <= 1) return ivec2(0, extent.x);
-  const dvec3 far = max(max(abs(local.corner[0]), abs(local.corner[1])), abs(local.corner[2]));
-  precise const double slack = kSlack * (1.0lf + max(max(far.x, far.y), far.z));
-  const ivec2 none = ivec2(0, -1);
-  Interval rows = Interval(0.0lf, double(extent.y));
-  clipByEdges(rows, local, 0, 1, 2, k, slack);
-  if (isEmpty(rows) || double(j) < ceil(rows.low) || double(j) > floor(rows.high)) return none;
-  Interval row = Interval(0.0lf, double(extent.x));
-  clipByEdges(row, local, 1, 0, 2, k, slack);
-  const Slab plane = planeSlab(local.corner, slack);
-  precise const double offset = plane.axis.y * double(j) + plane.axis.z * double(k);
-  clip(row, plane.axis.x, plane.low - offset, plane.high - offset);
-  clipByEdges(row, local, 2, 0, 1, j, slack);
-  return isEmpty(row) ? none : ivec2(ceil(row.low), floor(row.high));
+  ivec2 run;
+  return findRunRoughly(local, j, k, run) ? run : findRunExactly(local, j, k);
 }
 
 // Adds to a 64-bit total, once per subgroup.

@@ -29,6 +29,6 @@ struct CellRunsPush {
   uint triangleCount;
   uint mostRows;
 };
-RAYMAP_CHECK_SIZE(CellRunsPush, 112);
+RAYMAP_CHECK_SIZE(CellRunsPush, 104);
 
 RAYMAP_SHARED_END

@@ -31,10 +31,21 @@ int fractionBits() {
   return clamp(kCoordinateBits - 1 - max(exponentOf(push.status.now.reach), 0), 0, kMaxFractionBits);
 }
 
-// Exact: the float times a power of two, rounded to the nearest integer.
+// Exact: the float times a power of two, rounded to the nearest integer, halves away from 0.
+int64_t snap(float x, int bits) {
+  const uint size = floatBitsToUint(x) & 0x7fffffffu;
+  const int64_t mantissa = int64_t((size & 0x7fffffu) | 0x800000u);
+  const int shift = exponentOf(size) - 23 + bits;
+  int64_t snapped = 0;
+  if (shift >= 0)
+    snapped = mantissa << shift;
+  else if (shift >= -24)
+    snapped = (mantissa + (1l << (-shift - 1))) >> -shift;
+  return x < 0.0 ? -snapped : snapped;
+}
+
 i64vec3 snap(vec3 p, int bits) {
-  const dvec3 scaled = dvec3(p) * double(1 << bits);
-  return i64vec3(scaled + mix(dvec3(0.5), dvec3(-0.5), lessThan(scaled, dvec3(0.0))));
+  return i64vec3(snap(p.x, bits), snap(p.y, bits), snap(p.z, bits));
 }
 
 ivec3 lineFrom(i64vec3 coordinate, int bits) {

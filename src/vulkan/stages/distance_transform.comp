@@ -67,13 +67,12 @@ void writeSlot(uint line, uint slot, float value, uint q, int first) {
 
 // Returns, in exact arithmetic, whether the parabola of site a is at most as high as that of b > a at p.
 bool isNoHigher(int a, float valueA, int b, float valueB, int p) {
-  const double asked = double(b - a) * double(2 * p - a - b);
-  const double high = valueB, low = valueA;
-  precise const double difference = high - low;
-  if (difference != asked) return difference > asked;
-  precise const double taken = difference - high;  // Rounding error of the difference, exactly (Knuth 1969).
-  precise const double left = (high - (difference - taken)) - (low + taken);
-  return left >= 0.0;
+  const int64_t asked = int64_t(b - a) * int64_t(2 * p - a - b);
+  const float wholeA = floor(valueA), wholeB = floor(valueB);
+  const int64_t left = int64_t(wholeB) - int64_t(wholeA) - asked;
+  if (left != 0) return left > 0;
+  precise const float partA = valueA - wholeA, partB = valueB - wholeB;  // Both exact.
+  return partB >= partA;
 }
 
 // Returns the last p, at least -1, at which the parabola of site a is at most as high as that of b > a.

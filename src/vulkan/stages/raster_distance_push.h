@@ -19,6 +19,6 @@ struct RasterDistancePush {
   float perCell2;  // Square cells per square sample.
   uint mostRows;
 };
-RAYMAP_CHECK_SIZE(RasterDistancePush, 112);
+RAYMAP_CHECK_SIZE(RasterDistancePush, 104);
 
 RAYMAP_SHARED_END

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
+#include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/stages/ray_map.glsl"
 #include "vulkan/stages/sixth.glsl"
 #include "vulkan/stages/winding_paths_push.h"
@@ -74,7 +75,5 @@ void main() {
     const float there = valueAt(s + offset, dims);
     sum += push.pointScale * (float(countPaths(s, offset, dims)) + kPathsPerPoint * there);
   }
-  // Rounds like a division: no quotient of two floats is as close to the middle between two floats as the
-  // error of a double.
-  push.result.at[index] = float(double(sum) * push.factor);
+  push.result.at[index] = divideRounded(sum, push.divisor);
 }

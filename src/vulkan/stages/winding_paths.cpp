@@ -31,7 +31,7 @@ void WindingPathsStage::recordAverage(Commands& commands, const WindingFields& f
   const int64_t points = int64_t{options.passes} * pointsPerPass(options);
   WindingPathsPush mean = push(fields);
   mean.sumScale = mean.pointScale = kRays;
-  mean.factor = 1.0 / double(kRays * (1.0f + kPathsPerPoint * float(points)));
+  mean.divisor = kRays * (1.0f + kPathsPerPoint * float(points));
   add(commands, mean, options, 0,
       points);  // No points: six times the average, divided by six, as on the CPU.
   copy(commands, next_.address(), fields);
@@ -43,7 +43,7 @@ void WindingPathsStage::recordEvolution(Commands& commands, const WindingFields&
   const int64_t points = pointsPerPass(options);
   WindingPathsPush step = push(fields);
   // Eq. 10-11. Paper: counts c and n. Here: w = c / n, as on the CPU.
-  step.factor = 1.0 / double(1 + kPathsPerPoint * points);
+  step.divisor = static_cast<float>(1 + kPathsPerPoint * points);
   for (int64_t first = 0; first < options.passes * points; first += points) {
     add(commands, step, options, first, first + points);
     std::swap(step.values, step.result);
@@ -55,7 +55,7 @@ void WindingPathsStage::recordEvolution(Commands& commands, const WindingFields&
 void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first,
                             int64_t end) {
   Kernel<WindingPathsPush>& kernel = options.sampling == Sampling::Paper ? raysOutside_ : zeroOutside_;
-  const double factor = push.factor;
+  const float divisor = push.divisor;
   const int64_t all = std::max<int64_t>(int64_t{options.passes} * pointsPerPass(options), 1);
   do {
     push.pointCount = static_cast<uint32_t>(std::min<int64_t>(end - first, kPointsPerDispatch));
@@ -64,7 +64,7 @@ void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Opt
       for (int c = 0; c < 3; ++c) push.offsets[3 * point + c] = offset[c];
     }
     first += push.pointCount;
-    push.factor = first < end ? 1.0 : factor;
+    push.divisor = first < end ? 1.0f : divisor;
     gate_.dispatch(commands, kernel, push, 0);
     commands.report(double(first) / double(all));
     push.sums = push.result;
@@ -84,7 +84,7 @@ WindingPathsPush WindingPathsStage::push(const WindingFields& fields) const {
           .values = fields.winding,
           .sums = fields.winding,
           .result = next_.address(),
-          .factor = 1.0,
+          .divisor = 1.0f,
           .sumScale = 1.0f,
           .pointScale = 1.0f,
           .dims = {uint32_t(dims_.x), uint32_t(dims_.y), uint32_t(dims_.z)}};

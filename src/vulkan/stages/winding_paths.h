@@ -24,7 +24,7 @@ class WindingPathsStage {
   void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
 
  private:
-  /// Adds the curves through the points [first, end) and multiplies the sums by the push constants' factor.
+  /// Adds the curves through the points [first, end) and divides the sums by the push constants' divisor.
   void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
   /// Copies the numbers at `from` to `fields.winding`.
   void copy(Commands& commands, VkDeviceAddress from, const WindingFields& fields);

@@ -13,13 +13,14 @@ struct WindingPathsPush {
   RAYMAP_ADDRESS(Ints) rays[3];   // The ray map, by axis.
   RAYMAP_ADDRESS(Floats) values;  // Values read at the offset points.
   RAYMAP_ADDRESS(Floats) sums;    // Initial sum of each sample.
-  RAYMAP_ADDRESS(Floats) result;  // New sum of each sample, times `factor`.
-  double factor;                  // Factor of the new sum.
+  RAYMAP_ADDRESS(Floats) result;  // New sum of each sample, divided by `divisor`.
+  float divisor;
   float sumScale;                 // Factor of the initial sum.
   float pointScale;               // Factor of each point's contribution.
   uint dims[3];
   uint pointCount;
   int offsets[3 * kPointsPerDispatch];
+  uint unused;
 };
 RAYMAP_CHECK_SIZE(WindingPathsPush, 128);
 
