@@ -2,8 +2,13 @@
 
 #include <raymap/io.h>
 
+#include <map>
+
 #include "exact_cases.h"
 #include "mesh_folder.h"
+#include "shaders/uneven_barriers.h"
+#include "shaders/uneven_barriers_spv.h"
+#include "vulkan/device/kernel.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -19,19 +24,25 @@ class VulkanExactDistance : public VulkanTest {
     bool operator==(const Found&) const = default;
   };
 
+  /// Returns the stage with this many subgroups per group; 0: what suits the device.
+  static ExactDistanceStage& stageWith(uint32_t subgroups) {
+    static std::map<uint32_t, ExactDistanceStage> stages;
+    return stages.try_emplace(subgroups, device(), nullptr, subgroups).first->second;
+  }
+
   /// Distances in the mesh's units.
-  static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0) {
+  static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0, uint32_t subgroups = 0) {
     std::vector<glm::vec3> cells;
     for (const glm::vec3& v : mesh.vertices)
       cells.emplace_back((mesh.origin - grid.origin + glm::dvec3(v)) / grid.spacing);
-    Found found = findInCells(cells, mesh.triangles, grid.dims, band);
+    Found found = findInCells(cells, mesh.triangles, grid.dims, band, subgroups);
     for (float& d : found.distance) d *= static_cast<float>(grid.spacing);
     return found;
   }
 
   /// Computes the distances twice.
   static Found findInCells(const std::vector<glm::vec3>& vertices, const std::vector<glm::uvec3>& triangles,
-                           const glm::ivec3& dims, double band = 0.0) {
+                           const glm::ivec3& dims, double band = 0.0, uint32_t subgroups = 0) {
     const DeviceBuffer vertexBuffer = upload(vertices, "vertices"),
                        triangleBuffer = upload(triangles, "triangles");
     const DeviceMesh mesh{vertexBuffer.address(), triangleBuffer.address(),
@@ -41,7 +52,7 @@ class VulkanExactDistance : public VulkanTest {
     distance.resize<float>(samples);
     triangle.resize<uint32_t>(samples);
     static SurfaceTreeStage tree(device());
-    static ExactDistanceStage exact(device());
+    ExactDistanceStage& exact = stageWith(subgroups);
     tree.reserve(mesh.triangleCount);
     exact.reserve(dims);
     Found found[2];
@@ -120,6 +131,58 @@ TEST_F(VulkanExactDistance, SurvivesHugeCoordinates) {
     EXPECT_LE(found.distance[(1 * 5 + 1) * 6 + 1], 1e-6 * huge);
   }
 }
+
+/// The same with several subgroups per group. Cards work so; in software the default is one.
+class VulkanExactDistanceGroups : public VulkanExactDistance, public ::testing::WithParamInterface<uint32_t> {
+ protected:
+  void SetUp() override {
+    VulkanExactDistance::SetUp();
+    if (!IsSkipped() && !HasFatalFailure() && !keepsSubgroupsApart())
+      GTEST_SKIP() << "the driver takes a barrier of a subgroup for one of the group";
+  }
+
+  /// Returns whether the subgroups of a group can have different numbers of barriers.
+  static bool keepsSubgroupsApart() {
+    const uint32_t groupSize = GetParam() * device().limits().maxSubgroupSize;
+    Kernel<UnevenBarriersPush> kernel(device(), shaders::kUnevenBarriers, groupSize);
+    const size_t most = groupSize / device().limits().minSubgroupSize;
+    const DeviceBuffer reached = upload(std::vector<uint32_t>(most), "reached");
+    run([&](Commands& commands) {
+      commands.dispatch(kernel, UnevenBarriersPush{.reached = reached.address()}, groupSize);
+    });
+    const std::vector<uint32_t> found = download<uint32_t>(reached);
+    return std::count(found.begin(), found.end(), 1u) >= std::ptrdiff_t(GetParam());
+  }
+};
+
+TEST_P(VulkanExactDistanceGroups, FindTheSameAsOneSubgroup) {
+  const std::vector<std::pair<Mesh, GridOptions>> cases = {
+      {shapes::sphere(1.0, 3),
+       {.resolution = 24}},  // Near the middle, hundreds of triangles are equally far.
+      {shapes::sphere(1.0, 5), {.resolution = 6}},
+      {shapes::joined(shapes::sphere(1.0, 3), shapes::sphere(0.01, 4, {0.4, 0, 0})), {.resolution = 12}},
+      {shapes::torus(1.0, 0.3, 80, 40), {.resolution = 33}},
+      {shapes::soup(500, 1), {.resolution = 21}}};
+  for (const auto& [mesh, options] : cases) {
+    const Grid grid = fitGrid(mesh, options);
+    const Found found = find(mesh, grid, 0.0, GetParam());
+    EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 300), kAllowed)
+        << mesh.triangles.size();
+    EXPECT_TRUE(found == find(mesh, grid, 0.0, 1)) << mesh.triangles.size();
+    EXPECT_TRUE(find(mesh, grid, 2.5, GetParam()) == find(mesh, grid, 2.5, 1)) << mesh.triangles.size();
+  }
+}
+
+TEST_P(VulkanExactDistanceGroups, FinishBlocksWithTooMuchWork) {
+  const Mesh mesh = shapes::soup(20000, 5);
+  const Grid grid{glm::ivec3(13, 3, 2), glm::dvec3(2.0, 0.3, 0.4), 0.3};
+  const Found found = find(mesh, grid, 0.0, GetParam());
+  EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 40), kAllowed);
+  EXPECT_TRUE(found == find(mesh, grid, 0.0, 1));
+}
+
+INSTANTIATE_TEST_SUITE_P(Subgroups, VulkanExactDistanceGroups, ::testing::Values(1u, 2u, 4u),
+                         ::testing::PrintToStringParamName());
 
 TEST_F(VulkanExactDistance, IsExactOnRealMeshes) {
   if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";

@@ -188,7 +188,7 @@ void fillWaiting(Block block, Corners corners, uint dominating, List list, inout
     const bool isFromList = next < list.count;
     const uint taken = isFromList ? 0 : min(size, openable(size));
     size -= taken;
-    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    const uint parent = parentAbove(size);
     const bool isTaken = lane() / kArity < taken, hasTriangles = isTaken && isLeaf(parent);
     const bool isListed = isFromList && next + lane() < list.count;
     shareWithSubgroup();

@@ -17,19 +17,26 @@ namespace {
 
 /// Limits a group to four subgroups, each of which needs 4.6 KB of shared memory. In software it has one
 /// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).
-uint32_t groupSizeOf(const DeviceLimits& limits, bool isSoftware) {
-  if (isSoftware) return limits.maxSubgroupSize;
-  constexpr uint32_t kBest = 64;
+uint32_t subgroupsFor(const Device& device) {
+  constexpr uint32_t kBest = 64;  // Invocations.
   constexpr uint32_t kSubgroups = 4;
-  return std::max(std::min(kBest, kSubgroups * limits.minSubgroupSize), limits.maxSubgroupSize);
+  if (device.info().type == DeviceType::Software) return 1;
+  return std::min(kBest / device.limits().minSubgroupSize, kSubgroups);
+}
+
+/// Returns the invocations of a group. All its subgroups are full, however large they are.
+uint32_t groupSizeOf(const Device& device, uint32_t subgroups) {
+  const DeviceLimits& limits = device.limits();
+  const uint32_t wanted = subgroups > 0 ? subgroups : subgroupsFor(device);
+  return std::max(wanted * limits.minSubgroupSize, limits.maxSubgroupSize);
 }
 
 }  // namespace
 
-ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch)
+ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch, uint32_t subgroups)
     : hasShortLoops_(device.info().type == DeviceType::Software),
       maxSubgroup_(device.limits().maxSubgroupSize),
-      groupSize_(groupSizeOf(device.limits(), hasShortLoops_)),
+      groupSize_(groupSizeOf(device, subgroups)),
       blocks_(device, shaders::kExactDistanceBlocks, groupSize_,
               {groupSize_ / device.limits().minSubgroupSize}),
       samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),

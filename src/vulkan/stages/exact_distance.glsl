@@ -47,6 +47,12 @@ uint onStack(uint place) {
   return gl_SubgroupID * kStack + place;
 }
 
+// Returns the node that a lane's child or triangle belongs to, if it was taken: the nodes above the stack's new
+// size. Other lanes get any node.
+uint parentAbove(uint size) {
+  return stackNodes[onStack(min(size + lane() / kArity, kStack - 1))];
+}
+
 bool isLeaf(uint node) {
   return node >= push.firstLeaf;
 }
@@ -146,7 +152,7 @@ void takeClosest(inout Closest closest, float squared, uint triangle) {
 void findClosest(vec3 point, uint size, inout Closest closest) {
   while (size > 0 && !isTooMuchWork()) {
     const uint taken = takeNodes(size, closest.squared);
-    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    const uint parent = parentAbove(size);
     const bool isTaken = lane() / kArity < taken;
     const bool hasTriangles = isTaken && isLeaf(parent);
     shareWithSubgroup();

@@ -17,7 +17,9 @@ class ExactDistanceStage {
     VkDeviceAddress triangle = 0;  ///< 0: not requested.
   };
 
-  explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr);
+  /// `subgroups` is the number of subgroups per group, 1, 2 or 4. Tests set it; 0 selects what suits the
+  /// device.
+  explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr, uint32_t subgroups = 0);
 
   /// Reserves memory for a grid. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);

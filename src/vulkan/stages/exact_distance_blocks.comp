@@ -38,7 +38,7 @@ void listNodes(Block block, Corners corners, List above, uint list) {
     const uint taken = min(min(size, room), max(gl_SubgroupSize / kArity, 1));
     if (taken == 0) break;
     size -= taken;
-    const uint parent = stackNodes[onStack(size + lane() / kArity)];
+    const uint parent = parentAbove(size);
     shareWithSubgroup();
     for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize)
       offerNodes(block, corners, list, lane() / kArity < taken, firstChildOf(parent) + child);
