@@ -2,6 +2,7 @@
 
 #include <raymap/io.h>
 
+#include <cmath>
 #include <map>
 
 #include "exact_cases.h"
@@ -112,6 +113,28 @@ TEST_F(VulkanExactDistance, VisitsEveryTriangleWhereItMust) {
   const Grid grid{glm::ivec3(5, 3, 1), glm::dvec3(2.0, 0.3, 0.4), 0.3};
   const Found found = find(mesh, grid);
   EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 40), kAllowed);
+}
+
+TEST_F(VulkanExactDistance, FinishesBlocksForTheirFarthestSample) {
+  // Large triangles below the block, tilted about one point, are too much work. The small triangle in the
+  // last leaf is closest to one corner of the block only, and the lanes beyond that leaf hold this corner.
+  constexpr size_t kLarge = 8 * 8 * 500;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> slope(-0.01f, 0.01f);
+  std::vector<glm::vec3> vertices;
+  for (size_t t = 0; t < kLarge; ++t) {
+    const float alongX = slope(random), alongZ = slope(random);
+    for (const glm::vec2& xz : {glm::vec2(-30, -30), glm::vec2(60, -30), glm::vec2(-30, 60)})
+      vertices.emplace_back(xz.x, alongX * (xz.x - 1.5f) + alongZ * (xz.y - 1.5f) - 1.0f, xz.y);
+  }
+  const glm::vec3 corner(3.0f + 3.5f / std::sqrt(3.0f));
+  for (const glm::vec3& offset : {glm::vec3(0.0f), glm::vec3(0.01f, 0, 0), glm::vec3(0, 0, 0.01f)})
+    vertices.push_back(corner + offset);
+  std::vector<glm::uvec3> triangles;
+  for (uint32_t v = 0; v < vertices.size(); v += 3) triangles.emplace_back(v, v + 1, v + 2);
+  const Found found = findInCells(vertices, triangles, {4, 4, 4});
+  EXPECT_NEAR(found.distance.back(), 3.5, 1e-5);
+  EXPECT_EQ(found.triangle.back(), kLarge);
 }
 
 TEST_F(VulkanExactDistance, TakesOneOfManyEqualTriangles) {

@@ -38,7 +38,8 @@ void main() {
   for (uint first = push.restLeaf; first < end; first += gl_SubgroupSize) {
     const Disc disc = readDisc(push.discs, push.firstLeaf + min(first + lane(), end - 1));
     const float bound = sqrt(squaredDistance(disc, block.centre)) - 1.000001 * length(block.reach);
-    uvec4 wanted = subgroupBallot(first + lane() < end && (bound < 0 || bound * bound < farthest()));
+    const float limit = farthest();  // Here all lanes take part.
+    uvec4 wanted = subgroupBallot(first + lane() < end && (bound < 0 || bound * bound < limit));
     while (wanted != uvec4(0)) {
       const uint bit = subgroupBallotFindLSB(wanted);
       wanted[bit / 32] &= wanted[bit / 32] - 1;
