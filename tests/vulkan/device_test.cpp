@@ -5,6 +5,8 @@
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "vulkan/device/dispatch_limits.h"
+#include "shaders/subgroup_sizes.h"
+#include "shaders/subgroup_sizes_spv.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"
@@ -218,6 +220,18 @@ TEST_F(VulkanDevice, NumbersInvocationsBeyondOneDimension) {
     size_t wrong = 0;
     for (size_t i = 0; i < count; ++i) wrong += groups[i] != 7 + i / groupSize ? 1 : 0;
     EXPECT_EQ(wrong, 0u) << count;
+  }
+}
+
+TEST_F(VulkanDevice, HasSubgroupsOfTheReportedSize) {
+  // Mesa's cache may hold a kernel of the same group size for another LP_NATIVE_VECTOR_WIDTH.
+  const uint32_t size = std::max(128u, device().limits().maxSubgroupSize);
+  Kernel<SubgroupSizesPush> kernel(device(), shaders::kSubgroupSizes, size);
+  const DeviceBuffer sizes = upload(std::vector<uint32_t>(size), "sizes");
+  run([&](Commands& commands) { commands.dispatch(kernel, SubgroupSizesPush{sizes.address()}, size); });
+  for (const uint32_t found : download<uint32_t>(sizes)) {
+    EXPECT_GE(found, device().limits().minSubgroupSize);
+    EXPECT_LE(found, device().limits().maxSubgroupSize);
   }
 }
 
