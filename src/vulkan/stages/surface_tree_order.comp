@@ -8,6 +8,7 @@
 
 layout(constant_id = 1) const uint kRun = 2;  // Two triangles for each invocation of a group.
 
+shared uint triangles[kRun];  // In the order of the curve.
 shared uvec3 places[kRun];
 shared uint keys[kRun];  // Place along one axis, then the index in the run.
 shared uint lows[3 * kRun / kArity / 2];
@@ -51,10 +52,11 @@ void measureParts(uint part) {
 
 void main() {
   const uint start = groupIndex() * kRun, count = push.triangleCount - min(start, push.triangleCount);
-  uint triangles[2];
-  for (uint e = 0, i = gl_LocalInvocationID.x; e < 2; ++e, i += gl_WorkGroupSize.x) {
+  for (uint i = gl_LocalInvocationID.x; i < kRun; i += gl_WorkGroupSize.x) {
     keys[i] = i < count ? i : kPad;
-    if (i < count) places[i] = placeOf(push.order.at[start + i]);
+    if (i >= count) continue;
+    triangles[i] = push.order.at[start + i];
+    places[i] = placeOf(triangles[i]);
   }
   for (uint part = kRun; part > kArity; part /= 2) {
     barrier();
@@ -65,9 +67,6 @@ void main() {
     for (uint size = 2; size <= part; size *= 2)
       for (uint stride = size / 2; stride > 0; stride /= 2) sortStep(part, size, stride);
   }
-  for (uint e = 0, i = gl_LocalInvocationID.x; e < 2; ++e, i += gl_WorkGroupSize.x)
-    if (i < count) triangles[e] = push.order.at[start + keys[i] % kRun];
-  barrier();
-  for (uint e = 0, i = gl_LocalInvocationID.x; e < 2; ++e, i += gl_WorkGroupSize.x)
-    if (i < count) push.order.at[start + i] = triangles[e];
+  for (uint i = gl_LocalInvocationID.x; i < min(count, kRun); i += gl_WorkGroupSize.x)
+    push.order.at[start + i] = triangles[keys[i] % kRun];
 }
