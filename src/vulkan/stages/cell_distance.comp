@@ -16,15 +16,15 @@ vec3 corner(uint triangle, uint c) {
 
 void main() {
   const uint entry = invocationIndex();
-  if (entry >= push.count.at[0]) return;
-  const uint cell = push.entryCells.at[entry], t = push.entryTriangles.at[entry];
-  const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
-  const float squared = push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2));
-  // The entries of a crowded cell are contiguous, so each of their subgroups needs one atomic operation.
-  if (subgroupMin(cell) == subgroupMax(cell)) {
-    const float least = subgroupMin(squared);
-    if (subgroupElect()) atomicMin(push.squared.at[cell], floatBitsToUint(least));
-  } else {
-    atomicMin(push.squared.at[cell], floatBitsToUint(squared));
+  uint cell = kNoCell, squared = 0xffffffffu;  // Bits of a nonnegative float, which keep the floats' order.
+  if (entry < push.count.at[0]) {
+    const uint t = push.entryTriangles.at[entry];
+    cell = push.entryCells.at[entry];
+    const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
+    squared = floatBitsToUint(push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2)));
   }
+  // The entries of a crowded cell are contiguous, so each of their subgroups needs one atomic operation.
+  const uint least = subgroupMin(squared);
+  const bool isSame = subgroupMin(cell) == subgroupMax(cell), isFirst = subgroupElect();
+  if (cell != kNoCell && (isFirst || !isSame)) atomicMin(push.squared.at[cell], isSame ? least : squared);
 }

@@ -25,10 +25,9 @@ void note(uint good, uint outside) {
   if (outsideOfAll > 0) atomicAdd(push.status.now.outside, outsideOfAll);
 }
 
-void main() {
-  const uint t = invocationIndex();
-  if (t >= push.triangleCount) return;
-  uvec3 corners = uvec3(push.corners.at[3 * t], push.corners.at[3 * t + 1], push.corners.at[3 * t + 2]);
+// Copies a triangle, unless it is bad. Returns whether it is good.
+bool copyTriangle(uint t, inout uvec3 corners) {
+  corners = uvec3(push.corners.at[3 * t], push.corners.at[3 * t + 1], push.corners.at[3 * t + 2]);
   const bool isUsed = isGood(corners);
   if (!isUsed) {
     corners = uvec3(kBad);
@@ -37,5 +36,12 @@ void main() {
     atomicMax(push.status.now.firstBad, ~t);
   }
   for (uint c = 0; c < 3; ++c) push.triangles.at[3 * t + c] = corners[c];
+  return isUsed;
+}
+
+void main() {
+  const uint t = invocationIndex();
+  uvec3 corners = uvec3(kBad);
+  const bool isUsed = t < push.triangleCount && copyTriangle(t, corners);
   note(isUsed ? ~t : 0, uint(isUsed && isOutside(corners)));
 }

@@ -18,10 +18,8 @@ uint triangleOf(uint row) {
   return low;
 }
 
-void main() {
-  const uint row = invocationIndex();
-  const bool fits = push.totals.at[1] == 0 && push.totals.at[0] <= push.mostRows;
-  if (!fits || row >= push.totals.at[0]) return;
+// Lists the run of a row, and returns its number of cells.
+uint listRun(uint row) {
   const uint triangle = triangleOf(row);
   const uint local = row - push.rowStarts.at[triangle];
   const LocalTriangle t = readLocalTriangle(triangle);
@@ -32,5 +30,11 @@ void main() {
   push.runTriangles.at[row] = triangle;
   push.runCells.at[row] = cellIndex(push.cells, uvec3(t.base + ivec3(run.x, j, k)));
   push.runSizes.at[row] = size;
-  addToTotal(2, size);
+  return size;
+}
+
+void main() {
+  const uint row = invocationIndex();
+  const bool fits = push.totals.at[1] == 0 && push.totals.at[0] <= push.mostRows;
+  addToTotal(2, fits && row < push.totals.at[0] ? listRun(row) : 0);
 }

@@ -70,10 +70,10 @@ ivec2 touchedRun(LocalTriangle local, int j, int k) {
   return findRunRoughly(local, j, k, run) ? run : findRunExactly(local, j, k);
 }
 
-// Adds to a 64-bit total, once per subgroup.
+// Adds to a 64-bit total, once per subgroup. All invocations of the group call it.
 void addToTotal(uint at, uint value) {
   const uint sum = subgroupAdd(value);
-  if (!subgroupElect()) return;
+  if (sum == 0 || !subgroupElect()) return;
   const uint before = atomicAdd(push.totals.at[at], sum);
   if (before + sum < before) atomicAdd(push.totals.at[at + 1], 1);
 }

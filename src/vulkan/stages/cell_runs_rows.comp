@@ -7,8 +7,10 @@
 
 void main() {
   const uint triangle = invocationIndex();
-  if (triangle >= push.triangleCount) return;
-  const uint rows = rowCount(readLocalTriangle(triangle));
-  push.rowStarts.at[triangle] = rows;
+  uint rows = 0;
+  if (triangle < push.triangleCount) {
+    rows = rowCount(readLocalTriangle(triangle));
+    push.rowStarts.at[triangle] = rows;
+  }
   addToTotal(0, rows);
 }

@@ -2,16 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
-#include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/refine.glsl"
-
-// Returns a sample's place among the crowded ones, in no particular order.
-uint placeAmongCrowded() {
-  const uvec4 together = subgroupBallot(true);
-  uint first = 0;
-  if (subgroupElect()) first = atomicAdd(push.crowdedCount.at[0], subgroupBallotBitCount(together));
-  return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(together);
-}
 
 void main() {
   const uint index = invocationIndex();
@@ -19,6 +10,6 @@ void main() {
   Closest closest = noneYet();
   if (measure(index, 0, 1, closest) <= push.mostAlone)
     store(index, closest);
-  else
-    push.crowded.at[placeAmongCrowded()] = index;
+  else  // In no particular order. No subgroup operation: invocations may arrive here one by one.
+    push.crowded.at[atomicAdd(push.crowdedCount.at[0], 1)] = index;
 }
