@@ -7,7 +7,6 @@
 layout(constant_id = 1) const uint kMaxSubgroups = 1;  // Per group.
 layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
 
-const float kInfinity = 1.0 / 0.0;
 const uint kNoTriangle = 0xffffffffu;
 // Capacity of a stack in nodes, and the most nodes that opening one at a time leaves there: seven on each of
 // the levels below.
@@ -103,7 +102,7 @@ void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   const uvec4 wanted = subgroupBallot(isWanted);
   const uint count = subgroupBallotBitCount(wanted);
   if (count == 0) return;
-  const float least = subgroupMin(isWanted ? bound : kInfinity);
+  const float least = subgroupMin(isWanted ? bound : kFarthest);
   const uint last = subgroupBallotFindLSB(subgroupBallot(isWanted && bound == least));
   const uint rank = subgroupBallotExclusiveBitCount(wanted);
   const uint place = onStack(size + (lane() == last ? count - 1 : rank - uint(lane() > last)));
@@ -121,7 +120,7 @@ uint takeNodes(inout uint size, float squared) {
   const uint seen = min(size, gl_SubgroupSize), base = size - seen;
   const bool isSeen = lane() < seen;
   const uint node = isSeen ? stackNodes[onStack(base + lane())] : 0;
-  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kInfinity;
+  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kFarthest;
   const bool isKept = bound < squared;
   const uvec4 kept = subgroupBallot(isKept);
   const uint count = subgroupBallotBitCount(kept), place = onStack(base + subgroupBallotExclusiveBitCount(kept));
@@ -157,12 +156,12 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
     const bool hasTriangles = isTaken && isLeaf(parent);
     shareWithSubgroup();
     for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize) {
-      float squared = kInfinity;
+      float squared = kFarthest;
       if (hasTriangles)
         squared = squaredDistance(readTriangle(push.frames, firstTriangleOf(parent) + child), point);
       else if (isTaken)
         squared = squaredDistance(readDisc(push.discs, firstChildOf(parent) + child), point);
-      takeClosest(closest, hasTriangles ? squared : kInfinity, firstTriangleOf(parent) + child);
+      takeClosest(closest, hasTriangles ? squared : kFarthest, firstTriangleOf(parent) + child);
       pushNodes(size, !hasTriangles && squared < closest.squared, firstChildOf(parent) + child, squared);
     }
     work += 3;
@@ -205,7 +204,7 @@ float bandOf(Block block) {
 // Returns the triangle closest to the block's centre; kNoTriangle if the band does not reach the block.
 uint findCentre(Block block, List list) {
   const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
-  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kInfinity;
+  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kFarthest;
   Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoTriangle);
   uint size = 0;
   for (uint first = 0; first < list.count; first += gl_SubgroupSize) {

@@ -15,9 +15,9 @@ struct Disc {
   float radius, halfThickness;
 };
 
-// Returns the disc for nodes without triangles, out of reach of every point.
+// Returns the disc for nodes without triangles, out of reach of every point: its radius is negative.
 Disc discOutOfReach() {
-  return Disc(vec3(0), vec3(0, 0, 1), -1.0 / 0.0, 0);
+  return Disc(vec3(0), vec3(0, 0, 1), -1, 0);
 }
 
 Triangle readTriangle(Vec4s frames, uint index) {
@@ -108,6 +108,7 @@ DiscOffset discOffset(Disc disc, vec3 point) {
 }
 
 float squaredDistance(Disc disc, vec3 point) {
+  if (disc.radius < 0) return kFarthest;
   const DiscOffset o = discOffset(disc, point);
   return o.beside * o.beside + o.above * o.above;
 }

@@ -10,7 +10,7 @@ const uint kVerticesEach = 8;
 
 void main() {
   const uint first = groupIndex() * gl_WorkGroupSize.x * kVerticesEach + laneIndex();
-  vec3 low = vec3(1.0 / 0.0), high = -low;
+  vec3 low = vec3(kFarthest), high = -low;
   [[unroll]] for (uint i = 0; i < kVerticesEach; ++i) {
     const uint vertex = first + i * gl_WorkGroupSize.x;
     if (vertex >= push.vertexCount) break;

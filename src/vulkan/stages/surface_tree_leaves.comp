@@ -36,7 +36,7 @@ Triangle makeFrame(dvec3 p, dvec3 q, dvec3 r) {
 }
 
 Disc boundCorners(uint first) {
-  vec3 low = vec3(1.0 / 0.0), high = -low, normal = vec3(0);
+  vec3 low = vec3(kFarthest), high = -low, normal = vec3(0);
   for (uint i = first; i < first + 3 * kArity; i += 3) {
     const vec3 a = corners[i], b = corners[i + 1], c = corners[i + 2];
     low = min(min(low, a), min(b, c));
@@ -45,7 +45,7 @@ Disc boundCorners(uint first) {
   }
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
-  float front = -1.0 / 0.0, back = -front, radius2 = 0;
+  float front = -kFarthest, back = -front, radius2 = 0;
   for (uint i = first; i < first + 3 * kArity; ++i) {
     const vec3 q = corners[i] - middle;
     const float height = dot(q, normal);

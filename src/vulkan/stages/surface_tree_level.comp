@@ -6,7 +6,7 @@
 #include "vulkan/stages/surface_shapes.glsl"
 
 Disc boundDiscs(uint first, uint count) {
-  vec3 low = vec3(1.0 / 0.0), high = -low, normal = vec3(0);
+  vec3 low = vec3(kFarthest), high = -low, normal = vec3(0);
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);
     low = min(low, disc.centre);
@@ -16,7 +16,7 @@ Disc boundDiscs(uint first, uint count) {
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
   // Extents of the discs along and across the common normal.
-  float front = -1.0 / 0.0, back = -front, radius = 0;
+  float front = -kFarthest, back = -front, radius = 0;
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);
     const vec3 q = disc.centre - middle;
