@@ -1,6 +1,6 @@
 // Makes fields on a Vulkan device, or on the CPU, with warm buffers, and prints the cost of each. Reads one
 // case per line as JSON and answers each with a line of JSON; the first line describes the device.
-// bench/gpu_tables.py runs it and makes the tables.
+// bench/gpu_tables.py runs it and makes the tables. With --count it counts work instead (count_work.h).
 
 #include <raymap/error.h>
 
@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "api/devices.h"
+#include "count_work.h"
 #include "meshes.h"
 #include "method/pipeline.h"
 #include "program.h"
@@ -157,11 +158,35 @@ void print(const Json& line) {
   std::fflush(stdout);
 }
 
+void addCountOptions(CLI::App& app, bool& counts, CountOptions& options) {
+  app.add_flag("--count", counts, "Count the work of every stage instead, and predict times from it");
+  const auto add = [&app](const char* name, auto& value, const char* help) {
+    app.add_option(name, value, help)->needs("--count")->capture_default_str();
+  };
+  add("--mesh", options.meshes, "Meshes to count: built-in names or files");
+  add("--setting", options.settings, "default, quick");
+  add("--resolution", options.resolutions, "Samples along the longest side");
+  add("--bandwidth", options.card.bytesPerSecond, "Bytes per second of the card's memory");
+  add("--step", options.card.stepMicroseconds, "us from a command to the next that waits for it");
+  add("--issue", options.card.warpInstructionsPerSecond, "Instructions of warps of 32 per second");
+  add("--latency", options.card.instructionNanoseconds, "ns from an instruction to its result");
+  add("--load", options.card.loadNanoseconds, "ns from a load to its value");
+  add("--wait", options.card.waitMicroseconds, "us of each wait for the host");
+}
+
 int run(int argc, char** argv) {
   std::string name = "vulkan";
   CLI::App app("Answers cases from standard input with what they cost.");
   app.add_option("--device", name, "vulkan or vulkan:K");
+  bool counts = false;
+  CountOptions count;
+  addCountOptions(app, counts, count);
   CLI11_PARSE(app, argc, argv);
+  if (counts) {
+    count.device = name;
+    countWork(count);
+    return 0;
+  }
   const std::optional<size_t> index = chooseDevice(name);
   if (!index) throw Error(ErrorCode::Usage, name + " is no Vulkan device");
   vulkan::Device device({.index = index});

@@ -222,6 +222,15 @@ def small_mesh(bench, meshes, resolution):
     return min(meshes, key=distance)
 
 
+def count_work(bench, meshes, resolutions):
+    """Returns the tables of `gpu_bench --count`: counted work, predicted and measured times of each stage."""
+    command = [*bench.command, "--count"]
+    for mesh in meshes:
+        command += ["--mesh", mesh]
+    command += ["--resolution", *map(str, resolutions)]
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
 def report(bench, meshes, is_quick, folder):
     resolutions = (16, 24) if is_quick else (50, 128, 256, 512)
     over_meshes = (16, 24) if is_quick else (50, 100)
@@ -235,6 +244,7 @@ def report(bench, meshes, is_quick, folder):
            "device to the field there.\n")
     yield "## Fields\n\n" + table_of_totals(bench, shown, resolutions)
     yield "## Stages\n\n" + table_of_stages(bench, shown, resolutions)
+    yield "## Counted work\n" + count_work(bench, ("bunny", largest)[:1 if is_quick else 2], resolutions)
     yield "## The harmonic solve\n\n" + table_of_solves(bench, ("sphere", *broken), resolutions)
     yield "## A coarse grid for many triangles\n\n" + table_of_coarse(bench, largest, 16, 24 if is_quick else 64)
     yield "## Over the meshes\n\n" + runtime_over_meshes(bench, meshes, over_meshes, folder)

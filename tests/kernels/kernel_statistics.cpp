@@ -5,7 +5,7 @@
 #include <mutex>
 #include <tuple>
 
-#include "shaders/raymap_vulkan_all.h"
+#include "shader_names.h"
 #include "vulkan/device/instance.h"
 #include "vulkan_entry.h"
 
@@ -24,14 +24,6 @@ struct State {
 State& state() {
   static State state;
   return state;
-}
-
-std::string nameOf(const VkShaderModuleCreateInfo& info) {
-  for (const Shader& shader : shaders::kAll)
-    if (shader.code.size_bytes() == info.codeSize &&
-        std::memcmp(shader.code.data(), info.pCode, info.codeSize) == 0)
-      return std::string(shader.name);
-  return "unknown shader";
 }
 
 std::vector<uint32_t> constantsOf(const VkSpecializationInfo& info) {
@@ -115,7 +107,7 @@ VkResult KernelStatistics::Entries::makeModule(VkDevice device, const VkShaderMo
                                                VkShaderModule* module) {
   const VkResult result = current->createModule.real()(device, info, allocator, module);
   const std::lock_guard lock(state().mutex);
-  if (result == VK_SUCCESS) state().modules[*module] = nameOf(*info);
+  if (result == VK_SUCCESS) state().modules[*module] = shaderName(*info);
   return result;
 }
 
@@ -166,12 +158,6 @@ std::vector<CompiledKernel> KernelStatistics::kernels() const {
   const auto repeated = std::ranges::unique(kernels, {}, key);
   kernels.erase(repeated.begin(), repeated.end());
   return kernels;
-}
-
-std::vector<std::string> shaderNames() {
-  std::vector<std::string> names;
-  for (const Shader& shader : shaders::kAll) names.emplace_back(shader.name);
-  return names;
 }
 
 }  // namespace raymap::vulkan

@@ -34,7 +34,5 @@ class KernelStatistics {
   Entries* entries_;
 };
 
-/// Returns the stems of all shaders of the library.
-std::vector<std::string> shaderNames();
 
 }  // namespace raymap::vulkan

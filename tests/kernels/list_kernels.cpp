@@ -12,6 +12,8 @@
 
 #include "kernel_statistics.h"
 #include "method/pipeline.h"
+#include "shader_names.h"
+#include "spirv_counters.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/stages/render_field.h"
 #include "vulkan/stages/skin.h"
@@ -173,13 +175,19 @@ int run(uint32_t subgroupSize) {
   Device device({.index = 0, .validation = Validation::Off});
   makeKernels(device);
   std::set<std::string> missing;
-  for (const std::string& name : shaderNames()) missing.insert(name);
+  std::map<std::string, StaticWork> work;
+  for (const Shader& shader : shaders::kAll) {
+    missing.emplace(shader.name);
+    work.emplace(shader.name, staticWork(shader.code));
+  }
   for (const CompiledKernel& kernel : statistics.kernels()) {
     missing.erase(kernel.name);
     const nlohmann::ordered_json line{{"kernel", kernel.name},
                                       {"constants", kernel.constants},
                                       {"subgroup_size", kernel.subgroupSize},
                                       {"full_subgroups", kernel.hasFullSubgroups},
+                                      {"operations", work.at(kernel.name).operations},
+                                      {"has_loops", !work.at(kernel.name).isStraight},
                                       {"statistics", kernel.statistics}};
     std::puts(line.dump().c_str());
   }

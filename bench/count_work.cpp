@@ -1,0 +1,277 @@
+#include "count_work.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "../tests/kernels/work_counter.h"
+#include "api/devices.h"
+#include "meshes.h"
+#include "method/pipeline.h"
+#include "vulkan/runtime/backend.h"
+
+namespace raymap::bench {
+
+namespace {
+
+using vulkan::CountedCommand;
+
+constexpr double kWarp = 32.0;
+/// Machine instructions per operation that is counted: the median over the kernels without loops, for which a
+/// compiler tells the number (scripts/check_kernels.py).
+constexpr double kInstructionsPerOperation = 1.15;
+constexpr double kWorthARow = 0.02;  ///< Share of the whole time that a kernel needs for a row of its own.
+constexpr const char* kReadBack = "read_back";
+
+/// Tells the counter which stage is being recorded.
+class CountedBackend : public vulkan::Backend {
+ public:
+  CountedBackend(vulkan::Device& device, vulkan::WorkCounter& counter) : Backend(device), counter_(&counter) {
+    counter_->setStage(kReadBack);
+  }
+
+  template <class Work>
+  void stage(const char* name, Work&& work) {
+    counter_->setStage(name);
+    Backend::stage(name, work);
+    counter_->setStage(kReadBack);
+  }
+
+ private:
+  vulkan::WorkCounter* counter_;
+};
+
+struct Bound {
+  const char* name;
+  double seconds;
+};
+
+/// Work of one step, or of all steps of a stage.
+struct Work {
+  uint32_t steps = 0, commands = 0;
+  double bytes = 0, instructions = 0;
+  double longest = 0, rounds = 0;  ///< Instructions and rounds of loads of the longest invocations, added up.
+  double seconds = 0;
+  std::map<std::string, double> bounds;  ///< Seconds by what decides them.
+};
+
+Work workOf(const CountedCommand& command) {
+  const auto most = [&](uint64_t bytes) {
+    return double(command.touchableBytes == 0 ? bytes : std::min(bytes, command.touchableBytes));
+  };
+  const auto& work = command.work;
+  return {.commands = 1,
+          .bytes = most(work.bytesRead) + most(work.bytesWritten),
+          .instructions = kInstructionsPerOperation * double(work.steppedOperations) / kWarp,
+          .longest = kInstructionsPerOperation * work.longest,
+          .rounds = double(work.mostRounds)};
+}
+
+/// Adds a command to its step: both run at the same time.
+void addToStep(Work& step, const Work& command) {
+  step.commands += command.commands;
+  step.bytes += command.bytes;
+  step.instructions += command.instructions;
+  step.longest = std::max(step.longest, command.longest);
+  step.rounds = std::max(step.rounds, command.rounds);
+}
+
+/// Predicts the time of a step: its latency or the longest invocation, and then whatever throughput limits.
+void predict(Work& step, const Card& card) {
+  const double chain =
+      1e-9 * (step.longest * card.instructionNanoseconds + step.rounds * card.loadNanoseconds);
+  const Bound waits[] = {{"steps", 1e-6 * card.stepMicroseconds}, {"longest", chain}};
+  const Bound throughputs[] = {{"bytes", step.bytes / card.bytesPerSecond},
+                               {"instructions", step.instructions / card.warpInstructionsPerSecond}};
+  const auto larger = [](const Bound(&bounds)[2]) {
+    return bounds[0].seconds > bounds[1].seconds ? bounds[0] : bounds[1];
+  };
+  for (const Bound& bound : {larger(waits), larger(throughputs)}) {
+    step.bounds[bound.name] += bound.seconds;
+    step.seconds += bound.seconds;
+  }
+}
+
+/// Adds work that waits for the work before.
+void addUp(Work& sum, const Work& next) {
+  sum.steps += next.steps;
+  sum.commands += next.commands;
+  sum.bytes += next.bytes;
+  sum.instructions += next.instructions;
+  sum.longest += next.longest;
+  sum.rounds += next.rounds;
+  sum.seconds += next.seconds;
+  for (const auto& [name, seconds] : next.bounds) sum.bounds[name] += seconds;
+}
+
+/// Work of a stage, and of its kernels, fills and copies.
+struct StageWork {
+  std::string name;
+  Work work;
+  std::vector<StageWork> parts;
+};
+
+/// The stages that cross the bus, which the aims leave out.
+bool crossesTheBus(const StageWork& stage) {
+  return stage.name == kReadBack || stage.name == "begin";
+}
+
+StageWork& find(std::vector<StageWork>& stages, const std::string& name) {
+  const auto found = std::ranges::find(stages, name, &StageWork::name);
+  return found != stages.end() ? *found : stages.emplace_back(StageWork{name, {}, {}});
+}
+
+std::vector<StageWork> stagesOf(const std::vector<CountedCommand>& commands, const Card& card) {
+  std::vector<StageWork> stages;
+  for (size_t i = 0; i < commands.size();) {
+    const CountedCommand& first = commands[i];
+    Work step{.steps = 1};
+    for (; i < commands.size() && commands[i].step == first.step; ++i) addToStep(step, workOf(commands[i]));
+    predict(step, card);
+    StageWork& stage = find(stages, first.stage);
+    addUp(stage.work, step);
+    addUp(find(stage.parts, first.name).work, step);
+  }
+  return stages;
+}
+
+/// Drops what only drivers in software run: the rest of the exact distance, and its arguments.
+void dropSoftwareOnly(std::vector<CountedCommand>& commands) {
+  const auto isRest = [](const CountedCommand& command) { return command.name == "exact_distance_rest"; };
+  const auto first = std::ranges::find_if(commands, isRest);
+  if (first == commands.end()) return;
+  commands.erase(std::prev(first));
+  std::erase_if(commands, isRest);
+}
+
+/// Returns how often the device waits for the host before the field is complete.
+uint32_t waitsOf(const std::vector<CountedCommand>& commands) {
+  uint32_t last = 0;
+  for (const CountedCommand& command : commands)
+    if (command.stage != kReadBack) last = std::max(last, command.submission);
+  return last;
+}
+
+Options optionsOf(const std::string& setting) {
+  if (setting == "default") return {};
+  if (setting == "quick") return {.distance = DistanceMode::Cell, .sign = SignMode::Rays};
+  throw Error(ErrorCode::Usage, "there is no setting '" + setting + "'; use default or quick");
+}
+
+std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
+                                  const Options& options) {
+  vulkan::WorkCounter counter;
+  vulkan::Device device(where);
+  counter.start(device);
+  {
+    CountedBackend backend(device, counter);
+    Field field;
+    Progress progress;
+    // The lists of the paper's distances grow in the first run.
+    for (int run = options.distance == DistanceMode::Exact ? 1 : 0; run < 2; ++run) {
+      counter.clear();
+      backend.take({mesh, grid, options, progress, field});
+      runPipeline(backend);
+    }
+  }
+  std::vector<CountedCommand> commands = counter.commands();
+  dropSoftwareOnly(commands);
+  counter.stop();
+  return commands;
+}
+
+/// Returns the milliseconds of each stage, and of all from the mesh to the field, without counters.
+std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
+                                      const Options& options) {
+  vulkan::Device device(where);
+  std::map<std::string, double> times;
+  if (device.info().type == DeviceType::Software) return times;
+  vulkan::Backend backend(device);
+  Field field;
+  Progress progress;
+  constexpr int kRuns = 5;
+  for (int run = 0; run < kRuns; ++run) {
+    backend.take({mesh, grid, options, progress, field});
+    runPipeline(backend);
+    if (run == 0) continue;  // It allocates.
+    const auto keepLeast = [&](const std::string& name, double milliseconds) {
+      const auto [at, isNew] = times.try_emplace(name, milliseconds);
+      if (!isNew) at->second = std::min(at->second, milliseconds);
+    };
+    for (const Stats::Stage& stage : backend.stages()) keepLeast(stage.name, stage.milliseconds);
+    keepLeast("all", backend.milliseconds());
+  }
+  return times;
+}
+
+void printRow(const std::string& name, const Work& work, const std::map<std::string, double>& times) {
+  std::string bounds;
+  for (const auto& [bound, seconds] : work.bounds) {
+    if (seconds < 0.1 * work.seconds) continue;
+    bounds += (bounds.empty() ? "" : ", ") + bound + " " +
+              std::to_string(int(100.0 * seconds / work.seconds + 0.5)) + " %";
+  }
+  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f | %s |", name.c_str(), work.steps,
+              work.commands, 1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds,
+              1e3 * work.seconds, bounds.c_str());
+  if (const auto time = times.find(name); time != times.end()) std::printf(" %.3f |", time->second);
+  std::puts(times.contains(name) ? "" : " |");
+}
+
+void printTable(const std::vector<CountedCommand>& commands, const Card& card,
+                const std::map<std::string, double>& times) {
+  std::puts(
+      "| stage | steps | commands | MB | million warp instructions | longest, instructions | longest, rounds "
+      "of loads | predicted ms | mostly | measured ms |\n|---|---|---|---|---|---|---|---|---|---|");
+  const std::vector<StageWork> stages = stagesOf(commands, card);
+  Work all;
+  for (const StageWork& stage : stages)
+    if (!crossesTheBus(stage)) addUp(all, stage.work);
+  const double waits = 1e-6 * card.waitMicroseconds * waitsOf(commands);
+  all.seconds += waits;
+  all.bounds["waits for the host"] += waits;
+  for (const auto& [name, work, parts] : stages) {
+    printRow(name, work, times);
+    for (const StageWork& part : parts)
+      if (parts.size() > 1 && part.work.seconds > kWorthARow * all.seconds)
+        printRow("– " + part.name, part.work, {});
+  }
+  printRow("all", all, times);
+}
+
+void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution, const Options& options,
+               const Card& card) {
+  const Grid grid = fitGrid(mesh, {.resolution = resolution});
+  const std::map<std::string, double> times = measure(where, mesh, grid, options);
+  printTable(count(where, mesh, grid, options), card, times);
+}
+
+}  // namespace
+
+void countWork(const CountOptions& options) {
+  const std::optional<size_t> index = chooseDevice(options.device);
+  if (!index) throw Error(ErrorCode::Usage, options.device + " is no Vulkan device");
+  for (const std::string& name : options.meshes) {
+    const Mesh mesh = benchMesh(name);
+    for (const std::string& setting : options.settings)
+      for (const int resolution : options.resolutions) {
+        std::fprintf(stderr, "counting %s, %s, %d\n", name.c_str(), setting.c_str(), resolution);
+        std::printf("\n%s, %zu triangles, %s, %d samples:\n\n", name.c_str(), mesh.triangles.size(),
+                    setting.c_str(), resolution);
+        try {
+          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.card);
+        } catch (const Error& error) {
+          if (error.code() != ErrorCode::Memory) throw;
+          std::puts(error.what());
+        }
+        std::fflush(stdout);
+      }
+  }
+}
+
+}  // namespace raymap::bench

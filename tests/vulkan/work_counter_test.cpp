@@ -1,0 +1,131 @@
+// The counters of tests/kernels, which gpu_bench --count uses, on kernels whose work is known.
+
+#include "../kernels/work_counter.h"
+
+#include "shaders/counted_loops.h"
+#include "shaders/counted_loops_spv.h"
+#include "vulkan/primitives/dispatch_arguments.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+constexpr uint32_t kGroup = 64;
+
+class VulkanWorkCounter : public VulkanTest {
+ protected:
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    counter_ = std::make_unique<WorkCounter>();
+    counter_->start(device());
+    loops_.emplace(device(), shaders::kCountedLoops, kGroup);
+    values_ = DeviceBuffer(device(), "values");
+    sums_ = DeviceBuffer(device(), "sums");
+  }
+
+  void TearDown() override {
+    loops_.reset();
+    values_.release();
+    sums_.release();
+    if (counter_) counter_->stop();
+    counter_.reset();
+    VulkanTest::TearDown();
+  }
+
+  CountedLoopsPush push(uint32_t first, uint32_t more, uint32_t invocations) {
+    values_.resize<uint32_t>(first + uint64_t{more} * (invocations - 1));
+    sums_.resize<uint32_t>(invocations);
+    return {.values = values_.address(), .sums = sums_.address(), .first = first, .more = more};
+  }
+
+  /// Returns the work of invocations with `first` iterations, and `more` for each invocation before.
+  WorkCounters workOf(uint32_t first, uint32_t more, uint32_t invocations) {
+    const CountedLoopsPush loops = push(first, more, invocations);
+    counter_->clear();
+    run([&](Commands& commands) { commands.dispatch(*loops_, loops, invocations); });
+    EXPECT_EQ(counter_->commands().size(), 1u);
+    return counter_->commands().front().work;
+  }
+
+  std::unique_ptr<WorkCounter> counter_;
+  std::optional<Kernel<CountedLoopsPush>> loops_;
+  DeviceBuffer values_, sums_;
+};
+
+TEST_F(VulkanWorkCounter, CountsBytesAndRounds) {
+  const WorkCounters work = workOf(3, 2, kGroup);
+  EXPECT_EQ(work.bytesRead, 4u * (3 * kGroup + 2 * (kGroup * (kGroup - 1) / 2)));
+  EXPECT_EQ(work.bytesWritten, 4u * kGroup);
+  EXPECT_EQ(work.mostRounds, 3 + 2 * (kGroup - 1));
+}
+
+TEST_F(VulkanWorkCounter, CountsOperationsOfEveryIteration) {
+  const WorkCounters none = workOf(0, 0, kGroup), one = workOf(1, 0, kGroup), some = workOf(0, 1, kGroup);
+  const uint32_t apart = none.longest, iteration = one.longest - none.longest;
+  // An addition for the sum, one for the index and its comparison, the branch, the address (2), the load.
+  EXPECT_EQ(iteration, 7u);
+  EXPECT_EQ(none.operations, kGroup * uint64_t{apart});
+  EXPECT_EQ(some.longest, apart + (kGroup - 1) * iteration);
+  EXPECT_EQ(some.operations, kGroup * apart + kGroup * (kGroup - 1) / 2 * iteration);
+  EXPECT_EQ(none.steppedOperations, none.operations);
+  uint64_t stepped = 0;
+  const uint32_t lanes = std::min(device().limits().maxSubgroupSize, kGroup);
+  for (uint32_t end = lanes; end <= kGroup; end += lanes) stepped += lanes * (apart + (end - 1) * iteration);
+  EXPECT_EQ(some.steppedOperations, stepped);
+}
+
+TEST_F(VulkanWorkCounter, CountsBeyond32Bits) {
+  constexpr uint32_t kInvocations = 1U << 15, kIterations = 30000;
+  const uint64_t apart = workOf(0, 0, kGroup).longest;
+  const WorkCounters work = workOf(kIterations, 0, kInvocations);
+  EXPECT_EQ(work.operations, kInvocations * (apart + 7 * uint64_t{kIterations}));
+  EXPECT_EQ(work.steppedOperations, work.operations);
+  EXPECT_EQ(work.bytesRead, 4 * uint64_t{kInvocations} * kIterations);
+}
+
+TEST_F(VulkanWorkCounter, CountsEachDispatchByItself) {
+  const uint64_t alone = workOf(1, 0, kGroup).operations;
+  const CountedLoopsPush loops = push(1, 0, kGroup);
+  counter_->clear();
+  run([&](Commands& commands) {
+    for (int i = 0; i < 3; ++i) commands.dispatch(*loops_, loops, kGroup);
+  });
+  ASSERT_EQ(counter_->commands().size(), 3u);
+  for (const CountedCommand& command : counter_->commands()) EXPECT_EQ(command.work.operations, alone);
+}
+
+TEST_F(VulkanWorkCounter, NumbersStepsAndSubmissions) {
+  const CountedLoopsPush loops = push(1, 0, 3 * kGroup);
+  DispatchArguments arguments(device(), "arguments", 1);
+  counter_->clear();
+  counter_->setStage("first");
+  run([&](Commands& commands) {
+    commands.fill(values_, 0);
+    commands.concurrent([&] {
+      arguments.record(commands, 0, {.count = {.most = 3 * kGroup}, .itemsPerGroup = kGroup});
+      commands.dispatch(*loops_, loops, kGroup + 1);
+    });
+  });
+  counter_->setStage("second");
+  run([&](Commands& commands) { arguments.dispatch(commands, *loops_, loops, 0); });
+  const std::vector<CountedCommand>& commands = counter_->commands();
+  ASSERT_EQ(commands.size(), 4u);
+  const char* const names[] = {"fill", "dispatch_arguments", "unknown shader", "unknown shader"};
+  const uint64_t groups[] = {0, 1, 2, 3};
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(commands[i].name, names[i]);
+    EXPECT_EQ(commands[i].groups, groups[i]);
+    EXPECT_EQ(commands[i].stage, i < 3 ? "first" : "second");
+    EXPECT_EQ(commands[i].submission, i < 3 ? 0u : 1u);
+  }
+  EXPECT_LT(commands[0].step, commands[1].step);
+  EXPECT_EQ(commands[1].step, commands[2].step);
+  EXPECT_LT(commands[2].step, commands[3].step);
+  EXPECT_EQ(commands[0].work.bytesWritten, 4u);
+  // Both buffers of the loops, with their guards behind.
+  EXPECT_EQ(commands[3].touchableBytes, 4u + 4u * 3 * kGroup + 2 * Guards::kBytes);
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
