@@ -29,7 +29,9 @@ uint floatBitsToUint(float value) {
 int findMSB(uint value) {
   return 31 - std::countl_zero(value);
 }
-using std::abs, std::clamp, std::floor, std::max, std::min;
+using std::abs, std::clamp, std::floor, std::max, std::min, std::sqrt;
+#define precise
+#include "vulkan/primitives/float_pair.glsl"
 #include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/primitives/soft_double.glsl"
 }  // namespace glsl
@@ -247,6 +249,41 @@ TEST(ShaderArithmetic, DividesFloatsWhateverTheDevicesDivisionRounds) {
       ASSERT_EQ(glsl::quotientBits(m, n, estimate), truth) << m << " / " << n << " from " << steps;
     }
   }
+}
+
+glsl::FloatPair pairOf(double value) {
+  const auto high = static_cast<float>(value);
+  return {high, static_cast<float>(value - high)};
+}
+double valueOf(const glsl::FloatPair& pair) {
+  return double(pair.high) + double(pair.low);
+}
+
+/// Checks a result that may be off by `units` in the 47th bit.
+void expectPair(const glsl::FloatPair& pair, double truth, double units) {
+  ASSERT_NEAR(valueOf(pair), truth, units * 0x1p-47 * std::abs(truth)) << std::hexfloat << truth;
+  ASSERT_EQ(pair.high + pair.low, pair.high);
+}
+
+TEST(ShaderArithmetic, OfFloatPairsKeeps46Bits) {
+  Numbers numbers;
+  for (int i = 0; i < 500'000; ++i) {
+    const glsl::FloatPair a = pairOf(numbers.next(20)), b = pairOf(numbers.next(20));
+    const double x = valueOf(a), y = valueOf(b);
+    ASSERT_EQ(valueOf(glsl::exactProduct(a.high, b.high)), double(a.high) * double(b.high));
+    const glsl::FloatPair exact = glsl::exactSum(a.high, b.high);
+    ASSERT_EQ(exact.high, a.high + b.high);
+    ASSERT_EQ(valueOf(exact), double(a.high) + double(b.high));
+    expectPair(glsl::pairSum(a, b), x + y, 1.0);
+    expectPair(glsl::pairProduct(a, b), x * y, 2.0);
+    expectPair(glsl::pairQuotient(a, b), x / y, 2.0);
+    expectPair(glsl::pairRoot(pairOf(std::abs(x))), std::sqrt(std::abs(x)), 2.0);
+    // Numbers that cancel.
+    const glsl::FloatPair near = pairOf(-x * (1.0 + std::ldexp(1.0, -1 - i % 40)));
+    expectPair(glsl::pairSum(a, near), x + valueOf(near), 1.0);
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_EQ(glsl::pairRoot(glsl::pairOf(0.0f)).high, 0.0f);
 }
 
 class VulkanShaderArithmetic : public VulkanTest {};

@@ -32,8 +32,10 @@ vec3 cellCentre(Lattice cells, uvec3 c) {
   if (isOfSamples(cells)) return vec3(c);
   const int exponent = sizeExponent(cells);
   vec3 centre;
-  [[unroll]] for (uint axis = 0; axis < 3; ++axis)
-    centre[axis] = floatOf(sum(firstCentre(cells, axis), timesPowerOfTwo(doubleOf(int(c[axis])), exponent)));
+  [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    centre = vec3(centre.yz, floatOf(sum(firstCentre(cells, axis), timesPowerOfTwo(doubleOf(int(c.x)), exponent))));
+    c = c.yzx;
+  }
   return centre;
 }
 

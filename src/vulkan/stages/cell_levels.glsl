@@ -13,8 +13,10 @@ struct CellPoint {
 CellPoint cellPointOf(Lattice cells, uvec3 position) {
   if (isOfSamples(cells)) return CellPoint(vec3(position), position);
   vec3 at;
-  [[unroll]] for (uint axis = 0; axis < 3; ++axis)
-    at[axis] = floatOf(inCells(cells, axis, doubleOf(int(position[axis]))));
+  [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    at = vec3(at.yz, floatOf(inCells(cells, axis, doubleOf(int(position.x)))));
+    position = position.yzx;
+  }
   const ivec3 cell = clamp(ivec3(floor(at + 0.5)), ivec3(0), ivec3(cells.nx, cells.ny, cells.nz) - 1);
   return CellPoint(at, uvec3(cell));
 }

@@ -9,7 +9,7 @@ layout(push_constant, scalar) uniform Push { CellRunsPush push; };
 
 // Triangle, and the cells of its bounds.
 struct LocalTriangle {
-  vec3 vertex[3];
+  vec3 a, b, c;
   ivec3 base;    // Lowest cell of its bounds.
   ivec3 extent;  // From `base` to the highest cell of its bounds; negative outside the lattice.
   bool isCut;    // Whether its bounds reach beyond the lattice.
@@ -22,29 +22,28 @@ ivec3 nearestIntegers(vec3 x) {
   return ivec3(clamp(whole + vec3(greaterThanEqual(x - whole, vec3(0.5))), vec3(-kFar), vec3(kFar)));
 }
 
-Double cornerInCells(LocalTriangle local, uint corner, uint axis) {
-  return inCells(push.cells, axis, doubleOf(local.vertex[corner][axis]));
-}
-
 // Finds the lowest and the highest cell that the bounds touch.
-void findBounds(LocalTriangle local, out ivec3 lowest, out ivec3 highest) {
+void findBounds(vec3 low, vec3 high, inout ivec3 lowest, inout ivec3 highest) {
   if (isOfSamples(push.cells)) {
-    lowest = -nearestIntegers(-min(min(local.vertex[0], local.vertex[1]), local.vertex[2]));
-    highest = nearestIntegers(max(max(local.vertex[0], local.vertex[1]), local.vertex[2]));
+    lowest = -nearestIntegers(-low);
+    highest = nearestIntegers(high);
     return;
   }
-  for (uint axis = 0; axis < 3; ++axis) {
-    const Double a = cornerInCells(local, 0, axis), b = cornerInCells(local, 1, axis), c = cornerInCells(local, 2, axis);
-    lowest[axis] = ceilOf(difference(minimum(minimum(a, b), c), kHalf));
-    highest[axis] = floorOf(sum(maximum(maximum(a, b), c), kHalf));
+  [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    lowest = ivec3(lowest.yz, ceilOf(difference(inCells(push.cells, axis, doubleOf(low.x)), kHalf)));
+    highest = ivec3(highest.yz, floorOf(sum(inCells(push.cells, axis, doubleOf(high.x)), kHalf)));
+    low = low.yzx;
+    high = high.yzx;
   }
 }
 
 LocalTriangle readLocalTriangle(uint triangle) {
   LocalTriangle local;
-  for (uint c = 0; c < 3; ++c) local.vertex[c] = readCorner(push.vertices, push.triangles, triangle, c);
-  ivec3 lowest, highest;
-  findBounds(local, lowest, highest);
+  local.a = readCorner(push.vertices, push.triangles, triangle, 0);
+  local.b = readCorner(push.vertices, push.triangles, triangle, 1);
+  local.c = readCorner(push.vertices, push.triangles, triangle, 2);
+  ivec3 lowest = ivec3(0), highest = ivec3(0);
+  findBounds(min(min(local.a, local.b), local.c), max(max(local.a, local.b), local.c), lowest, highest);
   const ivec3 dims = ivec3(push.cells.nx, push.cells.ny, push.cells.nz);
   local.base = clamp(lowest, ivec3(0), dims);
   const ivec3 last = clamp(highest, ivec3(-1), dims - 1);

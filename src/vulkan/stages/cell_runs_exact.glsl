@@ -14,8 +14,12 @@ void clip(inout Interval interval, Double factor, Double from, Double to) {
     if (orderOf(from) > 0 || orderOf(to) < 0) interval.high = doubleOf(-1);
     return;
   }
-  const float inverse = inverseMantissa(factor);
-  const Double a = quotientBy(from, factor, inverse), b = quotientBy(to, factor, inverse);
+  Double a = 0, b = to;
+  [[dont_unroll]] for (uint n = 0; n < 2; ++n) {
+    const Double next = quotient(n == 0 ? from : to, factor);
+    a = b;
+    b = next;
+  }
   interval.low = maximum(interval.low, minimum(a, b));
   interval.high = minimum(interval.high, maximum(a, b));
 }
@@ -24,74 +28,92 @@ bool isEmpty(Interval interval) {
   return orderOf(interval.low) > orderOf(interval.high);
 }
 
-// Corners relative to the lowest cell of the triangle's bounds, in cells.
+// Corners relative to the lowest cell of the triangle's bounds, in cells. The code below loops over axes and corners by
+// rotating them, because compilers put arrays with variable indices into slow memory, and copy functions to each call.
 struct ExactCorners {
-  Double at[3][3];  // Corner, axis.
-  Double margin;    // Half a cell, and a bit more to make up for rounding.
+  u64vec3 a, b, c;
+  Double margin;  // Half a cell, and a bit more to make up for rounding.
 };
+
+Double pick(u64vec3 v, uint axis) {
+  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
 
 ExactCorners exactCorners(LocalTriangle local) {
   ExactCorners corners;
   Double far = 0;
-  for (uint c = 0; c < 3; ++c)
-    for (uint axis = 0; axis < 3; ++axis) {
-      corners.at[c][axis] = difference(cornerInCells(local, c, axis), doubleOf(local.base[axis]));
-      far = maximum(far, absolute(corners.at[c][axis]));
-    }
+  [[dont_unroll]] for (uint n = 0; n < 9; ++n) {
+    const uint corner = n / 3, axis = n % 3;
+    const vec3 vertex = corner == 0 ? local.a : corner == 1 ? local.b : local.c;
+    const float coordinate = axis == 0 ? vertex.x : axis == 1 ? vertex.y : vertex.z;
+    const int base = axis == 0 ? local.base.x : axis == 1 ? local.base.y : local.base.z;
+    const Double at = difference(inCells(push.cells, axis, doubleOf(coordinate)), doubleOf(base));
+    far = maximum(far, absolute(at));
+    corners.a = u64vec3(corners.a.yz, corners.b.x);
+    corners.b = u64vec3(corners.b.yz, corners.c.x);
+    corners.c = u64vec3(corners.c.yz, at);
+  }
   corners.margin = sum(kHalf, product(kSlack, sum(doubleOf(1), far)));
   return corners;
 }
 
-Double dotOfTwo(Double a, Double x, Double b, Double y) {
-  return sum(product(a, x), product(b, y));
-}
-
-// Clips by the edges in the projection onto the plane of two axes. There, a line along `axis` lies at `at`.
-void clipByEdges(inout Interval interval, ExactCorners corners, uint axis, uint other, int at) {
-  for (uint e = 0; e < 3; ++e) {
-    const uint end = (e + 1) % 3, apex = (e + 2) % 3;
-    const Double factor = difference(corners.at[end][other], corners.at[e][other]);
-    const Double across = negative(difference(corners.at[end][axis], corners.at[e][axis]));
-    const Double m0 = dotOfTwo(factor, corners.at[e][axis], across, corners.at[e][other]);
-    const Double m1 = dotOfTwo(factor, corners.at[apex][axis], across, corners.at[apex][other]);
+// Clips by the edges: the rows in the projection along x, and the cells of row j, k in those along y and z.
+void clipByEdges(inout Interval rows, inout Interval row, ExactCorners corners, int j, int k) {
+  u64vec3 a = corners.a, b = corners.b, c = corners.c;
+  [[dont_unroll]] for (uint n = 0; n < 9; ++n) {
+    const uint along = n / 3, axis = along == 0 ? 1 : 0, other = along == 2 ? 1 : 2;
+    const Double aX = pick(a, axis), aY = pick(a, other), cX = pick(c, axis), cY = pick(c, other);
+    const Double factor = difference(pick(b, other), aY);
+    const Double across = negative(difference(pick(b, axis), aX));
+    const Double m0 = sum(product(factor, aX), product(across, aY));
+    const Double m1 = sum(product(factor, cX), product(across, cY));
     const Double reach = product(corners.margin, sum(absolute(factor), absolute(across)));
-    const Double shift = product(across, doubleOf(at));
-    clip(interval, factor, difference(difference(minimum(m0, m1), reach), shift),
-         difference(sum(maximum(m0, m1), reach), shift));
+    const Double shift = product(across, doubleOf(along == 2 ? j : k));
+    const Double from = difference(difference(minimum(m0, m1), reach), shift);
+    const Double to = difference(sum(maximum(m0, m1), reach), shift);
+    Interval interval = row;
+    if (along == 0) interval = rows;
+    clip(interval, factor, from, to);
+    if (along == 0)
+      rows = interval;
+    else
+      row = interval;
+    const u64vec3 first = a;
+    a = b;
+    b = c;
+    c = first;
   }
 }
 
 // Clips by the triangle's plane.
-void clipByPlane(inout Interval interval, ExactCorners corners, int j, int k) {
-  Double a[3], b[3];
-  for (uint axis = 0; axis < 3; ++axis) {
-    a[axis] = difference(corners.at[1][axis], corners.at[0][axis]);
-    b[axis] = difference(corners.at[2][axis], corners.at[0][axis]);
+void clipByPlane(inout Interval row, ExactCorners corners, int j, int k) {
+  u64vec3 a = u64vec3(0), b = u64vec3(0), corner = corners.a;
+  [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    a = u64vec3(a.yz, difference(pick(corners.b, axis), pick(corners.a, axis)));
+    b = u64vec3(b.yz, difference(pick(corners.c, axis), pick(corners.a, axis)));
   }
-  Double normal[3];
-  for (uint axis = 0; axis < 3; ++axis) {
-    const uint u = (axis + 1) % 3, v = (axis + 2) % 3;
-    normal[axis] = difference(product(a[u], b[v]), product(b[u], a[v]));
-  }
-  Double height = 0, size = 0;
-  for (uint axis = 0; axis < 3; ++axis) {
-    height = sum(height, product(normal[axis], corners.at[0][axis]));
-    size = sum(size, absolute(normal[axis]));
+  Double height = 0, size = 0, shift = 0, alongX = 0;
+  [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
+    const Double normal = difference(product(a.y, b.z), product(b.y, a.z));
+    height = sum(height, product(normal, corner.x));
+    size = sum(size, absolute(normal));
+    if (axis == 0)
+      alongX = normal;
+    else
+      shift = sum(shift, product(normal, doubleOf(axis == 1 ? j : k)));
+    a = a.yzx;
+    b = b.yzx;
+    corner = corner.yzx;
   }
   const Double reach = product(corners.margin, size);
-  const Double shift = dotOfTwo(normal[1], doubleOf(j), normal[2], doubleOf(k));
-  clip(interval, normal[0], difference(difference(height, reach), shift), difference(sum(height, reach), shift));
+  clip(row, alongX, difference(difference(height, reach), shift), difference(sum(height, reach), shift));
 }
 
 ivec2 findRunExactly(LocalTriangle local, int j, int k) {
   const ExactCorners corners = exactCorners(local);
-  const ivec2 none = ivec2(0, -1);
-  Interval rows = Interval(0, doubleOf(local.extent.y));
-  clipByEdges(rows, corners, 1, 2, k);
-  if (isEmpty(rows) || j < ceilOf(rows.low) || j > floorOf(rows.high)) return none;
-  Interval row = Interval(0, doubleOf(local.extent.x));
-  clipByEdges(row, corners, 0, 2, k);
+  Interval rows = Interval(0, doubleOf(local.extent.y)), row = Interval(0, doubleOf(local.extent.x));
+  clipByEdges(rows, row, corners, j, k);
   clipByPlane(row, corners, j, k);
-  clipByEdges(row, corners, 0, 1, j);
-  return isEmpty(row) ? none : ivec2(ceilOf(row.low), floorOf(row.high));
+  const bool isReached = !isEmpty(rows) && j >= ceilOf(rows.low) && j <= floorOf(rows.high);
+  return isReached && !isEmpty(row) ? ivec2(ceilOf(row.low), floorOf(row.high)) : ivec2(0, -1);
 }

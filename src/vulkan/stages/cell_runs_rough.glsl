@@ -39,29 +39,33 @@ void clipRoughly(inout RoughInterval interval, RoughNumber factor, float from, f
 struct RoughCorners {
   vec3 at[3];
   vec3 edge[3];  // From each corner to the next.
+  float error;   // Error of a corner in addition to that of rounding it to floats.
   float least;   // Least error of an edge.
   vec3 most;     // Extent of the bounds.
 };
 
 RoughCorners roughCorners(LocalTriangle local) {
   RoughCorners corners;
-  vec3 far = vec3(1.0);
-  for (uint c = 0; c < 3; ++c) {
-    corners.edge[c] = (local.vertex[(c + 1) % 3] - local.vertex[c]) / push.cells.size;
-    corners.at[c] = local.vertex[c] - vec3(local.base);
-    if (!isOfSamples(push.cells)) {
-      for (uint axis = 0; axis < 3; ++axis)
-        corners.at[c][axis] = floatOf(difference(cornerInCells(local, c, axis), doubleOf(local.base[axis])));
-    }
-    far = max(far, abs(corners.at[c]));
-  }
+  corners.edge[0] = (local.b - local.a) / push.cells.size;
+  corners.edge[1] = (local.c - local.b) / push.cells.size;
+  corners.edge[2] = (local.a - local.c) / push.cells.size;
+  vec3 first = vec3(0);
+  if (!isOfSamples(push.cells))
+    first = vec3(floatOf(push.cells.firstX), floatOf(push.cells.firstY), floatOf(push.cells.firstZ));
+  corners.at[0] = (local.a - first) / push.cells.size - vec3(local.base);
+  corners.at[1] = (local.b - first) / push.cells.size - vec3(local.base);
+  corners.at[2] = (local.c - first) / push.cells.size - vec3(local.base);
+  const vec3 far = max(max(max(abs(corners.at[0]), abs(corners.at[1])), abs(corners.at[2])), vec3(1.0));
+  const vec3 vertexFar = max(max(abs(local.a), abs(local.b)), abs(local.c));
+  const vec3 cancelled = 3.0 * kRoughShare * (vertexFar + abs(first)) / push.cells.size;
+  corners.error = isOfSamples(push.cells) ? 0.0 : max(max(cancelled.x, cancelled.y), cancelled.z);
   corners.least = kRoughLeast * (1.0 + max(max(far.x, far.y), far.z));
   corners.most = vec3(local.extent);
   return corners;
 }
 
 void clipByEdgesRoughly(inout RoughInterval interval, RoughCorners corners, uint axis, uint other, float at) {
-  for (uint e = 0; e < 3; ++e) {
+  [[unroll]] for (uint e = 0; e < 3; ++e) {
     const uint apex = (e + 2) % 3;
     const float factor = corners.edge[e][other], across = -corners.edge[e][axis];
     const vec2 first = vec2(factor, across) * vec2(corners.at[e][axis], corners.at[e][other]);
@@ -70,7 +74,8 @@ void clipByEdgesRoughly(inout RoughInterval interval, RoughCorners corners, uint
     const float reach = 0.5 * (abs(factor) + abs(across));
     const float size = max(abs(first.x) + abs(first.y), abs(second.x) + abs(second.y)) + reach + abs(shift);
     clipRoughly(interval, RoughNumber(factor, kRoughShare * abs(factor) + corners.least), min(m0, m1) - reach - shift,
-                max(m0, m1) + reach - shift, kRoughShare * size + corners.least, corners.most[axis]);
+                max(m0, m1) + reach - shift, kRoughShare * size + 2.0 * reach * corners.error + corners.least,
+                corners.most[axis]);
   }
 }
 
@@ -83,7 +88,7 @@ void clipByPlaneRoughly(inout RoughInterval interval, RoughCorners corners, floa
   const float size = dot(sizes, abs(start) + vec3(0.5, 0.5 + j, 0.5 + k));
   const float farthest = corners.least / kRoughLeast;
   clipRoughly(interval, RoughNumber(normal.x, kRoughShare * sizes.x + 2.0 * corners.least), height - reach, height + reach,
-              kRoughShare * size + 16.0 * farthest * corners.least, corners.most.x);
+              kRoughShare * size + dot(sizes, vec3(corners.error)) + 16.0 * farthest * corners.least, corners.most.x);
 }
 
 // Returns whether the run is known.
