@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <random>
 
 #include "cpu/sign/winding_dipoles.h"
 #include "shapes.h"
@@ -23,27 +25,51 @@ struct Start {
 class VulkanWindingDipoles : public VulkanTest {
  protected:
   static std::vector<float> settle(const Mesh& mesh, const Grid& grid, const Start& start) {
+    return settle(dipoles(), mesh, grid, std::vector<float>(grid.sampleCount(), start.winding), start);
+  }
+
+  /// Settles samples that start from their own winding numbers.
+  static std::vector<float> settle(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid,
+                                   const std::vector<float>& windings, const Start& start = {}) {
+    const DeviceBuffer distance = upload(std::vector<float>(grid.sampleCount(), start.distance), "distance");
+    const DeviceBuffer winding = upload(windings, "winding");
+    const DeviceBuffer disagreeing = upload<uint32_t>({start.disagreeing}, "disagreeing");
+    withTree(stage, mesh, grid, [&](Commands& commands, const SurfaceTreeStage& tree) {
+      stage.record(commands, tree, {distance.address(), winding.address(), disagreeing.address()},
+                   kThreshold);
+    });
+    return download<float>(winding);
+  }
+
+  static std::vector<float> numbersAt(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid,
+                                      const std::vector<glm::vec3>& points) {
+    const DeviceBuffer at = upload(points, "points");
+    const DeviceBuffer numbers = upload(std::vector<float>(points.size()), "numbers");
+    withTree(stage, mesh, grid, [&](Commands& commands, const SurfaceTreeStage& tree) {
+      stage.recordNumbersAt(commands, tree, at.address(), static_cast<uint32_t>(points.size()),
+                            numbers.address(), kThreshold);
+    });
+    return download<float>(numbers);
+  }
+
+  /// Runs what `record` records after the tree of the mesh.
+  template <class Record>
+  static void withTree(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid, Record&& record) {
     const CellMesh cells = cellMesh(mesh, grid);
     const DeviceBuffer vertices =
         upload(std::vector<glm::vec3>(cells.vertices.begin(), cells.vertices.end()), "vertices");
     const DeviceBuffer triangles =
         upload(std::vector<glm::uvec3>(cells.triangles.begin(), cells.triangles.end()), "triangles");
-    const auto triangleCount = static_cast<uint32_t>(cells.triangles.size());
-    const DeviceBuffer distance = upload(std::vector<float>(grid.sampleCount(), start.distance), "distance");
-    const DeviceBuffer winding = upload(std::vector<float>(grid.sampleCount(), start.winding), "winding");
-    const DeviceBuffer disagreeing = upload<uint32_t>({start.disagreeing}, "disagreeing");
+    const DeviceMesh onDevice{vertices.address(), triangles.address(),
+                              static_cast<uint32_t>(cells.vertices.size()),
+                              static_cast<uint32_t>(cells.triangles.size())};
     SurfaceTreeStage tree(device());
-    tree.reserve(triangleCount);
-    dipoles().reserve(triangleCount, grid.dims);
+    tree.reserve(onDevice.triangleCount);
+    stage.reserve(onDevice.triangleCount, grid.dims);
     run([&](Commands& commands) {
-      tree.record(commands,
-                  {vertices.address(), triangles.address(), static_cast<uint32_t>(cells.vertices.size()),
-                   triangleCount},
-                  grid.dims);
-      dipoles().record(commands, tree, {distance.address(), winding.address(), disagreeing.address()},
-                       kThreshold);
+      tree.record(commands, onDevice, grid.dims);
+      record(commands, tree);
     });
-    return download<float>(winding);
   }
 
   static Buffer<float> settleOnCpu(const Mesh& mesh, const Grid& grid, const Start& start) {
@@ -60,7 +86,6 @@ class VulkanWindingDipoles : public VulkanTest {
     return winding;
   }
 
- private:
   /// Kept from one test to the next.
   static WindingDipolesStage& dipoles() {
     shared();  // The device is made before the stage, so it is destroyed after it.
@@ -115,6 +140,59 @@ TEST_F(VulkanWindingDipoles, GiveTheSameBitsEachTime) {
   const Mesh mesh = shapes::soup(1000, 6);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
   EXPECT_EQ(settle(mesh, grid, {}), settle(mesh, grid, {}));
+}
+
+/// Sizes of groups: one subgroup or several, on any device.
+constexpr uint32_t kGroups[] = {8, 16, 64, 256};
+
+TEST_F(VulkanWindingDipoles, AreTheSameForAnySizeOfGroups) {
+  for (const Mesh& mesh : {shapes::soup(5, 4), shapes::soup(1000, 6), openSphere()}) {
+    const Grid grid = fitGrid(mesh, {.resolution = 8});
+    const std::vector<float> expected = settle(mesh, grid, {});
+    for (const uint32_t group : kGroups) {
+      WindingDipolesStage stage(device(), nullptr, group);
+      EXPECT_EQ(settle(stage, mesh, grid, std::vector<float>(grid.sampleCount(), 0.5f)), expected) << group;
+    }
+  }
+}
+
+TEST_F(VulkanWindingDipoles, AreTheSameWhetherTheListHoldsAllSamplesOrNot) {
+  const Mesh mesh = openSphere();
+  Grid grid = fitGrid(mesh, {.resolution = 11});
+  grid.dims = {11, 9, 9};  // Not a multiple of 8 samples.
+  const size_t count = grid.sampleCount(), capacity = (count + kSamplesPerListed - 1) / kSamplesPerListed;
+  const std::vector<float> all = settle(mesh, grid, {});
+  std::vector<size_t> order(count);
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  for (const size_t doubtful : {size_t{1}, capacity - 1, capacity, capacity + 1, count - 1, count}) {
+    std::vector<float> windings(count, 0.9f), expected(count, 0.9f);
+    for (size_t i = 0; i < doubtful; ++i) {
+      windings[order[i]] = 0.5f;
+      expected[order[i]] = all[order[i]];
+    }
+    EXPECT_EQ(settle(dipoles(), mesh, grid, windings), expected) << doubtful << " of " << capacity;
+  }
+}
+
+TEST_F(VulkanWindingDipoles, CountEveryTriangleOfADeepTree) {
+  // All triangles are equal, so every node of the tree is opened. Their number is far above 1.
+  Mesh mesh = shapes::soup(1, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 16});
+  const glm::vec3 point(7, 8, 7);
+  const double one = reference::windingNumber(mesh, grid.position(glm::dvec3(point)));
+  ASSERT_GT(std::abs(one), 0.01);
+  mesh.triangles.resize(30000, mesh.triangles.front());
+  const std::vector<float> expected = numbersAt(dipoles(), mesh, grid, {point});
+  EXPECT_NEAR(expected.front(), 30000 * one, 30000 * 1e-6);
+  for (const uint32_t group : kGroups) {
+    WindingDipolesStage stage(device(), nullptr, group);
+    EXPECT_EQ(numbersAt(stage, mesh, grid, {point}), expected) << group;
+  }
+}
+
+TEST_F(VulkanWindingDipoles, HaveAStackForTheLargestTree) {
+  EXPECT_EQ(SurfaceTreeStage::placeLevels(1u << 29).size(), kMostTreeLevels);
 }
 
 TEST_F(VulkanWindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {

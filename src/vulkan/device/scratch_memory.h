@@ -15,8 +15,11 @@ class ScratchMemory {
   ScratchMemory(const ScratchMemory&) = delete;
   ScratchMemory& operator=(const ScratchMemory&) = delete;
 
-  /// Starts another phase: buffers that are sized from now on belong to it.
-  void startPhase() { next_ = 0; }
+  /// Starts another phase: buffers that are sized from now on belong to it. Places below `first` keep their
+  /// contents.
+  void startPhase(size_t first = 0) { next_ = first; }
+  /// Index of the place that the next buffer takes.
+  size_t next() const { return next_; }
   /// Returns the next place, with at least `bytes` bytes. Its previous contents may move. The preconditions
   /// and errors are those of `DeviceBuffer::resize`.
   size_t take(uint64_t bytes);

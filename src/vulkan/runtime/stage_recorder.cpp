@@ -19,7 +19,7 @@ StageRecorder::StageRecorder(Device& device)
       rayMap_(device),
       winding_(device, &scratch_),
       orientation_(device),
-      windingDipoles_(device),
+      windingDipoles_(device, &scratch_),
       closeHoles_(device),
       sign_(device),
       finish_(device),
@@ -45,8 +45,10 @@ void StageRecorder::reserveSign() {
   const glm::ivec3& dims = extent_.dims;
   crossings_.reserve(dims, extent_.triangles, extent_.closesHoles);
   windingNumber_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
+  const size_t solve = scratch_.next();
   winding_.reserve(dims, extent_.sign, extent_.turnsFaces);
   if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
+  scratch_.startPhase(solve);  // The dipoles come after the solve.
   if (extent_.sign == SignMode::Harmonic || extent_.closesHoles)
     windingDipoles_.reserve(extent_.triangles, dims);
 }

@@ -1,32 +1,32 @@
-// Replaces the winding numbers of doubtful samples by those of the triangles themselves.
+// Replaces the winding numbers of doubtful samples by those of the triangles themselves. A work group computes one
+// sample of the list. If the list could not hold all, it goes through some samples of the grid instead.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 #include "vulkan/stages/winding_number.glsl"
 
-shared uint doubtful[kDoubtsSamples];
-shared uint doubtfulCount;
-
-void settle(uint index) {
+void settle(uint index, uint mostTurns) {
   const uint row = index / push.gridX;
   const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
   for (uint look = 0; look < kLooks; ++look) {
-    bool whole;
-    const float w = windingNumber(p, kDistant[look], whole);
-    if (!whole) return;  // Keeps the last value.
-    push.winding.at[index] = w;
+    bool isWhole;
+    const float w = windingNumber(p, kDistant[look], mostTurns, isWhole);
+    if (!isWhole) return;  // Keeps the last value.
+    if (gl_LocalInvocationIndex == 0) push.winding.at[index] = w;
     if (abs(abs(w) - push.threshold) >= kClose[look]) return;
   }
 }
 
 void main() {
-  const uint first = groupIndex() * kDoubtsSamples;
-  if (first >= sampleCount()) return;
-  if (gl_LocalInvocationIndex == 0) doubtfulCount = 0;
-  barrier();
-  for (uint i = gl_LocalInvocationIndex; i < kDoubtsSamples; i += gl_WorkGroupSize.x)
-    if (first + i < sampleCount() && isDoubtful(first + i)) doubtful[atomicAdd(doubtfulCount, 1)] = first + i;
-  barrier();
-  for (uint i = gl_LocalInvocationIndex; i < doubtfulCount; i += gl_WorkGroupSize.x) settle(doubtful[i]);
+  const uint count = push.doubts.at[0];
+  const bool isListed = count <= push.mostListed;
+  if (groupIndex() >= (isListed ? count : ceilDiv(sampleCount(), kSamplesPerListed))) return;
+  const uint samples = isListed ? 1 : kSamplesPerListed;
+  for (uint i = 0; i < samples; ++i) {
+    const uint place = groupIndex() * samples + i;
+    if (place >= sampleCount()) return;
+    const uint index = isListed ? push.doubts.at[1 + place] : place;
+    if (isDoubtful(index)) settle(index, push.mostTurns / samples * (i + 1));
+  }
 }

@@ -4,6 +4,7 @@
 #include "vulkan/stages/winding_dipoles.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "shaders/winding_dipoles_doubts_spv.h"
 #include "shaders/winding_dipoles_moments_spv.h"
@@ -14,13 +15,11 @@ namespace raymap::vulkan {
 
 namespace {
 
+constexpr uint32_t kDoubtsGroup = 128;
 constexpr uint32_t kMomentsGroup = 64;
-constexpr uint32_t kPointsGroup = 64;
-// Most loop iterations of an invocation in total. Mesa's software driver silently ends loops after 65,535.
+// Most loop iterations of a group in total. Mesa's software driver silently ends loops after 65,535.
 constexpr uint32_t kFewTurns = 60000;
 constexpr uint32_t kManyTurns = 60000000;
-constexpr uint32_t kNumbersSettled = 2 * kLooks;  // Winding numbers per invocation: two samples, three times
-                                                  // each.
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;
@@ -30,29 +29,42 @@ uint64_t samplesOf(const glm::ivec3& dims) {
   return uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
 }
 
+/// Returns the number of invocations that compute one winding number. On a card, twice as many take half as
+/// many turns one after the other, but leave more of them idle at the root
+/// (docs/decisions/winding_dipoles.md).
+uint32_t invocationsOf(const Device& device) {
+  const uint32_t least = device.info().type == DeviceType::Software ? kArity : 64;
+  return std::max(least, device.limits().maxSubgroupSize);
+}
+
 }  // namespace
 
-WindingDipolesStage::WindingDipolesStage(Device& device)
-    : gate_(device, "dispatches of the dipoles"),
+WindingDipolesStage::WindingDipolesStage(Device& device, ScratchMemory* scratch, uint32_t invocations)
+    : invocations_(invocations > 0 ? invocations : invocationsOf(device)),
+      gate_(device, "dispatches of the dipoles"),
       doubts_(device, shaders::kWindingDipolesDoubts,
               std::max(kDoubtsGroup, device.limits().maxSubgroupSize)),
       momentsOf_(device, shaders::kWindingDipolesMoments, kMomentsGroup),
-      settle_(device, shaders::kWindingDipoles, kDoubtsGroup),
-      points_(device, shaders::kWindingDipolesPoints, kPointsGroup),
+      settle_(device, shaders::kWindingDipoles, invocations_, {invocations_}),
+      points_(device, shaders::kWindingDipolesPoints, invocations_, {invocations_}),
+      arguments_(device, "dispatch of doubtful samples", 1),
       mostTurns_(device.info().type == DeviceType::Software ? kFewTurns : kManyTurns),
       moments_(device, "moments of the surface tree"),
-      doubtful_(device, "doubtful samples") {}
+      doubtful_(device, "list of doubtful samples", scratch) {}
 
 void WindingDipolesStage::reserve(uint32_t triangleCount, const glm::ivec3& dims) {
   const std::vector<SurfaceTreeStage::Level> levels = SurfaceTreeStage::placeLevels(triangleCount);
+  if (levels.size() > kMostTreeLevels) throw std::logic_error("a tree of more levels than its stack holds");
   dims_ = dims;
-  mostLevels_ = static_cast<uint32_t>(levels.size());
   moments_.resize<float>((uint64_t{levels[0].start} + levels[0].count) * kMomentVectors * 4);
-  doubtful_.resize<uint32_t>(1);
-  gate_.reserve(mostLevels_ + 1);
-  for (uint32_t level = 0; level < mostLevels_; ++level)
+  doubtful_.resize<uint32_t>(1 + mostListed());
+  gate_.reserve(static_cast<uint32_t>(levels.size()));
+  for (uint32_t level = 0; level < levels.size(); ++level)
     gate_.plan(level, ceilDiv(levels[level].count, kMomentsGroup));
-  gate_.plan(mostLevels_, ceilDiv(samplesOf(dims), kDoubtsSamples));
+}
+
+uint64_t WindingDipolesStage::mostListed() const {
+  return ceilDiv(samplesOf(dims_), kSamplesPerListed);
 }
 
 WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, double threshold) const {
@@ -87,14 +99,20 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   push.winding = fields.winding;
   push.doubts = doubtful_.address();
   push.disagreeing = fields.disagreeing;
-  push.mostTurns = mostTurns_ / kNumbersSettled;
+  push.mostListed = static_cast<uint32_t>(mostListed());
   commands.fill(doubtful_, 0);
   commands.dispatch(doubts_, push, samplesOf(dims_));
-  gate_.record(commands, doubtful_.address());
+  const Count doubts{.most = static_cast<uint32_t>(samplesOf(dims_)), .address = doubtful_.address()};
+  commands.concurrent([&] {
+    gate_.record(commands, doubts.address);
+    arguments_.record(commands, 0, {.count = doubts});
+  });
   recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
     gate_.dispatch(commands, momentsOf_, ofLevel, level);
   });
-  gate_.dispatch(commands, settle_, push, mostLevels_);
+  // One group for each sample. There are more groups than the list has capacity for if it does not hold all:
+  // enough for the whole grid.
+  arguments_.dispatch(commands, settle_, push, 0);
 }
 
 void WindingDipolesStage::recordNumbersAt(Commands& commands, const SurfaceTreeStage& tree,
@@ -107,7 +125,7 @@ void WindingDipolesStage::recordNumbersAt(Commands& commands, const SurfaceTreeS
   recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t) {
     commands.dispatch(momentsOf_, ofLevel, ofLevel.levelCount);
   });
-  commands.dispatch(points_, push, count);
+  commands.dispatch(points_, push, uint64_t{count} * invocations_);
 }
 
 }  // namespace raymap::vulkan

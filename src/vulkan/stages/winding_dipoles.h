@@ -2,6 +2,7 @@
 
 #include <glm/glm.hpp>
 
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/primitives/gate.h"
 #include "vulkan/stages/surface_tree.h"
 #include "vulkan/stages/winding_dipoles_push.h"
@@ -20,7 +21,9 @@ class WindingDipolesStage {
                                       ///< changes.
   };
 
-  explicit WindingDipolesStage(Device& device);
+  /// A group of this many invocations computes a winding number, a multiple of `kArity`. Without it, the
+  /// device decides. Results do not depend on it.
+  explicit WindingDipolesStage(Device& device, ScratchMemory* scratch = nullptr, uint32_t invocations = 0);
 
   /// Reserves memory for trees of up to this many triangles and grids of these dims. All previously recorded
   /// work must have completed.
@@ -32,15 +35,17 @@ class WindingDipolesStage {
                        uint32_t count, VkDeviceAddress numbers, double threshold);
 
  private:
+  uint64_t mostListed() const;
   WindingDipolesPush pushOf(const SurfaceTreeStage& tree, double threshold) const;
   /// Calls `dispatch(push, level)` for each level, from the leaves on.
   template <class Dispatch>
   void recordMoments(const SurfaceTreeStage& tree, WindingDipolesPush push, Dispatch&& dispatch);
 
+  uint32_t invocations_;
   glm::ivec3 dims_{0};
-  uint32_t mostLevels_ = 0;
   Gate gate_;
   Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_, points_;
+  DispatchArguments arguments_;
   uint32_t mostTurns_;
   DeviceBuffer moments_, doubtful_;
 };

@@ -1,14 +1,19 @@
-// Finds whether some sample is so close to the threshold that the lattice may have put it on the wrong side.
+// Lists the samples so close to the threshold that the lattice may have put them on the wrong side. Their order
+// varies from run to run.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 
-#extension GL_KHR_shader_subgroup_vote : require
-
 void main() {
+  if (push.disagreeing.at[0] == 0) return;
   const uint i = invocationIndex();
-  const bool found = push.disagreeing.at[0] != 0 && i < sampleCount() && isDoubtful(i);
-  if (subgroupAny(found) && subgroupElect()) push.doubts.at[0] = 1;
+  const bool isFound = i < sampleCount() && isDoubtful(i);
+  const uvec4 found = subgroupBallot(isFound);
+  const uint count = subgroupBallotBitCount(found);
+  uint first = 0;
+  if (count > 0 && subgroupElect()) first = atomicAdd(push.doubts.at[0], count);
+  const uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(found);
+  if (isFound && place < push.mostListed) push.doubts.at[1 + place] = i;
 }

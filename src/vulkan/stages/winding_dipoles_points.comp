@@ -1,4 +1,4 @@
-// Computes the winding numbers of the triangles themselves at given points.
+// Computes the winding numbers of the triangles themselves at given points, one in each work group.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -6,10 +6,10 @@
 #include "vulkan/stages/winding_number.glsl"
 
 void main() {
-  const uint i = invocationIndex();
+  const uint i = groupIndex();
   if (i >= push.pointCount) return;
   const vec3 p = vec3(push.points.at[3 * i], push.points.at[3 * i + 1], push.points.at[3 * i + 2]);
-  bool whole;
-  const float w = windingNumber(p, kDistant[2], whole);
-  push.winding.at[i] = whole ? w : push.threshold;
+  bool isWhole;
+  const float w = windingNumber(p, kDistant[2], push.mostTurns, isWhole);
+  if (gl_LocalInvocationIndex == 0) push.winding.at[i] = isWhole ? w : push.threshold;
 }

@@ -7,9 +7,10 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kDoubtsGroup = 128;    // Invocations of a group that tests samples.
-RAYMAP_CONSTANT uint kDoubtsSamples = 256;  // Samples of such a group.
 RAYMAP_CONSTANT uint kMomentVectors = 3;    // Per node: the area vector, the symmetric second moment.
+RAYMAP_CONSTANT uint kMostTreeLevels = 10;  // Of 2^29 triangles.
+// The list of doubtful samples has capacity for one of this many samples of the grid.
+RAYMAP_CONSTANT uint kSamplesPerListed = 8;
 
 struct WindingDipolesPush {
   RAYMAP_ADDRESS(Vec4s) frames;  // The surface tree.
@@ -18,7 +19,7 @@ struct WindingDipolesPush {
   RAYMAP_ADDRESS(Floats) distance;
   RAYMAP_ADDRESS(Floats) winding;
   RAYMAP_ADDRESS(Uints)
-  doubts;                             // Nonzero if the lattice may have put a sample on the wrong side.
+  doubts;                             // Number of samples that may be on the wrong side, then their list.
   RAYMAP_ADDRESS(Uints) disagreeing;  // Number of samples whose rays disagree.
   RAYMAP_ADDRESS(Floats) points;      // Three coordinates each; their numbers then go to `winding`.
   uint gridX, gridY, gridZ;           // Samples of the grid.
@@ -28,9 +29,9 @@ struct WindingDipolesPush {
   uint levelCount;  // Number of its nodes.
   uint isLeafLevel;
   float threshold;
-  uint mostTurns;  // Maximum number of iterations of a loop over nodes.
+  uint mostTurns;  // Maximum number of loop iterations of a group.
   uint pointCount;
-  uint unused;
+  uint mostListed;  // Capacity of the list of doubtful samples.
 };
 RAYMAP_CHECK_SIZE(WindingDipolesPush, 112);
 

@@ -1,7 +1,22 @@
-// Barill et al. 2018: the winding number of the triangles of a surface tree, from its moments.
+// Barill et al. 2018: the winding number of the triangles of a surface tree, from its moments. A work group
+// computes it for one point. Its invocations are nodes, or triangles of leaves. Subgroups play no role, and all
+// barriers are in control flow that is uniform in the group.
 
-// Capacity in nodes: a node's children leave seven others behind, on each of at most eleven levels.
-const uint kStack = 7 * 11 + 1;
+// Invocations of a group: a multiple of kArity.
+layout(constant_id = 1) const uint kInvocations = 8;
+
+// Nodes or leaves opened at once, at most.
+const uint kBatch = kInvocations / kArity;
+
+// Stack of nodes to open; none is a leaf. Each turn puts at most kInvocations nodes there, over what is left of an
+// earlier turn's nodes. The least deep of these is less deep than all of the new ones, whatever their order. Hence
+// nodes of at most one turn per level lie there: levels between the root's and the leaves'.
+shared uint nodes[kInvocations * (kMostTreeLevels - 2)];
+shared uint leaves[kInvocations + kBatch];  // Leaves to be summed triangle by triangle.
+shared uint pushedNodes, pushedLeaves;      // Since the walk began.
+shared int sumHigh;                         // See Sum.
+shared uint sumLow;
+
 const float kPi = 3.14159265358979;
 
 // Devices may compute the arc tangent with an error of 4096 units in the last place.
@@ -34,34 +49,97 @@ float halfSolidAngle(Moments m, vec3 r, float r2) {
   return 0.5 * (dot(r, m.area) + trace - 3.0 * second * inverse2) * inverse2 * inversesqrt(r2);
 }
 
-float leafAngle(uint leaf, vec3 p) {
-  const uint first = (leaf - push.firstLeaf) * kArity;
-  float sum = 0;
-  [[unroll]] for (uint i = 0; i < kArity; ++i)
-    if (first + i < push.triangleCount) sum += halfSolidAngle(readTriangle(push.frames, first + i), p);
-  return sum;
+// Sum of half solid angles as an integer, in units of 2^-36: the same for any order and any group size.
+struct Sum {
+  int high;  // In units of 2^-12.
+  uint low;  // In units of 2^-36, below 2^24.
+};
+const float kHighUnits = 4096.0, kLowUnits = 16777216.0;
+const float kMostAngle = 262144.0;  // Keeps what is not finite out of the conversion to an integer.
+
+Sum sum;
+uint poppedNodes, poppedLeaves;
+uint turns = 0;  // Loop iterations so far, in all walks.
+
+// Adds terms in both units.
+void addTerms(int high, uint low) {
+  sum.low += low;
+  sum.high += high + int(sum.low >> 24);
+  sum.low &= 0xffffffu;
 }
 
-// Returns the winding number of the triangles around p. `whole` is false if that took too much work.
-float windingNumber(vec3 p, float distant, out bool whole) {
-  uint stack[kStack];
-  uint size = 1;
-  stack[0] = 0;
-  float sum = 0;
-  uint turns = 0;
-  for (; size > 0 && turns < push.mostTurns; ++turns) {
-    const uint node = stack[--size];
-    const Disc disc = readDisc(push.discs, node);
-    if (disc.radius < 0) continue;
-    const vec3 r = disc.centre - p;
-    const float r2 = dot(r, r);
-    if (r2 > distant * distant * (disc.radius * disc.radius + disc.halfThickness * disc.halfThickness))
-      sum += halfSolidAngle(readMoments(node), r, r2);
-    else if (node >= push.firstLeaf)
-      sum += leafAngle(node, p);
-    else
-      [[unroll]] for (uint i = 0; i < kArity; ++i) stack[size++] = kArity * node + kArity - i;
+void addAngle(float angle) {
+  const float scaled = clamp(angle, -kMostAngle, kMostAngle) * kHighUnits, whole = floor(scaled);
+  addTerms(int(whole), uint((scaled - whole) * kLowUnits + 0.5));
+}
+
+// Adds the node's dipole if the node is distant. Otherwise the node waits to be opened.
+void visit(uint node, vec3 p, float distant) {
+  const Disc disc = readDisc(push.discs, node);
+  if (disc.radius < 0) return;  // Fills up the level.
+  const vec3 r = disc.centre - p;
+  const float r2 = dot(r, r);
+  if (r2 > distant * distant * (disc.radius * disc.radius + disc.halfThickness * disc.halfThickness))
+    addAngle(halfSolidAngle(readMoments(node), r, r2));
+  else if (node >= push.firstLeaf)
+    leaves[atomicAdd(pushedLeaves, 1) - poppedLeaves] = node;
+  else
+    nodes[atomicAdd(pushedNodes, 1) - poppedNodes] = node;
+}
+
+void openNodes(uint waiting, vec3 p, float distant) {
+  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kArity;
+  const uint parent = nodes[waiting - taken + min(ofMine, taken - 1)];
+  poppedNodes += taken;
+  barrier();
+  if (ofMine < taken) visit(kArity * parent + 1 + gl_LocalInvocationIndex % kArity, p, distant);
+  barrier();
+}
+
+void sumLeaves(uint waiting, vec3 p) {
+  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kArity;
+  const uint leaf = leaves[waiting - taken + min(ofMine, taken - 1)];
+  poppedLeaves += taken;
+  const uint triangle = (leaf - push.firstLeaf) * kArity + gl_LocalInvocationIndex % kArity;
+  if (ofMine < taken && triangle < push.triangleCount)
+    addAngle(halfSolidAngle(readTriangle(push.frames, triangle), p));
+}
+
+void startWalk(vec3 p, float distant) {
+  sum = Sum(0, 0);
+  poppedNodes = poppedLeaves = 0;
+  barrier();  // Of the walk before, everything has been read.
+  if (gl_LocalInvocationIndex == 0) {
+    pushedNodes = pushedLeaves = sumLow = 0;
+    sumHigh = 0;
+    visit(0, p, distant);
   }
-  whole = size == 0;
-  return sum / (2.0 * kPi);
+  barrier();
+}
+
+// Returns the sum of all invocations.
+float totalAngle() {
+  atomicAdd(sumHigh, sum.high);
+  atomicAdd(sumLow, sum.low);
+  barrier();
+  sum = Sum(0, 0);
+  addTerms(sumHigh, sumLow);
+  return float(sum.high) / kHighUnits + float(sum.low) / (kHighUnits * kLowUnits);
+}
+
+// Returns the winding number of the triangles around p, the same value in the whole group. `isWhole` is false if
+// it would take more than `mostTurns` turns.
+float windingNumber(vec3 p, float distant, uint mostTurns, out bool isWhole) {
+  startWalk(p, distant);
+  uint waitingNodes = pushedNodes, waitingLeaves = pushedLeaves;
+  for (; waitingNodes + waitingLeaves > 0 && turns < mostTurns; ++turns) {
+    if (waitingNodes == 0 || waitingLeaves >= kBatch)
+      sumLeaves(waitingLeaves, p);
+    else
+      openNodes(waitingNodes, p, distant);
+    waitingNodes = pushedNodes - poppedNodes;
+    waitingLeaves = pushedLeaves - poppedLeaves;
+  }
+  isWhole = waitingNodes + waitingLeaves == 0;
+  return totalAngle() / (2.0 * kPi);
 }
