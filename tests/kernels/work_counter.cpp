@@ -98,7 +98,7 @@ struct WorkCounter::Entries {
   ReplacedEntry<PFN_vkGetBufferDeviceAddress> getAddress{vkGetBufferDeviceAddress, addressOf};
   ReplacedEntry<PFN_vkCmdBindPipeline> bind{vkCmdBindPipeline, bindPipeline};
   ReplacedEntry<PFN_vkCmdPushConstants> push{vkCmdPushConstants, pushConstants};
-  ReplacedEntry<PFN_vkCmdDispatch> dispatch{vkCmdDispatch, dispatchGroups};
+  ReplacedEntry<PFN_vkCmdDispatchBase> dispatch{vkCmdDispatchBase, dispatchGroups};
   ReplacedEntry<PFN_vkCmdDispatchIndirect> dispatchIndirect{vkCmdDispatchIndirect, dispatchFrom};
   ReplacedEntry<PFN_vkCmdFillBuffer> fill{vkCmdFillBuffer, fillBuffer};
   ReplacedEntry<PFN_vkCmdUpdateBuffer> update{vkCmdUpdateBuffer, updateBuffer};
@@ -171,9 +171,9 @@ struct WorkCounter::Entries {
     current->push.real()(buffer, layout, stages, offset, size, values);
   }
 
-  static VKAPI_ATTR void VKAPI_CALL dispatchGroups(VkCommandBuffer buffer, uint32_t x, uint32_t y,
-                                                   uint32_t z) {
-    current->dispatch.real()(buffer, x, y, z);
+  static VKAPI_ATTR void VKAPI_CALL dispatchGroups(VkCommandBuffer buffer, uint32_t firstX, uint32_t firstY,
+                                                   uint32_t firstZ, uint32_t x, uint32_t y, uint32_t z) {
+    current->dispatch.real()(buffer, firstX, firstY, firstZ, x, y, z);
     logDispatch(buffer, uint64_t{x} * y * z);
   }
 

@@ -2,7 +2,7 @@
 // error, which is several times larger than the error of floats, and much larger than that of doubles. Else
 // cell_runs_exact.glsl decides.
 
-const float kFarthest = 10000.0;  // In cells. Farther away, bounds of cells are too fine for floats.
+const float kRoughFarthest = 10000.0;  // In cells. Farther away, bounds of cells are too fine for floats.
 const float kRoughShare = 1.0 / 1048576.0;  // Error of a sum, as a share of the sum of its terms' sizes: 2^-20.
 const float kRoughLeast = 1.0 / 2147483648.0;  // Error of a number of the size of a cell's.
 
@@ -95,7 +95,7 @@ void clipByPlaneRoughly(inout RoughInterval interval, RoughCorners corners, floa
 bool findRunRoughly(LocalTriangle local, int j, int k, out ivec2 run) {
   run = ivec2(0, -1);
   const RoughCorners corners = roughCorners(local);
-  if (corners.least > kRoughLeast * kFarthest) return false;
+  if (corners.least > kRoughLeast * kRoughFarthest) return false;
   RoughInterval rows = RoughInterval(vec2(0.0), vec2(local.extent.y), true);
   clipByEdgesRoughly(rows, corners, 1, 2, float(k));
   if (float(j) < rows.low.x || float(j) > rows.high.y) return true;
