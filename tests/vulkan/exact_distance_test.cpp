@@ -25,25 +25,32 @@ class VulkanExactDistance : public VulkanTest {
     bool operator==(const Found&) const = default;
   };
 
-  /// Returns the stage with this many subgroups per group; 0: what suits the device.
-  static ExactDistanceStage& stageWith(uint32_t subgroups) {
-    static std::map<uint32_t, ExactDistanceStage> stages;
-    return stages.try_emplace(subgroups, device(), nullptr, subgroups).first->second;
+  using Imitated = ExactDistanceStage::Imitated;
+
+  struct Stages {
+    explicit Stages(const Imitated& imitated)
+        : tree(device(), imitated.rootError), exact(device(), nullptr, imitated) {}
+    SurfaceTreeStage tree;
+    ExactDistanceStage exact;
+  };
+  static Stages& stagesLike(const Imitated& imitated) {
+    static std::map<std::pair<uint32_t, int32_t>, Stages> stages;
+    return stages.try_emplace({imitated.subgroups, imitated.rootError}, imitated).first->second;
   }
 
   /// Distances in the mesh's units.
-  static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0, uint32_t subgroups = 0) {
+  static Found find(const Mesh& mesh, const Grid& grid, double band = 0.0, const Imitated& imitated = {}) {
     std::vector<glm::vec3> cells;
     for (const glm::vec3& v : mesh.vertices)
       cells.emplace_back((mesh.origin - grid.origin + glm::dvec3(v)) / grid.spacing);
-    Found found = findInCells(cells, mesh.triangles, grid.dims, band, subgroups);
+    Found found = findInCells(cells, mesh.triangles, grid.dims, band, imitated);
     for (float& d : found.distance) d *= static_cast<float>(grid.spacing);
     return found;
   }
 
   /// Computes the distances twice.
   static Found findInCells(const std::vector<glm::vec3>& vertices, const std::vector<glm::uvec3>& triangles,
-                           const glm::ivec3& dims, double band = 0.0, uint32_t subgroups = 0) {
+                           const glm::ivec3& dims, double band = 0.0, const Imitated& imitated = {}) {
     const DeviceBuffer vertexBuffer = upload(vertices, "vertices"),
                        triangleBuffer = upload(triangles, "triangles");
     const DeviceMesh mesh{vertexBuffer.address(), triangleBuffer.address(),
@@ -52,8 +59,7 @@ class VulkanExactDistance : public VulkanTest {
     const size_t samples = size_t(dims.x) * dims.y * dims.z;
     distance.resize<float>(samples);
     triangle.resize<uint32_t>(samples);
-    static SurfaceTreeStage tree(device());
-    ExactDistanceStage& exact = stageWith(subgroups);
+    auto& [tree, exact] = stagesLike(imitated);
     tree.reserve(mesh.triangleCount);
     exact.reserve(dims);
     Found found[2];
@@ -74,6 +80,14 @@ TEST_F(VulkanExactDistance, IsExact) {
     const Found found = find(c.mesh, c.grid);
     EXPECT_LT(largestExactError(c.mesh, c.grid, found.distance, found.triangle, 300), kAllowed) << c.name;
   }
+}
+
+TEST_F(VulkanExactDistance, IsExactWhereRootsAreInexact) {
+  for (const int32_t rootError : {-3, 3})
+    for (const ExactCase& c : exactCases(24)) {
+      const Found found = find(c.mesh, c.grid, 0.0, {.rootError = rootError});
+      EXPECT_LT(largestExactError(c.mesh, c.grid, found.distance, found.triangle, 300), kAllowed) << c.name;
+    }
 }
 
 TEST_F(VulkanExactDistance, IsExactOnThinGrids) {
@@ -188,20 +202,20 @@ TEST_P(VulkanExactDistanceGroups, FindTheSameAsOneSubgroup) {
       {shapes::soup(500, 1), {.resolution = 21}}};
   for (const auto& [mesh, options] : cases) {
     const Grid grid = fitGrid(mesh, options);
-    const Found found = find(mesh, grid, 0.0, GetParam());
+    const Found found = find(mesh, grid, 0.0, {GetParam()});
     EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 300), kAllowed)
         << mesh.triangles.size();
-    EXPECT_TRUE(found == find(mesh, grid, 0.0, 1)) << mesh.triangles.size();
-    EXPECT_TRUE(find(mesh, grid, 2.5, GetParam()) == find(mesh, grid, 2.5, 1)) << mesh.triangles.size();
+    EXPECT_TRUE(found == find(mesh, grid, 0.0, {1})) << mesh.triangles.size();
+    EXPECT_TRUE(find(mesh, grid, 2.5, {GetParam()}) == find(mesh, grid, 2.5, {1})) << mesh.triangles.size();
   }
 }
 
 TEST_P(VulkanExactDistanceGroups, FinishBlocksWithTooMuchWork) {
   const Mesh mesh = shapes::soup(20000, 5);
   const Grid grid{glm::ivec3(13, 3, 2), glm::dvec3(2.0, 0.3, 0.4), 0.3};
-  const Found found = find(mesh, grid, 0.0, GetParam());
+  const Found found = find(mesh, grid, 0.0, {GetParam()});
   EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 40), kAllowed);
-  EXPECT_TRUE(found == find(mesh, grid, 0.0, 1));
+  EXPECT_TRUE(found == find(mesh, grid, 0.0, {1}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Subgroups, VulkanExactDistanceGroups, ::testing::Values(1u, 2u, 4u),

@@ -1,8 +1,12 @@
 #include "vulkan/stages/surface_tree.h"
 
 #include <cstring>
+#include <random>
 
+#include "shaders/disc_bounds.h"
+#include "shaders/disc_bounds_spv.h"
 #include "shapes.h"
+#include "vulkan/device/kernel.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -18,22 +22,27 @@ struct Tree {
     std::memcpy(&id, &frames[place * kFrameVectors + 3].z, sizeof id);
     return id;
   }
-  /// Returns how far a point lies outside the disc of a node.
-  double distance(uint32_t node, const glm::dvec3& p) const {
-    const glm::vec4 first = discs[node * kDiscVectors], second = discs[node * kDiscVectors + 1];
-    const glm::dvec3 q = p - glm::dvec3(first), normal(second);
+  bool contains(uint32_t node, const glm::dvec3& p) const {
+    return distance(discs[node * kDiscVectors], discs[node * kDiscVectors + 1], p) == 0.0;
+  }
+
+  /// Returns the distance of a point from a disc, in the layout of the tree.
+  static double distance(const glm::dvec4& first, const glm::dvec4& second, const glm::dvec3& p) {
+    const glm::dvec3 q = p - glm::dvec3(first), normal = glm::normalize(glm::dvec3(second));
     const double height = glm::dot(q, normal);
-    const double beside = glm::length(q - height * normal) - double(first.w);
-    return std::max({beside, std::abs(height) - double(second.w), 0.0});
+    const double beside = glm::length(q - height * normal) - first.w;
+    return glm::length(glm::max(glm::dvec2(beside, std::abs(height) - second.w), 0.0));
   }
 };
 
+constexpr int32_t kRootErrors[] = {-3, 0, 3};  // Units in the last place; Vulkan allows 2.
+
 class VulkanSurfaceTree : public VulkanTest {
  protected:
-  static Tree build(const Mesh& mesh) {
+  static Tree build(const Mesh& mesh, int32_t rootError) {
     const DeviceBuffer vertices = upload(mesh.vertices, "vertices"),
                        triangles = upload(mesh.triangles, "triangles");
-    SurfaceTreeStage tree(device());
+    SurfaceTreeStage tree(device(), rootError);
     tree.reserve(static_cast<uint32_t>(mesh.triangles.size()) + 1000);
     run([&](Commands& commands) {
       tree.record(commands,
@@ -46,7 +55,11 @@ class VulkanSurfaceTree : public VulkanTest {
   }
 
   static void expectSound(const Mesh& mesh) {
-    const Tree tree = build(mesh);
+    for (const int32_t rootError : kRootErrors) expectSound(mesh, rootError);
+  }
+
+  static void expectSound(const Mesh& mesh, int32_t rootError) {
+    const Tree tree = build(mesh, rootError);
     const size_t count = mesh.triangles.size();
     ASSERT_EQ(tree.leafCount, (count + kArity - 1) / kArity);
     std::vector<int> seen(count);
@@ -60,7 +73,7 @@ class VulkanSurfaceTree : public VulkanTest {
       for (int corner = 0; corner < 3; ++corner)
         for (auto node = tree.firstLeaf + static_cast<uint32_t>(place / kArity);;
              node = (node - 1) / kArity) {
-          ASSERT_LT(tree.distance(node, glm::dvec3(mesh.vertices[mesh.triangles[id][corner]])), 1e-6)
+          ASSERT_TRUE(tree.contains(node, glm::dvec3(mesh.vertices[mesh.triangles[id][corner]])))
               << "triangle " << id << ", node " << node;
           if (node == 0) break;
         }
@@ -78,6 +91,71 @@ TEST_F(VulkanSurfaceTree, HoldsEveryTriangleOnceInDiscsThatHoldTheirChildren) {
   expectSound(shapes::torus(1.0, 0.3, 80, 40));
   const std::vector<glm::dvec3> line{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
   expectSound(makeMesh(line, {{0, 1, 2}, {0, 0, 0}, {1, 2, 1}, {2, 2, 2}, {0, 1, 2}}));
+}
+
+/// Returns the mesh at the place and size that it has in a grid.
+Mesh inCells(Mesh mesh, float scale, const glm::vec3& centre) {
+  for (glm::vec3& v : mesh.vertices) v = scale * v + centre;
+  return mesh;
+}
+
+TEST_F(VulkanSurfaceTree, BoundsMeshesInLargeGrids) {
+  expectSound(inCells(shapes::sphere(1.0, 4), 90.0f, {100, 90, 110}));
+  expectSound(inCells(shapes::torus(1.0, 0.3, 80, 40), 300.0f, {5000, 700, -80}));
+  expectSound(inCells(shapes::soup(3000, 3), 200.0f, {0, 1e4, 30}));
+  Mesh flat = shapes::torus(1.0, 0.3, 80, 40);  // Normals that differ little.
+  for (glm::vec3& v : flat.vertices) v.z *= 1e-4f;
+  expectSound(inCells(flat, 200.0f, {130, 128, 127}));
+}
+
+TEST_F(VulkanSurfaceTree, BoundsDistancesToDiscsFromBelow) {
+  constexpr uint32_t kCount = 20000;
+  constexpr double kShare = 2e-6;  // Discs are this much larger than what they bound.
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  const auto vector = [&] { return glm::dvec3(normal(random), normal(random), normal(random)); };
+  const auto size = [&](double least, double most) {
+    return least * std::pow(most / least, uniform(random));
+  };
+  std::vector<glm::vec4> discs, points;
+  for (uint32_t i = 0; i < kCount; ++i) {
+    const double radius = size(1e-2, 100.0);
+    discs.emplace_back(glm::vec3(100.0 * vector()), radius);
+    discs.emplace_back(glm::vec3(glm::normalize(vector())), radius * size(1e-6, 1.0));
+    points.emplace_back(glm::vec3(discs[2 * i]) + glm::vec3(radius * size(0.1, 1e4) * vector()), 0.0f);
+  }
+  const DeviceBuffer discBuffer = upload(discs), pointBuffer = upload(points),
+                     planes = upload(std::vector<glm::vec4>(kCount)),
+                     squares = upload(std::vector<float>(kCount));
+  for (const int32_t rootError : kRootErrors) {
+    Kernel<DiscBoundsPush> kernel(device(), shaders::kDiscBounds, 128, {0, static_cast<uint32_t>(rootError)});
+    run([&](Commands& commands) {
+      commands.dispatch(kernel,
+                        DiscBoundsPush{.discs = discBuffer.address(),
+                                       .points = pointBuffer.address(),
+                                       .planes = planes.address(),
+                                       .squared = squares.address(),
+                                       .count = kCount},
+                        kCount);
+    });
+    const auto plane = download<glm::vec4>(planes);
+    const auto squared = download<float>(squares);
+    for (uint32_t i = 0; i < kCount; ++i) {
+      glm::dvec4 first(discs[2 * i]), second(discs[2 * i + 1]);
+      const double slack = kShare * (first.w + second.w), distance = Tree::distance(first, second, points[i]);
+      first.w -= slack, second.w -= slack;
+      const double bounded = Tree::distance(first, second, points[i]);
+      ASSERT_LE(std::sqrt(double(squared[i])), bounded) << i << ", " << rootError;
+      ASSERT_GE(std::sqrt(double(squared[i])), (1.0 - 1e-5) * distance - slack) << i;
+      for (int n = 0; n < 8; ++n) {  // Samples of a block. The gradient is rounded: hence 1e-6 cells.
+        const glm::dvec3 offset(n & 1 ? 1.5 : -1.5, n & 2 ? 1.5 : -1.5, n & 4 ? 1.5 : -1.5);
+        ASSERT_LE(plane[i].w + glm::dot(glm::dvec3(plane[i]), offset),
+                  Tree::distance(first, second, glm::dvec3(points[i]) + offset) + 1e-6)
+            << i << ", " << rootError;
+      }
+    }
+  }
 }
 
 TEST_F(VulkanSurfaceTree, RefusesMoreTrianglesThanReserved) {

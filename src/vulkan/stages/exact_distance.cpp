@@ -33,14 +33,16 @@ uint32_t groupSizeOf(const Device& device, uint32_t subgroups) {
 
 }  // namespace
 
-ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch, uint32_t subgroups)
+ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch, const Imitated& imitated)
     : hasShortLoops_(device.info().type == DeviceType::Software),
       maxSubgroup_(device.limits().maxSubgroupSize),
-      groupSize_(groupSizeOf(device, subgroups)),
+      groupSize_(groupSizeOf(device, imitated.subgroups)),
       blocks_(device, shaders::kExactDistanceBlocks, groupSize_,
-              {groupSize_ / device.limits().minSubgroupSize}),
-      samples_(device, shaders::kExactDistance, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
-      rest_(device, shaders::kExactDistanceRest, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
+              {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
+      samples_(device, shaders::kExactDistance, groupSize_,
+               {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
+      rest_(device, shaders::kExactDistanceRest, groupSize_,
+            {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
       arguments_(device, "exact distance arguments", 1),
       lists_{DeviceBuffer(device, "lists of large blocks", scratch),
              DeviceBuffer(device, "lists of blocks", scratch)},

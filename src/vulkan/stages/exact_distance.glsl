@@ -226,8 +226,8 @@ Corners measureCorners(uint triangle, Block block) {
   for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
     const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1;
     const vec3 point = block.centre + sign * block.reach;
-    cornerDistances[gl_SubgroupID * 8 + corner] =
-        sqrt(squaredDistance(readTriangle(push.frames, triangle), point)) - push.tolerance;
+    const float squared = max(squaredDistance(readTriangle(push.frames, triangle), point), 1e-30);
+    cornerDistances[gl_SubgroupID * 8 + corner] = squared * inverseRoot(squared) - push.tolerance;
   }
   shareWithSubgroup();
   const uint first = gl_SubgroupID * 8;

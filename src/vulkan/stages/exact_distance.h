@@ -17,9 +17,15 @@ class ExactDistanceStage {
     VkDeviceAddress triangle = 0;  ///< 0: not requested.
   };
 
-  /// `subgroups` is the number of subgroups per group, 1, 2 or 4. Tests set it; 0 selects what suits the
-  /// device.
-  explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr, uint32_t subgroups = 0);
+  /// Properties of other devices, for tests.
+  struct Imitated {
+    uint32_t subgroups = 0;  ///< Subgroups per group: 1, 2 or 4; 0: what suits the device.
+    int32_t rootError = 0;   ///< Units in the last place by which roots for bounds are off.
+  };
+
+  explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr)
+      : ExactDistanceStage(device, scratch, Imitated{}) {}
+  ExactDistanceStage(Device& device, ScratchMemory* scratch, const Imitated& imitated);
 
   /// Reserves memory for a grid. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);

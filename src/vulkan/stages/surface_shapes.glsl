@@ -2,6 +2,8 @@
 // from the root on, level by level. Node n has the children 8 n + 1 to 8 n + 8. Leaf n has the triangles 8 n
 // to 8 n + 7. Include after surface_tree_push.h.
 
+#include "vulkan/stages/roots.glsl"
+
 // Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. In this
 // form the distance to a point needs no division.
 struct Triangle {
@@ -10,6 +12,7 @@ struct Triangle {
   float inverseBc2, inverseCa2;  // 1 / |c - b|^2 and 1 / |a - c|^2; 0 for an edge without length.
 };
 
+// Discs are larger than what they bound by `kOutwards`, which makes up for the rounding of distances to them.
 struct Disc {
   vec3 centre, normal;  // The normal has length 1.
   float radius, halfThickness;
@@ -31,6 +34,14 @@ void writeTriangle(Vec4s frames, uint index, Triangle t, uint id) {
   frames.at[index * kFrameVectors + 1] = vec4(t.x, t.cx);
   frames.at[index * kFrameVectors + 2] = vec4(t.y, t.cy);
   frames.at[index * kFrameVectors + 3] = vec4(t.inverseBc2, t.inverseCa2, uintBitsToFloat(id), 0);
+}
+
+// Returns a disc that surely bounds what fits into this one but for rounding. Its parts lie up to `reach` from the
+// place where its centre was computed.
+Disc outwards(Disc disc, float reach) {
+  const vec3 c = abs(disc.centre);
+  const float slack = kOutwards * reach + 2.5e-7 * max(max(c.x, c.y), c.z);  // The centre was rounded.
+  return Disc(disc.centre, disc.normal, disc.radius + slack, disc.halfThickness + slack);
 }
 
 // Returns the triangle's number in the mesh.
@@ -86,7 +97,7 @@ Tangent tangentOf(Triangle t, vec3 point) {
   const float ab2 = dot(e.ab, e.ab), bc2 = dot(e.bc, e.bc), ca2 = dot(e.ca, e.ca);
   vec2 o = ca2 < min(ab2, bc2) ? e.ca : bc2 < ab2 ? e.bc : e.ab;
   if (e.inside) o = vec2(0);
-  const float inverse = inversesqrt(max(dot(o, o) + w * w, 1e-30));
+  const float inverse = inverseRoot(max(dot(o, o) + w * w, 1e-30));
   return Tangent((dot(o, o) + w * w) * inverse, (o.x * t.x + o.y * t.y + w * t.z) * inverse);
 }
 
@@ -101,23 +112,25 @@ DiscOffset discOffset(Disc disc, vec3 point) {
   o.q = point - disc.centre;
   o.height = dot(o.q, disc.normal);
   const float rho2 = max(dot(o.q, o.q) - o.height * o.height, 1e-30);
-  o.inverseRho = inversesqrt(rho2);
+  o.inverseRho = inverseRoot(rho2);
   o.beside = max(rho2 * o.inverseRho - disc.radius, 0);
   o.above = max(abs(o.height) - disc.halfThickness, 0);
   return o;
 }
 
+// Returns at most the squared distance to what the disc bounds.
 float squaredDistance(Disc disc, vec3 point) {
   if (disc.radius < 0) return kFarthest;
   const DiscOffset o = discOffset(disc, point);
-  return o.beside * o.beside + o.above * o.above;
+  return (1 - 2 * kOutwards) * (o.beside * o.beside + o.above * o.above);
 }
 
+// Returns a plane below the distance to what the disc bounds.
 Tangent tangentOf(Disc disc, vec3 point) {
   const DiscOffset o = discOffset(disc, point);
   const float squared = max(o.beside * o.beside + o.above * o.above, 1e-30);
-  const float inverse = inversesqrt(squared);
+  const float inverse = inverseRoot(squared);
   const float radial = o.beside * inverse * o.inverseRho;
   const float axial = (o.height < 0 ? -o.above : o.above) * inverse - radial * o.height;
-  return Tangent(squared * inverse, axial * disc.normal + radial * o.q);
+  return Tangent((1 - kOutwards) * squared * inverse, axial * disc.normal + radial * o.q);
 }

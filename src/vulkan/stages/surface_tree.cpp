@@ -30,12 +30,13 @@ uint32_t roundUp(uint32_t count) {
 
 }  // namespace
 
-SurfaceTreeStage::SurfaceTreeStage(Device& device)
+SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
     : bounds_(device, shaders::kSurfaceTreeBounds, std::max(kGroup, device.limits().maxSubgroupSize)),
       keys_(device, shaders::kSurfaceTreeKeys, kGroup),
       order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
-      leaves_(device, shaders::kSurfaceTreeLeaves, kGroup, {kGroup / kArity}),
-      level_(device, shaders::kSurfaceTreeLevel, kGroup),
+      leaves_(device, shaders::kSurfaceTreeLeaves, kGroup,
+              {kGroup / kArity, static_cast<uint32_t>(rootError)}),
+      level_(device, shaders::kSurfaceTreeLevel, kGroup, {0, static_cast<uint32_t>(rootError)}),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
       sortKeys_{DeviceBuffer(device, "keys of triangles"), DeviceBuffer(device, "other keys of triangles")},

@@ -22,7 +22,8 @@ class SurfaceTreeStage {
   /// Returns the levels of a tree over this many triangles, leaves first.
   static std::vector<Level> placeLevels(uint32_t triangles);
 
-  explicit SurfaceTreeStage(Device& device);
+  /// Tests imitate devices whose roots for bounds are off by `rootError` units in the last place.
+  explicit SurfaceTreeStage(Device& device, int32_t rootError = 0);
 
   /// Reserves memory for meshes of up to this many triangles, at least one. All previously recorded work must
   /// have completed.

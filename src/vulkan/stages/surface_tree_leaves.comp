@@ -20,15 +20,16 @@ Disc boundCorners(uint first) {
   }
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
-  float front = -kFarthest, back = -front, radius2 = 0;
+  float front = -kFarthest, back = -front, radius = 0, reach = 0;
   for (uint i = first; i < first + 3 * kArity; ++i) {
     const vec3 q = corners[i] - middle;
     const float height = dot(q, normal);
     front = max(front, height);
     back = min(back, height);
-    radius2 = max(radius2, dot(q, q) - height * height);
+    radius = max(radius, lengthAcross(q, height));
+    reach = max(reach, rootAbove(dot(q, q)));
   }
-  return Disc(middle + 0.5 * (front + back) * normal, normal, sqrt(radius2), 0.5 * (front - back));
+  return outwards(Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back)), reach);
 }
 
 void main() {

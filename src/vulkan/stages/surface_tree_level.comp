@@ -16,19 +16,23 @@ Disc boundDiscs(uint first, uint count) {
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
   // Extents of the discs along and across the common normal.
-  float front = -kFarthest, back = -front, radius = 0;
+  float front = -kFarthest, back = -front, radius = 0, reach = 0;
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);
     const vec3 q = disc.centre - middle;
     const float height = dot(q, normal);
-    const float cosine = min(abs(dot(disc.normal, normal)), 1), sine = sqrt(1 - cosine * cosine);
+    // The sine from the cross product: from the cosine of a small angle it would be rounding error only.
+    const vec3 turn = cross(disc.normal, normal);
+    const float cosine = abs(dot(disc.normal, normal)), sine = root(dot(turn, turn));
     const float along = disc.radius * sine + disc.halfThickness * cosine;
-    const float across = min(disc.radius + disc.halfThickness * sine, length(vec2(disc.radius, disc.halfThickness)));
+    const float size = rootAbove(disc.radius * disc.radius + disc.halfThickness * disc.halfThickness);
+    const float across = min(disc.radius + disc.halfThickness * sine, size);
     front = max(front, height + along);
     back = min(back, height - along);
-    radius = max(radius, sqrt(max(dot(q, q) - height * height, 0)) + across);
+    radius = max(radius, lengthAcross(q, height) + across);
+    reach = max(reach, rootAbove(dot(q, q)) + size);
   }
-  return Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back));
+  return outwards(Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back)), reach);
 }
 
 void main() {
