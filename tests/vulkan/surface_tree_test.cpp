@@ -26,6 +26,18 @@ struct Tree {
     return distance(discs[node * kDiscVectors], discs[node * kDiscVectors + 1], p) == 0.0;
   }
 
+  /// Returns whether the disc of a node contains the rims of a child's disc.
+  bool containsDisc(uint32_t node, uint32_t child) const {
+    const glm::dvec4 first(discs[child * kDiscVectors]), second(discs[child * kDiscVectors + 1]);
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(second)), up(discs[node * kDiscVectors + 1]);
+    const glm::dvec3 across = up - glm::dot(up, normal) * normal;  // Towards the rim's highest place.
+    const glm::dvec3 x = glm::length(across) > 1e-9 ? glm::normalize(across) : glm::dvec3(0.0);
+    for (const double side : {-1.0, 1.0})
+      for (const double height : {-second.w, second.w})
+        if (!contains(node, glm::dvec3(first) + side * first.w * x + height * normal)) return false;
+    return true;
+  }
+
   /// Returns the distance of a point from a disc, in the layout of the tree.
   static double distance(const glm::dvec4& first, const glm::dvec4& second, const glm::dvec3& p) {
     const glm::dvec3 q = p - glm::dvec3(first), normal = glm::normalize(glm::dvec3(second));
@@ -79,6 +91,9 @@ class VulkanSurfaceTree : public VulkanTest {
         }
     }
     EXPECT_EQ(seen, std::vector<int>(count, 1));
+    for (const auto& [start, nodes] : SurfaceTreeStage::placeLevels(static_cast<uint32_t>(count)))
+      for (uint32_t node = std::max(start, 1u); node < start + nodes; ++node)
+        ASSERT_TRUE(tree.containsDisc((node - 1) / kArity, node)) << "node " << node;
     for (uint32_t leaf = tree.leafCount; leaf % kArity != 0 && tree.firstLeaf > 0; ++leaf)
       EXPECT_LT(tree.discs[(tree.firstLeaf + leaf) * kDiscVectors].w, 0.0f);
   }
@@ -106,6 +121,16 @@ TEST_F(VulkanSurfaceTree, BoundsMeshesInLargeGrids) {
   Mesh flat = shapes::torus(1.0, 0.3, 80, 40);  // Normals that differ little.
   for (glm::vec3& v : flat.vertices) v.z *= 1e-4f;
   expectSound(inCells(flat, 200.0f, {130, 128, 127}));
+}
+
+TEST_F(VulkanSurfaceTree, BoundsTrianglesAlongTheirDiscsNormal) {
+  // Triangles without area have a normal along z. Scaling by a power of two keeps them on a line.
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> uniform(-2e-3f, 2e-3f);
+  for (int n = 0; n < 20; ++n) {
+    const glm::vec3 along(uniform(random), uniform(random), 1.0f);
+    expectSound(Mesh{.vertices = {-64.0f * along, glm::vec3(0.0f), 64.0f * along}, .triangles = {{0, 1, 2}}});
+  }
 }
 
 TEST_F(VulkanSurfaceTree, BoundsDistancesToDiscsFromBelow) {

@@ -15,12 +15,8 @@ float root(float x) {
   return x > 0 ? intBitsToFloat(floatBitsToInt(sqrt(x)) + kRootError) : 0;
 }
 
-// Returns at least the root.
-float rootAbove(float x) {
-  return (1 + kOutwards) * root(x);
-}
-
-// Returns at least the length of the part of `q` across the unit vector `normal`, `height` being the part along it.
+// Returns the length of the part of `q` across a unit vector, `height` being the part along it. Where the squares
+// nearly cancel, the result is too large rather than too small.
 float lengthAcross(vec3 q, float height) {
-  return rootAbove((1 + kOutwards) * dot(q, q) - height * height);
+  return root((1 + kOutwards) * dot(q, q) - height * height);
 }

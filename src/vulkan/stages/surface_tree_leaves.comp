@@ -27,7 +27,7 @@ Disc boundCorners(uint first) {
     front = max(front, height);
     back = min(back, height);
     radius = max(radius, lengthAcross(q, height));
-    reach = max(reach, rootAbove(dot(q, q)));
+    reach = max(reach, root(dot(q, q)));
   }
   return outwards(Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back)), reach);
 }

@@ -25,12 +25,12 @@ Disc boundDiscs(uint first, uint count) {
     const vec3 turn = cross(disc.normal, normal);
     const float cosine = abs(dot(disc.normal, normal)), sine = root(dot(turn, turn));
     const float along = disc.radius * sine + disc.halfThickness * cosine;
-    const float size = rootAbove(disc.radius * disc.radius + disc.halfThickness * disc.halfThickness);
+    const float size = root(disc.radius * disc.radius + disc.halfThickness * disc.halfThickness);
     const float across = min(disc.radius + disc.halfThickness * sine, size);
     front = max(front, height + along);
     back = min(back, height - along);
     radius = max(radius, lengthAcross(q, height) + across);
-    reach = max(reach, rootAbove(dot(q, q)) + size);
+    reach = max(reach, root(dot(q, q)) + size);
   }
   return outwards(Disc(middle + 0.5 * (front + back) * normal, normal, radius, 0.5 * (front - back)), reach);
 }
