@@ -156,8 +156,8 @@ TEST_F(VulkanWindingDipoles, AreTheSameForAnySizeOfGroups) {
   }
 }
 
-TEST_F(VulkanWindingDipoles, AreTheSameWhetherTheListHoldsAllSamplesOrNot) {
-  const Mesh mesh = openSphere();
+TEST_F(VulkanWindingDipoles, LeaveNoDoubtfulSampleOutWhereTheListIsFull) {
+  const Mesh mesh = shapes::soup(40, 6);  // Short work: the checks of every access can follow it.
   Grid grid = fitGrid(mesh, {.resolution = 11});
   grid.dims = {11, 9, 9};  // Not a multiple of 8 samples.
   const size_t count = grid.sampleCount(), capacity = (count + kSamplesPerListed - 1) / kSamplesPerListed;
@@ -165,7 +165,7 @@ TEST_F(VulkanWindingDipoles, AreTheSameWhetherTheListHoldsAllSamplesOrNot) {
   std::vector<size_t> order(count);
   std::iota(order.begin(), order.end(), size_t{0});
   std::shuffle(order.begin(), order.end(), std::mt19937(7));
-  for (const size_t doubtful : {size_t{1}, capacity - 1, capacity, capacity + 1, count - 1, count}) {
+  for (const size_t doubtful : {size_t{1}, capacity, capacity + 1, count - 1}) {
     std::vector<float> windings(count, 0.9f), expected(count, 0.9f);
     for (size_t i = 0; i < doubtful; ++i) {
       windings[order[i]] = 0.5f;
