@@ -1,5 +1,6 @@
 #include "vulkan/stages/surface_tree.h"
 
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -179,6 +180,45 @@ TEST_F(VulkanSurfaceTree, BoundsDistancesToDiscsFromBelow) {
                   Tree::distance(first, second, glm::dvec3(points[i]) + offset) + 1e-6)
             << i << ", " << rootError;
       }
+    }
+  }
+}
+
+/// Returns triangles with edges of about `size`, most of which are slivers, and some without area.
+Mesh slivers(float size) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> number(0.0f, 1.0f);
+  const auto point = [&] { return glm::vec3(number(random), number(random), number(random)); };
+  Mesh mesh;
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 a = 20.0f * point(), edge = size * (point() - 0.5f);
+    const float height = size * std::pow(10.0f, -9.0f * number(random));
+    const glm::vec3 c = a + number(random) * edge + height * (point() - 0.5f);
+    for (const glm::vec3& corner : {a, a + edge, i % 10 == 0 ? a : c}) mesh.vertices.push_back(corner);
+    const auto first = static_cast<uint32_t>(3 * i);
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  return mesh;
+}
+
+TEST_F(VulkanSurfaceTree, GivesSliversSoundFrames) {
+  for (const float size : {20.0f, 1.0f, 1e-3f}) {
+    const Mesh mesh = slivers(size);
+    const Tree tree = build(mesh);
+    for (size_t place = 0; place < mesh.triangles.size(); ++place) {
+      const glm::vec4* frame = &tree.frames[place * kFrameVectors];
+      const glm::dvec3 a(frame[0]), x(frame[1]), y(frame[2]);
+      ASSERT_NEAR(glm::length(x), 1.0, 2e-7);
+      ASSERT_NEAR(glm::length(y), 1.0, 2e-7);
+      ASSERT_NEAR(glm::dot(x, y), 0.0, 2e-7);
+      const glm::uvec3 corners = mesh.triangles[tree.triangleId(place)];
+      int start = 0;
+      while (start < 2 && glm::dvec3(mesh.vertices[corners[start]]) != a) ++start;
+      const glm::dvec3 b(mesh.vertices[corners[(start + 1) % 3]]), c(mesh.vertices[corners[(start + 2) % 3]]);
+      if (c == a || b == a) continue;  // The frame may begin at the other one.
+      const double allowed = 3e-7 * size;
+      ASSERT_LT(glm::length(a + double(frame[0].w) * x - b), allowed) << place;
+      ASSERT_LT(glm::length(a + double(frame[1].w) * x + double(frame[2].w) * y - c), allowed) << place;
     }
   }
 }

@@ -17,8 +17,7 @@ struct Required {
 };
 
 constexpr Required kRequired[] = {
-    // For predicates and monotone keys.
-    {"shaderFloat64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderFloat64; }},
+    // For predicates, and for double precision in software.
     {"shaderInt64", [](const FeatureStructs& f) -> VkBool32& { return f.v10.shaderInt64; }},
     // For access to memory by address.
     {"bufferDeviceAddress", [](const FeatureStructs& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
@@ -30,16 +29,17 @@ constexpr Required kRequired[] = {
     {"subgroupSizeControl", [](const FeatureStructs& f) -> VkBool32& { return f.v13.subgroupSizeControl; }},
 };
 
-constexpr VkSubgroupFeatureFlags kSubgroupOperations =
-    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+struct SubgroupOperation {
+  const char* name;
+  VkSubgroupFeatureFlagBits bit;
+};
 
-bool hasSubgroupOperations(VkPhysicalDevice device) {
-  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
-  vkGetPhysicalDeviceProperties2(device, &properties);
-  return (v11.subgroupSupportedOperations & kSubgroupOperations) == kSubgroupOperations &&
-         (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
-}
+constexpr SubgroupOperation kSubgroupOperations[] = {
+    {"basic", VK_SUBGROUP_FEATURE_BASIC_BIT},
+    {"vote", VK_SUBGROUP_FEATURE_VOTE_BIT},
+    {"arithmetic", VK_SUBGROUP_FEATURE_ARITHMETIC_BIT},
+    {"ballot", VK_SUBGROUP_FEATURE_BALLOT_BIT},
+};
 
 }  // namespace
 
@@ -48,16 +48,35 @@ void requireFeatures(VkPhysicalDeviceFeatures& v10, VkPhysicalDeviceVulkan12Feat
   for (const Required& required : kRequired) required.in({v10, v12, v13}) = VK_TRUE;
 }
 
+VkSubgroupFeatureFlags requiredSubgroupOperations() {
+  VkSubgroupFeatureFlags all = 0;
+  for (const SubgroupOperation& operation : kSubgroupOperations) all |= operation.bit;
+  return all;
+}
+
+std::vector<std::string> missingSubgroupOperations(VkSubgroupFeatureFlags operations,
+                                                   VkShaderStageFlags stages) {
+  const bool inCompute = (stages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+  std::vector<std::string> missing;
+  for (const SubgroupOperation& operation : kSubgroupOperations)
+    if (!inCompute || (operations & operation.bit) == 0)
+      missing.push_back("subgroup operations '" + std::string(operation.name) + "' in compute shaders");
+  return missing;
+}
+
 std::string missingFeatures(VkPhysicalDevice device) {
   Features features;
   vkGetPhysicalDeviceFeatures2(device, &features.v10);
   std::string missing;
-  const auto add = [&missing](const char* name) {
-    missing += (missing.empty() ? "" : ", ") + std::string(name);
-  };
+  const auto add = [&missing](const std::string& name) { missing += (missing.empty() ? "" : ", ") + name; };
   for (const Required& required : kRequired)
     if (required.in({features.v10.features, features.v12, features.v13}) == VK_FALSE) add(required.name);
-  if (!hasSubgroupOperations(device)) add("subgroup arithmetic and ballot in compute shaders");
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  for (const std::string& name :
+       missingSubgroupOperations(v11.subgroupSupportedOperations, v11.subgroupSupportedStages))
+    add(name);
   return missing;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "vulkan/device/api.h"
 // raymap/vulkan.h must follow Vulkan's declarations.
@@ -23,6 +24,11 @@ struct Features {
 inline void setRequired(Features& features) {
   requireFeatures(features.v10.features, features.v12, features.v13);
 }
+/// Returns the subgroup operations that the shaders need.
+VkSubgroupFeatureFlags requiredSubgroupOperations();
+/// Names those that a device lacks which has `operations` in the shaders of `stages`.
+std::vector<std::string> missingSubgroupOperations(VkSubgroupFeatureFlags operations,
+                                                   VkShaderStageFlags stages);
 /// Names the features that the shaders need and the device lacks; empty if none.
 std::string missingFeatures(VkPhysicalDevice device);
 

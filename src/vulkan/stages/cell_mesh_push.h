@@ -30,7 +30,7 @@ struct CellMeshPush {
   RAYMAP_ADDRESS(CellMeshStatusAddress) status;
   uint64_t shiftX, shiftY, shiftZ;  // From the grid's origin to the mesh's; bits of doubles.
   uint64_t scale;                   // Cells per unit; bits of a double.
-  uint stride;                    // Numbers from one position to the next.
+  uint stride;                      // Numbers from one position to the next.
   uint vertexCount;
   uint triangleCount;
   float low;  // The same on all axes.

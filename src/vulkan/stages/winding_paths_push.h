@@ -15,8 +15,8 @@ struct WindingPathsPush {
   RAYMAP_ADDRESS(Floats) sums;    // Initial sum of each sample.
   RAYMAP_ADDRESS(Floats) result;  // New sum of each sample, divided by `divisor`.
   float divisor;
-  float sumScale;                 // Factor of the initial sum.
-  float pointScale;               // Factor of each point's contribution.
+  float sumScale;    // Factor of the initial sum.
+  float pointScale;  // Factor of each point's contribution.
   uint dims[3];
   uint pointCount;
   int offsets[3 * kPointsPerDispatch];

@@ -1,0 +1,155 @@
+// What the kernels ask of a device, read from their SPIR-V.
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+
+#include "vulkan/device/features.h"
+// Must follow Vulkan's declarations.
+#include "shaders/raymap_vulkan_all.h"
+
+namespace raymap::vulkan {
+namespace {
+
+// SPIR-V specification, §3.
+enum Op : uint32_t {
+  OpName = 5,
+  OpCapability = 17,
+  OpTypeFloat = 22,
+  OpFunction = 54,
+  OpDecorate = 71,
+  OpFAdd = 129,
+  OpFSub = 131,
+  OpFMul = 133
+};
+constexpr uint32_t kDecorationNoContraction = 42;
+
+enum Capability : uint32_t {
+  Shader = 1,
+  Int64 = 11,
+  GroupNonUniform = 61,
+  GroupNonUniformVote = 62,
+  GroupNonUniformArithmetic = 63,
+  GroupNonUniformBallot = 64,
+  PhysicalStorageBufferAddresses = 5347
+};
+
+/// Calls visit(words) for each instruction; `words` includes its first word.
+void forEachInstruction(const struct Shader& shader,
+                        const std::function<void(std::span<const uint32_t> words)>& visit) {
+  constexpr size_t kHeaderWords = 5;
+  for (size_t at = kHeaderWords; at < shader.code.size(); at += shader.code[at] >> 16)
+    visit(shader.code.subspan(at, shader.code[at] >> 16));
+}
+
+Op opOf(std::span<const uint32_t> words) {
+  return static_cast<Op>(words[0] & 0xFFFFu);
+}
+
+std::set<uint32_t> capabilitiesOf(const struct Shader& shader) {
+  std::set<uint32_t> capabilities;
+  forEachInstruction(shader, [&](std::span<const uint32_t> words) {
+    if (opOf(words) == OpCapability) capabilities.insert(words[1]);
+  });
+  return capabilities;
+}
+
+TEST(Kernels, AskForNoOtherCapabilitiesThanTheDeviceIsCheckedFor) {
+  const std::map<uint32_t, VkSubgroupFeatureFlags> subgroupOperations = {
+      {GroupNonUniform, VK_SUBGROUP_FEATURE_BASIC_BIT},
+      {GroupNonUniformVote, VK_SUBGROUP_FEATURE_VOTE_BIT},
+      {GroupNonUniformArithmetic, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT},
+      {GroupNonUniformBallot, VK_SUBGROUP_FEATURE_BALLOT_BIT}};
+  VkSubgroupFeatureFlags used = 0;
+  for (const struct Shader& shader : shaders::kAll)
+    for (const uint32_t capability : capabilitiesOf(shader)) {
+      if (const auto operation = subgroupOperations.find(capability); operation != subgroupOperations.end())
+        used |= operation->second;
+      else
+        EXPECT_TRUE(capability == Capability::Shader || capability == Int64 ||
+                    capability == PhysicalStorageBufferAddresses)
+            << shader.name << " needs capability " << capability;
+    }
+  EXPECT_EQ(used, requiredSubgroupOperations());
+  Features features;
+  setRequired(features);
+  EXPECT_EQ(features.v10.features.shaderInt64, VK_TRUE);
+  EXPECT_EQ(features.v10.features.shaderFloat64, VK_FALSE);
+}
+
+TEST(Kernels, HaveNoNumbersOfDoublePrecision) {
+  size_t floats = 0;
+  for (const struct Shader& shader : shaders::kAll)
+    forEachInstruction(shader, [&](std::span<const uint32_t> words) {
+      if (opOf(words) != OpTypeFloat) return;
+      EXPECT_EQ(words[2], 32u) << shader.name;
+      ++floats;
+    });
+  EXPECT_GT(floats, 20u);
+}
+
+TEST(Kernels, NameTheSubgroupOperationsThatADeviceLacks) {
+  const VkSubgroupFeatureFlags all = requiredSubgroupOperations();
+  constexpr VkShaderStageFlags kCompute = VK_SHADER_STAGE_COMPUTE_BIT;
+  EXPECT_TRUE(missingSubgroupOperations(all, kCompute).empty());
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(missingSubgroupOperations(all & ~VkSubgroupFeatureFlags{VK_SUBGROUP_FEATURE_VOTE_BIT}, kCompute),
+            Names{"subgroup operations 'vote' in compute shaders"});
+  EXPECT_EQ(
+      missingSubgroupOperations(all & ~VkSubgroupFeatureFlags{VK_SUBGROUP_FEATURE_BALLOT_BIT}, kCompute),
+      Names{"subgroup operations 'ballot' in compute shaders"});
+  EXPECT_EQ(missingSubgroupOperations(all, VK_SHADER_STAGE_FRAGMENT_BIT).size(), 4u);
+}
+
+/// Counts the sums and products of floats in a function of a shader, and those of them that drivers may
+/// contract.
+struct Arithmetic {
+  size_t all = 0;
+  size_t contractable = 0;
+};
+
+/// Returns the arithmetic in each function, by the function's name without its parameters.
+std::map<std::string, Arithmetic> arithmeticOf(const struct Shader& shader) {
+  std::map<uint32_t, std::string> names;
+  std::set<uint32_t> precise;
+  std::map<std::string, Arithmetic> functions;
+  std::string function;
+  forEachInstruction(shader, [&](std::span<const uint32_t> words) {
+    const Op op = opOf(words);
+    if (op == OpName) {
+      const char* text = reinterpret_cast<const char*>(words.data() + 2);
+      const std::string name(text, strnlen(text, 4 * (words.size() - 2)));
+      names[words[1]] = name.substr(0, name.find('('));
+    }
+    if (op == OpDecorate && words[2] == kDecorationNoContraction) precise.insert(words[1]);
+    if (op == OpFunction) function = names[words[2]];
+    if (op != OpFAdd && op != OpFSub && op != OpFMul) return;
+    ++functions[function].all;
+    if (!precise.contains(words[2])) ++functions[function].contractable;
+  });
+  return functions;
+}
+
+TEST(Kernels, ForbidDriversToContractWhatMustBeRounded) {
+  std::map<std::string, std::set<std::string>> rounded = {
+      {"surface_tree_leaves", {"exactSum", "renormalized", "exactProduct", "pairSum", "pairProduct"}},
+      {"distance_transform", {"isNoHigher"}},
+      {"cell_distance", {"dotExactly", "crossExactly"}}};
+  for (const struct Shader& shader : shaders::kAll) {
+    const auto functions = arithmeticOf(shader);
+    for (const std::string& name : rounded[std::string(shader.name)]) {
+      const auto function = functions.find(name);
+      ASSERT_NE(function, functions.end()) << name << " of " << shader.name;
+      EXPECT_GT(function->second.all, 0u) << name;
+      EXPECT_EQ(function->second.contractable, 0u) << name << " of " << shader.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
