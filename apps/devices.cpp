@@ -1,10 +1,15 @@
+#include <raymap/error.h>
 #include <raymap/names.h>
+#include <raymap/version.h>
+
+#include <unistd.h>
 
 #include <cstdio>
 #include <iostream>
 
 #include "commands.h"
 #include "report.h"
+#include "terminal.h"
 
 namespace raymap {
 
@@ -13,9 +18,17 @@ namespace {
 constexpr const char* kFooter = R"(Examples:
   raymap devices
   raymap devices --json | jq -r .auto
+  raymap devices --test                                 (every GPU)
+  raymap devices --test vulkan:0
 
 'auto' marks the default device: a GPU if there is one, else the CPU. A software rasterizer is used only
-if --device names it.)";
+if --device names it. A GPU is tested before its first use by default: small versions of every stage and of
+whole fields are compared with the CPU. The result is kept in the folder that the environment variable
+RAYMAP_CACHE names, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap; RAYMAP_CACHE=off keeps nothing.
+
+--test tests now. Its exit code is 0 if all passed, and 9 if one failed.)";
+
+constexpr int kFailedTest = 9;
 
 void print(const DeviceList& list) {
   for (size_t i = 0; i < list.devices.size(); ++i) {
@@ -29,30 +42,110 @@ void print(const DeviceList& list) {
                   std::string(name(device.type)).c_str(), sizeText(device.memory).c_str(),
                   sizeText(device.sharedMemory).c_str(), device.driver.c_str());
     if (!device.problem.empty()) std::printf("%16s cannot be used: %s\n", "", device.problem.c_str());
+    if (device.problem.empty() && device.threads == 0)
+      std::printf("%16s test: %s%s%s\n", "", std::string(name(device.test)).c_str(),
+                  device.testProblem.empty() ? "" : ", ", device.testProblem.c_str());
   }
   if (!list.note.empty()) std::printf("no GPU: %s\n", list.note.c_str());
 }
 
+Json toJson(const DeviceInfo& device) {
+  Json json{
+      {"id", device.id}, {"name", device.name}, {"type", name(device.type)}, {"memory_bytes", device.memory}};
+  if (device.threads > 0) {
+    json["threads"] = device.threads;
+  } else {
+    json["shared_memory_bytes"] = device.sharedMemory;
+    json["driver"] = device.driver;
+    json["vulkan"] = device.vulkanVersion;
+    json["subgroup_size"] = {
+        {"usual", device.subgroupSize}, {"min", device.minSubgroupSize}, {"max", device.maxSubgroupSize}};
+    json["test"] = name(device.test);
+    if (!device.testProblem.empty()) json["test_problem"] = device.testProblem;
+  }
+  json["usable"] = device.problem.empty();
+  if (!device.problem.empty()) json["problem"] = device.problem;
+  return json;
+}
+
 Json toJson(const DeviceList& list) {
   Json all = Json::array();
-  for (const DeviceInfo& device : list.devices) {
-    Json json{{"id", device.id},
-              {"name", device.name},
-              {"type", name(device.type)},
-              {"memory_bytes", device.memory}};
-    if (device.threads > 0) {
-      json["threads"] = device.threads;
-    } else {
-      json["shared_memory_bytes"] = device.sharedMemory;
-      json["driver"] = device.driver;
-    }
-    json["usable"] = device.problem.empty();
-    if (!device.problem.empty()) json["problem"] = device.problem;
-    all.push_back(json);
-  }
+  for (const DeviceInfo& device : list.devices) all.push_back(toJson(device));
   Json json{{"auto", list.devices[list.automatic].id}, {"devices", all}};
   if (!list.note.empty()) json["note"] = list.note;
   return json;
+}
+
+void printHead(const DeviceInfo& device) {
+  std::printf("raymap %s tests %s\n", version().text, device.id.c_str());
+  std::printf("  device    %s, %s\n", device.name.c_str(), std::string(name(device.type)).c_str());
+  std::printf("  driver    %s\n", device.driver.c_str());
+  std::printf("  Vulkan    %s, subgroups of %u (%u to %u), %s shared by a work group\n",
+              device.vulkanVersion.c_str(), device.subgroupSize, device.minSubgroupSize,
+              device.maxSubgroupSize, sizeText(device.sharedMemory).c_str());
+}
+
+void print(const DeviceTest& test) {
+  printHead(test.device);
+  for (const DeviceCheck& check : test.checks) {
+    std::printf("  %-26s%s %6.0f ms\n", check.name.c_str(), check.difference.empty() ? "passed" : "FAILED",
+                check.milliseconds);
+    if (!check.difference.empty()) std::printf("    %s\n", check.difference.c_str());
+  }
+  if (test.problem.empty())
+    std::printf("passed %s in %.1f s\n", counted(test.checks.size(), "check").c_str(),
+                1e-3 * test.milliseconds);
+  else
+    std::printf("FAILED in %s\n", test.problem.c_str());
+}
+
+Json toJson(const DeviceTest& test) {
+  Json checks = Json::array();
+  for (const DeviceCheck& check : test.checks) {
+    Json json{{"name", check.name}, {"passed", check.difference.empty()}, {"ms", check.milliseconds}};
+    if (!check.difference.empty()) json["difference"] = check.difference;
+    checks.push_back(json);
+  }
+  Json json = toJson(test.device);
+  json["raymap"] = version().text;
+  json["ms"] = test.milliseconds;
+  json["checks"] = checks;
+  return json;
+}
+
+/// Returns the devices to test: the one named, or every one that can be used.
+std::vector<std::string> devicesToTest(const std::string& asked) {
+  if (!asked.empty()) return {asked};
+  std::vector<std::string> ids;
+  const DeviceList list = devices();
+  for (const DeviceInfo& device : list.devices)
+    if (device.id != "cpu" && device.problem.empty()) ids.push_back(device.id);
+  if (ids.empty())
+    throw Error(ErrorCode::Unsupported,
+                "there is no GPU to test" + (list.note.empty() ? "; see raymap devices" : ": " + list.note));
+  return ids;
+}
+
+/// Ends the program if a test failed.
+void testAll(const std::string& asked, bool isJson) {
+  Json all = Json::array();
+  bool isPassed = true, hangs = false;
+  for (const std::string& id : devicesToTest(asked)) {
+    ProgressLine line;
+    const DeviceTest test = testDevice(id, line.callback());
+    line.clear();
+    if (isJson)
+      all.push_back(toJson(test));
+    else
+      print(test);
+    isPassed = isPassed && test.problem.empty();
+    hangs = hangs || test.hangs;
+  }
+  if (isJson) std::cout << all.dump(2) << "\n";
+  std::cout.flush();
+  std::fflush(stdout);
+  if (hangs) _exit(kFailedTest);  // An orderly end would wait for the driver.
+  if (!isPassed) throw CLI::RuntimeError(kFailedTest);
 }
 
 }  // namespace
@@ -61,8 +154,16 @@ void addDevices(CLI::App& app) {
   CLI::App* command = app.add_subcommand("devices", "List the devices that can compute a field");
   const auto isJson = std::make_shared<bool>(false);
   command->add_flag("--json", *isJson, "Print JSON");
+  const auto tested = std::make_shared<std::string>();
+  CLI::Option* test = command->add_option(
+      "--test", *tested, "Test this GPU, or every one: compare every stage and whole fields with the CPU");
+  test->expected(0, 1)->type_name("[vulkan:K]");
   command->footer(kFooter);
-  command->callback([isJson] {
+  command->callback([isJson, tested, test] {
+    if (test->count() > 0) {
+      testAll(*tested, *isJson);
+      return;
+    }
     const DeviceList list = devices();
     if (*isJson)
       std::cout << toJson(list).dump(2) << "\n";

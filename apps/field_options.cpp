@@ -7,6 +7,7 @@
 #include <span>
 
 #include "checks.h"
+#include "first_use.h"
 #include "read_offsets.h"
 #include "terminal.h"
 
@@ -146,8 +147,10 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
   if (hasExtension(path, fieldExtensions())) return readField(path);
   if (hasExtension(path, meshExtensions())) {
     const Mesh mesh = loadMesh(path);
+    Options options = arguments.options;
+    testBeforeFirstUse(options.device);
     ProgressLine line;
-    return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(arguments.options, line)).field;
+    return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
   }
   std::string known;
   for (const auto& extensions : {meshExtensions(), fieldExtensions()})

@@ -9,6 +9,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
+#include "first_use.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -232,6 +233,7 @@ void run(Arguments& arguments) {
   const double start = secondsSinceStart();
   finishOptions(arguments);
   checkOutputs(outputs(arguments));
+  testBeforeFirstUse(arguments.options.device);
   Report report;
   const auto time = [](std::vector<Stats::Stage>& steps, const char* name, auto&& work) {
     steps.push_back({name, milliseconds(work)});

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
+#include "first_use.h"
 #include "report.h"
 #include "terminal.h"
 #include "view_options.h"
@@ -50,8 +51,9 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   if (array != FieldArray::Distance)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
-  ProgressLine line;
   RenderOptions options = arguments.options;
+  testBeforeFirstUse(options.device);
+  ProgressLine line;
   options.warn = warn;
   options.progress = line.callback();
   return renderField(field, options);

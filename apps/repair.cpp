@@ -7,6 +7,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
+#include "first_use.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -140,6 +141,7 @@ void run(Arguments& arguments) {
   checkOutputs(
       {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
   const Mesh mesh = loadMesh(arguments.mesh);
+  testBeforeFirstUse(arguments.options.device);
   const Grid grid = fitRepairGrid(mesh, arguments);
   const auto [result, report] = makeSolid(mesh, grid, arguments);
   if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");

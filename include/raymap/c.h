@@ -263,7 +263,9 @@ typedef struct raymap_device {
   const char* driver;
   const char* problem; /* Reason why it cannot be used; "" if it can. */
   uint64_t memory;     /* Bytes of its largest heap; for the CPU, bytes available now. */
-  bool is_automatic;   /* Whether the device "auto" is this one. */
+  bool is_automatic;   /* Whether the device "auto" is this one. It tests a GPU first. */
+  const char* test;    /* Last test of a GPU: "untested", "running", "passed", "failed" or "unfinished". */
+  const char* test_problem; /* What it found, or where it ended; "" if it passed. */
 } raymap_device;
 
 /* Asks every Vulkan driver, which can take a second. The CPU comes first. */
@@ -274,6 +276,10 @@ RAYMAP_API size_t raymap_devices_count(const raymap_devices* devices);
 /* Fills in what is known about device `index`. */
 RAYMAP_API raymap_result raymap_devices_get(const raymap_devices* devices, size_t index,
                                             raymap_device* device);
+/* Compares every stage and whole fields on a GPU with the CPU, and keeps the result in the user's cache
+ * folder (RAYMAP_CACHE). Returns RAYMAP_ERROR_UNSUPPORTED if it fails; the message gives the first
+ * difference. */
+RAYMAP_API raymap_result raymap_devices_test(const char* id);
 
 /* NOLINTEND(readability-identifier-naming) */
 

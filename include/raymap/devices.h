@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/callbacks.h>
 #include <raymap/export.h>
 
 #include <cstddef>
@@ -13,22 +14,38 @@ namespace raymap {
 /// Kinds of devices, in the order in which the device name "vulkan" prefers them; the CPU stands apart.
 enum class DeviceType { Discrete, Integrated, Virtual, Other, Software, Cpu };
 
+/// What is known of the last test of a GPU (`testDevice`) with this driver and this version of raymap.
+enum class DeviceTestState {
+  Untested,
+  Running,  ///< Another thread or process tests it now.
+  Passed,
+  Failed,
+  Unfinished,  ///< The test ended the process, or was killed.
+};
+
 /// A device that can compute fields.
 struct DeviceInfo {
   std::string id = {};    ///< Value for `Options::device`: "cpu", "vulkan:0", "vulkan:1", …
   std::string name = {};  ///< Name of the processor or GPU.
   DeviceType type = DeviceType::Other;
-  std::string driver = {};    ///< Name and version of the driver; empty for the CPU.
-  unsigned threads = 0;       ///< Number of hardware threads of the CPU; 0 for others.
-  uint64_t memory = 0;        ///< Bytes of its largest heap; for the CPU, bytes available now.
-  uint32_t sharedMemory = 0;  ///< Bytes of shared memory per work group; 0 for the CPU.
-  std::string problem = {};   ///< Reason why it cannot be used; empty if it can.
+  std::string driver = {};         ///< Name and version of the driver; empty for the CPU.
+  unsigned threads = 0;            ///< Number of hardware threads of the CPU; 0 for others.
+  uint64_t memory = 0;             ///< Bytes of its largest heap; for the CPU, bytes available now.
+  uint32_t sharedMemory = 0;       ///< Bytes of shared memory per work group; 0 for the CPU.
+  std::string problem = {};        ///< Reason why it cannot be used; empty if it can.
+  std::string vulkanVersion = {};  ///< Version of Vulkan, such as "1.3.230"; empty for the CPU.
+  uint32_t subgroupSize = 0;       ///< Usual number of invocations per subgroup; 0 for the CPU.
+  uint32_t minSubgroupSize = 0;    ///< Fewest that a kernel may have.
+  uint32_t maxSubgroupSize = 0;    ///< Most that a kernel may have.
+  std::string identity = {};       ///< Differs for every device and version of a driver; empty for the CPU.
+  DeviceTestState test = DeviceTestState::Untested;
+  std::string testProblem = {};  ///< What the test found, or where it ended; empty if it passed.
 };
 
 /// All devices of this machine.
 struct DeviceList {
   std::vector<DeviceInfo> devices = {};  ///< The CPU first, then Vulkan's devices in its order.
-  size_t automatic = 0;                  ///< Index of the device that "auto" takes.
+  size_t automatic = 0;                  ///< Index of the device that "auto" takes. It tests a GPU first.
   std::optional<size_t> best = {};       ///< Index of the one that "vulkan" takes; none if none is usable.
   std::string note = {};                 ///< Reason why there is no Vulkan device; empty if there is one.
 };
@@ -36,5 +53,37 @@ struct DeviceList {
 /// Returns all values that `Options::device` accepts, with what is behind them. Asks every Vulkan driver,
 /// which can take a second.
 RAYMAP_API DeviceList devices();
+
+/// Returns the id of the GPU that the device "auto" would test before its first use; empty if there is none.
+/// A driver may end the process that tests it. A program can avoid that: it runs `raymap devices --test ID`
+/// first, a process of its own.
+RAYMAP_API std::string deviceToTest();
+
+/// One check of a GPU: a stage, or whole fields.
+struct DeviceCheck {
+  std::string name = {};
+  std::string difference = {};  ///< First difference from the right result; empty if there is none.
+  double milliseconds = 0.0;
+};
+
+/// What a test of a GPU found.
+struct DeviceTest {
+  DeviceInfo device = {};
+  std::vector<DeviceCheck> checks = {};  ///< Those that ended, in their order.
+  std::string problem = {};              ///< The first check that failed, and its difference; empty if none.
+  double milliseconds = 0.0;
+  bool hangs = false;  ///< Whether a check did not end. Its thread still runs and holds the device.
+};
+
+/// Runs small versions of every stage and of whole fields on a GPU, and compares them with the CPU. Writes
+/// the result to the user's cache folder, from where `devices` and the device "auto" read it.
+///
+/// That folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
+/// If it is off (RAYMAP_CACHE=off) or cannot be written, this process remembers the result.
+///
+/// `id` is that of a device in `devices`, or "vulkan" for the best one. Throws `Error`: Usage for a name that
+/// is none of a GPU, Unsupported if there is no such device or another thread or process tests it now,
+/// Cancelled if `progress` returns false.
+RAYMAP_API DeviceTest testDevice(const std::string& id, const ProgressCallback& progress = {});
 
 }  // namespace raymap

@@ -18,6 +18,7 @@ RAYMAP_API std::string_view name(Sampling value);
 RAYMAP_API std::string_view name(Orientation value);
 RAYMAP_API std::string_view name(FieldArray value);
 RAYMAP_API std::string_view name(DeviceType value);
+RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
 
 /// Returns the value with a name. Throws `Error(Usage)` that lists the accepted names. `Enum` is one of the
@@ -40,6 +41,7 @@ RAYMAP_DECLARE_NAMES(Sampling)
 RAYMAP_DECLARE_NAMES(Orientation)
 RAYMAP_DECLARE_NAMES(FieldArray)
 RAYMAP_DECLARE_NAMES(DeviceType)
+RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)
 #undef RAYMAP_DECLARE_NAMES
 

@@ -3,6 +3,8 @@
 #include <fstream>
 #include <thread>
 
+#include "api/device_record.h"
+#include "api/device_test.h"
 #include "base/memory.h"
 #include "method/device_name.h"
 
@@ -28,13 +30,26 @@ DeviceInfo cpu() {
           .memory = availableMemory()};
 }
 
+bool isRefused(const DeviceInfo& device) {
+  return device.test == DeviceTestState::Failed || device.test == DeviceTestState::Unfinished;
+}
+
+/// Returns whether the device "auto" may be this GPU.
+bool mayBeAutomatic(const DeviceInfo& gpu) {
+  return gpu.problem.empty() && gpu.type != DeviceType::Software;
+}
+
 void addGpus(DeviceList& list) {
-  for (const DeviceInfo& gpu : gpuPlugIn()->list()) {
+  for (DeviceInfo& gpu : gpuPlugIn()->list()) {
+    const DeviceRecord record = readRecord(gpu);
+    gpu.test = record.state;
+    gpu.testProblem = record.problem;
     const size_t number = list.devices.size();
     if (gpu.problem.empty() && (!list.best || gpu.type < list.devices[*list.best].type)) list.best = number;
-    list.devices.push_back(gpu);
+    const bool isBetter = list.automatic == 0 || gpu.type < list.devices[list.automatic].type;
+    if (mayBeAutomatic(gpu) && !isRefused(gpu) && isBetter) list.automatic = number;
+    list.devices.push_back(std::move(gpu));
   }
-  if (list.best && list.devices[*list.best].type != DeviceType::Software) list.automatic = *list.best;
 }
 
 }  // namespace
@@ -66,20 +81,66 @@ void requireUsable(const DeviceList& list, size_t number, const std::string& nam
     throw Error(ErrorCode::Unsupported, name + " (" + device.name + ") cannot be used: " + device.problem);
 }
 
+DeviceName parse(const std::string& name) {
+  if (const std::optional<DeviceName> asked = parseDeviceName(name)) return *asked;
+  throw Error(ErrorCode::Usage, "there is no device '" + name + "'; use auto, cpu, vulkan or vulkan:K");
+}
+
+/// Returns the index in the list of a device that is not the CPU.
+size_t indexOf(const DeviceName& asked, const DeviceList& list, const std::string& name) {
+  const size_t index = asked.index ? *asked.index + 1 : list.best.value_or(list.devices.size());
+  requireUsable(list, index, name);
+  return index;
+}
+
+bool mayHaveGpu() {
+  return gpuPlugIn() && gpuPlugIn()->mayHaveGpu();
+}
+
+/// Calls `warn` with the reason why none of the GPUs is used.
+void warnOfRefused(const DeviceList& list, const WarningCallback& warn) {
+  for (const DeviceInfo& gpu : list.devices)
+    if (warn && mayBeAutomatic(gpu) && isRefused(gpu))
+      warn("the GPU is not used, the CPU instead: " + reasonAgainst(gpu));
+}
+
+std::optional<size_t> chooseAutomatic(const WarningCallback& warn, const ProgressCallback& progress) {
+  for (;;) {
+    const DeviceList list = devices();
+    if (list.automatic == 0) {
+      warnOfRefused(list, warn);
+      return std::nullopt;
+    }
+    const size_t number = list.automatic - 1;
+    if (testOnce(list.devices[list.automatic], number, progress) == DeviceTestState::Passed) return number;
+  }
+}
+
 }  // namespace
 
-std::optional<size_t> chooseDevice(const std::string& name) {
-  const std::optional<DeviceName> asked = parseDeviceName(name);
-  if (!asked)
-    throw Error(ErrorCode::Usage, "there is no device '" + name + "'; use auto, cpu, vulkan or vulkan:K");
-  const bool isAuto = asked->kind == DeviceName::Kind::Auto;
-  if (asked->kind == DeviceName::Kind::Cpu || (isAuto && !(gpuPlugIn() && gpuPlugIn()->mayHaveGpu())))
-    return std::nullopt;
+std::optional<size_t> chooseDevice(const std::string& name, const WarningCallback& warn,
+                                   const ProgressCallback& progress) {
+  const DeviceName asked = parse(name);
+  if (asked.kind == DeviceName::Kind::Cpu) return std::nullopt;
+  if (asked.kind == DeviceName::Kind::Auto)
+    return mayHaveGpu() ? chooseAutomatic(warn, progress) : std::nullopt;
+  return indexOf(asked, devices(), name) - 1;
+}
+
+std::string deviceToTest() {
+  if (!mayHaveGpu()) return {};
   const DeviceList list = devices();
-  if (isAuto) return list.automatic == 0 ? std::nullopt : std::optional(list.automatic - 1);
-  const size_t number = asked->index ? *asked->index + 1 : list.best.value_or(list.devices.size());
-  requireUsable(list, number, name);
-  return number - 1;
+  const DeviceInfo& automatic = list.devices[list.automatic];
+  return list.automatic != 0 && automatic.test == DeviceTestState::Untested ? automatic.id : "";
+}
+
+DeviceTest testDevice(const std::string& id, const ProgressCallback& progress) {
+  const DeviceName asked = parse(id);
+  if (asked.kind != DeviceName::Kind::Vulkan)
+    throw Error(ErrorCode::Usage, "'" + id + "' is not the name of a GPU; use vulkan or vulkan:K");
+  const DeviceList list = devices();
+  const size_t index = indexOf(asked, list, id);
+  return testGpu(list.devices[index], index - 1, progress);
 }
 
 bool isOfTheDevice(const Error& error) {
@@ -87,10 +148,11 @@ bool isOfTheDevice(const Error& error) {
          error.code() != ErrorCode::Cancelled;
 }
 
-GpuDevice* ChosenDevice::open(const std::string& name) {
+GpuDevice* ChosenDevice::open(const std::string& name, const WarningCallback& warn,
+                              const ProgressCallback& progress) {
   if (name_ != name) {
     close();
-    number_ = chooseDevice(name);
+    number_ = chooseDevice(name, warn, progress);
     name_ = name;
   }
   if (number_ && !gpu_) gpu_ = gpuPlugIn()->open(*number_);

@@ -13,9 +13,11 @@
 namespace raymap {
 
 /// Returns the number of the GPU that `Options::device` names; none for the CPU. `auto` asks drivers only on
-/// machines that have a GPU. Throws `Error`: Usage for a name that is none, Unsupported if there is no such
-/// device.
-std::optional<size_t> chooseDevice(const std::string& name);
+/// machines that have a GPU, tests a GPU before its first use, and calls `warn` with the reason if it takes
+/// the CPU because GPUs failed. Throws `Error`: Usage for a name that is none, Unsupported if there is no
+/// such device, Cancelled if `progress` returns false.
+std::optional<size_t> chooseDevice(const std::string& name, const WarningCallback& warn = {},
+                                   const ProgressCallback& progress = {});
 
 /// Returns whether another device may succeed where this error stopped one: not if the input or the options
 /// are at fault, or the user cancelled.
@@ -27,10 +29,12 @@ class ChosenDevice {
  public:
   /// Calls `work(device, number)` if `name` means a GPU. Returns false if the CPU has to do the work: `name`
   /// means the CPU, or the GPU that `auto` chose failed. Then it calls `warn` with the reason.
+  /// `progress` is that of the test of a new GPU.
   template <class Work>
-  bool run(const std::string& name, const WarningCallback& warn, Work&& work) {
+  bool run(const std::string& name, const WarningCallback& warn, const ProgressCallback& progress,
+           Work&& work) {
     try {
-      GpuDevice* const device = open(name);
+      GpuDevice* const device = open(name, warn, progress);
       if (device) work(*device, *number_);
       return device != nullptr;
     } catch (const Error& error) {
@@ -47,7 +51,7 @@ class ChosenDevice {
 
  private:
   /// Returns null for the CPU.
-  GpuDevice* open(const std::string& name);
+  GpuDevice* open(const std::string& name, const WarningCallback& warn, const ProgressCallback& progress);
   void close();
 
   std::optional<std::string> name_;  ///< Name that was chosen last.

@@ -71,7 +71,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
       withThreads(options.threads, [&] { gpu.generate({mesh, grid, options, progress, field}, stats); });
       stats.device = "vulkan:" + std::to_string(number);
     };
-    if (!impl_->device.run(options.device, options.warn, onGpu)) {
+    if (!impl_->device.run(options.device, options.warn, options.progress, onGpu)) {
       Progress progress(options.progress);
       stats = generateOnCpu(impl_->cpu, {mesh, grid, options, progress, field}, impl_->packer.bytes());
     }

@@ -61,6 +61,16 @@ struct Names<DeviceType> {
 };
 
 template <>
+struct Names<DeviceTestState> {
+  static constexpr std::string_view kKind = "state of a device's test";
+  static constexpr std::array kValues{DeviceTestState::Untested, DeviceTestState::Running,
+                                      DeviceTestState::Passed, DeviceTestState::Failed,
+                                      DeviceTestState::Unfinished};
+  static constexpr std::array<std::string_view, 5> kNames{"untested", "running", "passed", "failed",
+                                                          "unfinished"};
+};
+
+template <>
 struct Names<ErrorCode> {
   static constexpr std::string_view kKind = "error code";
   static constexpr std::array kValues{ErrorCode::Usage,     ErrorCode::Input,     ErrorCode::File,
@@ -112,6 +122,7 @@ RAYMAP_DEFINE_NAMES(Sampling)
 RAYMAP_DEFINE_NAMES(Orientation)
 RAYMAP_DEFINE_NAMES(FieldArray)
 RAYMAP_DEFINE_NAMES(DeviceType)
+RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 
 }  // namespace raymap

@@ -74,6 +74,17 @@ raymap_result raymap_devices_get(const raymap_devices* devices, size_t index, ra
                .driver = found.driver.c_str(),
                .problem = found.problem.c_str(),
                .memory = found.memory,
-               .is_automatic = index == list.automatic};
+               .is_automatic = index == list.automatic,
+               .test = name(found.test).data(),
+               .test_problem = found.testProblem.c_str()};
+  });
+}
+
+raymap_result raymap_devices_test(const char* id) {
+  return guard([&] {
+    const DeviceTest test = testDevice(&need(id, "the name of a device"));
+    if (!test.problem.empty())
+      throw Error(ErrorCode::Unsupported, test.device.id + " (" + test.device.name + ", driver " +
+                                              test.device.driver + ") failed its test: " + test.problem);
   });
 }

@@ -7,6 +7,7 @@
 #include <raymap/generate.h>
 #include <raymap/render.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -27,12 +28,21 @@ class GpuDevice {
   virtual void draw(const Scene& scene, Progress& progress, Picture& picture) = 0;
 };
 
+/// Receives what a test of a device does.
+struct DeviceTestReport {
+  /// Called before each check with its name and the share of all checks that is done. Returns false to stop.
+  std::function<bool(const char* name, double done)> begin;
+  std::function<void(DeviceCheck check)> found;
+};
+
 /// Functions of a GPU backend. They throw `Error(Unsupported)` if there is no driver or no such device.
 struct GpuPlugIn {
   /// Lists the devices in the order of their numbers.
   std::vector<DeviceInfo> (*list)();
   /// Opens a device by its number.
   std::unique_ptr<GpuDevice> (*open)(size_t index);
+  /// Runs all checks of a device (src/vulkan/self_test/checks.h). Ends after one that loses the device.
+  void (*test)(size_t index, const DeviceTestReport& report);
   /// Returns whether the system shows a GPU at all, which takes much less time than `list`.
   bool (*mayHaveGpu)();
 };

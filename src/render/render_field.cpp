@@ -32,7 +32,8 @@ Picture renderField(const Field& field, const RenderOptions& options) {
   const auto draw = [&] {
     const Scene scene(field, options);
     const auto onGpu = [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); };
-    if (!ChosenDevice().run(options.device, options.warn, onGpu)) drawOnCpu(scene, progress, picture);
+    if (!ChosenDevice().run(options.device, options.warn, options.progress, onGpu))
+      drawOnCpu(scene, progress, picture);
   };
   progress.stage("render", [&] { withThreads(options.threads, draw); });
   return picture;

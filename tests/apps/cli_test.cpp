@@ -117,6 +117,35 @@ TEST_F(Cli, ListsDevices) {
     EXPECT_NE(text.find(device["name"].get<std::string>()), std::string::npos) << text;
 }
 
+TEST_F(Cli, TestsDevices) {
+  std::string gpu;
+  for (const Json& device : Json::parse(succeed("devices --json").out)["devices"])
+    if (device["id"] != "cpu" && device["usable"]) gpu = device["id"];
+  if (gpu.empty()) GTEST_SKIP() << "no GPU";
+  const std::string cache = "RAYMAP_CACHE='" + path("cache").string() + "'";
+  const Result tested = run("devices --json --test " + gpu, cache);
+  EXPECT_EQ(tested.code, 0) << tested.out;
+  const Json json = Json::parse(tested.out).at(0);
+  EXPECT_EQ(json["id"], gpu);
+  EXPECT_EQ(json["test"], "passed");
+  EXPECT_EQ(json["raymap"], version().text);
+  for (const char* key : {"name", "driver", "vulkan", "subgroup_size"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_GT(json["checks"].size(), 20u);
+  for (const Json& check : json["checks"]) EXPECT_TRUE(check["passed"]) << check;
+  EXPECT_TRUE(fs::exists(path("cache")));
+  const Result listed = run("devices", cache);
+  EXPECT_NE(listed.out.find("test: passed"), std::string::npos) << listed.out;
+}
+
+TEST_F(Cli, TestsNothingButGpus) {
+  expectFailure("devices --test cpu", ErrorCode::Usage, "'cpu' is not the name of a GPU");
+  expectFailure("devices --test vulkan:99", ErrorCode::Unsupported, "vulkan:99");
+  const Result none = run("devices --test", "VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere");
+  EXPECT_EQ(none.code, static_cast<int>(ErrorCode::Unsupported));
+  EXPECT_NE(none.err.find("there is no GPU to test: "), std::string::npos) << none.err;
+}
+
 TEST_F(Cli, SaysWhyThereIsNoGpu) {
   const Result result = run("devices --json", "VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere");
   EXPECT_EQ(result.code, 0) << result.err;

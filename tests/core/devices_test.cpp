@@ -21,7 +21,7 @@ struct Attempt {
 Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name) {
   Attempt attempt;
   const auto warn = [&](std::string_view text) { attempt.warning = text; };
-  const bool isDone = device.run(name, warn, [&](GpuDevice&, size_t number) {
+  const bool isDone = device.run(name, warn, {}, [&](GpuDevice&, size_t number) {
     EXPECT_EQ(number, CountingGpu::kUsable);
     ++attempt.onGpu;
     throw Error(code, "the reason");
@@ -33,7 +33,7 @@ Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name
 /// Runs work on the usable device that succeeds.
 void runWell(ChosenDevice& device, const std::string& name) {
   int onGpu = 0;
-  EXPECT_TRUE(device.run(name, {}, [&](GpuDevice&, size_t) { ++onGpu; }));
+  EXPECT_TRUE(device.run(name, {}, {}, [&](GpuDevice&, size_t) { ++onGpu; }));
   EXPECT_EQ(onGpu, 1);
 }
 
@@ -90,7 +90,7 @@ TEST(Devices, AreClosedAfterErrorsOfTheDevice) {
 TEST(Devices, TakeTheCpuWhereNoneIsChosen) {
   const CountingGpu gpu;
   ChosenDevice device;
-  EXPECT_FALSE(device.run("cpu", nullptr, [](GpuDevice&, size_t) { ADD_FAILURE(); }));
+  EXPECT_FALSE(device.run("cpu", {}, {}, [](GpuDevice&, size_t) { ADD_FAILURE(); }));
   EXPECT_EQ(CountingGpu::lists, 0);
 }
 

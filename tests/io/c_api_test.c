@@ -300,6 +300,8 @@ static void test_devices(void) {
   }
   CHECK(automatic == 1);
   CHECK_FAILS(raymap_devices_get(devices, 1000, &device), RAYMAP_ERROR_USAGE, "1000");
+  CHECK_FAILS(raymap_devices_test("cpu"), RAYMAP_ERROR_USAGE, "cpu");
+  CHECK_FAILS(raymap_devices_test("vulkan:1000"), RAYMAP_ERROR_UNSUPPORTED, "vulkan:1000");
   raymap_devices_free(devices);
 }
 

@@ -66,7 +66,7 @@ class CellDistanceTwins : public TwinTest {
  protected:
   static Buffer<float> compute(const CellMesh& mesh, const VoxelGrid& grid) {
 #ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::cellDistance(mesh, grid.cells);
+    if (!isOnCpu()) return vulkan::CellStages::probe().cellDistance(mesh, grid.cells);
 #endif
     Progress progress;
     Buffer<float> squared;

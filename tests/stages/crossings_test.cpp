@@ -23,7 +23,7 @@ class CrossingsTwins : public TwinTest {
   static Crossings crossingsOf(const Mesh& mesh, const Grid& grid) {
 #ifdef RAYMAP_TEST_VULKAN
     if (!isOnCpu())
-      return vulkan::toCrossings(vulkan::SignStages::countCrossings(cellMesh(mesh, grid)), grid.dims);
+      return vulkan::toCrossings(vulkan::SignStages::probe().countCrossings(cellMesh(mesh, grid)), grid.dims);
 #endif
     return raymap::crossingsOf(mesh, grid);
   }

@@ -33,7 +33,7 @@ class DistanceTransformTwins : public TwinTest {
   static Result transform(glm::ivec3 dims, const Buffer<float>& squared) {
 #ifdef RAYMAP_TEST_VULKAN
     if (!isOnCpu()) {
-      vulkan::TransformResult result = vulkan::CellStages::transform(dims, squared);
+      vulkan::TransformResult result = vulkan::CellStages::probe().transform(dims, squared);
       return {std::move(result.squared), std::move(result.cells)};
     }
 #endif

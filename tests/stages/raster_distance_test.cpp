@@ -43,13 +43,13 @@ class RasterDistanceTwins : public TwinTest {
  protected:
   static std::vector<CellLevel> rasterize(const CellMesh& mesh) {
 #ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::rasterize(mesh);
+    if (!isOnCpu()) return vulkan::CellStages::probe().rasterize(mesh);
 #endif
     return rasterizeOnCpu(mesh);
   }
   static Buffer<float> rasterDistance(const CellMesh& mesh) {
 #ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::rasterDistance(mesh);
+    if (!isOnCpu()) return vulkan::CellStages::probe().rasterDistance(mesh);
 #endif
     return rasterDistanceOnCpu(mesh);
   }

@@ -30,7 +30,7 @@ class RayMapTwins : public TwinTest {
   static RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
 #ifdef RAYMAP_TEST_VULKAN
     if (!isOnCpu())
-      return vulkan::toRayMap(vulkan::SignStages::compute(cellMesh(mesh, grid)).rays, grid.dims);
+      return vulkan::toRayMap(vulkan::SignStages::probe().compute(cellMesh(mesh, grid)).rays, grid.dims);
 #endif
     return raymap::rayMapOf(mesh, grid);
   }

@@ -69,7 +69,7 @@ class RefineTwins : public TwinTest {
   static Result refine(const CellMesh& mesh, int reach) {
 #ifdef RAYMAP_TEST_VULKAN
     if (!isOnCpu()) {
-      vulkan::RefineResult result = vulkan::CellStages::refine(mesh, reach);
+      vulkan::RefineResult result = vulkan::CellStages::probe().refine(mesh, reach);
       return {std::move(result.levels), std::move(result.distance), std::move(result.triangle)};
     }
 #endif

@@ -35,7 +35,7 @@ class VoxelGridTwins : public TwinTest {
  protected:
   static VoxelGrid build(const CellMesh& mesh, const CellLattice& cells) {
 #ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::voxelGrid(mesh, cells);
+    if (!isOnCpu()) return vulkan::CellStages::probe().voxelGrid(mesh, cells);
 #endif
     return buildOnCpu(mesh, cells);
   }

@@ -2,10 +2,14 @@
 
 // A GPU backend without a GPU, for tests of how devices are chosen and kept.
 
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "environment.h"
 #include "method/gpu_plug_in.h"
 
 namespace raymap {
@@ -17,17 +21,23 @@ class CountingGpu {
   static constexpr size_t kUsable = 3;
 
   CountingGpu() : before_(gpuPlugIn() ? *gpuPlugIn() : kNone) {
-    lists = opens = runs = 0;
+    lists = opens = runs = tests = 0;
     onGenerate = {};
-    plugIn({.list = list, .open = open, .mayHaveGpu = [] { return true; }});
+    onTest = {};
+    identity = "made for tests " + std::to_string(++made_);
+    plugIn({.list = list, .open = open, .test = test, .mayHaveGpu = [] { return true; }});
   }
   ~CountingGpu() { plugIn(before_); }
   CountingGpu(const CountingGpu&) = delete;
   CountingGpu& operator=(const CountingGpu&) = delete;
 
-  static inline int lists = 0, opens = 0, runs = 0;
+  static inline int lists = 0, opens = 0, runs = 0, tests = 0;
   /// Called by every run; it may throw.
   static inline std::function<void()> onGenerate;
+  /// Called by every test, which passes without it; it may throw.
+  static inline std::function<void(const DeviceTestReport&)> onTest;
+  /// Identity of all devices: another one in each test, so that no test of a device counts in the next.
+  static inline std::string identity;
 
  private:
   class FakeDevice final : public GpuDevice {
@@ -46,7 +56,11 @@ class CountingGpu {
     ++lists;
     std::vector<DeviceInfo> devices(kUsable + 1);
     for (size_t index = 0; index < devices.size(); ++index) {
-      devices[index] = {.id = "vulkan:" + std::to_string(index), .type = DeviceType::Discrete};
+      devices[index] = {.id = "vulkan:" + std::to_string(index),
+                        .name = "Counting GPU",
+                        .type = DeviceType::Discrete,
+                        .driver = "Counter 1.0",
+                        .identity = identity};
       if (index != kUsable) devices[index].problem = "made for a test";
     }
     return devices;
@@ -57,10 +71,19 @@ class CountingGpu {
     return std::make_unique<FakeDevice>();
   }
 
+  static void test(size_t index, const DeviceTestReport& report) {
+    EXPECT_EQ(index, kUsable);
+    ++tests;
+    if (onTest) onTest(report);
+  }
+
   static constexpr GpuPlugIn kNone{.list = [] { return std::vector<DeviceInfo>(); },
                                    .open = [](size_t) { return std::unique_ptr<GpuDevice>(); },
+                                   .test = [](size_t, const DeviceTestReport&) {},
                                    .mayHaveGpu = [] { return false; }};
+  static inline int made_ = 0;
   GpuPlugIn before_;
+  ScopedVariable cache_{"RAYMAP_CACHE", "off"};
 };
 
 }  // namespace raymap

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "vulkan/device/command_buffer.h"
+#include "vulkan/self_test/probe.h"
 
 namespace raymap::vulkan {
 
@@ -24,30 +24,15 @@ class VulkanTest : public ::testing::Test {
 
   template <class T>
   static DeviceBuffer upload(const std::vector<T>& values, const std::string& name = "test") {
-    DeviceBuffer staging(device(), name + " upload", MemoryUse::Upload), buffer(device(), name);
-    staging.resize<T>(values.size());
-    buffer.resize<T>(values.size());
-    std::copy(values.begin(), values.end(), staging.mapped<T>().begin());
-    run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
-    return buffer;
+    return Probe(device()).upload(values, name);
   }
-
   template <class T>
   static std::vector<T> download(const DeviceBuffer& buffer) {
-    DeviceBuffer staging(device(), "download", MemoryUse::ReadBack);
-    staging.resize<T>(buffer.bytes() / sizeof(T));
-    run([&](Commands& commands) { commands.copy(buffer, staging, buffer.bytes()); });
-    const std::span<T> values = staging.mapped<T>();
-    return {values.begin(), values.end()};
+    return Probe(device()).download<T>(buffer);
   }
-
-  template <class Work>
-  static void run(Work&& record) {
-    CommandBuffer buffer(device());
-    Commands commands = buffer.begin();
-    record(commands);
-    buffer.submitAndWait();
-    EXPECT_EQ(device().guards()->damaged(), "");
+  template <class Record>
+  static void run(Record&& record) {
+    Probe(device()).run(record);
   }
 
   void SetUp() override {

@@ -3,64 +3,18 @@
 #include <raymap/raymap.h>
 
 #include "cpu/cells/raster_distance.h"
-#include "cpu/cells/refine.h"
-#include "cpu/cells/triangle.h"
 #include "mesh_folder.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_cell_stages.h"
 
 namespace raymap::vulkan {
 namespace {
 
-constexpr double kAllowed = 1e-6;  // of the grid's diagonal
-
 class VulkanCells : public VulkanTest {};
 
-void expectNear(const Buffer<float>& ours, const Buffer<float>& theirs, const glm::ivec3& dims) {
-  const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(dims)));
-  ASSERT_EQ(ours.size(), theirs.size());
-  for (size_t s = 0; s < ours.size(); ++s) {
-    // The steps of floats grow with the distance.
-    ASSERT_NEAR(ours[s], theirs[s], std::max(allowed, 1e-6f * theirs[s])) << "sample " << s;
-  }
-}
-
-void expectSameLevels(const std::vector<cpu::CellLevel>& ours, const std::vector<cpu::CellLevel>& theirs) {
-  ASSERT_EQ(ours.size(), theirs.size());
-  for (size_t l = 0; l < ours.size(); ++l) {
-    ASSERT_TRUE(std::ranges::equal(ours[l].grid.starts, theirs[l].grid.starts));
-    ASSERT_TRUE(std::ranges::equal(ours[l].grid.triangles, theirs[l].grid.triangles));
-    ASSERT_TRUE(std::ranges::equal(ours[l].squared, theirs[l].squared));
-    ASSERT_TRUE(std::ranges::equal(ours[l].nearestCell, theirs[l].nearestCell));
-  }
-}
-
-/// Checks the closest triangles, which may differ where they are equally far away but for rounding.
-void expectClosest(const CellMesh& mesh, const RefineResult& result) {
-  const auto allowed = static_cast<float>(kAllowed * glm::length(glm::dvec3(mesh.dims)));
-  for (size_t s = 0; s < result.distance.size(); ++s) {
-    const uint32_t t = result.triangle[s];
-    ASSERT_LT(t, mesh.triangles.size());
-    const glm::vec3 p(CellLattice{mesh.dims}.cell(s));
-    const float distance =
-        std::sqrt(triangleSquaredDistance(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)));
-    ASSERT_NEAR(result.distance[s], distance, std::max(allowed, 1e-6f * distance)) << s;
-  }
-}
-
 void expectAsOnTheCpu(const CellMesh& mesh) {
-  Progress progress;
-  const std::vector<cpu::CellLevel> levels = nearestCells(mesh);
-  for (const int reach : {0, 1}) {
-    Buffer<float> distance;
-    refineDistance(mesh, levels, reach, progress, distance, nullptr);
-    const RefineResult result = CellStages::refine(mesh, reach);
-    expectSameLevels(result.levels, levels);
-    expectNear(result.distance, distance, mesh.dims);
-    expectClosest(mesh, result);
-  }
-  Buffer<float> distance;
-  sampleRasterDistance(mesh.dims, levels, progress, distance);
-  expectNear(CellStages::rasterDistance(mesh), distance, mesh.dims);
+  for (const int reach : {0, 1}) compareRefine(CellStages::probe(), mesh, reach);
+  compareRasterDistance(CellStages::probe(), mesh);
 }
 
 void expectAsOnTheCpu(const Mesh& mesh, const GridOptions& options) {
@@ -76,7 +30,7 @@ TEST_F(VulkanCells, MatchTheCpu) {
 TEST_F(VulkanCells, GiveTheSameBitsEachTime) {
   const Mesh mesh = shapes::joined(shapes::sphere(0.05, 3, {0.4, 0.5, 0.5}), shapes::soup(50, 1));
   const OwnCellMesh cells(mesh, fitGrid(mesh, {.resolution = 14}));
-  const RefineResult one = CellStages::refine(cells, 1), two = CellStages::refine(cells, 1);
+  const RefineResult one = CellStages::probe().refine(cells, 1), two = CellStages::probe().refine(cells, 1);
   EXPECT_TRUE(std::ranges::equal(one.distance, two.distance));
   EXPECT_TRUE(std::ranges::equal(one.triangle, two.triangle));
 }
@@ -107,7 +61,7 @@ TEST_F(VulkanCells, GrowTheirListsForLargeTriangles) {
                                 {4, -900, 0},    {4, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, mesh.vertices.data());
   Progress progress;
-  const std::vector<cpu::CellLevel> levels = CellStages::rasterize(mesh);
+  const std::vector<cpu::CellLevel> levels = CellStages::probe().rasterize(mesh);
   for (const cpu::CellLevel& level : levels) {
     Buffer<float> squared;
     rasterizeDistance(mesh, level.grid.cells, progress, squared);

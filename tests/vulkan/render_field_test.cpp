@@ -83,7 +83,8 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
     stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)}, pixels.address(), 0, 90);
   });
   Picture ours{120, 90, {}};
-  for (const uint32_t pixel : download<uint32_t>(pixels))
+  const std::vector<uint32_t> drawn = download<uint32_t>(pixels);
+  for (const uint32_t pixel : drawn)
     for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
   expectClose(ours, theirs);
 }

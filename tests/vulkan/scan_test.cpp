@@ -1,76 +1,15 @@
 #include "vulkan/primitives/scan.h"
 
-#include <numeric>
-#include <random>
-
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
 namespace {
 
-std::vector<uint32_t> randomValues(size_t count) {
-  std::mt19937 random(static_cast<uint32_t>(count));
-  std::vector<uint32_t> values(count);
-  for (uint32_t& value : values) value = random() >> 8;
-  return values;
-}
-
-/// Returns the prefix sums, with the total at the end.
-std::vector<uint32_t> expectedSums(std::vector<uint32_t> values) {
-  values.push_back(0);
-  std::exclusive_scan(values.begin(), values.end(), values.begin(), 0U);
-  return values;
-}
-
-class VulkanScan : public VulkanTest, public ::testing::WithParamInterface<uint32_t> {
- protected:
-  /// Uploads values with space for the total, so that the sums can replace them.
-  static DeviceBuffer uploadValues(std::vector<uint32_t> values) {
-    values.push_back(0xDEADBEEF);
-    return upload(values, "values");
-  }
-};
+class VulkanScan : public VulkanTest, public ::testing::WithParamInterface<uint32_t> {};
 
 TEST_P(VulkanScan, IsTheExclusivePrefixSum) {
-  const std::vector<uint32_t> values = randomValues(GetParam());
-  const DeviceBuffer in = uploadValues(values);
-  DeviceBuffer out(device(), "sums");
-  out.resize<uint32_t>(values.size() + 1);
-  Scan scan(device());
-  scan.reserve(GetParam());
-  const auto record = [&](Commands& commands) {
-    scan.record(commands, in.address(), out.address(), {.most = GetParam()});
-  };
-  run(record);
-  EXPECT_EQ(download<uint32_t>(out), expectedSums(values));
-  run(record);
-  EXPECT_EQ(download<uint32_t>(out), expectedSums(values)) << "the second time";
-}
-
-TEST_P(VulkanScan, SumsInPlace) {
-  const std::vector<uint32_t> values = randomValues(GetParam());
-  const DeviceBuffer buffer = uploadValues(values);
-  Scan scan(device());
-  scan.reserve(GetParam());
-  run([&](Commands& commands) {
-    scan.record(commands, buffer.address(), buffer.address(), {.most = GetParam()});
-  });
-  EXPECT_EQ(download<uint32_t>(buffer), expectedSums(values));
-}
-
-TEST_P(VulkanScan, SumsAsManyAsTheDeviceCounted) {
-  std::vector<uint32_t> values = randomValues(GetParam());
-  const DeviceBuffer in = uploadValues(values);
-  DeviceBuffer out(device(), "sums");
-  out.resize<uint32_t>(values.size() + 1);
-  Scan scan(device());
-  const uint32_t most = GetParam() + 100000;  // For some sizes more levels than needed.
-  scan.reserve(most);
-  const DeviceBuffer count = upload<uint32_t>({GetParam()}, "count");
-  run([&](Commands& commands) {
-    scan.record(commands, in.address(), out.address(), {.most = most, .address = count.address()});
-  });
-  EXPECT_EQ(download<uint32_t>(out), expectedSums(values));
+  compareScan(Probe(device()), GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, VulkanScan,

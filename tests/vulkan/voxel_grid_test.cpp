@@ -19,15 +19,15 @@ bool areSame(const cpu::VoxelGrid& a, const cpu::VoxelGrid& b) {
 class VulkanVoxelGrid : public VulkanTest {
  protected:
   static void expectAsOnTheCpu(VoxelGridStage& grid, const CellMesh& mesh, const CellLattice& cells) {
-    const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
+    const UploadedMesh uploaded = CellStages::probe().upload(mesh);
     const auto record = [&](Commands& commands) { grid.record(commands, uploaded.addresses()); };
-    CellStages::runUntilItFits(
+    CellStages::probe().runUntilItFits(
         grid, [&](const ListSizes& lists) { grid.reserve(cells, uploaded.addresses().triangleCount, lists); },
         record);
-    const cpu::VoxelGrid ours = CellStages::toLists(grid);
+    const cpu::VoxelGrid ours = CellStages::probe().toLists(grid);
     EXPECT_TRUE(areSame(ours, onTheCpu(mesh, cells)));
     run(record);
-    EXPECT_TRUE(areSame(CellStages::toLists(grid), ours)) << "the second time";
+    EXPECT_TRUE(areSame(CellStages::probe().toLists(grid), ours)) << "the second time";
   }
 
   static void expectAsOnTheCpu(VoxelGridStage& grid, const CellMesh& mesh) {
@@ -89,7 +89,7 @@ TEST_F(VulkanVoxelGrid, IsEmptyForTrianglesFarAway) {
   for (glm::vec3& v : mesh.vertices) v += glm::vec3(1e5f, -3.0f, 2e20f);
   VoxelGridStage grid(device());
   expectAsOnTheCpu(grid, mesh, CellLattice{mesh.dims, glm::dvec3(0.0), 1.0});
-  EXPECT_EQ(CellStages::sizes(grid).entries, 0u);
+  EXPECT_EQ(CellStages::probe().sizes(grid).entries, 0u);
 }
 
 TEST_F(VulkanVoxelGrid, GrowsItsListsForLargeTriangles) {
@@ -100,17 +100,17 @@ TEST_F(VulkanVoxelGrid, GrowsItsListsForLargeTriangles) {
   std::copy_n(corners, 6, large.vertices.data());
   const CellLattice cells{large.dims, glm::dvec3(0.0), 1.0};
   VoxelGridStage grid(device());
-  const UploadedMesh few = CellStages::uploadMesh(small), many = CellStages::uploadMesh(large);
+  const UploadedMesh few = CellStages::probe().upload(small), many = CellStages::probe().upload(large);
   const auto runs = [&](const UploadedMesh& mesh) {
-    return CellStages::runUntilItFits(
+    return CellStages::probe().runUntilItFits(
         grid, [&](const ListSizes& lists) { grid.reserve(cells, 2, lists); },
         [&](Commands& commands) { grid.record(commands, mesh.addresses()); });
   };
   EXPECT_EQ(runs(few), 1);
   EXPECT_GT(runs(many), 1);
-  EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(large, cells)));
+  EXPECT_TRUE(areSame(CellStages::probe().toLists(grid), onTheCpu(large, cells)));
   EXPECT_EQ(runs(few), 1);
-  EXPECT_TRUE(areSame(CellStages::toLists(grid), onTheCpu(small, cells)));
+  EXPECT_TRUE(areSame(CellStages::probe().toLists(grid), onTheCpu(small, cells)));
 }
 
 TEST_F(VulkanVoxelGrid, RefusesMoreEntriesThanCanBeNumbered) {
@@ -121,13 +121,13 @@ TEST_F(VulkanVoxelGrid, RefusesMoreEntriesThanCanBeNumbered) {
     v[0] = {0, -9e3f, -9e3f}, v[1] = {0, 9e3f, -9e3f}, v[2] = {0, 0, 9e3f};
   }
   VoxelGridStage grid(device());
-  const UploadedMesh uploaded = CellStages::uploadMesh(mesh);
+  const UploadedMesh uploaded = CellStages::probe().upload(mesh);
   const CellLattice cells{mesh.dims, glm::dvec3(0.0), 1.0};
   grid.reserve(cells, 1000);
   run([&](Commands& commands) { grid.record(commands, uploaded.addresses()); });
-  EXPECT_FALSE(grid.fits(CellStages::sizes(grid)));
+  EXPECT_FALSE(grid.fits(CellStages::probe().sizes(grid)));
   try {
-    grid.reserve(cells, 1000, CellStages::sizes(grid));
+    grid.reserve(cells, 1000, CellStages::probe().sizes(grid));
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory) << error.what();

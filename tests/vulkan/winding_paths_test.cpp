@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
 #include "shapes.h"
 #include "sign_scene.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_rays.h"
 
 namespace raymap::vulkan {
@@ -17,17 +17,6 @@ class VulkanWindingPaths : public VulkanRaysTest {
     Progress progress;
     Buffer<float> winding;
     averageRays(RaySweep(map), progress, 1.0, winding);
-    return {winding.begin(), winding.end()};
-  }
-
-  static std::vector<float> computeOnCpu(const RayMap& map, const Options& options) {
-    Progress progress;
-    PathScratch scratch;
-    const RaySweep sweep(map);
-    Buffer<float> winding;
-    averageRays(sweep, progress, 0.0, winding);
-    (options.sign == SignMode::Paths ? averagePaths : evolvePaths)(sweep, options, progress, 0.0, scratch,
-                                                                   winding);
     return {winding.begin(), winding.end()};
   }
 
@@ -50,9 +39,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
 
   static void expectTwins(const RayMap& map, const Options& options) {
     WindingPathsStage paths(device());
-    const std::vector<float> ours = compute(paths, map, options);
-    EXPECT_EQ(ours, computeOnCpu(map, options)) << "sign " << int(options.sign) << ", " << options.passes;
-    EXPECT_EQ(ours, compute(paths, map, options)) << "the second time";
+    comparePaths(Probe(device()), paths, map, options);
   }
 };
 

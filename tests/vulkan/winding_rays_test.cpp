@@ -1,39 +1,18 @@
 #include <algorithm>
 
-#include "cpu/sign/winding_rays.h"
 #include "mesh_folder.h"
 #include "shapes.h"
 #include "sign_scene.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_sign_stages.h"
 
 namespace raymap::vulkan {
 namespace {
 
-SignResult computeOnCpu(const CellMesh& mesh, SignMode mode) {
-  Progress progress;
-  cpu::Crossings crossings;
-  countCrossings(mesh, progress, crossings);
-  cpu::RayMap map;
-  buildRayMap(mesh.dims, crossings, map);
-  Buffer<float> winding;
-  const size_t doubtful =
-      (mode == SignMode::Ray ? takeOneRay : averageRays)(RaySweep(map), progress, 1.0, winding);
-  return {.crossings = edgeCounts(crossings, mesh.dims),
-          .rays = edgeCounts(map),
-          .winding = {winding.begin(), winding.end()},
-          .doubtful = static_cast<uint32_t>(doubtful)};
-}
-
 void expectTwins(const Mesh& mesh, const Grid& grid) {
   const CellMesh cells = cellMesh(mesh, grid);
-  for (const SignMode mode : {SignMode::Rays, SignMode::Ray}) {
-    const SignResult device = SignStages::compute(cells, mode), cpu = computeOnCpu(cells, mode);
-    EXPECT_EQ(device.crossings, cpu.crossings);
-    EXPECT_EQ(device.rays, cpu.rays);
-    EXPECT_EQ(device.winding, cpu.winding) << "mode " << int(mode);
-    EXPECT_EQ(device.doubtful, cpu.doubtful);
-    EXPECT_TRUE(SignStages::compute(cells, mode) == device) << "the second time";
-  }
+  compareCrossings(SignStages::probe(), cells);
+  for (const SignMode mode : {SignMode::Rays, SignMode::Ray}) compareRays(SignStages::probe(), cells, mode);
 }
 
 Grid unitGrid(glm::ivec3 dims) {
@@ -125,7 +104,7 @@ TEST_F(VulkanWindingRays, RefusesMoreRunsThanCanBeNumbered) {
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{-9, -9, 0.4}, {3000, -9, 0.4}, {-9, 3000, 0.4}},
                              std::vector<glm::uvec3>((1u << 17) + 1, {0, 1, 2}));
   try {
-    SignStages::countCrossings(cellMesh(mesh, unitGrid({1024, 1024, 1})));
+    SignStages::probe().countCrossings(cellMesh(mesh, unitGrid({1024, 1024, 1})));
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Unsupported);
@@ -138,7 +117,8 @@ TEST_F(VulkanWindingRays, TheOrderOfTrianglesDoesNotMatter) {
   Mesh reversed = mesh;
   std::reverse(reversed.triangles.begin(), reversed.triangles.end());
   const Grid grid = fitGrid(mesh, {.resolution = 30});
-  EXPECT_TRUE(SignStages::compute(cellMesh(mesh, grid)) == SignStages::compute(cellMesh(reversed, grid)));
+  EXPECT_TRUE(SignStages::probe().compute(cellMesh(mesh, grid)) ==
+              SignStages::probe().compute(cellMesh(reversed, grid)));
 }
 
 TEST_F(VulkanWindingRays, MeshesOfAllKinds) {

@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "vulkan/device/features.h"
 #include "vulkan/device/instance.h"
@@ -28,6 +29,27 @@ DeviceType typeOf(VkPhysicalDeviceType type) {
 
 std::string versionText(uint32_t version) {
   return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version));
+}
+
+/// Adds what only devices with Vulkan 1.3 tell.
+void describeSubgroups(VkPhysicalDevice device, DeviceInfo& info) {
+  VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &v13};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  info.subgroupSize = v11.subgroupSize;
+  info.minSubgroupSize = v13.minSubgroupSize;
+  info.maxSubgroupSize = v13.maxSubgroupSize;
+  const VkPhysicalDeviceProperties& basic = properties.properties;
+  char numbers[64];
+  std::snprintf(numbers, sizeof numbers, "%x.%x.%x.%x-%u-%u-", basic.vendorID, basic.deviceID,
+                basic.driverVersion, basic.apiVersion, v13.minSubgroupSize, v13.maxSubgroupSize);
+  info.identity = numbers;
+  for (const auto& uuid : {v11.deviceUUID, v11.driverUUID})
+    for (size_t i = 0; i < VK_UUID_SIZE; ++i) {
+      std::snprintf(numbers, sizeof numbers, "%02x", uuid[i]);
+      info.identity += numbers;
+    }
 }
 
 std::string problemOf(VkPhysicalDevice device, uint32_t version) {
@@ -73,12 +95,16 @@ DeviceInfo describe(VkPhysicalDevice device) {
     properties.pNext = &driver;
     vkGetPhysicalDeviceProperties2(device, &properties);
   }
-  return {.name = basic.deviceName,
-          .type = typeOf(basic.deviceType),
-          .driver = std::string(driver.driverName) + " " + driver.driverInfo,
-          .memory = largestHeap(device),
-          .sharedMemory = basic.limits.maxComputeSharedMemorySize,
-          .problem = problemOf(device, version)};
+  DeviceInfo info{
+      .name = basic.deviceName,
+      .type = typeOf(basic.deviceType),
+      .driver = std::string(driver.driverName) + " " + driver.driverInfo,
+      .memory = largestHeap(device),
+      .sharedMemory = basic.limits.maxComputeSharedMemorySize,
+      .problem = problemOf(device, version),
+      .vulkanVersion = versionText(version) + "." + std::to_string(VK_API_VERSION_PATCH(version))};
+  if (version >= VK_API_VERSION_1_3) describeSubgroups(device, info);
+  return info;
 }
 
 std::optional<uint32_t> computeFamily(VkPhysicalDevice device) {

@@ -6,6 +6,7 @@
 #include "method/gpu_plug_in.h"
 #include "vulkan/runtime/backend.h"
 #include "vulkan/runtime/draw_scene.h"
+#include "vulkan/self_test/self_test.h"
 
 namespace raymap::vulkan {
 
@@ -57,6 +58,6 @@ bool mayHaveGpu() {
 // NOLINTNEXTLINE(readability-identifier-naming): a symbol of the linker.
 extern "C" const bool raymapVulkanIsPluggedIn = [] {
   using namespace raymap::vulkan;
-  raymap::plugIn({.list = listDevices, .open = openDevice, .mayHaveGpu = mayHaveGpu});
+  raymap::plugIn({.list = listDevices, .open = openDevice, .test = testDevice, .mayHaveGpu = mayHaveGpu});
   return true;
 }();

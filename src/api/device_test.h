@@ -1,0 +1,25 @@
+#pragma once
+
+#include <raymap/devices.h>
+
+#include <string>
+
+namespace raymap {
+
+/// Seconds that one check may take. A driver that compiles slowly takes a few.
+constexpr double kCheckSeconds = 60.0;
+/// Seconds to wait for a test of the same device in another process.
+constexpr double kOtherTestSeconds = 10.0;
+
+/// Tests a GPU by its number and records the result. A check that takes more than `checkSeconds` counts as
+/// one that never ends. Throws `Error(Cancelled)` if `progress` returns false.
+DeviceTest testGpu(const DeviceInfo& device, size_t number, const ProgressCallback& progress,
+                   double checkSeconds = kCheckSeconds);
+
+/// Returns the recorded result for a GPU. Tests it first if there is none.
+DeviceTestState testOnce(const DeviceInfo& device, size_t number, const ProgressCallback& progress);
+
+/// Returns "vulkan:0 (NAME, driver DRIVER) failed its test: ..." or why else its test does not count.
+std::string reasonAgainst(const DeviceInfo& device);
+
+}  // namespace raymap

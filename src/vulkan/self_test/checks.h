@@ -1,0 +1,36 @@
+#pragma once
+
+// The checks of the self-test. Each runs a stage, or makes a field, on the device and compares the result with
+// the CPU's, or with an independent reference. It throws a `Difference`.
+
+#include <span>
+
+#include "vulkan/runtime/backend.h"
+#include "vulkan/self_test/cell_probe.h"
+#include "vulkan/self_test/sign_probe.h"
+
+namespace raymap::vulkan {
+
+/// A device with the stages and the backend that its checks share.
+struct Subject {
+  explicit Subject(Device& device) : probe(device), cells(device), signs(device), backend(device) {}
+
+  Probe probe;
+  CellProbe cells;
+  SignProbe signs;
+  Backend backend;
+};
+
+struct Check {
+  const char* name;
+  void (*run)(Subject& subject);
+};
+
+// In the order of the stages: each relies on those before it.
+std::span<const Check> checksOfPrimitives();
+std::span<const Check> checksOfCells();
+std::span<const Check> checksOfSurface();
+std::span<const Check> checksOfSign();
+std::span<const Check> checksOfFields();
+
+}  // namespace raymap::vulkan

@@ -1,0 +1,289 @@
+#include <cmath>
+
+#include "cpu/sign/close_holes.h"
+#include "cpu/sign/orientation.h"
+#include "cpu/sign/sign.h"
+#include "cpu/sign/winding_harmonic.h"
+#include "cpu/sign/winding_paths.h"
+#include "cpu/sign/winding_rays.h"
+#include "vulkan/self_test/cells.h"
+#include "vulkan/self_test/checks.h"
+#include "vulkan/self_test/compare.h"
+#include "vulkan/stages/close_holes.h"
+#include "vulkan/stages/orientation.h"
+#include "vulkan/stages/sign.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+Grid unitGrid(const glm::ivec3& dims) {
+  return {.dims = dims, .origin = glm::dvec3(0.0), .spacing = 1.0};
+}
+
+cpu::RayMap rayMapOf(const CellMesh& mesh) {
+  Progress progress;
+  cpu::Crossings crossings;
+  cpu::countCrossings(mesh, progress, crossings);
+  cpu::RayMap map;
+  buildRayMap(mesh.dims, crossings, map);
+  return map;
+}
+
+OwnCellMesh soupIn(const glm::ivec3& dims, double spacing, int count = 200) {
+  return {shapes::soup(count, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = spacing}};
+}
+
+Buffer<float> bufferOf(const std::vector<float>& values) {
+  Buffer<float> buffer(values.size());
+  std::ranges::copy(values, buffer.begin());
+  return buffer;
+}
+
+/// Returns a random field with values about every threshold.
+std::vector<float> randomField(size_t count) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> anything(-1.2f, 1.2f);
+  std::vector<float> values(count);
+  for (float& value : values) value = anything(random);
+  return values;
+}
+
+/// Meshes with vertices and faces on samples, of all three ranges of arithmetic, open and degenerate ones.
+std::vector<OwnCellMesh> rayMeshes() {
+  std::vector<OwnCellMesh> meshes;
+  meshes.push_back(soupIn({21, 18, 24}, 0.04, 300));
+  meshes.emplace_back(shapes::voxels({{1, 1, 1}, {2, 2, 2}, {3, 1, 2}}, 3), unitGrid({14, 12, 13}));
+  for (const double size : {3.3, 3000.7, 5e6}) {
+    const glm::dvec3 low(-0.37 * size, -0.41 * size, -0.53 * size);
+    meshes.emplace_back(shapes::box(low, low + glm::dvec3(size)), unitGrid({19, 14, 17}));
+  }
+  const std::vector<glm::dvec3> p{{1, 1, 1}, {3, 3, 3}, {5, 5, 5}, {2, 5, 3.5}, {-40, 2.5, 3}, {50, 3.25, 3}};
+  meshes.emplace_back(
+      makeMesh(p, {{0, 1, 2}, {0, 0, 3}, {4, 4, 4}, {0, 2, 3}, {0, 2, 3}, {2, 0, 3}, {4, 5, 3}, {5, 4, 0}}),
+      unitGrid({7, 7, 7}));
+  return meshes;
+}
+
+void checkCrossings(Subject& subject) {
+  for (const OwnCellMesh& mesh : rayMeshes()) compareCrossings(subject.signs, mesh);
+}
+
+void checkRays(Subject& subject) {
+  for (const OwnCellMesh& mesh : rayMeshes())
+    for (const SignMode mode : {SignMode::Rays, SignMode::Ray}) compareRays(subject.signs, mesh, mode);
+}
+
+void checkHarmonic(Subject& subject) {
+  WindingHarmonicStage stage(subject.probe.device());
+  for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(1, 9, 30)})
+    compareHarmonic(subject.probe, stage, rayMapOf(soupIn(dims, 0.03)));
+}
+
+void checkPaths(Subject& subject) {
+  WindingPathsStage stage(subject.probe.device());
+  for (const glm::ivec3 dims : {glm::ivec3(21, 13, 17), glm::ivec3(1, 9, 30)}) {
+    const cpu::RayMap map = rayMapOf(soupIn(dims, 0.04));
+    for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
+      for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+        comparePaths(subject.probe, stage, map, {.sign = sign, .passes = 5, .sampling = sampling});
+  }
+}
+
+void checkOrientation(Subject& subject) {
+  const Probe& probe = subject.probe;
+  const OwnCellMesh mesh = soupIn({21, 13, 17}, 0.05);
+  const cpu::RayMap map = rayMapOf(mesh);
+  const std::vector<float> values = randomField(CellLattice{mesh.dims}.count());
+  const Buffer<float> field = bufferOf(values);
+  Progress progress;
+  cpu::Crossings crossings;
+  cpu::countCrossings(mesh, progress, crossings);
+
+  const UploadedMesh uploaded = probe.upload(mesh);
+  const UploadedRays rays(probe, map);
+  const DeviceBuffer onDevice = probe.upload(values, "field");
+  OrientationStage stage(probe.device());
+  stage.reserve(mesh.dims, uploaded.addresses().triangleCount);
+  const OrientationStage::Fields fields{.rays = {.dims = mesh.dims, .axes = rays.addresses()},
+                                        .field = onDevice.address(),
+                                        .mesh = uploaded.addresses()};
+  for (const FaceMeasure measure : {FaceMeasure::Rise, FaceMeasure::Wholeness}) {
+    Buffer<float> expected;
+    cpu::measureSides(mesh, mesh.triangles, field, 0.5f, measure, progress, expected);
+    probe.run([&](Commands& commands) { stage.recordSides(commands, fields, 0.5f, measure); });
+    requireNear("measures of the faces", stage.sides(), expected, 1e-4);
+  }
+  probe.run([&](Commands& commands) { stage.recordMisfit(commands, fields); });
+  requireNear("misfit", std::vector{stage.misfit()}, std::vector{measureMisfit(mesh.dims, crossings, field)},
+              1e-5, 1e-5);
+  require(stage.contradictsParity() == contradictsParity(map, field, fields.threshold),
+          "contradiction to the parity");
+  Buffer<float> parity;
+  averageParity(map, parity);
+  probe.run([&](Commands& commands) { stage.recordParity(commands, fields); });
+  requireEqual("parity", probe.download<float>(onDevice), parity);
+}
+
+void checkCloseHoles(Subject& subject) {
+  const Probe& probe = subject.probe;
+  const OwnCellMesh mesh = soupIn({21, 13, 17}, 0.05);
+  const std::vector<float> values = randomField(CellLattice{mesh.dims}.count());
+  const UploadedMesh uploaded = probe.upload(mesh);
+  const DeviceBuffer winding = probe.upload(values, "winding");
+  CrossingsStage crossings(probe.device());
+  crossings.reserve(mesh.dims, mesh.triangles.size(), true);
+  CloseHolesStage stage(probe.device());
+  do
+    probe.run([&](Commands& commands) {
+      crossings.record(commands, uploaded.addresses());
+      stage.recordSearch(commands, mesh.dims, crossings.crossed(), winding.address(), 0.6);
+    });
+  while (stage.growIfFull());
+  Progress progress;
+  const auto numbersOf = [](const std::vector<MissingEdge>& edges) {
+    std::vector<double> numbers;
+    for (const MissingEdge& edge : edges)
+      for (const double number : {double(edge.first), double(edge.axis), double(edge.rimCubes),
+                                  double(edge.winding[0]), double(edge.winding[1])})
+        numbers.push_back(number);
+    return numbers;
+  };
+  requireEqual("missing edges", numbersOf(stage.edges()),
+               numbersOf(findMissingEdges(rayMapOf(mesh), bufferOf(values), 0.6, progress)));
+}
+
+void checkSign(Subject& subject) {
+  const Probe& probe = subject.probe;
+  const glm::ivec3 dims(21, 13, 17);
+  const cpu::RayMap map = rayMapOf(soupIn(dims, 0.05, 60));
+  const UploadedRays rays(probe, map);
+  std::vector<float> values(CellLattice{dims}.count());
+  for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
+  values[5] = 0.5f;
+  const std::vector<float> distances(values.size(), 2.5f);
+  const DeviceBuffer winding = probe.upload(values, "winding");
+  SignStage sign(probe.device());
+  for (const double threshold : {0.5, 1.2})
+    for (const bool isInverted : {false, true}) {
+      const DeviceBuffer distance = probe.upload(distances, "distance"),
+                         confidence = probe.upload(distances, "confidence");
+      probe.run([&](Commands& commands) {
+        sign.record(commands,
+                    {.rays = rays.addresses(),
+                     .winding = winding.address(),
+                     .distance = distance.address(),
+                     .confidence = confidence.address()},
+                    glm::uvec3(dims), threshold, isInverted);
+      });
+      Buffer<float> expected = bufferOf(distances), confidences;
+      cpu::applySign(bufferOf(values), threshold, isInverted, expected);
+      computeConfidence(map, bufferOf(values), threshold, confidences);
+      requireEqual("signed distances", probe.download<float>(distance), expected);
+      requireNear("confidences", probe.download<float>(confidence), confidences, 1e-6);
+    }
+}
+
+constexpr Check kChecks[] = {{"crossings", checkCrossings},          {"ray_map, winding_rays", checkRays},
+                             {"winding_harmonic", checkHarmonic},    {"winding_paths", checkPaths},
+                             {"orientation", checkOrientation},      {"close_holes", checkCloseHoles},
+                             {"sign", checkSign}};
+
+std::string nameOf(const CellMesh& mesh) {
+  return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
+}
+
+}  // namespace
+
+void compareCrossings(SignProbe& probe, const CellMesh& mesh) {
+  Progress progress;
+  cpu::Crossings crossings;
+  cpu::countCrossings(mesh, progress, crossings);
+  const EdgeCounts expected = edgeCounts(crossings, mesh.dims), found = probe.countCrossings(mesh);
+  inCase(nameOf(mesh), [&] {
+    for (size_t axis = 0; axis < 3; ++axis)
+      requireEqual("crossings along axis " + textOf(axis), found[axis], expected[axis]);
+  });
+}
+
+void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode) {
+  Progress progress;
+  const cpu::RayMap map = rayMapOf(mesh);
+  Buffer<float> winding;
+  const size_t doubtful = (mode == SignMode::Ray ? cpu::takeOneRay : cpu::averageRays)(
+      cpu::RaySweep(map), progress, 1.0, winding);
+  const EdgeCounts rays = edgeCounts(map);
+  const SignResult result = probe.compute(mesh, mode);
+  inCase(nameOf(mesh), [&] {
+    for (size_t axis = 0; axis < 3; ++axis)
+      requireEqual("rays along axis " + textOf(axis), result.rays[axis], rays[axis]);
+    requireEqual("winding numbers", result.winding, winding);
+    require(result.doubtful == doubtful,
+            textOf(result.doubtful) + " doubtful samples, not " + textOf(doubtful));
+    require(probe.compute(mesh, mode) == result, "other values the second time");
+  });
+}
+
+void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu::RayMap& map) {
+  Progress progress;
+  cpu::HarmonicScratch scratch;
+  Buffer<float> expected(CellLattice{map.dims}.count());
+  solveHarmonic(map, progress, 0.0, scratch, expected);
+
+  stage.reserve(map.dims);
+  const UploadedRays rays(probe, map);
+  const DeviceBuffer doubtful = probe.upload<uint32_t>({1}, "doubtful");
+  const auto solved = [&] {
+    const DeviceBuffer winding = probe.upload(std::vector<float>(expected.size(), 7.0f), "winding");
+    probe.run([&](Commands& commands) {
+      stage.record(
+          commands,
+          {.rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()});
+    });
+    return probe.download<float>(winding);
+  };
+  inCase(textOf(map.dims, " x "), [&] {
+    const std::vector<float> found = solved();
+    requireNear("winding numbers", found, expected, 2e-5);
+    requireEqual("winding numbers the second time", solved(), found);
+  });
+}
+
+void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
+                  const Options& options) {
+  Progress progress;
+  cpu::PathScratch scratch;
+  const cpu::RaySweep sweep(map);
+  Buffer<float> average;
+  averageRays(sweep, progress, 1.0, average);
+  Buffer<float> expected = average.clone();
+  const auto walk = options.sign == SignMode::Paths ? cpu::averagePaths : cpu::evolvePaths;
+  walk(sweep, options, progress, 0.0, scratch, expected);
+
+  stage.reserve(map.dims);
+  const UploadedRays rays(probe, map);
+  const DeviceBuffer doubtful = probe.upload<uint32_t>({1}, "doubtful");
+  const auto walked = [&] {
+    const DeviceBuffer winding = probe.upload(std::vector<float>(average.begin(), average.end()), "winding");
+    const WindingFields fields{
+        .rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()};
+    probe.run([&](Commands& commands) {
+      if (options.sign == SignMode::Paths)
+        stage.recordAverage(commands, fields, options);
+      else
+        stage.recordEvolution(commands, fields, options);
+    });
+    return probe.download<float>(winding);
+  };
+  inCase(textOf(map.dims, " x ") + ", " + textOf(options.passes) + " passes", [&] {
+    const std::vector<float> found = walked();
+    requireEqual("winding numbers", found, expected);
+    requireEqual("winding numbers the second time", walked(), found);
+  });
+}
+
+std::span<const Check> checksOfSign() {
+  return kChecks;
+}
+
+}  // namespace raymap::vulkan

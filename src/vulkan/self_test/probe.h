@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "method/cell_mesh.h"
+#include "vulkan/device/command_buffer.h"
+#include "vulkan/self_test/difference.h"
+#include "vulkan/stages/device_mesh.h"
+
+namespace raymap::vulkan {
+
+/// A mesh in cell units on the device.
+struct UploadedMesh {
+  DeviceBuffer vertices;
+  DeviceBuffer triangles;
+
+  DeviceMesh addresses() const {
+    return {.vertices = vertices.address(),
+            .triangles = triangles.address(),
+            .vertexCount = static_cast<uint32_t>(vertices.bytes() / sizeof(glm::vec3)),
+            .triangleCount = static_cast<uint32_t>(triangles.bytes() / sizeof(glm::uvec3))};
+  }
+};
+
+/// Runs single stages on a device, with input from the host and results back to it.
+class Probe {
+ public:
+  explicit Probe(Device& device) : device_(&device) {}
+
+  Device& device() const { return *device_; }
+
+  template <class T>
+  DeviceBuffer upload(const std::vector<T>& values, const std::string& name = "test") const {
+    DeviceBuffer staging(*device_, name + " upload", MemoryUse::Upload), buffer(*device_, name);
+    staging.resize<T>(values.size());
+    buffer.resize<T>(values.size());
+    std::copy(values.begin(), values.end(), staging.mapped<T>().begin());
+    run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
+    return buffer;
+  }
+
+  UploadedMesh upload(const CellMesh& mesh) const {
+    return {upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
+            upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles")};
+  }
+
+  template <class T>
+  std::vector<T> download(const DeviceBuffer& buffer) const {
+    DeviceBuffer staging(*device_, "download", MemoryUse::ReadBack);
+    staging.resize<T>(buffer.bytes() / sizeof(T));
+    run([&](Commands& commands) { commands.copy(buffer, staging, buffer.bytes()); });
+    const std::span<T> values = staging.mapped<T>();
+    return {values.begin(), values.end()};
+  }
+
+  /// Runs what `record` records. Throws a `Difference` if it damaged a guard.
+  template <class Record>
+  void run(Record&& record) const {
+    CommandBuffer buffer(*device_);
+    Commands commands = buffer.begin();
+    record(commands);
+    buffer.submitAndWait();
+    if (const Guards* guards = device_->guards()) {
+      const std::string damaged = guards->damaged();
+      require(damaged.empty(), damaged);
+    }
+  }
+
+ private:
+  Device* device_;
+};
+
+}  // namespace raymap::vulkan

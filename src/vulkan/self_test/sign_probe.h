@@ -1,0 +1,126 @@
+#pragma once
+
+// Runs the stages that lead to the sign on a device, and converts their results to the CPU's form and back.
+
+#include <array>
+
+#include "cpu/sign/crossings.h"
+#include "cpu/sign/ray_map.h"
+#include "vulkan/self_test/probe.h"
+#include "vulkan/stages/crossings.h"
+#include "vulkan/stages/ray_map.h"
+#include "vulkan/stages/winding_rays.h"
+
+namespace raymap::vulkan {
+
+/// Returns r along an axis, as the device holds it (vulkan/stages/ray_map.glsl).
+inline std::vector<int32_t> suffixSums(const cpu::RayMap& map, int axis) {
+  glm::ivec3 dims = map.dims;
+  ++dims[axis];
+  std::vector<int32_t> sums;
+  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
+    for (s.y = 0; s.y < dims.y; ++s.y)
+      for (s.x = 0; s.x < dims.x; ++s.x) {
+        glm::ivec3 before = s;
+        --before[axis];
+        sums.push_back(map.ray(axis, before));
+      }
+  return sums;
+}
+
+/// The CPU's ray map on the device.
+class UploadedRays {
+ public:
+  UploadedRays(const Probe& probe, const cpu::RayMap& map) {
+    for (int axis = 0; axis < 3; ++axis) sums_[size_t(axis)] = probe.upload(suffixSums(map, axis), "rays");
+  }
+  std::array<VkDeviceAddress, 3> addresses() const {
+    return {sums_[0].address(), sums_[1].address(), sums_[2].address()};
+  }
+
+ private:
+  std::array<DeviceBuffer, 3> sums_;
+};
+
+/// A number for each lattice edge along each axis, as on the device (vulkan/stages/crossings.h).
+using EdgeCounts = std::array<std::vector<int32_t>, 3>;
+
+/// Calls `work(line, edge, index)` for all edges of an axis: `line` as the CPU numbers it.
+template <class Work>
+void forEachEdge(glm::ivec3 dims, int axis, Work&& work) {
+  const cpu::LineAxes across(axis);
+  const int nu = dims[across.u];
+  ++dims[axis];
+  size_t index = 0;
+  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
+    for (s.y = 0; s.y < dims.y; ++s.y)
+      for (s.x = 0; s.x < dims.x; ++s.x)
+        work(size_t(s[across.v]) * size_t(nu) + size_t(s[across.u]), s[axis], index++);
+}
+
+inline EdgeCounts edgeCounts(const cpu::Crossings& crossings, const glm::ivec3& dims) {
+  EdgeCounts counts;
+  for (int axis = 0; axis < 3; ++axis) {
+    const cpu::AxisCrossings& from = crossings[size_t(axis)];
+    forEachEdge(dims, axis, [&](size_t line, int edge, size_t) {
+      int32_t& count = counts[size_t(axis)].emplace_back(0);
+      for (uint64_t e = from.starts[line]; e < from.starts[line + 1]; ++e)
+        if (from.entries[e].index + 1 == edge) count = from.entries[e].signedCount;
+    });
+  }
+  return counts;
+}
+
+inline EdgeCounts edgeCounts(const cpu::RayMap& map) {
+  return {suffixSums(map, 0), suffixSums(map, 1), suffixSums(map, 2)};
+}
+
+struct SignResult {
+  EdgeCounts crossings, rays;
+  std::vector<float> winding;
+  uint32_t doubtful = 0;
+  bool operator==(const SignResult&) const = default;
+};
+
+/// Runs the stages. The stage objects are kept from one mesh to the next.
+class SignProbe : public Probe {
+ public:
+  using Probe::Probe;
+
+  /// Runs the first stage alone. Throws the error that it reports.
+  EdgeCounts countCrossings(const CellMesh& mesh) {
+    const UploadedMesh uploaded = upload(mesh);
+    crossings_.reserve(mesh.dims, mesh.triangles.size());
+    run([&](Commands& commands) { crossings_.record(commands, uploaded.addresses()); });
+    if (const auto error = failureOf(download<CrossingsStatus>(crossings_.status()).at(0)))
+      throw *error;
+    return edges();
+  }
+
+  SignResult compute(const CellMesh& mesh, SignMode mode = SignMode::Rays) {
+    SignResult result{.crossings = countCrossings(mesh)};
+    const LatticeLines lines = crossings_.lines();
+    DeviceBuffer winding(device(), "winding");
+    winding.resize<float>(size_t(mesh.dims.x) * size_t(mesh.dims.y) * size_t(mesh.dims.z));
+    run([&](Commands& commands) {
+      rayMap_.record(commands, lines);
+      windingRays_.record(commands, lines, mode, winding.address());
+    });
+    result.rays = edges();
+    result.winding = download<float>(winding);
+    result.doubtful = download<uint32_t>(windingRays_.doubtful()).at(0);
+    return result;
+  }
+
+ private:
+  EdgeCounts edges() const {
+    return {download<int32_t>(crossings_.line(0)), download<int32_t>(crossings_.line(1)),
+            download<int32_t>(crossings_.line(2))};
+  }
+
+  CrossingsStage crossings_{device()};
+  RayMapStage rayMap_{device()};
+  WindingRaysStage windingRays_{device()};
+};
+
+}  // namespace raymap::vulkan
