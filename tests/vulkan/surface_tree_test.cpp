@@ -204,7 +204,7 @@ Mesh slivers(float size) {
 TEST_F(VulkanSurfaceTree, GivesSliversSoundFrames) {
   for (const float size : {20.0f, 1.0f, 1e-3f}) {
     const Mesh mesh = slivers(size);
-    const Tree tree = build(mesh);
+    const Tree tree = build(mesh, 0);
     for (size_t place = 0; place < mesh.triangles.size(); ++place) {
       const glm::vec4* frame = &tree.frames[place * kFrameVectors];
       const glm::dvec3 a(frame[0]), x(frame[1]), y(frame[2]);
