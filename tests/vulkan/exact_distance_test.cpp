@@ -59,7 +59,9 @@ class VulkanExactDistance : public VulkanTest {
     const size_t samples = size_t(dims.x) * dims.y * dims.z;
     distance.resize<float>(samples);
     triangle.resize<uint32_t>(samples);
-    auto& [tree, exact] = stagesLike(imitated);
+    Stages& stages = stagesLike(imitated);
+    SurfaceTreeStage& tree = stages.tree;
+    ExactDistanceStage& exact = stages.exact;
     tree.reserve(mesh.triangleCount);
     exact.reserve(dims);
     Found found[2];
