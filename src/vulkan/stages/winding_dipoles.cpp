@@ -17,8 +17,9 @@ namespace {
 
 constexpr uint32_t kDoubtsGroup = 128;
 constexpr uint32_t kMomentsGroup = 64;
-// Most loop iterations of a group in total. Mesa's software driver silently ends loops after 65,535.
-constexpr uint32_t kFewTurns = 60000;
+// Most turns of a group in total. Mesa's software driver silently ends loops after 65,535 iterations, and a
+// turn has up to two: one in an inner loop, one in the outer.
+constexpr uint32_t kFewTurns = 30000;
 constexpr uint32_t kManyTurns = 60000000;
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {

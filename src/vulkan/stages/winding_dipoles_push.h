@@ -29,7 +29,7 @@ struct WindingDipolesPush {
   uint levelCount;  // Number of its nodes.
   uint isLeafLevel;
   float threshold;
-  uint mostTurns;  // Maximum number of loop iterations of a group.
+  uint mostTurns;  // Maximum number of turns of a group (winding_number.glsl).
   uint pointCount;
   uint mostListed;  // Capacity of the list of doubtful samples.
 };

@@ -59,7 +59,7 @@ const float kMostAngle = 262144.0;  // Keeps what is not finite out of the conve
 
 Sum sum;
 uint poppedNodes, poppedLeaves;
-uint turns = 0;  // Loop iterations so far, in all walks.
+uint turns = 0;  // Batches of nodes or leaves so far, in all walks.
 
 // Adds terms in both units.
 void addTerms(int high, uint low) {
@@ -132,13 +132,17 @@ float totalAngle() {
 float windingNumber(vec3 p, float distant, uint mostTurns, out bool isWhole) {
   startWalk(p, distant);
   uint waitingNodes = pushedNodes, waitingLeaves = pushedLeaves;
-  for (; waitingNodes + waitingLeaves > 0 && turns < mostTurns; ++turns) {
-    if (waitingNodes == 0 || waitingLeaves >= kBatch)
-      sumLeaves(waitingLeaves, p);
-    else
+  // Two loops, because devices that only mask branches would run both bodies in every turn of one.
+  while (waitingNodes + waitingLeaves > 0 && turns < mostTurns) {
+    for (; waitingNodes > 0 && waitingLeaves < kBatch && turns < mostTurns; ++turns) {
       openNodes(waitingNodes, p, distant);
-    waitingNodes = pushedNodes - poppedNodes;
-    waitingLeaves = pushedLeaves - poppedLeaves;
+      waitingNodes = pushedNodes - poppedNodes;
+      waitingLeaves = pushedLeaves - poppedLeaves;
+    }
+    for (; waitingLeaves >= (waitingNodes > 0 ? kBatch : 1) && turns < mostTurns; ++turns) {
+      sumLeaves(waitingLeaves, p);
+      waitingLeaves = pushedLeaves - poppedLeaves;
+    }
   }
   isWhole = waitingNodes + waitingLeaves == 0;
   return totalAngle() / (2.0 * kPi);
