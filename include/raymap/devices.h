@@ -75,7 +75,8 @@ struct DeviceTest {
   bool hangs = false;  ///< Whether a check did not end. Its thread still runs and holds the device.
 };
 
-/// Runs small versions of every stage and of whole fields on a GPU, and compares them with the CPU. Writes
+/// Runs small versions of every stage and of whole fields on a GPU, and compares them with the CPU, up to the
+/// first that fails. Writes
 /// the result to the user's cache folder, from where `devices` and the device "auto" read it.
 ///
 /// That folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.

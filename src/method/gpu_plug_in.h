@@ -41,7 +41,7 @@ struct GpuPlugIn {
   std::vector<DeviceInfo> (*list)();
   /// Opens a device by its number.
   std::unique_ptr<GpuDevice> (*open)(size_t index);
-  /// Runs all checks of a device (src/vulkan/self_test/checks.h). Ends after one that loses the device.
+  /// Runs all checks of a device (src/vulkan/self_test/checks.h). Ends after the first that fails.
   void (*test)(size_t index, const DeviceTestReport& report);
   /// Returns whether the system shows a GPU at all, which takes much less time than `list`.
   bool (*mayHaveGpu)();

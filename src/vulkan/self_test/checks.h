@@ -1,7 +1,7 @@
 #pragma once
 
-// The checks of the self-test. Each runs a stage, or makes a field, on the device and compares the result with
-// the CPU's, or with an independent reference. It throws a `Difference`.
+// The checks of the self-test. Each runs a stage, or makes a field, on the device and compares the result
+// with the CPU's, or with an independent reference. It throws a `Difference`.
 
 #include <span>
 

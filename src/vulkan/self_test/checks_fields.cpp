@@ -36,9 +36,8 @@ Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const Options& o
 void requireSameDistances(const Field& ours, const Field& theirs, const Mesh& mesh, const Options& options) {
   const double allowed =
       options.closeHoles ? 0.01 * ours.grid.spacing : 1e-6 * glm::length(bounds(mesh).size());
-  requireAll("distances", ours.distance, theirs.distance, [&](float a, float b) {
-    return std::abs(std::abs(a) - std::abs(b)) <= allowed;
-  });
+  requireAll("distances", ours.distance, theirs.distance,
+             [&](float a, float b) { return std::abs(std::abs(a) - std::abs(b)) <= allowed; });
   for (size_t s = 0; s < theirs.distance.size(); ++s)
     if (std::signbit(ours.distance[s]) != std::signbit(theirs.distance[s]))
       require(std::abs(std::abs(theirs.winding[s]) - options.threshold) < 1e-4,
@@ -61,13 +60,14 @@ void requireSameField(const Made& ours, const Made& theirs, const Mesh& mesh, co
   }
 }
 
-void compareFields(Subject& subject, const std::string& name, const Mesh& mesh, const GridOptions& gridOptions,
-                   const Options& asked) {
+void compareFields(Subject& subject, const std::string& name, const Mesh& mesh,
+                   const GridOptions& gridOptions, const Options& asked) {
   const Options options = withEverything(asked);
   const Grid grid = fitGrid(mesh, gridOptions);
   cpu::Backend cpu;
   inCase(name, [&] {
-    requireSameField(make(subject.backend, mesh, grid, options), make(cpu, mesh, grid, options), mesh, options);
+    requireSameField(make(subject.backend, mesh, grid, options), make(cpu, mesh, grid, options), mesh,
+                     options);
   });
 }
 
@@ -89,7 +89,8 @@ Mesh withEveryOther(Mesh mesh, size_t every, const auto& change) {
 }
 
 Mesh flipped(const Mesh& mesh, size_t every) {
-  return withEveryOther(mesh, every, [](auto& triangles, size_t t) { std::swap(triangles[t].y, triangles[t].z); });
+  return withEveryOther(mesh, every,
+                        [](auto& triangles, size_t t) { std::swap(triangles[t].y, triangles[t].z); });
 }
 
 Mesh doubled(const Mesh& mesh) {

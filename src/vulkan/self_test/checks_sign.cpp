@@ -49,10 +49,20 @@ std::vector<float> randomField(size_t count) {
   return values;
 }
 
+/// Returns a box with faces three quarters of a step of the snapping, 2^-20 cells, beyond samples.
+OwnCellMesh besideSamples() {
+  OwnCellMesh mesh(shapes::box({3, 2, 3}, {9, 8, 7}), unitGrid({12, 11, 13}));
+  for (glm::vec3& v : mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis)
+      if (v[axis] < 4.0f) v[axis] += 0.75f * 0x1p-20f;
+  return mesh;
+}
+
 /// Meshes with vertices and faces on samples, of all three ranges of arithmetic, open and degenerate ones.
 std::vector<OwnCellMesh> rayMeshes() {
   std::vector<OwnCellMesh> meshes;
   meshes.push_back(soupIn({21, 18, 24}, 0.04, 300));
+  meshes.push_back(besideSamples());
   meshes.emplace_back(shapes::voxels({{1, 1, 1}, {2, 2, 2}, {3, 1, 2}}, 3), unitGrid({14, 12, 13}));
   for (const double size : {3.3, 3000.7, 5e6}) {
     const glm::dvec3 low(-0.37 * size, -0.41 * size, -0.53 * size);
@@ -184,9 +194,12 @@ void checkSign(Subject& subject) {
     }
 }
 
-constexpr Check kChecks[] = {{"crossings", checkCrossings},          {"ray_map, winding_rays", checkRays},
-                             {"winding_harmonic", checkHarmonic},    {"winding_paths", checkPaths},
-                             {"orientation", checkOrientation},      {"close_holes", checkCloseHoles},
+constexpr Check kChecks[] = {{"crossings", checkCrossings},
+                             {"ray_map, winding_rays", checkRays},
+                             {"winding_harmonic", checkHarmonic},
+                             {"winding_paths", checkPaths},
+                             {"orientation", checkOrientation},
+                             {"close_holes", checkCloseHoles},
                              {"sign", checkSign}};
 
 std::string nameOf(const CellMesh& mesh) {
@@ -236,9 +249,8 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
   const auto solved = [&] {
     const DeviceBuffer winding = probe.upload(std::vector<float>(expected.size(), 7.0f), "winding");
     probe.run([&](Commands& commands) {
-      stage.record(
-          commands,
-          {.rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()});
+      stage.record(commands,
+                   {.rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()});
     });
     return probe.download<float>(winding);
   };

@@ -18,13 +18,14 @@ namespace {
 /// Checks that the tree lists every triangle once, within the discs of all nodes above it.
 void checkTree(const Probe& probe, const SurfaceTreeStage& tree, const CellMesh& mesh) {
   const size_t count = mesh.triangles.size();
-  const auto frames = probe.download<glm::vec4>(tree.frames()), discs = probe.download<glm::vec4>(tree.discs());
+  const auto frames = probe.download<glm::vec4>(tree.frames()),
+             discs = probe.download<glm::vec4>(tree.discs());
   const auto outside = [&](uint32_t node, const glm::dvec3& p) {
     const glm::vec4 first = discs.at(node * kDiscVectors), second = discs.at(node * kDiscVectors + 1);
     const glm::dvec3 q = p - glm::dvec3(first), normal(second);
     const double height = glm::dot(q, normal);
-    return std::max({glm::length(q - height * normal) - double(first.w),
-                     std::abs(height) - double(second.w), 0.0});
+    return std::max(
+        {glm::length(q - height * normal) - double(first.w), std::abs(height) - double(second.w), 0.0});
   };
   std::vector<int> listed(count);
   for (size_t place = 0; place < count; ++place) {
@@ -33,7 +34,8 @@ void checkTree(const Probe& probe, const SurfaceTreeStage& tree, const CellMesh&
     require(id < count, "place " + textOf(place) + " holds triangle " + textOf(id));
     ++listed[id];
     for (int corner = 0; corner < 3; ++corner)
-      for (auto node = tree.firstLeaf() + static_cast<uint32_t>(place / kArity);; node = (node - 1) / kArity) {
+      for (auto node = tree.firstLeaf() + static_cast<uint32_t>(place / kArity);;
+           node = (node - 1) / kArity) {
         const double distance = outside(node, glm::dvec3(mesh.corner(id, corner)));
         require(distance < 1e-4, "triangle " + textOf(id) + " lies " + textOf(distance) +
                                      " cells outside the disc of node " + textOf(node));
@@ -53,8 +55,8 @@ std::vector<OwnCellMesh> surfaceMeshes() {
   meshes.push_back(onGrid(shapes::torus(1.0, 0.3, 60, 40), {.resolution = 24}));
   meshes.push_back(onGrid(shapes::torus(1.0, 0.3, 40, 20),
                           {.resolution = 20, .box = Box{{0.5, 0.1, -0.2}, {1.9, 1.2, 0.6}}}));
-  meshes.push_back(onGrid(
-      shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(0.01, 3, {3, 0, 0})), {.resolution = 20}));
+  meshes.push_back(
+      onGrid(shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(0.01, 3, {3, 0, 0})), {.resolution = 20}));
   const std::vector<glm::dvec3> p{{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {0, 1, 0}, {0, 1, 1e-12}, {1, 1, 1}};
   meshes.push_back(
       onGrid(makeMesh(p, {{0, 0, 0}, {0, 1, 2}, {3, 4, 5}, {5, 5, 1}, {2, 1, 0}}), {.resolution = 9}));
@@ -156,8 +158,7 @@ void checkDipoles(Subject& subject) {
     inCase(nameOf(cells), [&] {
       size_t wrong = 0, looked = 0;
       for (size_t s = 0; s < samples; s += stride, ++looked) {
-        const double truth =
-            reference::windingNumber(inCells, glm::dvec3(CellLattice{cells.dims}.cell(s)));
+        const double truth = reference::windingNumber(inCells, glm::dvec3(CellLattice{cells.dims}.cell(s)));
         require(std::abs(found[s] - truth) < 0.06, "winding number of sample " + textOf(s) + " is " +
                                                        textOf(found[s]) + ", not " + textOf(truth));
         wrong += (std::abs(found[s]) > kThreshold) != (std::abs(truth) > kThreshold) ? 1 : 0;

@@ -4,7 +4,7 @@
 
 namespace raymap::vulkan {
 
-/// Runs all checks on a device by its number. Ends after one that loses the device, or if `report` says so.
+/// Runs all checks on a device by its number. Ends after the first that fails, or if `report` says so.
 void testDevice(size_t index, const DeviceTestReport& report);
 
 }  // namespace raymap::vulkan

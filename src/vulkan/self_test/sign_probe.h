@@ -92,8 +92,7 @@ class SignProbe : public Probe {
     const UploadedMesh uploaded = upload(mesh);
     crossings_.reserve(mesh.dims, mesh.triangles.size());
     run([&](Commands& commands) { crossings_.record(commands, uploaded.addresses()); });
-    if (const auto error = failureOf(download<CrossingsStatus>(crossings_.status()).at(0)))
-      throw *error;
+    if (const auto error = failureOf(download<CrossingsStatus>(crossings_.status()).at(0))) throw *error;
     return edges();
   }
 
