@@ -3,11 +3,9 @@
 #include <raymap/error.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <map>
 #include <optional>
-#include <set>
 
 #include "../tests/kernels/work_counter.h"
 #include "api/devices.h"
@@ -22,8 +20,8 @@ namespace {
 using vulkan::CountedCommand;
 
 constexpr double kWarp = 32.0;
-/// Machine instructions per operation that is counted: the median over the kernels without loops, for which a
-/// compiler tells the number (scripts/check_kernels.py).
+/// Machine instructions per operation that is counted: about the median over the kernels without loops, which
+/// scripts/check_kernels.py prints.
 constexpr double kInstructionsPerOperation = 1.15;
 constexpr double kWorthARow = 0.02;  ///< Share of the whole time that a kernel needs for a row of its own.
 constexpr const char* kReadBack = "read_back";
@@ -56,7 +54,8 @@ struct Work {
   uint32_t steps = 0, commands = 0;
   double bytes = 0, instructions = 0;
   double longest = 0, rounds = 0;  ///< Instructions and rounds of loads of the longest invocations, added up.
-  double seconds = 0;
+  double least = 0;    ///< Predicted seconds if the longest invocation's waits overlap with other work.
+  double seconds = 0;  ///< Predicted seconds if they do not.
   std::map<std::string, double> bounds;  ///< Seconds by what decides them.
 };
 
@@ -81,7 +80,8 @@ void addToStep(Work& step, const Work& command) {
   step.rounds = std::max(step.rounds, command.rounds);
 }
 
-/// Predicts the time of a step: its latency or the longest invocation, and then whatever throughput limits.
+/// Predicts the time of a step: its latency, and then whatever throughput limits. At most the longest
+/// invocation takes the place of the latency.
 void predict(Work& step, const Card& card) {
   const double chain =
       1e-9 * (step.longest * card.instructionNanoseconds + step.rounds * card.loadNanoseconds);
@@ -91,6 +91,7 @@ void predict(Work& step, const Card& card) {
   const auto larger = [](const Bound(&bounds)[2]) {
     return bounds[0].seconds > bounds[1].seconds ? bounds[0] : bounds[1];
   };
+  step.least = waits[0].seconds + larger(throughputs).seconds;
   for (const Bound& bound : {larger(waits), larger(throughputs)}) {
     step.bounds[bound.name] += bound.seconds;
     step.seconds += bound.seconds;
@@ -105,6 +106,7 @@ void addUp(Work& sum, const Work& next) {
   sum.instructions += next.instructions;
   sum.longest += next.longest;
   sum.rounds += next.rounds;
+  sum.least += next.least;
   sum.seconds += next.seconds;
   for (const auto& [name, seconds] : next.bounds) sum.bounds[name] += seconds;
 }
@@ -216,9 +218,9 @@ void printRow(const std::string& name, const Work& work, const std::map<std::str
     bounds += (bounds.empty() ? "" : ", ") + bound + " " +
               std::to_string(int(100.0 * seconds / work.seconds + 0.5)) + " %";
   }
-  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f | %s |", name.c_str(), work.steps,
+  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f | %.3f | %s |", name.c_str(), work.steps,
               work.commands, 1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds,
-              1e3 * work.seconds, bounds.c_str());
+              1e3 * work.least, 1e3 * work.seconds, bounds.c_str());
   if (const auto time = times.find(name); time != times.end()) std::printf(" %.3f |", time->second);
   std::puts(times.contains(name) ? "" : " |");
 }
@@ -227,12 +229,14 @@ void printTable(const std::vector<CountedCommand>& commands, const Card& card,
                 const std::map<std::string, double>& times) {
   std::puts(
       "| stage | steps | commands | MB | million warp instructions | longest, instructions | longest, rounds "
-      "of loads | predicted ms | mostly | measured ms |\n|---|---|---|---|---|---|---|---|---|---|");
+      "of loads | predicted ms from | to | to mostly by | measured ms "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|");
   const std::vector<StageWork> stages = stagesOf(commands, card);
   Work all;
   for (const StageWork& stage : stages)
     if (!crossesTheBus(stage)) addUp(all, stage.work);
   const double waits = 1e-6 * card.waitMicroseconds * waitsOf(commands);
+  all.least += waits;
   all.seconds += waits;
   all.bounds["waits for the host"] += waits;
   for (const auto& [name, work, parts] : stages) {

@@ -12,6 +12,7 @@ import collections
 import json
 import os
 import pathlib
+import statistics
 import subprocess
 import sys
 
@@ -48,12 +49,12 @@ def compile_kernels(program, family, size):
     if result.returncode:
         sys.exit(f"the kernels do not compile for {family} with {size} invocations per subgroup")
     *kernels, last = map(json.loads, result.stdout.splitlines())
-    return {(k["kernel"], *k["constants"]): k["statistics"] for k in kernels}, last["not_made"]
+    return {(k["kernel"], *k["constants"]): {**k["statistics"], **k} for k in kernels}, last["not_made"]
 
 
 def most_waves(kernels):
     """Returns the number of waves that a SIMD of the card holds: that of the smallest kernels."""
-    return max(statistics["Subgroups per SIMD"] for statistics in kernels.values())
+    return max(kernel["Subgroups per SIMD"] for kernel in kernels.values())
 
 
 def findings(kernels, not_made):
@@ -61,13 +62,13 @@ def findings(kernels, not_made):
     for name in not_made:
         yield name, "absent", 0
     most = most_waves(kernels)
-    for (name, *_), statistics in kernels.items():
-        if spilled := statistics["Spilled VGPRs"] + statistics["Spilled SGPRs"]:
+    for (name, *_), kernel in kernels.items():
+        if spilled := kernel["Spilled VGPRs"] + kernel["Spilled SGPRs"]:
             yield name, "spills", spilled
-        if statistics["Scratch size"]:
-            yield name, "scratch", statistics["Scratch size"]
-        if statistics["Subgroups per SIMD"] < LEAST_SHARE_OF_WAVES * most:
-            yield name, "waves", statistics["Subgroups per SIMD"]
+        if kernel["Scratch size"]:
+            yield name, "scratch", kernel["Scratch size"]
+        if kernel["Subgroups per SIMD"] < LEAST_SHARE_OF_WAVES * most:
+            yield name, "waves", kernel["Subgroups per SIMD"]
 
 
 def read_exceptions():
@@ -130,6 +131,11 @@ def variant_name(key, variants):
     return key[0] if len(variants) == 1 else f"{key[0]} ({', '.join(map(str, key[2:]))})"
 
 
+def instructions_per_operation(kernels):
+    """Returns the median over the kernels without loops. bench/count_work.cpp multiplies counted operations by it."""
+    return statistics.median(k["Instructions"] / k["operations"] for k in kernels.values() if not k["has_loops"])
+
+
 def main():
     executable = program()
     results = {card: compile_kernels(executable, *card) for card in CARDS}
@@ -137,7 +143,9 @@ def main():
     problems = check(results)
     for problem in problems:
         print(problem, file=sys.stderr)
-    print(f"\n{sum(len(kernels) for kernels, _ in results.values())} kernels compiled, {len(problems)} problems",
+    ratio = instructions_per_operation(results["gfx1100", 32][0])
+    print(f"\n{ratio:.2f} instructions per counted operation in kernels without loops", file=sys.stderr)
+    print(f"{sum(len(kernels) for kernels, _ in results.values())} kernels compiled, {len(problems)} problems",
           file=sys.stderr)
     sys.exit(1 if problems else 0)
 

@@ -34,5 +34,4 @@ class KernelStatistics {
   Entries* entries_;
 };
 
-
 }  // namespace raymap::vulkan
