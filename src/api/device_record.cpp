@@ -87,7 +87,8 @@ std::optional<DeviceRecord> readMark(const DeviceInfo& device) {
   if (flock(file, LOCK_SH | LOCK_NB) == 0) {
     char check[200];
     const ssize_t bytes = pread(file, check, sizeof check, 0);
-    record = {DeviceTestState::Unfinished, bytes > 0 ? std::string(check, static_cast<size_t>(bytes)) : "start"};
+    record = {DeviceTestState::Unfinished,
+              bytes > 0 ? std::string(check, static_cast<size_t>(bytes)) : "start"};
   }
   close(file);
   return record;
@@ -98,10 +99,12 @@ int lockFile(const fs::path& path, bool& isLocked) {
   isLocked = false;
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) return -1;
-  struct stat ours {}, there {};
+  struct stat ours {
+  }, there{};
   isLocked = flock(file, LOCK_EX | LOCK_NB) != 0;
   // Its owner may have removed it meanwhile.
-  const bool isGone = stat(path.c_str(), &there) != 0 || fstat(file, &ours) != 0 || ours.st_ino != there.st_ino;
+  const bool isGone =
+      stat(path.c_str(), &there) != 0 || fstat(file, &ours) != 0 || ours.st_ino != there.st_ino;
   if (!isLocked && !isGone) return file;
   isLocked = true;
   close(file);
@@ -148,8 +151,8 @@ TestMark::TestMark(const DeviceInfo& device, double seconds) {
   for (bool isLocked = true; isLocked;) {
     file_ = lockFile(*path, isLocked);
     if (isLocked && Clock::now() > deadline)
-      throw Error(ErrorCode::Unsupported, device.id + " (" + device.name +
-                                              ") is being tested by another process; try again later");
+      throw Error(ErrorCode::Unsupported,
+                  device.id + " (" + device.name + ") is being tested by another process; try again later");
     if (isLocked) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   path_ = *path;

@@ -22,8 +22,8 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A test on a thread of its own, so that a driver that hangs does not stop the caller. Both threads share it:
-/// one of them may outlive the other's interest.
+/// A test on a thread of its own, so that a driver that hangs does not stop the caller. Both threads share
+/// it: one of them may outlive the other's interest.
 class WatchedTest {
  public:
   enum class End { Complete, Stopped, Hangs };

@@ -266,8 +266,7 @@ TEST_F(DeviceTrust, GivesUpOnTheTestOfAnother) {
 }
 
 TEST_F(DeviceTrust, IsForGpusOnly) {
-  for (const char* name : {"cpu", "auto", "gpu", ""})
-    try {
+  for (const char* name : {"cpu", "auto", "gpu", ""}) try {
       testDevice(name);
       FAIL() << name;
     } catch (const Error& error) {

@@ -4,9 +4,9 @@
 
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
-#include "vulkan/device/dispatch_limits.h"
 #include "shaders/subgroup_sizes.h"
 #include "shaders/subgroup_sizes_spv.h"
+#include "vulkan/device/dispatch_limits.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"

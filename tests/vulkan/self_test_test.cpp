@@ -42,11 +42,27 @@ TEST_F(VulkanSelfTest, Passes) {
                               EXPECT_EQ(check.difference, "") << check.name;
                               EXPECT_TRUE(names.insert(check.name).second) << check.name;
                             }});
-  for (const char* name : {"scan", "radix_sort", "cell_mesh", "voxel_grid", "cell_distance",
-                           "distance_transform", "refine", "raster_distance", "surface_tree",
-                           "exact_distance", "crossings", "ray_map, winding_rays", "winding_harmonic",
-                           "winding_paths", "winding_dipoles", "orientation", "close_holes", "sign", "finish",
-                           "default fields", "quick fields"})
+  for (const char* name : {"scan",
+                           "radix_sort",
+                           "cell_mesh",
+                           "voxel_grid",
+                           "cell_distance",
+                           "distance_transform",
+                           "refine",
+                           "raster_distance",
+                           "surface_tree",
+                           "exact_distance",
+                           "crossings",
+                           "ray_map, winding_rays",
+                           "winding_harmonic",
+                           "winding_paths",
+                           "winding_dipoles",
+                           "orientation",
+                           "close_holes",
+                           "sign",
+                           "finish",
+                           "default fields",
+                           "quick fields"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
@@ -61,7 +77,9 @@ TEST_F(VulkanSelfTest, StopsWhenAsked) {
 TEST(Difference, NamesTheFirst) {
   const std::vector<uint32_t> right{4, 5, 6, 7};
   EXPECT_EQ(differenceOf([&] { requireEqual("sums", right, right); }), "");
-  EXPECT_EQ(differenceOf([&] { requireEqual("sums", std::vector<uint32_t>{4, 9, 6, 8}, right); }),
+  EXPECT_EQ(differenceOf([&] {
+              requireEqual("sums", std::vector<uint32_t>{4, 9, 6, 8}, right);
+            }),
             "sums: number 1 is 9, not 5; 2 of 4 differ");
   EXPECT_EQ(differenceOf([&] { requireEqual("sums", std::vector<uint32_t>{4}, right); }),
             "sums: 1 values, not 4");
