@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <optional>
 
@@ -258,6 +259,7 @@ void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolut
 }  // namespace
 
 void countWork(const CountOptions& options) {
+  setenv("RAYMAP_CACHE", "off", 1);  // Changed kernels are of no use to other runs.
   const std::optional<size_t> index = chooseDevice(options.device);
   if (!index) throw Error(ErrorCode::Usage, options.device + " is no Vulkan device");
   for (const std::string& name : options.meshes) {

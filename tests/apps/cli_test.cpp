@@ -119,7 +119,8 @@ TEST_F(Cli, ListsDevices) {
 
 TEST_F(Cli, TestsDevices) {
   std::string gpu;
-  for (const Json& device : Json::parse(succeed("devices --json").out)["devices"])
+  const Json all = Json::parse(succeed("devices --json").out);
+  for (const Json& device : all["devices"])
     if (device["id"] != "cpu" && device["usable"]) gpu = device["id"];
   if (gpu.empty()) GTEST_SKIP() << "no GPU";
   const std::string cache = "RAYMAP_CACHE='" + path("cache").string() + "'";

@@ -36,7 +36,6 @@ struct SubgroupOperation {
 
 constexpr SubgroupOperation kSubgroupOperations[] = {
     {"basic", VK_SUBGROUP_FEATURE_BASIC_BIT},
-    {"vote", VK_SUBGROUP_FEATURE_VOTE_BIT},
     {"arithmetic", VK_SUBGROUP_FEATURE_ARITHMETIC_BIT},
     {"ballot", VK_SUBGROUP_FEATURE_BALLOT_BIT},
 };
