@@ -11,6 +11,7 @@
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"
 #include "vulkan/primitives/dispatch_arguments.h"
+#include "vulkan/primitives/gate.h"
 #include "vulkan_entry.h"
 
 namespace raymap::vulkan {
@@ -56,6 +57,13 @@ TEST(VulkanSpirv, ReportsTheSizeOfPushConstants) {
 
 class VulkanDevice : public VulkanTest {
  protected:
+  /// Expects the number of its group plus 1 for each invocation that ran, and 0 for the others.
+  static void expectGroups(const DeviceBuffer& numbers, uint32_t groupSize, uint64_t invocations) {
+    const std::vector<uint32_t> found = download<uint32_t>(numbers);
+    for (uint32_t i = 0; i < found.size(); ++i)
+      ASSERT_EQ(found[i], i < invocations ? 1 + i / groupSize : 0u) << i << " of " << invocations;
+  }
+
   /// Returns the messages of the validation layer since the test began, which then do not fail it.
   static std::string takeMessages() {
     const std::lock_guard lock(shared().mutex);
@@ -257,6 +265,64 @@ TEST_F(VulkanDevice, DispatchesWhatTheDeviceCounted) {
     // Dispatches over two dimensions may have more groups than needed.
     EXPECT_EQ(groups[(all + 1) * groupSize], 0u);
   }
+}
+
+TEST_F(VulkanDevice, SplitsWhatTheDeviceCounted) {
+  constexpr uint32_t kSize = 16, kMost = 5, kCapacity = 30 * kSize;
+  NumberKernel kernel(device(), shaders::kNumberInvocations, kSize, {1});
+  DispatchArguments arguments(device(), "arguments");
+  arguments.reserve(5);
+  for (const uint32_t groups : {0u, 1u, 4u, 5u, 6u, 15u, 19u, 20u}) {
+    DeviceBuffer numbers(device(), "groups");
+    numbers.resize<uint32_t>(kCapacity);
+    const DeviceBuffer counted = upload<uint32_t>({groups * kSize}, "count");
+    run([&](Commands& commands) {
+      commands.fill(numbers, 0);
+      arguments.record(commands, 1,
+                       {.count = {.most = kCapacity, .address = counted.address()},
+                        .itemsPerGroup = kSize,
+                        .parts = 4,
+                        .mostGroups = kMost});
+      for (uint32_t part = 0; part < 4; ++part)
+        arguments.dispatch(
+            commands, kernel,
+            {.groups = numbers.address(), .count = kCapacity, .groupSize = kSize, .firstGroup = part * kMost},
+            1 + part, part > 0);
+    });
+    expectGroups(numbers, kSize, uint64_t{groups} * kSize);
+  }
+}
+
+TEST_F(VulkanDevice, SplitsWhatAGateLetsThrough) {
+  constexpr uint32_t kSize = 16, kMost = 5, kCapacity = 30 * kSize;
+  NumberKernel kernel(device(), shaders::kNumberInvocations, kSize, {1});
+  Gate gate(device(), "gate");
+  const std::vector<uint64_t> groups{0, 1, 5, 6, 20, 23};
+  gate.plan(groups, kMost);
+  for (const uint32_t word : {0u, 9u}) {
+    const DeviceBuffer opening = upload<uint32_t>({word}, "word");
+    for (uint32_t d = 0; d < groups.size(); ++d) {
+      DeviceBuffer numbers(device(), "groups");
+      numbers.resize<uint32_t>(kCapacity);
+      run([&](Commands& commands) {
+        commands.fill(numbers, 0);
+        gate.record(commands, opening.address());
+        gate.dispatch(commands, kernel, {.groups = numbers.address(), .count = kCapacity, .groupSize = kSize},
+                      d);
+      });
+      expectGroups(numbers, kSize, word == 0 ? 0 : groups[d] * kSize);
+    }
+  }
+  gate.plan(std::array{uint64_t{kMaxGroups} + 1});  // Over two dimensions.
+  DeviceBuffer numbers(device(), "groups");
+  numbers.resize<uint32_t>(uint64_t{kMaxGroups + 1} * kSize);
+  const DeviceBuffer open = upload<uint32_t>({1}, "word");
+  run([&](Commands& commands) {
+    gate.record(commands, open.address());
+    gate.dispatch(commands, kernel,
+                  {.groups = numbers.address(), .count = (kMaxGroups + 1) * kSize, .groupSize = kSize}, 0);
+  });
+  expectGroups(numbers, kSize, uint64_t{kMaxGroups + 1} * kSize);
 }
 
 TEST_F(VulkanDevice, TimesStagesFrameAfterFrame) {

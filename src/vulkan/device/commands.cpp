@@ -68,7 +68,10 @@ void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t
   const uint64_t mostRows = mostGroups / x;
   for (uint64_t row = 0; row < y; row += mostRows) {
     const uint64_t rows = std::min(mostRows, y - row);
-    if (makeRoom(x * rows * kernel.groupSize()) || row == 0) bind(kernel, push, pushBytes);
+    if (makeRoom(x * rows * kernel.groupSize()) || row == 0) {
+      barrier();
+      bind(kernel, push, pushBytes);
+    }
     vkCmdDispatchBase(buffer_, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
                       static_cast<uint32_t>(rows), 1);
   }
@@ -90,7 +93,6 @@ void Commands::dispatchIndirectBytes(ComputePipeline& kernel, const void* push, 
 }
 
 void Commands::bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes) {
-  barrier();
   vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
   vkCmdPushConstants(buffer_, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, pushBytes, push);
 }

@@ -46,10 +46,12 @@ class Commands {
   void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
     dispatchBytes(kernel, &push, sizeof push, invocations);
   }
-  /// Runs as many groups as the `VkDispatchIndirectCommand` at `offset` in `arguments` states.
+  /// Runs as many groups as the `VkDispatchIndirectCommand` at `offset` in `arguments` states. With `isMore`
+  /// it may run at the same time as the command before.
   template <class Push>
   void dispatchIndirect(Kernel<Push>& kernel, const Push& push, const DeviceBuffer& arguments,
-                        VkDeviceSize offset) {
+                        VkDeviceSize offset, bool isMore = false) {
+    if (!isMore) barrier();
     dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
   }
   void fill(const DeviceBuffer& buffer, uint32_t value);

@@ -7,12 +7,14 @@
 layout(push_constant, scalar) uniform Push { DispatchArgumentsPush push; };
 
 void main() {
-  if (invocationIndex() > 0) return;
+  const uint part = invocationIndex();
+  if (part >= push.parts) return;
   const uint count = readCount(push.count, push.most);
-  const uint groups = max(ceilDiv(count, push.itemsPerGroup), push.fewestGroups);
+  const uint all = max(ceilDiv(count, push.itemsPerGroup), push.fewestGroups);
+  const uint groups = min(all - min(all, part * push.mostGroups), push.mostGroups);
   const uint y = max(ceilDiv(groups, kMaxGroups), 1);
-  push.entry.at[0] = ceilDiv(groups, y);
-  push.entry.at[1] = y;
-  push.entry.at[2] = 1;
-  push.entry.at[3] = groups * push.scale;
+  push.entry.at[4 * part] = ceilDiv(groups, y);
+  push.entry.at[4 * part + 1] = y;
+  push.entry.at[4 * part + 2] = 1;
+  push.entry.at[4 * part + 3] = all * push.scale;
 }

@@ -7,14 +7,14 @@
 namespace raymap::vulkan {
 
 namespace {
-// One invocation works. With groups of one, GPU-assisted validation reports false errors, at least on
+// Few invocations work. With groups of one, GPU-assisted validation reports false errors, at least on
 // lavapipe.
 constexpr uint32_t kGroupSize = 32;
 }  // namespace
 
 DispatchArguments::DispatchArguments(Device& device, const std::string& name, uint32_t entries)
     : kernel_(device, shaders::kDispatchArguments, kGroupSize), entries_(device, name) {
-  entries_.resize<DispatchArgumentsEntry>(entries);
+  reserve(entries);
 }
 
 void DispatchArguments::record(Commands& commands, uint32_t index, const Entry& entry) {
@@ -23,8 +23,10 @@ void DispatchArguments::record(Commands& commands, uint32_t index, const Entry& 
                                    .most = entry.count.most,
                                    .itemsPerGroup = entry.itemsPerGroup,
                                    .fewestGroups = entry.fewestGroups,
-                                   .scale = entry.scale};
-  commands.dispatch(kernel_, push, 1);
+                                   .scale = entry.scale,
+                                   .parts = entry.parts,
+                                   .mostGroups = entry.mostGroups};
+  commands.dispatch(kernel_, push, entry.parts);
 }
 
 VkDeviceAddress DispatchArguments::scaledGroups(uint32_t index) const {

@@ -21,15 +21,21 @@ class DispatchArguments {
     uint32_t itemsPerGroup = 1;
     uint32_t fewestGroups = 0;
     uint32_t scale = 1;
+    uint32_t parts = 1;                ///< Number of entries to write, from `index` on.
+    uint32_t mostGroups = UINT32_MAX;  ///< Groups of each of them but the last.
   };
 
-  DispatchArguments(Device& device, const std::string& name, uint32_t entries);
+  DispatchArguments(Device& device, const std::string& name, uint32_t entries = 1);
 
-  /// Records the write of one entry. Different entries may be written concurrently.
+  /// Reserves memory. All previously recorded work must have completed.
+  void reserve(uint32_t entries) { entries_.resize<DispatchArgumentsEntry>(entries); }
+  /// Records the write of one entry, or of its parts. Different entries may be written concurrently.
   void record(Commands& commands, uint32_t index, const Entry& entry);
+  /// With `isMore` it may run at the same time as the command before.
   template <class Push>
-  void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push, uint32_t index) const {
-    commands.dispatchIndirect(kernel, push, entries_, index * sizeof(DispatchArgumentsEntry));
+  void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push, uint32_t index,
+                bool isMore = false) const {
+    commands.dispatchIndirect(kernel, push, entries_, index * sizeof(DispatchArgumentsEntry), isMore);
   }
   /// Returns the address of an entry's number of groups times its scale.
   VkDeviceAddress scaledGroups(uint32_t index) const;

@@ -21,7 +21,9 @@ struct DispatchArgumentsPush {
   uint itemsPerGroup;
   uint fewestGroups;
   uint scale;
+  uint parts;       // Number of entries.
+  uint mostGroups;  // Groups of each entry but the last.
 };
-RAYMAP_CHECK_SIZE(DispatchArgumentsPush, 32);
+RAYMAP_CHECK_SIZE(DispatchArgumentsPush, 40);
 
 RAYMAP_SHARED_END

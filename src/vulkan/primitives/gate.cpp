@@ -3,12 +3,21 @@
 #include <algorithm>
 
 #include "shaders/gate_spv.h"
-#include "vulkan/primitives/dispatch_arguments_push.h"
+#include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
 
 namespace {
 constexpr uint32_t kGroup = 64;
+
+uint64_t ceilDiv(uint64_t a, uint64_t b) {
+  return (a + b - 1) / b;
+}
+
+VkDispatchIndirectCommand argumentsOf(uint64_t groups) {
+  const uint64_t y = std::max<uint64_t>(ceilDiv(groups, kMaxGroups), 1);
+  return {static_cast<uint32_t>(ceilDiv(groups, y)), static_cast<uint32_t>(y), 1};
+}
 }  // namespace
 
 Gate::Gate(Device& device, const std::string& name)
@@ -16,15 +25,21 @@ Gate::Gate(Device& device, const std::string& name)
       planned_(device, "planned " + name, MemoryUse::Upload),
       actual_(device, name) {}
 
-void Gate::reserve(uint32_t dispatches) {
-  planned_.resize<VkDispatchIndirectCommand>(dispatches);
-  actual_.resize<VkDispatchIndirectCommand>(dispatches);
-}
-
-void Gate::plan(uint32_t index, uint64_t groups) {
-  const uint64_t y = std::max<uint64_t>((groups + kMaxGroups - 1) / kMaxGroups, 1);
-  planned_.mapped<VkDispatchIndirectCommand>()[index] = {static_cast<uint32_t>((groups + y - 1) / y),
-                                                         static_cast<uint32_t>(y), 1};
+void Gate::plan(std::span<const uint64_t> groups, uint32_t most) {
+  most_ = most;
+  firstParts_.assign(1, 0);
+  for (const uint64_t count : groups)
+    firstParts_.push_back(firstParts_.back() +
+                          static_cast<uint32_t>(std::max<uint64_t>(ceilDiv(count, most), 1)));
+  planned_.resize<VkDispatchIndirectCommand>(firstParts_.back());
+  actual_.resize<VkDispatchIndirectCommand>(firstParts_.back());
+  const std::span<VkDispatchIndirectCommand> planned = planned_.mapped<VkDispatchIndirectCommand>();
+  for (size_t d = 0; d < groups.size(); ++d) {
+    uint64_t left = groups[d];
+    for (uint32_t part = firstParts_[d]; part < firstParts_[d + 1];
+         ++part, left -= std::min<uint64_t>(left, most))
+      planned[part] = argumentsOf(std::min<uint64_t>(left, most));
+  }
 }
 
 void Gate::record(Commands& commands, VkDeviceAddress word) {

@@ -3,6 +3,7 @@
 #include "vulkan/stages/cell_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -35,13 +36,12 @@ CellMeshStage::CellMeshStage(Device& device)
       triangles_(device, "mesh triangles"),
       status_(device, "mesh status") {
   status_.resize<CellMeshStatus>(1);
-  gate_.reserve(1);
 }
 
 void CellMeshStage::reserve(uint32_t vertices, uint32_t triangles) {
   vertices_.resize<glm::vec3>(vertices);
   triangles_.resize<glm::uvec3>(triangles);
-  gate_.plan(0, (uint64_t{std::max(vertices, triangles)} + kGroup - 1) / kGroup);
+  gate_.plan(std::array{(uint64_t{std::max(vertices, triangles)} + kGroup - 1) / kGroup});
 }
 
 void CellMeshStage::record(Commands& commands, const Source& source, const Grid& grid, double outside) {

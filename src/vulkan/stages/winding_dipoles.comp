@@ -21,10 +21,11 @@ void settle(uint index, uint mostTurns) {
 void main() {
   const uint count = push.doubts.at[0];
   const bool isListed = count <= push.mostListed;
-  if (groupIndex() >= (isListed ? count : ceilDiv(sampleCount(), kSamplesPerListed))) return;
+  const uint group = push.firstGroup + groupIndex();
+  if (group >= (isListed ? count : ceilDiv(sampleCount(), kSamplesPerListed))) return;
   const uint samples = isListed ? 1 : kSamplesPerListed;
   for (uint i = 0; i < samples; ++i) {
-    const uint place = groupIndex() * samples + i;
+    const uint place = group * samples + i;
     if (place >= sampleCount()) return;
     const uint index = isListed ? push.doubts.at[1 + place] : place;
     if (isDoubtful(index)) settle(index, push.mostTurns / samples * (i + 1));

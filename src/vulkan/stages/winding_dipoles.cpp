@@ -17,6 +17,7 @@ namespace {
 
 constexpr uint32_t kDoubtsGroup = 128;
 constexpr uint32_t kMomentsGroup = 64;
+constexpr uint32_t kMostSettled = 1 << 17;  // Groups, and so samples, of a dispatch.
 // Most turns of a group in total. Mesa's software driver silently ends loops after 65,535 iterations, and a
 // turn has up to two: one in an inner loop, one in the outer.
 constexpr uint32_t kFewTurns = 30000;
@@ -48,7 +49,7 @@ WindingDipolesStage::WindingDipolesStage(Device& device, ScratchMemory* scratch,
       momentsOf_(device, shaders::kWindingDipolesMoments, kMomentsGroup),
       settle_(device, shaders::kWindingDipoles, invocations_, {invocations_}),
       points_(device, shaders::kWindingDipolesPoints, invocations_, {invocations_}),
-      arguments_(device, "dispatch of doubtful samples", 1),
+      arguments_(device, "dispatches of doubtful samples"),
       mostTurns_(device.info().type == DeviceType::Software ? kFewTurns : kManyTurns),
       moments_(device, "moments of the surface tree"),
       doubtful_(device, "list of doubtful samples", scratch) {}
@@ -59,13 +60,18 @@ void WindingDipolesStage::reserve(uint32_t triangleCount, const glm::ivec3& dims
   dims_ = dims;
   moments_.resize<float>((uint64_t{levels[0].start} + levels[0].count) * kMomentVectors * 4);
   doubtful_.resize<uint32_t>(1 + mostListed());
-  gate_.reserve(static_cast<uint32_t>(levels.size()));
-  for (uint32_t level = 0; level < levels.size(); ++level)
-    gate_.plan(level, ceilDiv(levels[level].count, kMomentsGroup));
+  arguments_.reserve(parts());
+  std::vector<uint64_t> groups;
+  for (const SurfaceTreeStage::Level& level : levels) groups.push_back(ceilDiv(level.count, kMomentsGroup));
+  gate_.plan(groups);
 }
 
 uint64_t WindingDipolesStage::mostListed() const {
   return ceilDiv(samplesOf(dims_), kSamplesPerListed);
+}
+
+uint32_t WindingDipolesStage::parts() const {
+  return static_cast<uint32_t>(ceilDiv(mostListed(), kMostSettled));
 }
 
 WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, double threshold) const {
@@ -106,14 +112,17 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   const Count doubts{.most = static_cast<uint32_t>(samplesOf(dims_)), .address = doubtful_.address()};
   commands.concurrent([&] {
     gate_.record(commands, doubts.address);
-    arguments_.record(commands, 0, {.count = doubts});
+    arguments_.record(commands, 0, {.count = doubts, .parts = parts(), .mostGroups = kMostSettled});
   });
   recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
     gate_.dispatch(commands, momentsOf_, ofLevel, level);
   });
   // One group for each sample. There are more groups than the list has capacity for if it does not hold all:
   // enough for the whole grid.
-  arguments_.dispatch(commands, settle_, push, 0);
+  for (uint32_t part = 0; part < parts(); ++part) {
+    push.firstGroup = part * kMostSettled;
+    arguments_.dispatch(commands, settle_, push, part, part > 0);
+  }
 }
 
 void WindingDipolesStage::recordNumbersAt(Commands& commands, const SurfaceTreeStage& tree,

@@ -32,7 +32,9 @@ struct WindingDipolesPush {
   uint mostTurns;  // Maximum number of turns of a group (winding_number.glsl).
   uint pointCount;
   uint mostListed;  // Capacity of the list of doubtful samples.
+  uint firstGroup;  // Number of groups before this dispatch.
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(WindingDipolesPush, 112);
+RAYMAP_CHECK_SIZE(WindingDipolesPush, 120);
 
 RAYMAP_SHARED_END

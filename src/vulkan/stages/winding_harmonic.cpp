@@ -67,14 +67,15 @@ void WindingHarmonicStage::plan() {
     cycle += (3.0 + kRestrictShare) * samples;
     work_ += cycle + samples;  // Prolonged before.
   }
-  gate_.reserve(static_cast<uint32_t>(levels_.size()) * kExtents);
+  std::vector<uint64_t> groups;
   for (uint32_t l = 0; l < levels_.size(); ++l) {
     const LatticeBox& box = levels_[l].box;
     const uint64_t half = uint64_t(box.dims.x + 1) / 2 * uint64_t(box.dims.y) * uint64_t(box.dims.z);
-    const uint64_t groups[kExtents] = {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
-                                       l < coarsest() ? restrictGroups(levels_[l + 1].box.dims) : 1, 1};
-    for (uint32_t extent = 0; extent < kExtents; ++extent) gate_.plan(l * kExtents + extent, groups[extent]);
+    for (const uint64_t count : {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
+                                 l < coarsest() ? restrictGroups(levels_[l + 1].box.dims) : 1, uint64_t{1}})
+      groups.push_back(count);  // In the order of `Extent`.
   }
+  gate_.plan(groups, kMostGroups);
 }
 
 void WindingHarmonicStage::record(Commands& commands, const WindingFields& fields) {

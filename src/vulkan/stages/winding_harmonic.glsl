@@ -19,6 +19,15 @@ int boxLow(uint level) {
   return level == 0 ? 0 : -kHarmonicMargin;
 }
 
+// Returns the index of this work group among those of all dispatches of a kernel.
+uint wholeGroupIndex() {
+  return push.firstGroup + groupIndex();
+}
+
+uint wholeInvocationIndex() {
+  return push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
+}
+
 uint sampleCount(ivec3 dims) {
   return uint(dims.x) * uint(dims.y) * uint(dims.z);
 }

@@ -6,7 +6,7 @@
 
 void main() {
   const ivec3 dims = boxDims(push.level), coarse = boxDims(push.level + 1);
-  const uint i = invocationIndex();
+  const uint i = wholeInvocationIndex();
   if (i >= sampleCount(dims)) return;
   const ivec3 s = sampleAt(i, dims), low = coarseBelow(s), high = low + (s & 1);
   const float near = 0.5 * (0.5 * (coarseAt(low, coarse) + coarseAt(ivec3(high.x, low.yz), coarse)) +

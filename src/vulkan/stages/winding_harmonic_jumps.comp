@@ -6,7 +6,7 @@
 
 void main() {
   const ivec3 dims = boxDims(push.level);
-  const uint i = invocationIndex();
+  const uint i = wholeInvocationIndex();
   if (i >= sampleCount(dims)) return;
   const ivec3 s = sampleAt(i, dims);
   push.values.at[i] = float(jumpAlong(0, s) + jumpAlong(1, s) + jumpAlong(2, s));

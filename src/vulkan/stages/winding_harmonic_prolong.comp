@@ -26,7 +26,7 @@ float alongXY(ivec3 s, ivec3 dims, ivec3 coarse) {
 
 void main() {
   const ivec3 dims = boxDims(push.level), coarse = boxDims(push.level + 1);
-  const uint i = invocationIndex();
+  const uint i = wholeInvocationIndex();
   if (i >= sampleCount(dims)) return;
   const ivec3 s = sampleAt(i, dims);
   float value = alongXY(s - ivec3(0, 0, s.z & 1), dims, coarse);

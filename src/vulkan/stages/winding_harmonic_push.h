@@ -21,7 +21,9 @@ struct WindingHarmonicPush {
   uint level;                            // Level of the lattice, which has every 2^level-th sample.
   uint colour;                           // Half of the samples to relax.
   float factor;                          // Factor of over-relaxation.
+  uint firstGroup;                       // Number of groups before this dispatch.
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(WindingHarmonicPush, 72);
+RAYMAP_CHECK_SIZE(WindingHarmonicPush, 80);
 
 RAYMAP_SHARED_END

@@ -8,7 +8,7 @@
 void main() {
   const ivec3 dims = boxDims(push.level);
   const ivec3 pairs = ivec3((dims.x + 1) / 2, dims.yz);
-  const uint i = invocationIndex();
+  const uint i = wholeInvocationIndex();
   if (i >= sampleCount(pairs)) return;
   ivec3 s = sampleAt(i, pairs);
   s.x = 2 * s.x + ((s.y + s.z + int(push.colour) + 1) & 1);

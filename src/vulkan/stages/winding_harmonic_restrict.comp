@@ -30,7 +30,7 @@ float alongXY(uint i) {
 void main() {
   const ivec3 dims = boxDims(push.level), coarse = boxDims(push.level + 1);
   const ivec3 tiles = (coarse + kTile - 1) / kTile;
-  const uint group = groupIndex();
+  const uint group = wholeGroupIndex();
   if (group >= sampleCount(tiles)) return;
   const ivec3 low = sampleAt(group, tiles) * kTile;
   const int shift = boxLow(push.level) / 2 - boxLow(push.level + 1);

@@ -64,7 +64,7 @@ int countPaths(ivec3 s, ivec3 offset, ivec3 dims) {
 }
 
 void main() {
-  const uint index = invocationIndex();
+  const uint index = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
   const ivec3 dims = ivec3(push.dims[0], push.dims[1], push.dims[2]);
   const uint row = index / push.dims[0];
   const ivec3 s = ivec3(index % push.dims[0], row % push.dims[1], row / push.dims[1]);

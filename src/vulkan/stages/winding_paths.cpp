@@ -4,6 +4,7 @@
 #include "vulkan/stages/winding_paths.h"
 
 #include <algorithm>
+#include <array>
 
 #include "method/winding_paths_offsets.h"
 #include "shaders/winding_paths_spv.h"
@@ -14,14 +15,12 @@ WindingPathsStage::WindingPathsStage(Device& device, ScratchMemory* scratch)
     : gate_(device, "winding paths dispatch"),
       zeroOutside_(device, shaders::kWindingPaths, kWindingPathsGroup, {0}),
       raysOutside_(device, shaders::kWindingPaths, kWindingPathsGroup, {1}),
-      next_(device, "winding of the next step", scratch) {
-  gate_.reserve(1);
-}
+      next_(device, "winding of the next step", scratch) {}
 
 void WindingPathsStage::reserve(const glm::ivec3& dims) {
   const uint64_t samples = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   next_.resize<float>(samples);
-  gate_.plan(0, (samples + kWindingPathsGroup - 1) / kWindingPathsGroup);
+  gate_.plan(std::array{(samples + kWindingPathsGroup - 1) / kWindingPathsGroup}, kMostGroups);
   dims_ = dims;
 }
 

@@ -20,7 +20,7 @@ struct WindingPathsPush {
   uint dims[3];
   uint pointCount;
   int offsets[3 * kPointsPerDispatch];
-  uint unused;
+  uint firstGroup;  // Number of groups before this dispatch.
 };
 RAYMAP_CHECK_SIZE(WindingPathsPush, 128);
 

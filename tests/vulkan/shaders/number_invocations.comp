@@ -7,6 +7,6 @@ layout(constant_id = 1) const uint kFirst = 0;
 layout(push_constant, scalar) uniform Push { NumberInvocationsPush push; };
 
 void main() {
-  const uint index = invocationIndex();
-  if (index < push.count && push.groupSize == gl_WorkGroupSize.x) push.groups.at[index] = kFirst + groupIndex();
+  const uint index = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
+  if (index < push.count && push.groupSize == gl_WorkGroupSize.x) push.groups.at[index] = kFirst + push.firstGroup + groupIndex();
 }
