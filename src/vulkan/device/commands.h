@@ -16,13 +16,11 @@ void showAll(VkCommandBuffer buffer);
 /// `Commands` continue in another command buffer.
 class RecordingListener {
  public:
+  virtual ~RecordingListener() = default;
   /// Called before more invocations are recorded than the device should work on without a pause.
   virtual void onMuchWork() = 0;
   /// Called with the share of the stage that is done once all recorded work is.
   virtual void onProgress(double done) = 0;
-
- protected:
-  ~RecordingListener() = default;
 };
 
 /// Records into a command buffer, ours or the caller's. A full barrier precedes every command, so each one

@@ -15,8 +15,8 @@ bool PipelineSource::operator==(const PipelineSource& other) const {
          hasFullSubgroups == other.hasFullSubgroups;
 }
 
-Pipelines::Pipelines(const Device& device, std::optional<PipelineCacheFile> file)
-    : device_(device), file_(std::move(file)) {
+Pipelines::Pipelines(const Device& device, const std::optional<PipelineCacheFile>& file)
+    : device_(device), file_(file) {
   const std::vector<std::byte> known = file_ ? file_->read() : std::vector<std::byte>();
   const VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
                                        .initialDataSize = known.size(),

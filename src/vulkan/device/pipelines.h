@@ -25,7 +25,7 @@ class Pipelines {
  public:
   /// `device` must outlive this object. With a cache file, starts from what the driver compiled in earlier
   /// runs, and stores what it compiles.
-  Pipelines(const Device& device, std::optional<PipelineCacheFile> file);
+  Pipelines(const Device& device, const std::optional<PipelineCacheFile>& file);
   ~Pipelines();
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
