@@ -19,7 +19,10 @@ class VulkanWorkCounter : public VulkanTest {
     if (IsSkipped() || HasFatalFailure()) return;
     counter_ = std::make_unique<WorkCounter>();
     counter_->start(device());
-    loops_.emplace(device(), shaders::kCountedLoops, kGroup);
+    // A device makes equal kernels once, but each counter changes its own: a constant that the shader does
+    // not read tells them apart.
+    static uint32_t counters = 0;
+    loops_.emplace(device(), shaders::kCountedLoops, kGroup, std::initializer_list<uint32_t>{++counters});
     values_ = DeviceBuffer(device(), "values");
     sums_ = DeviceBuffer(device(), "sums");
   }
