@@ -5,7 +5,7 @@
 
 namespace raymap::bench {
 
-/// What decides a card's times. The defaults are those of an NVIDIA H200.
+/// Rates and latencies of a card. The defaults are those of an NVIDIA H200.
 struct Card {
   double bytesPerSecond = 4.3e12;
   double stepMicroseconds = 3.0;  ///< From one command to the next that waits for it.

@@ -14,7 +14,7 @@ namespace raymap {
 /// Kinds of devices, in the order in which the device name "vulkan" prefers them; the CPU stands apart.
 enum class DeviceType { Discrete, Integrated, Virtual, Other, Software, Cpu };
 
-/// What is known of the last test of a GPU (`testDevice`) with this driver and this version of raymap.
+/// Outcome of the last test of a GPU (`testDevice`) with this driver and this version of raymap.
 enum class DeviceTestState {
   Untested,
   Running,  ///< Another thread or process tests it now.
@@ -39,7 +39,7 @@ struct DeviceInfo {
   uint32_t maxSubgroupSize = 0;    ///< Most that a kernel may have.
   std::string identity = {};       ///< Differs for every device and version of a driver; empty for the CPU.
   DeviceTestState test = DeviceTestState::Untested;
-  std::string testProblem = {};  ///< What the test found, or where it ended; empty if it passed.
+  std::string testProblem = {};  ///< First difference, or the check in which the test ended; empty if passed.
 };
 
 /// All devices of this machine.
@@ -66,7 +66,7 @@ struct DeviceCheck {
   double milliseconds = 0.0;
 };
 
-/// What a test of a GPU found.
+/// Result of a test of a GPU.
 struct DeviceTest {
   DeviceInfo device = {};
   std::vector<DeviceCheck> checks = {};  ///< Those that ended, in their order.

@@ -51,7 +51,7 @@ std::optional<fs::path> pathOf(const DeviceInfo& device, const char* extension) 
   return *folder / (stemOf(device) + extension);
 }
 
-/// What this process knows, by `keyOf`.
+/// Results that could not be written to the folder, by `keyOf`.
 struct Memory {
   std::mutex mutex;
   std::map<std::string, DeviceRecord> records;

@@ -11,7 +11,7 @@ namespace raymap {
 /// Result of the last test of a device, as it is kept between processes.
 struct DeviceRecord {
   DeviceTestState state = DeviceTestState::Untested;
-  std::string problem = {};  ///< What the test found, or the check in which it ended.
+  std::string problem = {};  ///< First difference, or the check in which the test ended.
 };
 
 /// Returns what this process remembers, or what is kept in the user's cache folder, of a device with this

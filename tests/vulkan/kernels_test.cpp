@@ -1,4 +1,4 @@
-// What the kernels ask of a device, read from their SPIR-V.
+// The capabilities that kernels ask of a device, read from their SPIR-V.
 
 #include <gtest/gtest.h>
 

@@ -154,7 +154,7 @@ TEST_F(VulkanPipelines, FailOnlyWhereTheyAreNeeded) {
   }
 }
 
-/// What the driver is given and what it returns as compiled code.
+/// Compiled code that the driver is given, and that it returns.
 Bytes given, returned;
 PFN_vkCreatePipelineCache realCreate = nullptr;
 

@@ -11,7 +11,7 @@ namespace raymap::vulkan {
 
 class Device;
 
-/// What a compute pipeline is made from.
+/// Shader and constants of a compute pipeline.
 struct PipelineSource {
   Shader shader;
   std::vector<uint32_t> constants;  ///< Specialization constants from 0 on.
