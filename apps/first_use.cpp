@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <optional>
 #include <thread>
 
@@ -53,9 +52,8 @@ bool succeeds(pid_t child) {
 void testBeforeFirstUse(std::string& device) {
   const std::string id = device == "auto" ? deviceToTest() : "";
   if (id.empty()) return;
-  std::fprintf(stderr, "raymap: testing %s before its first use\n", id.c_str());
   const auto hasPassed = [&id] {
-    const WaitingLine line("testing " + id);
+    const WaitingLine line("testing " + id + " before its first use");
     const std::optional<pid_t> child = startTest(id);
     return child && succeeds(*child);
   };

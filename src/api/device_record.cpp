@@ -18,6 +18,7 @@
 #include <ostream>
 #include <thread>
 
+#include "base/hash.h"
 #include "base/user_cache.h"
 
 namespace raymap {
@@ -36,12 +37,11 @@ std::string keyOf(const DeviceInfo& device) {
   return key;
 }
 
-/// Returns the name of a device's files, without extension (FNV-1a).
+/// Returns the name of a device's files, without extension.
 std::string stemOf(const DeviceInfo& device) {
-  uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : keyOf(device)) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
   char text[40];
-  std::snprintf(text, sizeof text, "gpu-test-%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(text, sizeof text, "gpu-test-%016llx",
+                static_cast<unsigned long long>(hashOf(keyOf(device))));
   return text;
 }
 

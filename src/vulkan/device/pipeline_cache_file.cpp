@@ -5,6 +5,7 @@
 #include <fstream>
 #include <optional>
 
+#include "base/hash.h"
 #include "base/user_cache.h"
 
 namespace raymap::vulkan {
@@ -26,11 +27,8 @@ struct Header {
 };
 static_assert(sizeof(Header) == 8 + 28 + 4 + 16, "no padding, which would be written");
 
-/// FNV-1a: finds damage, not malice.
 uint64_t hashOf(std::span<const std::byte> bytes) {
-  uint64_t hash = 0xcbf29ce484222325;
-  for (const std::byte byte : bytes) hash = (hash ^ std::to_integer<uint64_t>(byte)) * 0x100000001b3;
-  return hash;
+  return raymap::hashOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
