@@ -18,11 +18,11 @@ class VulkanWorkCounter : public VulkanTest {
     VulkanTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     counter_ = std::make_unique<WorkCounter>();
+    // A device makes equal kernels once, but each counter changes its own.
+    device_.emplace(
+        DeviceOptions{.message = [](std::string_view message) { ADD_FAILURE() << message; }, .guards = true});
     counter_->start(device());
-    // A device makes equal kernels once, but each counter changes its own: a constant that the shader does
-    // not read tells them apart.
-    static uint32_t counters = 0;
-    loops_.emplace(device(), shaders::kCountedLoops, kGroup, std::initializer_list<uint32_t>{++counters});
+    loops_.emplace(device(), shaders::kCountedLoops, kGroup);
     values_ = DeviceBuffer(device(), "values");
     sums_ = DeviceBuffer(device(), "sums");
   }
@@ -32,8 +32,20 @@ class VulkanWorkCounter : public VulkanTest {
     values_.release();
     sums_.release();
     if (counter_) counter_->stop();
+    device_.reset();
     counter_.reset();
     VulkanTest::TearDown();
+  }
+
+  Device& device() { return *device_; }
+
+  template <class Work>
+  void run(Work&& record) {
+    CommandBuffer buffer(device());
+    Commands commands = buffer.begin();
+    record(commands);
+    buffer.submitAndWait();
+    EXPECT_EQ(device().guards()->damaged(), "");
   }
 
   CountedLoopsPush push(uint32_t first, uint32_t more, uint32_t invocations) {
@@ -52,6 +64,7 @@ class VulkanWorkCounter : public VulkanTest {
   }
 
   std::unique_ptr<WorkCounter> counter_;
+  std::optional<Device> device_;
   std::optional<Kernel<CountedLoopsPush>> loops_;
   DeviceBuffer values_, sums_;
 };
