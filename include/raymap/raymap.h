@@ -18,4 +18,5 @@
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>
+#include <raymap/surface.h>
 #include <raymap/version.h>

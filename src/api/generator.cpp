@@ -4,41 +4,14 @@
 #include <chrono>
 
 #include "api/devices.h"
+#include "api/run_on_cpu.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "cpu/backend.h"
 #include "mesh/packed_mesh.h"
 #include "method/check_options.h"
 #include "method/thickness.h"
 
 namespace raymap {
-
-namespace {
-
-size_t fieldBytes(const Field& field) {
-  return field.distance.capacityBytes() + field.triangle.capacityBytes() + field.winding.capacityBytes() +
-         field.confidence.capacityBytes();
-}
-
-/// Runs the pipeline. A copy of the caller's mesh holds `meshBytes` bytes; 0 if there is none.
-Stats generateOnCpu(cpu::Backend& backend, const Job& job, size_t meshBytes) {
-  const size_t held = meshBytes + backend.bytes() + fieldBytes(job.field);
-  const size_t limit = job.options.memoryLimit ? job.options.memoryLimit : availableMemory() + held;
-  checkFieldMemory(meshBytes + cpu::Backend::bytesNeeded(job.mesh, job.grid, job.options), limit);
-  withThreads(job.options.threads, [&] {
-    backend.take(job);
-    runPipeline(backend);
-  });
-  Stats stats;
-  stats.device = "cpu";
-  for (const Progress::Time& time : job.progress.times())
-    stats.stages.push_back({time.stage, time.milliseconds});
-  stats.bytes = meshBytes + backend.bytes() + fieldBytes(job.field);
-  describeMesh(backend, job.grid, stats);
-  return stats;
-}
-
-}  // namespace
 
 struct Generator::Impl {
   cpu::Backend cpu;
@@ -73,7 +46,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
     };
     if (!impl_->device.run(options.device, options.warn, options.progress, onGpu)) {
       Progress progress(options.progress);
-      stats = generateOnCpu(impl_->cpu, {mesh, grid, options, progress, field}, impl_->packer.bytes());
+      stats = runOnCpu(impl_->cpu, {mesh, grid, options, progress, field}, impl_->packer.bytes());
     }
     if (asked.thickness > 0.0) thicken(asked, field);
   } catch (...) {

@@ -84,6 +84,16 @@ const SurfaceTree& Backend::turnedSurfaceTree() {
   return surfaceTree_;
 }
 
+SurfaceTree Backend::takeTree() {
+  surfaceTree();
+  if (isSurfaceTreeTurned_) {
+    mesh_.triangles = mesh().triangles;
+    surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
+  }
+  hasSurfaceTree_ = false;
+  return std::move(surfaceTree_);
+}
+
 void Backend::exactDistance() {
   computeExactDistance(surfaceTree(), mesh_.dims, options().band, progress(), job_->field.distance,
                        triangles());

@@ -67,6 +67,10 @@ class Backend {
   static constexpr size_t kTreeBytesPerTriangle = 108;
   void addPatch();
 
+  /// Gives away the tree of the last run's mesh, with the faces as given and one of each group of
+  /// double-sided ones.
+  SurfaceTree takeTree();
+
   /// Returns the number of bytes held, without the field.
   size_t bytes() const;
   /// Returns an upper bound on the bytes that a run holds, with the field, from sizes alone.

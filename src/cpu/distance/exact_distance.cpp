@@ -209,7 +209,7 @@ class BlockRefiner {
   Lanes signX_, signY_, signZ_;  // signs of the offsets from a half's centre to its eight corners
   Level levels_[4];
   NearestOfLanes samples_;
-  NearestSearch search_;
+  NearestSearch<Ties::Any> search_;
 };
 
 /// Returns the side of the largest blocks, in samples. Large blocks share more work; small ones keep every

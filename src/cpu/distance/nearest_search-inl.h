@@ -33,18 +33,31 @@ struct Nearest {
   HWY_INLINE Nearest(size_t i, const Lanes& distances, const uint32_t* ids)
       : distance(distances.load(i)), id(hn::Load(IntTag(), reinterpret_cast<const int32_t*>(ids) + i)) {}
   HWY_INLINE void take(uint32_t newId, Float value) {
-    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
-                        hn::Set(IntTag(), static_cast<int32_t>(newId)), id);
-    distance = hn::Min(distance, value);
+    take(hn::Set(IntTag(), static_cast<int32_t>(newId)), value, hn::Lt(value, distance));
   }
   HWY_INLINE void takeEach(uint32_t firstId, Float value) {
-    id = hn::IfThenElse(hn::RebindMask(IntTag(), hn::Lt(value, distance)),
-                        hn::Iota(IntTag(), static_cast<int32_t>(firstId)), id);
-    distance = hn::Min(distance, value);
+    take(hn::Iota(IntTag(), static_cast<int32_t>(firstId)), value, hn::Lt(value, distance));
+  }
+  /// Does the same as `take`. Of equal values it takes the one with the lowest id.
+  HWY_INLINE void takeLowest(uint32_t newId, Float value) {
+    takeLowest(hn::Set(IntTag(), static_cast<int32_t>(newId)), value);
+  }
+  HWY_INLINE void takeLowestEach(uint32_t firstId, Float value) {
+    takeLowest(hn::Iota(IntTag(), static_cast<int32_t>(firstId)), value);
   }
   HWY_INLINE void store(size_t i, Lanes& distances, uint32_t* ids) const {
     distances.store(i, distance);
     hn::Store(id, IntTag(), reinterpret_cast<int32_t*>(ids) + i);
+  }
+
+ private:
+  HWY_INLINE void take(hn::Vec<IntTag> newId, Float value, Mask isCloser) {
+    id = hn::IfThenElse(hn::RebindMask(IntTag(), isCloser), newId, id);
+    distance = hn::Min(distance, value);
+  }
+  HWY_INLINE void takeLowest(hn::Vec<IntTag> newId, Float value) {
+    const Mask isLower = hn::RebindMask(Tag(), hn::Lt(newId, id));
+    take(newId, value, hn::Or(hn::Lt(value, distance), hn::And(hn::Eq(value, distance), isLower)));
   }
 };
 
@@ -64,10 +77,22 @@ struct NearestOfLanes {
   alignas(64) uint32_t closest[kLanes][kLanes];
 };
 
+/// Squared distance beyond which lie only the discs that fill up packets.
+constexpr float kFarthest = 1e29f;
+
+/// What a search takes where several triangles are equally close, but for rounding.
+enum class Ties {
+  Any,    ///< Any of them: the fastest search.
+  Lowest  ///< The lowest of those whose squared distances are least in single precision, whatever was
+          ///< searched.
+};
+
 /// Search with its scratch memory. Each thread has its own instance.
+template <Ties kTies>
 class NearestSearch {
  public:
-  explicit NearestSearch(const SurfaceTree& tree) : tree_(tree) {}
+  /// With `Ties::Lowest`, `slack` exceeds the rounding errors of all distances, in cells.
+  explicit NearestSearch(const SurfaceTree& tree, float slack = 0.0f) : tree_(tree), slack_(slack) {}
 
   /// Searches for closer triangles below nodes whose squared distances are at least `bound(node, lane)`. The
   /// node that may be closest to each point comes first: it nearly settles the point's distance. Then come
@@ -81,7 +106,7 @@ class NearestSearch {
     searchFirst(nodes, first, lanes, points);
     settle(lanes, points);
     for (size_t k = 0; k < nodes.size(); ++k)
-      if (const uint32_t open = lanes & lower(bounds_[k], points.squared)) push(nodes[k], open);
+      if (const uint32_t open = lanes & mayBeCloser(bounds_[k], points.squared)) push(nodes[k], open);
     if (stack_.empty()) return;
     searchStack(points);
     settle(lanes, points);
@@ -101,11 +126,21 @@ class NearestSearch {
       hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
   }
 
-  /// Returns the lanes in which `value` is lower than `than`.
-  static HWY_INLINE uint32_t lower(const Lanes& value, const Lanes& than) {
+  /// Returns where something with this lower bound may hold a triangle to be taken instead of the closest.
+  HWY_INLINE Mask mayBeCloser(Float bound, Float squared) const {
+    if constexpr (kTies == Ties::Any) return hn::Lt(bound, squared);
+    const Float limit = hn::Add(hn::Sqrt(squared), hn::Set(Tag(), slack_));
+    return hn::Le(bound, hn::Min(hn::Mul(limit, limit), hn::Set(Tag(), kFarthest)));
+  }
+  bool mayBeCloser(float bound, float squared) const {
+    if constexpr (kTies == Ties::Any) return bound < squared;
+    const float limit = std::sqrt(squared) + slack_;
+    return bound <= std::min(limit * limit, kFarthest);
+  }
+  HWY_INLINE uint32_t mayBeCloser(const Lanes& bound, const Lanes& squared) const {
     uint32_t lanes = 0;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag()))
-      lanes |= bits(hn::Lt(value.load(i), than.load(i))) << i;
+      lanes |= bits(mayBeCloser(bound.load(i), squared.load(i))) << i;
     return lanes;
   }
 
@@ -124,7 +159,7 @@ class NearestSearch {
       }
       nearest.store(i, least, first);
     }
-    return lower(least, points.squared);
+    return mayBeCloser(least, points.squared);
   }
 
   /// Closest triangle so far to a point.
@@ -132,6 +167,11 @@ class NearestSearch {
     float squared;
     uint32_t triangle;
   };
+
+  static HWY_INLINE bool isBefore(const Closest& a, const Closest& b) {
+    if constexpr (kTies == Ties::Any) return a.squared < b.squared;
+    return a.squared < b.squared || (a.squared == b.squared && a.triangle < b.triangle);
+  }
 
   HWY_INLINE void push(uint32_t node, uint32_t lanes) {
     stack_.emplace_back(node, lanes);
@@ -149,9 +189,12 @@ class NearestSearch {
   HWY_INLINE void settle(uint32_t lanes, const Points& points) const {
     forEachLane(lanes, [&](size_t point) {
       const float* squared = best_.squared[point].v;
-      const size_t lane = std::min_element(squared, squared + kLanes) - squared;
-      points.squared.v[point] = squared[lane];
-      points.closest[point] = best_.closest[point][lane];
+      const uint32_t* closest = best_.closest[point];
+      size_t best = 0;
+      for (size_t lane = 1; lane < kLanes; ++lane)
+        if (isBefore({squared[lane], closest[lane]}, {squared[best], closest[best]})) best = lane;
+      points.squared.v[point] = squared[best];
+      points.closest[point] = closest[best];
     });
   }
 
@@ -200,8 +243,11 @@ class NearestSearch {
                   z = hn::Set(tag, points.z.v[point]);
       for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
         Nearest nearest(i, best_.squared[point], best_.closest[point]);
-        nearest.takeEach(packet * kPacket + i,
-                         squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z));
+        const Float squared = squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z);
+        if constexpr (kTies == Ties::Any)
+          nearest.takeEach(packet * kPacket + i, squared);
+        else
+          nearest.takeLowestEach(packet * kPacket + i, squared);
         nearest.store(i, best_.squared[point], best_.closest[point]);
       }
     });
@@ -215,7 +261,7 @@ class NearestSearch {
                   z = hn::Set(tag, points.z.v[point]), known = hn::Set(tag, points.squared.v[point]);
       for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
         const Float bound = squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
-        forEachLane(bits(hn::Lt(bound, known)) << i, [&](size_t child) { open[child] |= 1u << point; });
+        forEachLane(bits(mayBeCloser(bound, known)) << i, [&](size_t child) { open[child] |= 1u << point; });
       }
     });
     for (uint32_t child = 0; child < kPacket; ++child)
@@ -234,12 +280,12 @@ class NearestSearch {
                           ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
                           : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
       squared.store(i, d);
-      open |= bits(hn::Lt(d, hn::Set(tag, closest.squared))) << i;
+      open |= bits(mayBeCloser(d, hn::Set(tag, closest.squared))) << i;
     }
     if (tree_.isLeaf(node)) {
       forEachLane(open, [&](size_t lane) {
-        if (squared.v[lane] < closest.squared)
-          closest = {squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+        const Closest found{squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+        if (isBefore(found, closest)) closest = found;
       });
       return;
     }
@@ -248,13 +294,14 @@ class NearestSearch {
       forEachLane(open, [&](size_t lane) {
         if (squared.v[lane] < squared.v[next]) next = lane;
       });
-      if (!(squared.v[next] < closest.squared)) return;
+      if (!mayBeCloser(squared.v[next], closest.squared)) return;
       open &= ~(1u << next);
       searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
     }
   }
 
   const SurfaceTree& tree_;
+  float slack_;
   NearestOfLanes best_;
   std::vector<Lanes> bounds_;
   std::vector<std::pair<uint32_t, uint32_t>> stack_;  // node, points

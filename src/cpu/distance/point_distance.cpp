@@ -18,7 +18,7 @@ namespace raymap::cpu::HWY_NAMESPACE {
 void measurePoints(const SurfaceTree& tree, std::span<const glm::vec3> points, std::span<float> distances) {
   // Keeps the upper bound of the next distance above it in spite of rounding.
   constexpr float kSlack = 1.001f;
-  const NearestSearch search(tree);
+  const NearestSearch<Ties::Any> search(tree);
   float known = INFINITY;
   for (size_t i = 0; i < points.size(); ++i) {
     if (i > 0) known = kSlack * (distances[i - 1] + glm::distance(points[i], points[i - 1]));

@@ -227,17 +227,29 @@ void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::
   for (size_t p = 0; p < points.size(); ++p) winding[p] = solidAngles.windingNumber(points[p], kDistant[2]);
 }
 
+/// Looks ever closer, from `look` on, while the number is close to the threshold.
+float settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, uint32_t look) {
+  float winding = 0.0f;
+  for (; look < kLooks; ++look) {
+    winding = solidAngles.windingNumber(p, kDistant[look]);
+    if (std::abs(std::abs(winding) - threshold) >= kClose[look]) break;
+  }
+  return winding;
+}
+
 void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
              std::span<const uint32_t> samples, float* winding) {
   SolidAngles solidAngles(tree, moments);
   const glm::uvec3 d(dims);
-  for (const uint32_t s : samples) {
-    const glm::vec3 p(s % d.x, s / d.x % d.y, s / d.x / d.y);
-    for (size_t look = 0; look < kLooks; ++look) {
-      winding[s] = solidAngles.windingNumber(p, kDistant[look]);
-      if (std::abs(std::abs(winding[s]) - threshold) >= kClose[look]) break;
-    }
-  }
+  for (const uint32_t s : samples)
+    winding[s] = settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, 0);
+}
+
+void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
+                  float threshold, uint32_t firstLook, float* winding) {
+  SolidAngles solidAngles(tree, moments);
+  for (size_t p = 0; p < points.size(); ++p)
+    winding[p] = settle(solidAngles, points[p], threshold, firstLook);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -252,10 +264,15 @@ namespace {
 HWY_EXPORT(buildMoments);
 HWY_EXPORT(look);
 HWY_EXPORT(replace);
+HWY_EXPORT(settlePoints);
+
+}  // namespace
 
 float latticeError(float distance) {
   return std::max(kMostError * std::min(1.0f, kMostErrorWithin / distance), kLeastError);
 }
+
+namespace {
 
 /// Returns the samples of each chunk that the lattice may have put on the wrong side of the threshold.
 std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer<float>& distance,
@@ -274,19 +291,24 @@ std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer
 
 }  // namespace
 
-const SurfaceTree& WindingDipoles::prepare(const SurfaceSource& surface) {
-  const SurfaceTree& tree = surface();
+void WindingDipoles::prepare(const SurfaceTree& tree) {
   moments_.resizeUninitialized(tree.root() / kPacket + 1);
   for (size_t level = 0; level < tree.levels().size(); ++level)
     HWY_DYNAMIC_DISPATCH(buildMoments)(tree, level, moments_.data());
-  return tree;
+}
+
+void WindingDipoles::settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
+                              uint32_t firstLook, std::span<float> winding) const {
+  HWY_DYNAMIC_DISPATCH(settlePoints)
+  (tree, moments_.data(), points, static_cast<float>(threshold), firstLook, winding.data());
 }
 
 std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
                                              Progress& progress) {
   constexpr size_t kGrain = 256;
   std::vector<float> winding(points.size());
-  const SurfaceTree& tree = prepare(surface);
+  const SurfaceTree& tree = surface();
+  prepare(tree);
   parallelFor(points.size(), kGrain, [&](size_t begin, size_t end) {
     progress.poll();
     HWY_DYNAMIC_DISPATCH(look)
@@ -301,7 +323,8 @@ void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims
   const auto limit = static_cast<float>(threshold);
   const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
   if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;
-  const SurfaceTree& tree = prepare(surface);
+  const SurfaceTree& tree = surface();
+  prepare(tree);
   parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
     if (chunks[chunk].empty()) return;
     progress.poll();

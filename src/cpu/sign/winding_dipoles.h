@@ -7,6 +7,10 @@
 
 namespace raymap::cpu {
 
+/// Returns a bound on nearly all errors of the lattice's winding number at this distance from the surface, in
+/// cells.
+float latticeError(float distance);
+
 /// Function that returns the tree of the triangles in cell units: sample (i, j, k) lies at (i, j, k).
 using SurfaceSource = std::function<const SurfaceTree&()>;
 
@@ -23,6 +27,13 @@ class WindingDipoles {
   std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
                                Progress& progress);
 
+  /// Builds the moments of a tree, for `settleAt`.
+  void prepare(const SurfaceTree& tree);
+  /// Computes the winding numbers at points in cell units, with looks from the `firstLook`th on as long as
+  /// the number is close to the threshold (`winding_dipoles_accuracy.h`). Needs `prepare` with the same tree.
+  void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
+                uint32_t firstLook, std::span<float> winding) const;
+
   size_t bytes() const { return moments_.capacityBytes(); }
 
   /// Moments of eight nodes about their discs' centres. They give the solid angle that a distant point sees.
@@ -33,8 +44,6 @@ class WindingDipoles {
   };
 
  private:
-  const SurfaceTree& prepare(const SurfaceSource& surface);
-
   Buffer<Moments> moments_;  // by packet of nodes
 };
 

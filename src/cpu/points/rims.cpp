@@ -1,0 +1,114 @@
+#include "cpu/points/rims.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+constexpr size_t kFacesPerTask = 4096, kRowsPerTask = 64;
+
+uint64_t mix(uint64_t v) {  // SplitMix64
+  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9ull;
+  v = (v ^ v >> 27) * 0x94d049bb133111ebull;
+  return v ^ v >> 31;
+}
+
+uint64_t hashOf(const glm::vec3& p) {
+  const auto bits = [](float v) { return uint64_t{std::bit_cast<uint32_t>(v + 0.0f)}; };  // -0 becomes 0.
+  return mix(mix(bits(p.x) << 32 | bits(p.y)) + bits(p.z));
+}
+
+/// A directed edge's number, the same in both directions, and its direction, +1 or -1.
+struct EdgeHash {
+  uint64_t number;
+  int direction;
+};
+
+EdgeHash hashOf(const glm::vec3& a, const glm::vec3& b) {
+  const uint64_t from = hashOf(a), to = hashOf(b);
+  return {mix(std::min(from, to) + 3 * std::max(from, to)), from < to ? 1 : from > to ? -1 : 0};
+}
+
+/// Sums that are 0 where all edges end evenly. Several edges share one; the upper half of an edge's number
+/// keeps them from cancelling each other by chance.
+class EdgeSums {
+ public:
+  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(3 * faces, 64))) {}
+
+  void add(const EdgeHash& edge) {
+    const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
+    at(edge).fetch_add(edge.direction < 0 ? 0u - value : edge.direction * value, std::memory_order_relaxed);
+  }
+  bool isRim(const EdgeHash& edge) { return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0; }
+
+ private:
+  std::atomic<uint32_t>& at(const EdgeHash& edge) { return sums_[edge.number & (sums_.size() - 1)]; }
+
+  std::vector<std::atomic<uint32_t>> sums_;
+};
+
+template <class Visit>
+void forEachEdge(const CellMesh& mesh, Visit&& visit) {
+  parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t)
+      for (int c = 0; c < 3; ++c) visit(mesh.corner(t, c), mesh.corner(t, (c + 1) % 3));
+  });
+}
+
+/// Marks the cells along an edge. Each point of the edge is less than half a cell from a marked one.
+void markEdge(const glm::vec3& a, const glm::vec3& b, const glm::ivec3& dims, Buffer<uint8_t>& marks) {
+  const int steps = 1 + static_cast<int>(2.0f * glm::distance(a, b));
+  for (int s = 0; s <= steps; ++s) {
+    const glm::vec3 p = a + (b - a) * (static_cast<float>(s) / static_cast<float>(steps));
+    const glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(p)), glm::ivec3(0), dims - 1);
+    std::atomic_ref(marks[(size_t(cell.z) * dims.y + cell.y) * dims.x + cell.x]).store(1, std::memory_order_relaxed);
+  }
+}
+
+/// Marks the neighbours of all marked cells along one axis.
+void widen(const glm::ivec3& dims, int axis, const Buffer<uint8_t>& from, Buffer<uint8_t>& to) {
+  const size_t strides[] = {1, size_t(dims.x), size_t(dims.x) * dims.y};
+  const size_t stride = strides[axis], rows = size_t(dims.y) * dims.z;
+  parallelFor(rows, kRowsPerTask, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row)
+      for (int x = 0; x < dims.x; ++x) {
+        const int places[] = {x, int(row % dims.y), int(row / dims.y)};
+        const size_t i = row * dims.x + x;
+        uint8_t mark = from[i];
+        if (places[axis] > 0) mark |= from[i - stride];
+        if (places[axis] + 1 < dims[axis]) mark |= from[i + stride];
+        to[i] = mark;
+      }
+  });
+}
+
+}  // namespace
+
+Buffer<uint8_t> markRims(const CellMesh& mesh) {
+  EdgeSums sums(mesh.triangles.size());
+  forEachEdge(mesh, [&](const glm::vec3& a, const glm::vec3& b) { sums.add(hashOf(a, b)); });
+  Buffer<uint8_t> marks(size_t(mesh.dims.x) * mesh.dims.y * mesh.dims.z);
+  std::fill(marks.begin(), marks.end(), uint8_t{0});
+  std::atomic<bool> hasRims{false};
+  forEachEdge(mesh, [&](const glm::vec3& a, const glm::vec3& b) {
+    if (!sums.isRim(hashOf(a, b))) return;
+    hasRims.store(true, std::memory_order_relaxed);
+    markEdge(a, b, mesh.dims, marks);
+  });
+  if (!hasRims) return {};
+  Buffer<uint8_t> wider(marks.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    widen(mesh.dims, axis, marks, wider);
+    marks.swap(wider);
+  }
+  return marks;
+}
+
+}  // namespace raymap::cpu

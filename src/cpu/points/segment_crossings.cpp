@@ -1,0 +1,152 @@
+// Crossings of short segments: they carry the winding number from a lattice's sample to a point.
+
+#include "cpu/points/segment_crossings.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cpu/points/segment_crossings.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cpu/distance/surface_shapes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::cpu::HWY_NAMESPACE {
+
+/// Capsule: all points within `radius` of a segment.
+struct Capsule {
+  glm::vec3 from, along;
+  float radius;
+};
+
+/// Returns the nodes of a packet whose balls meet the capsule. Discs that fill up the packet never do.
+HWY_INLINE uint32_t nodesAt(const DiscPacket& discs, const Capsule& capsule) {
+  const Tag d;
+  const auto set = [&](float v) { return hn::Set(d, v); };
+  const float length2 = glm::dot(capsule.along, capsule.along);
+  const Float inverse = set(length2 > 0.0f ? 1.0f / length2 : 0.0f);
+  uint32_t nodes = 0;
+  for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+    const Each read{i};
+    const Float x = hn::Sub(read(discs.cx), set(capsule.from.x)), y = hn::Sub(read(discs.cy), set(capsule.from.y)),
+                z = hn::Sub(read(discs.cz), set(capsule.from.z));
+    const Float dot = hn::MulAdd(x, set(capsule.along.x),
+                                 hn::MulAdd(y, set(capsule.along.y), hn::Mul(z, set(capsule.along.z))));
+    const Float t = hn::Min(hn::Max(hn::Mul(dot, inverse), hn::Zero(d)), set(1.0f));
+    const Float dx = hn::NegMulAdd(t, set(capsule.along.x), x), dy = hn::NegMulAdd(t, set(capsule.along.y), y),
+                dz = hn::NegMulAdd(t, set(capsule.along.z), z);
+    const Float square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    const Float reach = hn::Add(hn::Add(read(discs.radius), read(discs.halfThickness)), set(capsule.radius));
+    nodes |= bits(hn::Le(square, hn::Mul(reach, reach))) << i;
+  }
+  return nodes;
+}
+
+/// Visits the leaves that the capsule meets.
+template <class Visit>
+HWY_INLINE void forEachLeaf(const SurfaceTree& tree, const Capsule& capsule,
+                            std::vector<uint32_t>& stack, Visit&& visit) {
+  stack.push_back(tree.root() / kPacket);
+  while (!stack.empty()) {
+    const uint32_t packet = stack.back();
+    stack.pop_back();
+    forEachLane(nodesAt(tree.discs(packet), capsule), [&](size_t lane) {
+      const uint32_t node = packet * kPacket + static_cast<uint32_t>(lane);
+      if (tree.isLeaf(node))
+        visit(node);
+      else
+        stack.push_back(tree.childPacket(node));
+    });
+  }
+}
+
+/// Crossings of eight triangles by a segment.
+struct PacketCrossings {
+  int32_t change = 0;
+  bool isSure = true;
+};
+
+HWY_INLINE void addCrossings(const TrianglePacket& packet, const glm::vec3& from, const glm::vec3& to,
+                             float slack, uint32_t lanes, PacketCrossings& crossings) {
+  const Tag d;
+  const auto set = [&](float v) { return hn::Set(d, v); };
+  const float length = glm::distance(from, to);
+  for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
+    const Triangle<Each> t{packet, {i}};
+    const Local a = toLocal(t, set(from.x), set(from.y), set(from.z)), b = toLocal(t, set(to.x), set(to.y), set(to.z));
+    const Float near = set(slack), zero = hn::Zero(d);
+    // Both ends surely on the same side of the plane: no crossing.
+    const Mask meetsPlane = hn::And(hn::Lt(hn::Min(a.w, b.w), near), hn::Gt(hn::Max(a.w, b.w), hn::Neg(near)));
+    const Float fall = hn::Max(hn::Abs(hn::Sub(a.w, b.w)), near);
+    const Float s = hn::Min(hn::Div(hn::Abs(a.w), fall), set(1.0f));
+    const Float u = hn::MulAdd(s, hn::Sub(b.u, a.u), a.u), v = hn::MulAdd(s, hn::Sub(b.v, a.v), a.v);
+    const Float bx = t.read(packet.bx), cx = t.read(packet.cx);
+    const Float inside = insideness(t, u, v, hn::Sub(u, bx), hn::Sub(cx, bx));
+    // Edge functions are distances times lengths of edges, and ab is the longest. The error of the crossing's
+    // place grows as the segment runs along the plane.
+    const Float error = hn::Mul(hn::Mul(bx, near), hn::Add(set(2.0f), hn::Div(set(2.0f * length), fall)));
+    const uint32_t possible =
+        (bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i) & lanes;
+    if (!possible) continue;
+    const Mask passesPlane = hn::And(hn::Lt(hn::Min(a.w, b.w), hn::Neg(near)), hn::Gt(hn::Max(a.w, b.w), near));
+    const uint32_t sure = bits(hn::And(passesPlane, hn::Gt(inside, error))) << i;
+    const uint32_t fromFront = bits(hn::Gt(a.w, zero)) << i;
+    if (possible & ~sure) crossings.isSure = false;
+    crossings.change += hwy::PopCount(possible & sure & fromFront) - hwy::PopCount(possible & sure & ~fromFront);
+  }
+}
+
+void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to, float slack,
+              std::span<int32_t> change) {
+  glm::vec3 low = from, high = from;
+  for (const glm::vec3& p : to) low = glm::min(low, p), high = glm::max(high, p);
+  const glm::vec3 half = 0.5f * (high - low);
+  thread_local std::vector<uint32_t> stack, leaves;
+  leaves.clear();
+  forEachLeaf(tree, {low + half, glm::vec3(0.0f), glm::length(half) + slack}, stack,
+              [&](uint32_t leaf) { leaves.push_back(leaf); });
+  for (size_t i = 0; i < to.size(); ++i) {
+    PacketCrossings crossings;
+    for (const uint32_t leaf : leaves) {
+      const uint32_t left = tree.triangleCount() - leaf * kPacket;
+      const uint32_t lanes = left >= kPacket ? 0xffu : (1u << left) - 1;
+      addCrossings(tree.triangles(leaf), from, to[i], slack, lanes, crossings);
+    }
+    change[i] = crossings.isSure ? crossings.change : kUnsure;
+  }
+}
+
+void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
+               std::vector<uint32_t>& triangles) {
+  triangles.clear();
+  std::vector<uint32_t> stack;
+  forEachLeaf(tree, {from, to - from, slack}, stack, [&](uint32_t leaf) {
+    const uint32_t end = std::min((leaf + 1) * kPacket, tree.triangleCount());
+    for (uint32_t t = leaf * kPacket; t < end; ++t) triangles.push_back(t);
+  });
+}
+
+}  // namespace raymap::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raymap::cpu {
+
+HWY_EXPORT(countAll);
+HWY_EXPORT(findAlong);
+
+void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to,
+                    float slack, std::span<int32_t> change) {
+  HWY_DYNAMIC_DISPATCH(countAll)(tree, from, to, slack, change);
+}
+
+void findTrianglesAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
+                        std::vector<uint32_t>& triangles) {
+  HWY_DYNAMIC_DISPATCH(findAlong)(tree, from, to, slack, triangles);
+}
+
+}  // namespace raymap::cpu
+#endif

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cpu/distance/surface_tree.h"
+
+namespace raymap::cpu {
+
+/// Stands for a number of crossings that rounding errors could change.
+inline constexpr int32_t kUnsure = INT32_MIN;
+
+/// Computes by how much the winding number changes on the straight way from a point to each of others nearby,
+/// all in cell units: by +1 where the way enters a triangle of the tree through its front, by -1 where it
+/// leaves through it. `slack` exceeds the rounding errors of all coordinates.
+void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to,
+                    float slack, std::span<int32_t> change);
+
+/// Finds the triangles of the tree that may be within `slack` of the segment between two points, and perhaps
+/// others.
+void findTrianglesAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
+                        std::vector<uint32_t>& triangles);
+
+}  // namespace raymap::cpu

@@ -1,0 +1,384 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <random>
+#include <thread>
+
+#include "any_threads.h"
+#include "broken_meshes.h"
+#include "reference.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+const QueryOptions kEverything{.closest = true,
+                               .triangle = true,
+                               .barycentric = true,
+                               .direction = true,
+                               .winding = true,
+                               .confidence = true};
+
+double diagonalOf(const Mesh& mesh) {
+  return glm::length(bounds(mesh).size());
+}
+
+std::vector<glm::dvec3> uniformPoints(const Mesh& mesh, size_t count, double padding = 0.1) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(-padding, 1.0 + padding);
+  const Box box = bounds(mesh);
+  std::vector<glm::dvec3> points(count);
+  for (glm::dvec3& p : points) p = box.min + glm::dvec3(unit(random), unit(random), unit(random)) * box.size();
+  return points;
+}
+
+/// Returns points beside random places of the surface, up to `reach` diagonals away.
+std::vector<glm::dvec3> nearPoints(const Mesh& mesh, size_t count, double reach) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<glm::dvec3> points(count);
+  for (glm::dvec3& p : points) {
+    const glm::uvec3 t = mesh.triangles[random() % mesh.triangles.size()];
+    const double s = std::sqrt(unit(random)), r = unit(random);
+    const glm::dvec3 offset(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5);
+    p = (1.0 - s) * mesh.position(t.x) + s * (1.0 - r) * mesh.position(t.y) + s * r * mesh.position(t.z) +
+        reach * diagonalOf(mesh) * offset;
+  }
+  return points;
+}
+
+/// Checks distances, closest points and what follows from them against brute force.
+void expectExact(const Mesh& mesh, const std::vector<glm::dvec3>& points) {
+  const QueryResult result = Surface(mesh).query(points, kEverything);
+  const double tolerance = 1e-6 * diagonalOf(mesh);
+  for (size_t i = 0; i < points.size(); ++i) {
+    SCOPED_TRACE(testing::Message() << "point " << i);
+    const double exact = reference::distance(mesh, points[i]);
+    ASSERT_NEAR(std::abs(result.distance[i]), exact, tolerance);
+    ASSERT_NEAR(glm::distance(points[i], result.closest[i]), exact, tolerance);
+    const glm::uvec3 t = mesh.triangles[result.triangle[i]];
+    const glm::dvec3 weights = result.barycentric[i];
+    ASSERT_NEAR(weights.x + weights.y + weights.z, 1.0, 1e-12);
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_GE(weights[c], -1e-12);
+      ASSERT_LE(weights[c], 1.0 + 1e-12);
+    }
+    const glm::dvec3 closest =
+        weights.x * mesh.position(t.x) + weights.y * mesh.position(t.y) + weights.z * mesh.position(t.z);
+    ASSERT_LT(glm::distance(closest, result.closest[i]), tolerance);
+    const glm::dvec3 there = points[i] + std::abs(result.distance[i]) * result.direction[i];
+    ASSERT_LT(glm::distance(there, result.closest[i]), tolerance);
+  }
+}
+
+/// Counts the points whose sign is not that of the exact winding number. Those on the surface do not count.
+size_t countWrong(const Mesh& given, const Mesh& truth, const std::vector<glm::dvec3>& points) {
+  const QueryResult result = Surface(given).query(points);
+  size_t wrong = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const bool isInside = std::abs(reference::windingNumber(truth, points[i])) > 0.5;
+    wrong += result.distance[i] != 0.0 && isInside != (result.distance[i] < 0.0);
+  }
+  return wrong;
+}
+
+template <class T>
+bool sameAt(const Buffer<T>& a, size_t i, const Buffer<T>& b, size_t k) {
+  return std::memcmp(&a[i], &b[k], sizeof(T)) == 0;
+}
+
+bool sameAt(const QueryResult& a, size_t i, const QueryResult& b, size_t k) {
+  return sameAt(a.distance, i, b.distance, k) && sameAt(a.closest, i, b.closest, k) &&
+         sameAt(a.triangle, i, b.triangle, k) && sameAt(a.barycentric, i, b.barycentric, k) &&
+         sameAt(a.direction, i, b.direction, k) && sameAt(a.winding, i, b.winding, k) &&
+         sameAt(a.confidence, i, b.confidence, k);
+}
+
+TEST(Surface, GivesTheDistanceToTheClosestTriangle) {
+  for (const Mesh& mesh : {shapes::sphere(1.0, 3), shapes::torus(1.0, 0.3, 40, 20), shapes::soup(200, 5),
+                           shapes::box({0, 0, 0}, {1, 2, 3})}) {
+    expectExact(mesh, uniformPoints(mesh, 600));
+    expectExact(mesh, nearPoints(mesh, 600, 0.01));
+    expectExact(mesh, nearPoints(mesh, 100, 0.0));
+  }
+}
+
+TEST(Surface, KeepsItsPrecisionFarFromTheOrigin) {
+  Mesh mesh = shapes::sphere(1.0, 3);
+  mesh.origin = {5e5, -5.5e6, 300.0};
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 300);
+  expectExact(mesh, points);
+  EXPECT_EQ(countWrong(mesh, mesh, points), 0u);
+}
+
+TEST(Surface, MeasuresPointsFarFromTheMesh) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const std::vector<glm::dvec3> points{{30, 0.25, 0.5}, {0.5, -4e3, 0.5}, {1e7 + 1, 0.5, 0.25}, {-3e12, -3e12, -3e12}};
+  const QueryResult result = Surface(mesh).query(points, {.closest = true, .winding = true});
+  const double expected[] = {29, 4e3, 1e7, 3e12 * std::sqrt(3.0)};
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(result.distance[i], expected[i], 1e-6 * expected[i]) << i;
+    EXPECT_EQ(result.winding[i], 0.0f) << i;
+  }
+  EXPECT_EQ(result.closest[3], glm::dvec3(0.0));
+}
+
+TEST(Surface, HasNoWrongSignOnClosedMeshes) {
+  const Mesh overlapping = shapes::joined(shapes::sphere(1.0, 3), shapes::box({0.2, 0.1, 0.0}, {1.5, 1.2, 1.1}));
+  for (const Mesh& mesh : {shapes::torus(1.0, 0.3, 40, 20), overlapping, shapes::box({0, 0, 0}, {1, 2, 3})}) {
+    EXPECT_EQ(countWrong(mesh, mesh, uniformPoints(mesh, 2000)), 0u);
+    EXPECT_EQ(countWrong(mesh, mesh, nearPoints(mesh, 2000, 2e-3)), 0u);
+  }
+}
+
+// Single precision could not tell on which side these points lie.
+TEST(Surface, HasNoWrongSignCloseToTheSurface) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  for (const double reach : {1e-6, 1e-8, 1e-10}) EXPECT_EQ(countWrong(mesh, mesh, nearPoints(mesh, 500, reach)), 0u);
+}
+
+// The lattice of a box has samples in the planes of its faces and on the lines through its edges.
+TEST(Surface, HasNoWrongSignOnLinesOfTheLattice) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  std::vector<glm::dvec3> points;
+  for (const double x : {-1e-9, 0.0, 1e-9, 0.5, 1.0})
+    for (const double y : {-1e-9, 0.0, 0.25, 1.0, 1.0 + 1e-9})
+      for (const double z : {-1e-9, 1e-9, 0.75, 1.0}) points.emplace_back(x, y, z);
+  const QueryResult result = Surface(mesh).query(points, {.winding = true});
+  for (size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 p = points[i], q = glm::min(p, 1.0 - p);
+    const double inside = std::min({q.x, q.y, q.z});
+    if (inside == 0.0) continue;
+    EXPECT_EQ(result.winding[i], inside > 0.0 ? 1.0f : 0.0f) << i;
+    EXPECT_EQ(result.distance[i] < 0.0, inside > 0.0) << i;
+  }
+}
+
+TEST(Surface, FollowsTheWindingNumberOfOpenMeshes) {
+  const Mesh mesh = withHoles(shapes::sphere(1.0, 4), 5, 0.08, 2);
+  std::vector<glm::dvec3> points = uniformPoints(mesh, 1500);
+  const std::vector<glm::dvec3> near = nearPoints(mesh, 1500, 2e-3);
+  points.insert(points.end(), near.begin(), near.end());
+  EXPECT_EQ(countWrong(mesh, mesh, points), 0u);
+  const QueryResult result = Surface(mesh).query(points, {.winding = true});
+  double sum = 0.0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double exact = reference::windingNumber(mesh, points[i]);
+    const double error = std::abs(result.winding[i] - exact);
+    ASSERT_LT(error, std::abs(exact - 0.5) < 1e-3 ? 1e-4 : 1e-2) << i;
+    sum += error;
+  }
+  EXPECT_LT(sum, 5e-4 * double(points.size()));
+}
+
+TEST(Surface, TurnsAndLeavesOutFacesAsAFieldDoes) {
+  const Mesh solid = shapes::sphere(1.0, 3);
+  for (const Mesh& mesh : {withFlippedFaces(solid, 0.3, 1), withDoubledFaces(solid, 1.0, 2)}) {
+    EXPECT_EQ(countWrong(mesh, solid, uniformPoints(solid, 1000)), 0u);
+    EXPECT_EQ(countWrong(mesh, solid, nearPoints(solid, 1000, 1e-3)), 0u);
+    expectExact(mesh, uniformPoints(mesh, 200));
+  }
+}
+
+TEST(Surface, KeepsTheGivenFacesOnRequest) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  for (size_t f = 0; f < 2; ++f) std::swap(mesh.triangles[f].y, mesh.triangles[f].z);
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 200);
+  const QueryResult result =
+      Surface(mesh, {.orientation = Orientation::Keep}).query(points, {.winding = true});
+  for (size_t i = 0; i < points.size(); ++i)
+    ASSERT_NEAR(result.winding[i], reference::windingNumber(mesh, points[i]), 2e-3) << i;
+}
+
+TEST(Surface, AgreesWithTheGrid) {
+  for (const Mesh& mesh : {shapes::torus(1.0, 0.3, 40, 20), withHoles(shapes::sphere(1.0, 4), 3, 0.1, 1),
+                           withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1)}) {
+    const Surface surface(mesh);
+    const Grid grid = fitGrid(mesh, {.resolution = 25});
+    const Generated made = surface.generate(grid, {.winding = true, .device = "cpu"});
+    std::vector<glm::dvec3> points;
+    for (int k = 0; k < grid.dims.z; ++k)
+      for (int j = 0; j < grid.dims.y; ++j)
+        for (int i = 0; i < grid.dims.x; ++i) points.push_back(grid.position({i, j, k}));
+    const QueryResult result = surface.query(points);
+    for (size_t s = 0; s < points.size(); ++s) {
+      ASSERT_NEAR(std::abs(result.distance[s]), std::abs(made.field.distance[s]), 1e-6 * diagonalOf(mesh)) << s;
+      if (std::abs(std::abs(made.field.winding[s]) - 0.5) > 1e-4) {
+        ASSERT_EQ(result.distance[s] < 0.0, made.field.distance[s] < 0.0f) << s;
+      }
+    }
+    EXPECT_EQ(made.stats.turnedFaces, surface.stats().turnedFaces);
+  }
+}
+
+TEST(Surface, AnswersEachPointByItself) {
+  for (const Mesh& mesh : {shapes::soup(300, 1), shapes::torus(1.0, 0.3, 40, 20)}) {
+    const Surface surface(mesh);
+    std::vector<glm::dvec3> points = uniformPoints(mesh, 3000, 0.5);
+    const std::vector<glm::dvec3> near = nearPoints(mesh, 3000, 1e-3);
+    points.insert(points.end(), near.begin(), near.end());
+    points.emplace_back(1e6, 2.0, 3.0);
+    const QueryResult all = surface.query(points, kEverything);
+
+    std::vector<size_t> order(points.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
+    std::vector<glm::dvec3> shuffled;
+    for (const size_t i : order) shuffled.push_back(points[i]);
+    const QueryResult other = surface.query(shuffled, kEverything);
+    for (size_t k = 0; k < order.size(); ++k) ASSERT_TRUE(sameAt(all, order[k], other, k)) << order[k];
+
+    for (size_t i = 0; i < points.size(); i += 97) {
+      const QueryResult one = surface.query(std::vector{points[i]}, kEverything);
+      ASSERT_TRUE(sameAt(all, i, one, 0)) << i;
+    }
+    for (const int threads : {1, 2, 3}) {
+      QueryOptions options = kEverything;
+      options.threads = threads;
+      const QueryResult again = surface.query(points, options);
+      for (size_t i = 0; i < points.size(); ++i) ASSERT_TRUE(sameAt(all, i, again, i)) << i;
+    }
+  }
+}
+
+TEST(Surface, MayBeUsedByManyThreads) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  const Surface surface(mesh);
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 2000);
+  const QueryResult expected = surface.query(points);
+  std::vector<QueryResult> results(4);
+  std::vector<std::thread> threads;
+  for (QueryResult& result : results) threads.emplace_back([&] { surface.query(points, {}, result); });
+  for (std::thread& thread : threads) thread.join();
+  for (const QueryResult& result : results) EXPECT_TRUE(sameBits(result.distance, expected.distance));
+}
+
+TEST(Surface, ReadsPointsInAnyLayout) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Surface surface(mesh);
+  struct Particle {
+    float mass;
+    float position[3];
+    float charge[2];
+  };
+  std::vector<Particle> particles;
+  std::vector<glm::vec3> floats;
+  std::vector<glm::dvec3> doubles;
+  for (const glm::dvec3& p : uniformPoints(mesh, 100)) {
+    floats.emplace_back(p);
+    doubles.emplace_back(floats.back());
+    particles.push_back({1.0f, {floats.back().x, floats.back().y, floats.back().z}, {2.0f, 3.0f}});
+  }
+  const QueryResult expected = surface.query(doubles);
+  EXPECT_TRUE(sameBits(surface.query(floats).distance, expected.distance));
+  const PointsView view(particles[0].position, particles.size(), sizeof(Particle));
+  EXPECT_TRUE(sameBits(surface.query(view).distance, expected.distance));
+}
+
+TEST(Surface, ComputesOnlyWhatIsAskedFor) {
+  const Mesh mesh = shapes::sphere(1.0, 2);
+  const Surface surface(mesh);
+  QueryResult result = surface.query(uniformPoints(mesh, 10), kEverything);
+  surface.query(uniformPoints(mesh, 7), {.distance = false, .triangle = true}, result);
+  EXPECT_EQ(result.triangle.size(), 7u);
+  EXPECT_TRUE(result.distance.empty() && result.closest.empty() && result.barycentric.empty() &&
+              result.direction.empty() && result.winding.empty() && result.confidence.empty());
+  EXPECT_TRUE(surface.query(std::vector<glm::vec3>{}).distance.empty());
+}
+
+TEST(Surface, StopsAtTheLargestDistance) {
+  const Mesh mesh = shapes::sphere(1.0, 4);
+  const Surface surface(mesh);
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 5000, 0.5);
+  const QueryResult exact = surface.query(points, kEverything);
+  QueryOptions options = kEverything;
+  options.maxDistance = 0.3;
+  const QueryResult result = surface.query(points, options);
+  size_t beyond = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(exact.distance[i]) <= 0.3) {
+      ASSERT_TRUE(sameAt(exact, i, result, i)) << i;
+      continue;
+    }
+    ++beyond;
+    ASSERT_EQ(result.distance[i], std::copysign(0.3, exact.distance[i])) << i;
+    ASSERT_EQ(result.triangle[i], kNoTriangle);
+    ASSERT_TRUE(std::isnan(result.closest[i].x) && std::isnan(result.barycentric[i].y) &&
+                std::isnan(result.direction[i].z));
+    ASSERT_EQ(result.winding[i], exact.winding[i]);
+  }
+  EXPECT_GT(beyond, 1000u);
+}
+
+TEST(Surface, GivesNaNWhereThePointIsNotFinite) {
+  const Surface surface(shapes::sphere(1.0, 2));
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const std::vector<glm::dvec3> points{{nan, 0, 0}, {0, 0, infinity}, {2, 0, 0}};
+  const QueryResult result = surface.query(points, kEverything);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(std::isnan(result.distance[i]) && std::isnan(result.closest[i].x) && std::isnan(result.winding[i]) &&
+                std::isnan(result.barycentric[i].x) && std::isnan(result.direction[i].x) &&
+                std::isnan(result.confidence[i]));
+    EXPECT_EQ(result.triangle[i], kNoTriangle);
+  }
+  EXPECT_NEAR(result.distance[2], 1.0, 0.02);
+}
+
+TEST(Surface, KnowsNoSignOnRequest) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Surface surface(mesh, {.sign = false});
+  EXPECT_LT(surface.bytes(), Surface(mesh).bytes());
+  const std::vector<glm::dvec3> points{{0, 0, 0}};
+  EXPECT_GT(surface.query(points).distance[0], 0.9);
+  for (const QueryOptions& options : {QueryOptions{.winding = true}, QueryOptions{.confidence = true}}) {
+    try {
+      surface.query(points, options);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage);
+      EXPECT_NE(std::string(error.what()).find("without a sign"), std::string::npos);
+    }
+  }
+}
+
+TEST(Surface, RefusesBadInput) {
+  const Mesh mesh = shapes::sphere(1.0, 2);
+  const auto codeOf = [](auto&& work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode{0};
+  };
+  EXPECT_EQ(codeOf([&] { Surface(Mesh{}); }), ErrorCode::Input);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {.threads = -1}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {.threshold = -0.1}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {.memoryLimit = 1000}); }), ErrorCode::Memory);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {.progress = [](std::string_view, double) { return false; }}); }),
+            ErrorCode::Cancelled);
+  const Surface surface(mesh);
+  const std::vector<glm::dvec3> points{{0, 0, 0}};
+  EXPECT_EQ(codeOf([&] { surface.query(points, {.maxDistance = 0.0}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { surface.query(points, {.threads = -1}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { surface.query(points, {.progress = [](std::string_view, double) { return false; }}); }),
+            ErrorCode::Cancelled);
+}
+
+TEST(Surface, KeepsItsMeshWhenMoved) {
+  Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1);
+  Surface first(mesh);
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 100);
+  const QueryResult expected = first.query(points);
+  mesh = {};
+  const Surface second = std::move(first);
+  EXPECT_TRUE(sameBits(second.query(points).distance, expected.distance));
+  EXPECT_EQ(second.mesh().triangleCount, shapes::sphere(1.0, 3).triangles.size());
+}
+
+}  // namespace
+}  // namespace raymap
