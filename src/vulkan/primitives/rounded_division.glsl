@@ -1,58 +1,39 @@
 // Division of floats, rounded to nearest even like the CPU's. Devices may divide floats inexactly.
 
-// Returns m / n * 2^23, rounded down, and in the lowest bit whether there is a rest; the quotient of the mantissas
-// m and n must be at least 1 and below 2. `estimate` may be some 60 units in the last place off.
-uint quotientBits(uint m, uint n, float estimate) {
-  uint digits = uint(estimate * 8388608.0f);
-  int rest = int((m << 23) - digits * n);  // Fits, although the two numbers do not.
-  const int more = int(floor(float(rest) / float(n)));
-  digits += uint(more);
-  rest -= more * int(n);
-  if (rest < 0) {
-    rest += int(n);
-    --digits;
-  }
-  if (rest >= int(n)) {
-    rest -= int(n);
-    ++digits;
-  }
-  // One bit more, and one for the rest.
-  return digits * 4u + (2 * rest >= int(n) ? 2u : 0u) + uint(rest != 0 && 2 * rest != int(n));
+uint floatExponent(uint bits) {
+  return (bits >> 23) & 0xffu;
 }
 
-// Mantissa of a float with its highest bit at 2^23, and its biased exponent, which is below 1 for subnormal floats.
-struct ScaledFloat {
-  uint mantissa;
-  int exponent;
-};
-
-ScaledFloat scaledFloat(uint bits) {
-  ScaledFloat scaled;
-  scaled.exponent = int((bits >> 23) & 0xffu);
-  scaled.mantissa = bits & 0x7fffffu;
-  const int shift = scaled.exponent > 0 ? 0 : 23 - findMSB(scaled.mantissa);
-  scaled.mantissa = scaled.exponent > 0 ? scaled.mantissa | 0x800000u : scaled.mantissa << shift;
-  if (shift > 0) scaled.exponent = 1 - shift;
-  return scaled;
+// Returns the mantissa of a float that is not subnormal.
+uint floatMantissa(uint bits) {
+  return (bits & 0x7fffffu) | 0x800000u;
 }
 
-// Returns the float nearest to bits / 4 * 2^(exponent - 150), where 2^25 <= bits < 2^26.
-float packFloat(uint sign, int exponent, uint bits) {
-  const int shift = 2 + clamp(1 - exponent, 0, 26);  // Below the least normal float, fewer bits remain.
-  const uint dropped = bits & ((1u << shift) - 1u), middle = 1u << (shift - 1), kept = bits >> shift;
-  const uint rounded = kept + uint(dropped > middle || (dropped == middle && (kept & 1u) != 0u));
-  const uint result = (uint(max(exponent - 1, 0)) << 23) + rounded;
-  return uintBitsToFloat(sign | (exponent < 255 ? result : 0x7f800000u));
+// Returns whether the float's size is at least 2^-125 and finite. Below, not all neighbours are normal floats.
+bool isOrdinary(uint bits) {
+  return floatExponent(bits) - 2u < 253u;
 }
 
+// Returns 1 or ~0u if the next larger or smaller float, by size, is closer to a / b than `quotient`, else 0. The quotient
+// must be less than 32 units in the last place off. The arguments are bits of ordinary floats.
+uint stepTowards(uint a, uint b, uint quotient) {
+  const uint shift = 150u + floatExponent(a) - floatExponent(b) - floatExponent(quotient);
+  const uint digits = floatMantissa(quotient);
+  const int divisor = int(floatMantissa(b));
+  const int rest = int((floatMantissa(a) << shift) - digits * uint(divisor));  // Fits, although the two do not.
+  const int below = digits == 0x800000u ? 4 * rest : 2 * rest;  // Below a power of two, floats lie twice as close.
+  return uint(2 * rest > divisor) - uint(below < -divisor);
+}
+
+// Returns the float nearest to a / b. Where one of the three is not ordinary, the device rounds as it likes.
 float divideRounded(float a, float b) {
   const uint aBits = floatBitsToUint(a), bBits = floatBitsToUint(b);
-  const uint sign = (aBits ^ bBits) & 0x80000000u, aSize = aBits & 0x7fffffffu, bSize = bBits & 0x7fffffffu;
-  if (max(aSize, bSize) >= 0x7f800000u || bSize == 0u) return a / b;
-  if (aSize == 0u) return uintBitsToFloat(sign);
-  const ScaledFloat m = scaledFloat(aSize), n = scaledFloat(bSize);
-  const uint doubled = uint(m.mantissa < n.mantissa);
-  const uint mantissa = m.mantissa << doubled;
-  const float estimate = float(mantissa) / float(n.mantissa);
-  return packFloat(sign, m.exponent - n.exponent - int(doubled) + 127, quotientBits(mantissa, n.mantissa, estimate));
+  uint quotient = floatBitsToUint(a / b);
+  bool isDone = !isOrdinary(aBits) || !isOrdinary(bBits);
+  while (!isDone) {
+    const uint step = isOrdinary(quotient) ? stepTowards(aBits, bBits, quotient) : 0u;
+    quotient += step;
+    isDone = step == 0u;
+  }
+  return uintBitsToFloat(quotient);
 }
