@@ -151,8 +151,10 @@ class EveryStage : public FrameBackend {
 
 void makeKernels(Device& device) {
   const Room room{.vertices = 30000, .triangles = 60000, .dims = {64, 64, 64}};
-  const auto with = [&room](DistanceMode distance, SignMode sign) {
+  // Meshes within the grid and beyond it have different kernels.
+  const auto with = [&room](DistanceMode distance, SignMode sign, double outside = 0.0) {
     Room changed = room;
+    changed.outside = outside;
     changed.distance = distance;
     changed.sign = sign;
     return changed;
@@ -161,9 +163,9 @@ void makeKernels(Device& device) {
   usual.record(Sampling::Raymap);
   usual.recordForHosts(EveryStage::hostExtent(room));
   EveryStage(device, with(DistanceMode::Cell, SignMode::Rays)).record(Sampling::Raymap);
-  EveryStage(device, with(DistanceMode::Neighbours, SignMode::Ray)).record(Sampling::Raymap);
+  EveryStage(device, with(DistanceMode::Neighbours, SignMode::Ray, 8.0)).record(Sampling::Raymap);
   EveryStage(device, with(DistanceMode::Raster, SignMode::Paths)).record(Sampling::Raymap);
-  EveryStage(device, with(DistanceMode::Raster, SignMode::Evolution)).record(Sampling::Paper);
+  EveryStage(device, with(DistanceMode::Raster, SignMode::Evolution, 8.0)).record(Sampling::Paper);
   FieldImageStage(device).reserve(room.dims, VK_FORMAT_R16_SFLOAT);
   const RenderFieldStage renders(device);
   const SkinStage skins(device);

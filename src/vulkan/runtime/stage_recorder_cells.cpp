@@ -17,7 +17,7 @@ void StageRecorder::reserveCells() {
       continue;
     }
     level.grid.reserve(lattices[l], extent_.triangles, extent_.lists[l]);
-    level.distance.reserve(lattices[l].count());
+    level.distance.reserve(lattices[l]);
     data.push_back(levelOf(level.grid, level.distance, level.transform));
   }
   if (isRaster())

@@ -204,7 +204,7 @@ class CellProbe : public Probe {
 
     void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
       grid.reserve(cells, triangles, lists);
-      distance.reserve(cells.count());
+      distance.reserve(cells);
       transform.reserve(cells.dims);
     }
     CellLevelData data() const { return levelOf(grid, distance, transform); }

@@ -15,14 +15,15 @@ namespace raymap::vulkan {
 CellDistanceStage::CellDistanceStage(Device& device, ScratchMemory* scratch)
     : kernel_(device, shaders::kCellDistance, kRunsGroup), squared_(device, "cell distances", scratch) {}
 
-void CellDistanceStage::reserve(size_t cells) {
-  squared_.resize<float>(cells);
+void CellDistanceStage::reserve(const CellLattice& cells) {
+  kernel_.choose(isOfSamples(cells));
+  squared_.resize<float>(cells.count());
 }
 
 void CellDistanceStage::record(Commands& commands, const DeviceMesh& mesh, const VoxelGridStage& grid) {
   const CellLattice& cells = grid.lattice();
   commands.fill(squared_, std::bit_cast<uint32_t>(emptyCell(cells.dims)));
-  grid.dispatch(commands, kernel_,
+  grid.dispatch(commands, *kernel_,
                 {.vertices = mesh.vertices,
                  .triangles = mesh.triangles,
                  .entryCells = grid.cells().address(),

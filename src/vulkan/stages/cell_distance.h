@@ -11,16 +11,16 @@ class CellDistanceStage {
  public:
   explicit CellDistanceStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Reserves memory for lattices of this many cells. All previously recorded work must have completed.
-  void reserve(size_t cells);
-  /// Records the stage. The grid must have as many cells as were reserved, and `mesh` must be the mesh it was
-  /// built from.
+  /// Reserves memory for a lattice. All previously recorded work must have completed.
+  void reserve(const CellLattice& cells);
+  /// Records the stage. The grid must have the lattice of the last `reserve`, and `mesh` must be the mesh it
+  /// was built from.
   void record(Commands& commands, const DeviceMesh& mesh, const VoxelGridStage& grid);
 
   const DeviceBuffer& squared() const { return squared_; }
 
  private:
-  Kernel<CellDistancePush> kernel_;
+  LatticeKernel<CellDistancePush> kernel_;
   DeviceBuffer squared_;
 };
 

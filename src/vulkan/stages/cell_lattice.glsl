@@ -3,6 +3,10 @@
 #include "vulkan/primitives/soft_double.glsl"
 #include "vulkan/stages/cell_lattice_push.h"
 
+// Whether the host knows isOfSamples of all the kernel's lattices. Such a kernel has no doubles in software: some devices
+// spend time on branches that no invocation takes.
+layout(constant_id = 1) const bool kIsOfSamples = false;
+
 const uint kNoCell = 0xffffffffu;
 
 uint cellIndex(Lattice cells, uvec3 c) {
@@ -20,7 +24,7 @@ Double firstCentre(Lattice cells, uint axis) {
 
 // Returns whether each cell (i, j, k) is the one around sample (i, j, k).
 bool isOfSamples(Lattice cells) {
-  return (cells.firstX | cells.firstY | cells.firstZ) == 0 && cells.size == 1.0;
+  return kIsOfSamples || ((cells.firstX | cells.firstY | cells.firstZ) == 0 && cells.size == 1.0);
 }
 
 // Returns the exponent of the cells' size, which is a power of two.

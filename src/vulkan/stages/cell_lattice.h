@@ -18,4 +18,9 @@ inline Lattice latticeOf(const CellLattice& cells) {
           .nz = static_cast<uint32_t>(cells.dims.z)};
 }
 
+/// Returns whether each cell (i, j, k) is the one around sample (i, j, k).
+inline bool isOfSamples(const CellLattice& cells) {
+  return cells.first == glm::dvec3(0.0) && cells.size == 1.0;
+}
+
 }  // namespace raymap::vulkan

@@ -1,10 +1,11 @@
 // Finds the cells that a triangle touches in one row of its bounds' cells. Each invocation handles one row,
-// so that large and small triangles take equally long.
+// so that large and small triangles take equally long. Lists the rows for which floats do not suffice.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/cell_runs.glsl"
+#include "vulkan/stages/cell_runs_rough.glsl"
 
 uint triangleOf(uint row) {
   uint low = 0, high = push.triangleCount;
@@ -18,19 +19,24 @@ uint triangleOf(uint row) {
   return low;
 }
 
-// Lists the run of a row, and returns its number of cells.
-uint listRun(uint row) {
-  const uint triangle = triangleOf(row);
-  const uint local = row - push.rowStarts.at[triangle];
-  const LocalTriangle t = readLocalTriangle(triangle);
-  const uint rows = uint(t.extent.y + 1);
-  const int j = int(local % rows), k = int(local / rows);
-  const ivec2 run = touchedRun(t, j, k);
-  const uint size = uint(max(run.y - run.x + 1, 0));
-  push.runTriangles.at[row] = triangle;
-  push.runCells.at[row] = cellIndex(push.cells, uvec3(t.base + ivec3(run.x, j, k)));
-  push.runSizes.at[row] = size;
-  return size;
+// Returns whether the run is known.
+bool findRun(Row row, out ivec2 run) {
+  const ivec3 extent = row.local.extent;
+  run = ivec2(0, extent.x);
+  // Within one line of cells the bounds decide.
+  if (!row.local.isCut && int(extent.x > 0) + int(extent.y > 0) + int(extent.z > 0) <= 1) return true;
+  return findRunRoughly(row.local, row.j, row.k, run);
+}
+
+// Lists the run of a row, and returns its number of cells if it is known.
+uint listRun(uint number) {
+  const uint triangle = triangleOf(number);
+  push.runTriangles.at[number] = triangle;
+  const Row row = readRow(number, triangle);
+  ivec2 run;
+  if (findRun(row, run)) return writeRun(row, run);
+  push.unknown.at[atomicAdd(push.unknownCount.at[0], 1)] = number;  // In no particular order.
+  return 0;
 }
 
 void main() {

@@ -56,17 +56,30 @@ uint rowCount(LocalTriangle local) {
   return any(lessThan(local.extent, ivec3(0))) ? 0 : uint(local.extent.y + 1) * uint(local.extent.z + 1);
 }
 
-#include "vulkan/stages/cell_runs_exact.glsl"
-#include "vulkan/stages/cell_runs_rough.glsl"
+// Row of cells in a triangle's bounds.
+struct Row {
+  uint number;  // Among the rows of all triangles.
+  LocalTriangle local;
+  int j, k;  // Relative to the triangle's lowest cell.
+};
 
-// Returns the cells along x, relative to the triangle's lowest one, that it touches in row j, k; possibly
-// none.
-ivec2 touchedRun(LocalTriangle local, int j, int k) {
-  const ivec3 extent = local.extent;
-  // Within one line of cells the bounds decide.
-  if (!local.isCut && int(extent.x > 0) + int(extent.y > 0) + int(extent.z > 0) <= 1) return ivec2(0, extent.x);
-  ivec2 run;
-  return findRunRoughly(local, j, k, run) ? run : findRunExactly(local, j, k);
+Row readRow(uint number, uint triangle) {
+  Row row;
+  row.number = number;
+  row.local = readLocalTriangle(triangle);
+  const uint ofTriangle = number - push.rowStarts.at[triangle], rows = uint(row.local.extent.y + 1);
+  row.j = int(ofTriangle % rows);
+  row.k = int(ofTriangle / rows);
+  return row;
+}
+
+// Writes the cells along x, relative to the triangle's lowest one, that it touches in a row; possibly none. Returns their
+// number.
+uint writeRun(Row row, ivec2 run) {
+  const uint size = uint(max(run.y - run.x + 1, 0));
+  push.runCells.at[row.number] = cellIndex(push.cells, uvec3(row.local.base + ivec3(run.x, row.j, row.k)));
+  push.runSizes.at[row.number] = size;
+  return size;
 }
 
 // Adds to a 64-bit total, once per subgroup. All invocations of the group call it.

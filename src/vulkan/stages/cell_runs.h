@@ -1,9 +1,9 @@
 #pragma once
 
 #include "vulkan/primitives/scan.h"
-#include "vulkan/stages/cell_lattice.h"
 #include "vulkan/stages/cell_runs_push.h"
 #include "vulkan/stages/device_mesh.h"
+#include "vulkan/stages/lattice_kernel.h"
 
 namespace raymap::vulkan {
 
@@ -23,12 +23,12 @@ class CellRunsStage {
  public:
   explicit CellRunsStage(Device& device);
 
-  /// Reserves memory for this many triangles and an estimated number of rows, or for `rows` if that is more.
-  /// All previously recorded work must have completed. Throws `Error(Memory)` if the rows are too many to be
-  /// numbered.
-  void reserve(uint32_t triangles, uint64_t rows = 0);
-  /// Records the stage. The mesh must have at most as many triangles as were reserved.
-  void record(Commands& commands, const DeviceMesh& mesh, const CellLattice& cells);
+  /// Reserves memory for a lattice, this many triangles and an estimated number of rows, or for `rows` if
+  /// that is more. All previously recorded work must have completed. Throws `Error(Memory)` if the rows are
+  /// too many to be numbered.
+  void reserve(const CellLattice& cells, uint32_t triangles, uint64_t rows = 0);
+  /// Works on the lattice of the last `reserve`; the mesh must have at most as many triangles.
+  void record(Commands& commands, const DeviceMesh& mesh);
 
   bool fits(const ListSizes& sizes) const { return sizes.rows <= mostRows_; }
 
@@ -48,12 +48,13 @@ class CellRunsStage {
  private:
   void reserveRows(uint32_t rows);
 
-  Kernel<CellRunsPush> countRows_, findRuns_;
+  CellLattice cells_;
+  LatticeKernel<CellRunsPush> countRows_, findRuns_, findUnknown_;
   Scan scan_;
   DispatchArguments arguments_;
   uint32_t mostTriangles_ = 0;
   uint32_t mostRows_ = 0;
-  DeviceBuffer rowStarts_, runTriangles_, runCells_, runStarts_, totals_;
+  DeviceBuffer rowStarts_, runTriangles_, runCells_, runStarts_, unknown_, unknownCount_, totals_;
 };
 
 }  // namespace raymap::vulkan

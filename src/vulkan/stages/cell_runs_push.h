@@ -24,11 +24,13 @@ struct CellRunsPush {
   RAYMAP_ADDRESS(Uints) runTriangles;
   RAYMAP_ADDRESS(Uints) runCells;  // First cell of each run.
   RAYMAP_ADDRESS(Uints) runSizes;
-  RAYMAP_ADDRESS(Uints) totals;  // CellRunsTotals.
+  RAYMAP_ADDRESS(Uints) totals;   // CellRunsTotals.
+  RAYMAP_ADDRESS(Uints) unknown;  // Rows for which floats do not suffice.
+  RAYMAP_ADDRESS(Uints) unknownCount;
   Lattice cells;
   uint triangleCount;
   uint mostRows;
 };
-RAYMAP_CHECK_SIZE(CellRunsPush, 104);
+RAYMAP_CHECK_SIZE(CellRunsPush, 120);
 
 RAYMAP_SHARED_END

@@ -17,12 +17,13 @@ RasterDistanceStage::RasterDistanceStage(Device& device, ScratchMemory* scratch)
 
 void RasterDistanceStage::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
   cells_ = cells;
-  runs_.reserve(triangles, lists.rows);
+  runs_.reserve(cells, triangles, lists.rows);
+  kernel_.choose(isOfSamples(cells));
   squared_.resize<float>(cells.count());
 }
 
 void RasterDistanceStage::record(Commands& commands, const DeviceMesh& mesh) {
-  runs_.record(commands, mesh, cells_);
+  runs_.record(commands, mesh);
   commands.fill(squared_, std::bit_cast<uint32_t>(emptyCell(cells_.dims)));
   const RasterDistancePush push{.vertices = mesh.vertices,
                                 .triangles = mesh.triangles,
@@ -34,7 +35,7 @@ void RasterDistanceStage::record(Commands& commands, const DeviceMesh& mesh) {
                                 .cells = latticeOf(cells_),
                                 .perCell2 = static_cast<float>(1.0 / (cells_.size * cells_.size)),
                                 .mostRows = runs_.mostRows()};
-  runs_.dispatch(commands, kernel_, push);
+  runs_.dispatch(commands, *kernel_, push);
 }
 
 CellLevelData RasterDistanceStage::level(const DistanceTransformStage& transform) const {
@@ -46,12 +47,13 @@ RasterDistanceSamplesStage::RasterDistanceSamplesStage(Device& device)
 
 void RasterDistanceSamplesStage::reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels) {
   dims_ = dims;
+  kernel_.choose(levels.size() == 1);
   levels_.reserve(levels);
 }
 
 void RasterDistanceSamplesStage::record(Commands& commands, VkDeviceAddress distance) {
   levels_.record(commands);
-  commands.dispatch(kernel_,
+  commands.dispatch(*kernel_,
                     {.levels = levels_.address(),
                      .distance = distance,
                      .nx = dims_.x,

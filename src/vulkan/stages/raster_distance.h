@@ -35,7 +35,7 @@ class RasterDistanceStage {
  private:
   CellLattice cells_;
   CellRunsStage runs_;
-  Kernel<RasterDistancePush> kernel_;
+  LatticeKernel<RasterDistancePush> kernel_;
   DeviceBuffer squared_;
 };
 
@@ -51,7 +51,7 @@ class RasterDistanceSamplesStage {
 
  private:
   glm::uvec3 dims_{0};
-  Kernel<RasterSamplesPush> kernel_;
+  LatticeKernel<RasterSamplesPush> kernel_;
   CellLevels levels_;
 };
 

@@ -21,6 +21,7 @@ RefineStage::RefineStage(Device& device)
 
 void RefineStage::reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels) {
   dims_ = dims;
+  for (auto* kernel : {&alone_, &crowded_}) kernel->choose(levels.size() == 1);
   levels_.reserve(levels);
   crowdedCount_.resize<uint32_t>(1);
 }
@@ -43,9 +44,9 @@ void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Field
                         .mostAlone = std::clamp(samples >> 8, 16U, 512U)};
   levels_.record(commands);
   commands.fill(crowdedCount_, 0);
-  commands.dispatch(alone_, push, samples);
+  commands.dispatch(*alone_, push, samples);
   arguments_.record(commands, 0, {.count = {.most = samples, .address = crowdedCount_.address()}});
-  arguments_.dispatch(commands, crowded_, push, 0);
+  arguments_.dispatch(commands, *crowded_, push, 0);
 }
 
 }  // namespace raymap::vulkan

@@ -26,7 +26,7 @@ class RefineStage {
 
  private:
   glm::uvec3 dims_{0};
-  Kernel<RefinePush> alone_, crowded_;
+  LatticeKernel<RefinePush> alone_, crowded_;
   CellLevels levels_;
   DispatchArguments arguments_;
   DeviceBuffer crowdedCount_;

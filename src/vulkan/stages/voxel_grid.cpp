@@ -50,7 +50,7 @@ void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const
   const uint64_t wanted =
       std::max(lists.entries + lists.entries / 8, kEntriesPerTriangle * triangles + kFewEntries);
   cells_ = cells;
-  runs_.reserve(triangles, lists.rows);
+  runs_.reserve(cells, triangles, lists.rows);
   begins_.resize<uint32_t>(cells.count());
   count_.resize<uint32_t>(1);
   reserveEntries(std::max(mostEntries_, static_cast<uint32_t>(std::min<uint64_t>(kMostEntries, wanted))));
@@ -74,7 +74,7 @@ RadixSort::Pairs VoxelGridStage::pairs(size_t place) const {
 }
 
 void VoxelGridStage::record(Commands& commands, const DeviceMesh& mesh) {
-  runs_.record(commands, mesh, cells_);
+  runs_.record(commands, mesh);
   // Chosen so that the sorted pairs end in place 0.
   const size_t unsorted = (bitsOf(cells_) + kRadixBits - 1) / kRadixBits % 2;
   VoxelGridPush push{.runTriangles = runs_.triangles(),
