@@ -1,7 +1,11 @@
 #include "vulkan_device.h"
 
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
+#include "environment.h"
+#include "files.h"
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "shaders/subgroup_sizes.h"
@@ -493,6 +497,81 @@ TEST_F(VulkanDevice, KeepsBuffersBelowEveryLimit) {
   }
   // Kernels number 2^31 elements of four bytes.
   EXPECT_EQ(deviceTelling(kHuge, kHuge).limits().bufferSize, VkDeviceSize{1} << 33);
+}
+
+PFN_vkEnumerateDeviceExtensionProperties realExtensions = nullptr;
+PFN_vkCreateDevice realCreateDevice = nullptr;
+std::vector<std::string> enabledExtensions;
+
+/// Lists VK_KHR_portability_subset besides the driver's extensions.
+VKAPI_ATTR VkResult VKAPI_CALL listPortability(VkPhysicalDevice device, const char* layer, uint32_t* count,
+                                               VkExtensionProperties* properties) {
+  if (!properties) {
+    const VkResult result = realExtensions(device, layer, count, nullptr);
+    ++*count;
+    return result;
+  }
+  uint32_t others = *count - 1;
+  const VkResult result = realExtensions(device, layer, &others, properties);
+  properties[others] = {"VK_KHR_portability_subset", 1};
+  *count = others + 1;
+  return result;
+}
+
+/// Makes a device without the extensions that the caller enables, and notes them.
+VKAPI_ATTR VkResult VKAPI_CALL noteExtensions(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                                              const VkAllocationCallbacks* allocator, VkDevice* device) {
+  enabledExtensions.assign(info->ppEnabledExtensionNames,
+                           info->ppEnabledExtensionNames + info->enabledExtensionCount);
+  VkDeviceCreateInfo plain = *info;
+  plain.enabledExtensionCount = 0;
+  return realCreateDevice(physical, &plain, allocator, device);
+}
+
+TEST_F(VulkanDevice, EnablesThePortabilitySubsetOfADeviceThatHasIt) {
+  const ReplacedEntry created(vkCreateDevice, noteExtensions);
+  realCreateDevice = created.real();
+  const Device conformant({.validation = Validation::Off});
+  EXPECT_EQ(enabledExtensions, std::vector<std::string>{});
+  const ReplacedEntry listed(vkEnumerateDeviceExtensionProperties, listPortability);
+  realExtensions = listed.real();
+  const Device portable({.validation = Validation::Off});
+  EXPECT_EQ(enabledExtensions, std::vector<std::string>{"VK_KHR_portability_subset"});
+}
+
+/// Writes copies of the installed drivers' manifests that name each driver as one of a subset of Vulkan.
+/// Returns their paths, separated by colons.
+std::string portabilityManifests(const std::filesystem::path& folder) {
+  const std::filesystem::path installed = "/usr/share/vulkan/icd.d";
+  if (!std::filesystem::exists(installed)) return "";
+  std::string paths;
+  for (const auto& manifest : std::filesystem::directory_iterator(installed)) {
+    std::string text = readBytes(manifest.path());
+    const std::string driver = "\"ICD\": {";
+    const size_t at = text.find(driver);
+    if (at == std::string::npos) continue;
+    text.insert(at + driver.size(), "\"is_portability_driver\": true,");
+    const std::filesystem::path path = folder / manifest.path().filename();
+    std::ofstream(path) << text;
+    paths += (paths.empty() ? "" : ":") + path.string();
+  }
+  return paths;
+}
+
+TEST_F(VulkanDevice, SeesDriversOfASubsetOfVulkan) {
+  const TemporaryFolder folder;
+  const std::string manifests = portabilityManifests(folder.path());
+  if (manifests.empty()) GTEST_SKIP() << "no manifests of drivers";
+  // Newer loaders prefer the first variable, older ones know only the second.
+  const ScopedVariable drivers("VK_DRIVER_FILES", manifests), icds("VK_ICD_FILENAMES", manifests);
+  VkInstance plain = VK_NULL_HANDLE;
+  const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  if (vkCreateInstance(&info, nullptr, &plain) == VK_SUCCESS) {
+    vkDestroyInstance(plain, nullptr);
+    GTEST_SKIP() << "the loader hides no drivers";
+  }
+  const Instance instance;
+  EXPECT_FALSE(physicalDevices(instance.handle()).empty());
 }
 
 TEST_F(VulkanDevice, WorksOnACallersDevice) {

@@ -15,6 +15,8 @@ namespace {
 
 /// Kernels read indices as signed, and elements have at least four bytes (kernel.glsl).
 constexpr uint64_t kMostBytes = (uint64_t{1} << 31) * sizeof(uint32_t);
+/// Must be enabled on a device that lists it. Its header is a draft, which volk.h leaves out.
+constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
 
 size_t choose(const std::vector<DeviceInfo>& devices, std::optional<size_t> index) {
   const std::optional<size_t> chosen = index ? index : bestDevice(devices);
@@ -98,10 +100,13 @@ void Device::makeDevice() {
   Features features;
   setRequired(features);
   features.v12.shaderBufferInt64Atomics = hasInt64Atomics(handles_.physical) ? VK_TRUE : VK_FALSE;
-  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .pNext = &features.v10,
-                                .queueCreateInfoCount = 1,
-                                .pQueueCreateInfos = &queue};
+  const VkDeviceCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+      .pNext = &features.v10,
+      .queueCreateInfoCount = 1,
+      .pQueueCreateInfos = &queue,
+      .enabledExtensionCount = hasExtension(handles_.physical, kPortabilitySubset) ? 1U : 0U,
+      .ppEnabledExtensionNames = &kPortabilitySubset};
   check(vkCreateDevice(handles_.physical, &info, nullptr, &handles_.device), "starting " + info_.name);
   device_.reset(handles_.device);
   vkGetDeviceQueue(handles_.device, queueFamily(), 0, &handles_.queue);

@@ -33,6 +33,18 @@ VKAPI_ATTR VkBool32 VKAPI_CALL passMessage(VkDebugUtilsMessageSeverityFlagBitsEX
   return VK_FALSE;
 }
 
+/// Returns whether the loader lists drivers that are not all of Vulkan, such as MoltenVK, only if it is asked
+/// to.
+bool hidesPortabilityDrivers() {
+  uint32_t count = 0;
+  check(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr), "listing Vulkan's extensions");
+  std::vector<VkExtensionProperties> found(count);
+  check(vkEnumerateInstanceExtensionProperties(nullptr, &count, found.data()), "listing Vulkan's extensions");
+  return std::any_of(found.begin(), found.end(), [](const VkExtensionProperties& extension) {
+    return std::strcmp(extension.extensionName, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME) == 0;
+  });
+}
+
 VkResult createInstance(Validation validation, VkInstance* instance) {
   const VkApplicationInfo application{
       .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pEngineName = "raymap", .apiVersion = VK_API_VERSION_1_3};
@@ -43,17 +55,22 @@ VkResult createInstance(Validation validation, VkInstance* instance) {
       .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
       .enabledValidationFeatureCount = validation == Validation::On ? 0U : 1U,
       .pEnabledValidationFeatures = &extra};
-  const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                    VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  std::vector<const char*> extensions;
   VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                             .pApplicationInfo = &application};
+  if (hidesPortabilityDrivers()) {
+    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    info.flags = VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+  }
   if (validation != Validation::Off) {
     info.pNext = &features;
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = &kLayer;
-    info.enabledExtensionCount = 2;
-    info.ppEnabledExtensionNames = extensions;
+    extensions.insert(extensions.end(),
+                      {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME});
   }
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   return vkCreateInstance(&info, nullptr, instance);
 }
 
