@@ -17,7 +17,7 @@ OUTSIDE = ("apps", "examples")  # Users of the library, which see its public hea
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files that may include oneTBB.
 # Made while building.
-GENERATED = re.compile(r"shaders/\w+_spv\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
+GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
 
 
 class Layers:

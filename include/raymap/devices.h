@@ -14,7 +14,7 @@ namespace raymap {
 /// Kinds of devices, in the order in which the device name "vulkan" prefers them; the CPU stands apart.
 enum class DeviceType { Discrete, Integrated, Virtual, Other, Software, Cpu };
 
-/// Outcome of the last test of a GPU (`testDevice`) with this driver and this version of raymap.
+/// Outcome of the last test of a GPU (`testDevice`) with this driver, this version of raymap and its kernels.
 enum class DeviceTestState {
   Untested,
   Running,  ///< Another thread or process tests it now.

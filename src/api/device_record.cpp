@@ -20,6 +20,7 @@
 
 #include "base/hash.h"
 #include "base/user_cache.h"
+#include "method/gpu_plug_in.h"
 
 namespace raymap {
 
@@ -31,8 +32,11 @@ constexpr const char* kTitle = "raymap GPU test 1";  // The number is that of th
 
 /// Returns what a record must agree in, on one line.
 std::string keyOf(const DeviceInfo& device) {
-  std::string key =
-      std::string(version().text) + " " + device.identity + " " + device.name + " " + device.driver;
+  char kernels[20];
+  std::snprintf(kernels, sizeof kernels, "%016llx",
+                static_cast<unsigned long long>(gpuPlugIn()->kernelHash()));
+  std::string key = std::string(version().text) + " " + kernels + " " + device.identity + " " + device.name +
+                    " " + device.driver;
   std::ranges::replace(key, '\n', ' ');
   return key;
 }

@@ -15,7 +15,8 @@ struct DeviceRecord {
 };
 
 /// Returns what this process remembers, or what is kept in the user's cache folder, of a device with this
-/// driver and this version of raymap. A file that is damaged or of another device counts as none.
+/// driver, this version of raymap and these kernels. A file that is damaged or of another device counts as
+/// none.
 DeviceRecord readResult(const DeviceInfo& device);
 /// The same; but if a test of the device runs or has not ended, returns that.
 DeviceRecord readRecord(const DeviceInfo& device);

@@ -7,6 +7,7 @@
 #include <raymap/generate.h>
 #include <raymap/render.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -45,6 +46,8 @@ struct GpuPlugIn {
   void (*test)(size_t index, const DeviceTestReport& report);
   /// Returns whether the system shows a GPU at all, which takes much less time than `list`.
   bool (*mayHaveGpu)();
+  /// Returns a hash of all kernels. The result of a test holds for these.
+  uint64_t (*kernelHash)();
 };
 
 /// Registers a GPU backend. Called once, before `main`.

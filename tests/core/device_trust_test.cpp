@@ -135,6 +135,18 @@ TEST_F(DeviceTrust, EndsWithAnotherDriver) {
   EXPECT_EQ(files().size(), 2u);
 }
 
+TEST_F(DeviceTrust, EndsWithOtherKernels) {
+  CountingGpu::onTest = fail;
+  EXPECT_FALSE(isUsed());
+  CountingGpu::onTest = {};
+  CountingGpu::kernels = uint64_t{1} << 63;
+  EXPECT_EQ(info().test, DeviceTestState::Untested);
+  EXPECT_TRUE(isUsed());
+  EXPECT_EQ(CountingGpu::tests, 2);
+  CountingGpu::kernels = 1;
+  expectRefused({"refine"});
+}
+
 TEST_F(DeviceTrust, IgnoresDamagedFiles) {
   EXPECT_TRUE(isUsed());
   const fs::path file = onlyFile();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,7 +26,12 @@ class CountingGpu {
     onGenerate = {};
     onTest = {};
     identity = "made for tests " + std::to_string(++made_);
-    plugIn({.list = list, .open = open, .test = test, .mayHaveGpu = [] { return true; }});
+    kernels = 1;
+    plugIn({.list = list,
+            .open = open,
+            .test = test,
+            .mayHaveGpu = [] { return true; },
+            .kernelHash = [] { return kernels; }});
   }
   ~CountingGpu() { plugIn(before_); }
   CountingGpu(const CountingGpu&) = delete;
@@ -38,6 +44,8 @@ class CountingGpu {
   static inline std::function<void(const DeviceTestReport&)> onTest;
   /// Identity of all devices: another one in each test, so that no test of a device counts in the next.
   static inline std::string identity;
+  /// Hash of the kernels.
+  static inline uint64_t kernels;
 
  private:
   class FakeDevice final : public GpuDevice {
@@ -80,7 +88,8 @@ class CountingGpu {
   static constexpr GpuPlugIn kNone{.list = [] { return std::vector<DeviceInfo>(); },
                                    .open = [](size_t) { return std::unique_ptr<GpuDevice>(); },
                                    .test = [](size_t, const DeviceTestReport&) {},
-                                   .mayHaveGpu = [] { return false; }};
+                                   .mayHaveGpu = [] { return false; },
+                                   .kernelHash = [] { return uint64_t{0}; }};
   static inline int made_ = 0;
   GpuPlugIn before_;
   ScopedVariable cache_{"RAYMAP_CACHE", "off"};

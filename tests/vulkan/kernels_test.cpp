@@ -8,7 +8,10 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "method/gpu_plug_in.h"
 #include "vulkan/device/features.h"
 // Must follow Vulkan's declarations.
 #include "shaders/raymap_vulkan_all.h"
@@ -80,6 +83,23 @@ TEST(Kernels, AskForNoOtherCapabilitiesThanTheDeviceIsCheckedFor) {
   setRequired(features);
   EXPECT_EQ(features.v10.features.shaderInt64, VK_TRUE);
   EXPECT_EQ(features.v10.features.shaderFloat64, VK_FALSE);
+}
+
+TEST(Kernels, HaveAHashThatChangesWithEachOfThem) {
+  ASSERT_NE(gpuPlugIn(), nullptr);
+  const uint64_t hash = hashOf(shaders::kAll);
+  EXPECT_EQ(gpuPlugIn()->kernelHash(), hash);
+  const std::vector<struct Shader> all(std::begin(shaders::kAll), std::end(shaders::kAll));
+  for (size_t s = 0; s < all.size(); ++s) {
+    std::vector<uint32_t> code(all[s].code.begin(), all[s].code.end());
+    code.back() ^= 1u << 31;
+    std::vector<struct Shader> changed = all;
+    changed[s].code = code;
+    EXPECT_NE(hashOf(changed), hash) << all[s].name;
+  }
+  std::vector<struct Shader> renamed = all;
+  std::swap(renamed[0].name, renamed[1].name);
+  EXPECT_NE(hashOf(renamed), hash);
 }
 
 TEST(Kernels, HaveNoNumbersOfDoublePrecision) {

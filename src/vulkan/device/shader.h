@@ -12,4 +12,7 @@ struct Shader {
   std::span<const uint32_t> code;
 };
 
+/// Returns a hash of the shaders' names and code, in their order.
+uint64_t hashOf(std::span<const Shader> shaders);
+
 }  // namespace raymap::vulkan

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "method/gpu_plug_in.h"
+#include "shaders/raymap_vulkan_all.h"
 #include "vulkan/runtime/backend.h"
 #include "vulkan/runtime/draw_scene.h"
 #include "vulkan/self_test/self_test.h"
@@ -49,6 +50,11 @@ bool mayHaveGpu() {
   return false;
 }
 
+uint64_t kernelHash() {
+  static const uint64_t hash = hashOf(shaders::kAll);
+  return hash;
+}
+
 }  // namespace
 
 }  // namespace raymap::vulkan
@@ -58,6 +64,10 @@ bool mayHaveGpu() {
 // NOLINTNEXTLINE(readability-identifier-naming): a symbol of the linker.
 extern "C" const bool raymapVulkanIsPluggedIn = [] {
   using namespace raymap::vulkan;
-  raymap::plugIn({.list = listDevices, .open = openDevice, .test = testDevice, .mayHaveGpu = mayHaveGpu});
+  raymap::plugIn({.list = listDevices,
+                  .open = openDevice,
+                  .test = testDevice,
+                  .mayHaveGpu = mayHaveGpu,
+                  .kernelHash = kernelHash});
   return true;
 }();
