@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "vulkan/device/spirv.h"
+
 namespace raymap::vulkan {
 
 namespace {
@@ -73,26 +75,11 @@ enum Op : uint32_t {
   OpGroupNonUniformUMax = 357,
   OpGroupNonUniformLogicalXor = 364
 };
-constexpr uint32_t kHeaderWords = 5;
 constexpr uint32_t kPrivate = 6;  // Storage classes.
 constexpr uint32_t kWorkgroup = 4;
 constexpr uint32_t kBuffer = 5349;
 constexpr uint32_t kCapabilityInt64 = 11, kCapabilityGroups = 61, kCapabilityGroupArithmetic = 63;
 constexpr uint32_t kDeviceScope = 1, kSubgroupScope = 3;
-
-uint32_t opOf(Words instruction) {
-  return instruction[0] & 0xFFFFU;
-}
-
-/// Calls `visit` with each instruction of a module.
-template <class Visit>
-void forEach(Words code, Visit&& visit) {
-  for (size_t at = kHeaderWords; at < code.size();) {
-    const Words instruction = code.subspan(at, code[at] >> 16);
-    visit(instruction);
-    at += instruction.size();
-  }
-}
 
 /// Returns whether an instruction of a function has a type and a result.
 bool hasResult(uint32_t op) {
@@ -138,7 +125,7 @@ struct Work {
 class Types {
  public:
   explicit Types(Words code) {
-    forEach(code, [this](Words instruction) { add(instruction); });
+    forEachInstruction(code, [this](Words instruction) { add(instruction); });
   }
 
   /// Returns the id of a type or constant with these operands, if the module has it.
@@ -256,7 +243,7 @@ Work workOf(const Types& types, Words words) {
 class Instrumenter {
  public:
   Instrumenter(Words code, uint64_t address) : code_(code), types_(code), address_(address), bound_(code[3]) {
-    forEach(code, [this](Words words) {
+    forEachInstruction(code, [this](Words words) {
       if (opOf(words) == OpEntryPoint) main_ = words[2];
       if (opOf(words) == OpCapability) capabilities_.insert(words[1]);
     });
@@ -265,10 +252,10 @@ class Instrumenter {
   }
 
   std::vector<uint32_t> rewrite() {
-    out_.assign(code_.begin(), code_.begin() + kHeaderWords);
+    out_.assign(code_.begin(), code_.begin() + kSpirvHeaderWords);
     for (const uint32_t capability : {kCapabilityInt64, kCapabilityGroups, kCapabilityGroupArithmetic})
       if (!capabilities_.contains(capability)) put(OpCapability, {capability});
-    forEach(code_, [this](Words words) { copy(words); });
+    forEachInstruction(code_, [this](Words words) { copy(words); });
     out_[3] = bound_;
     return out_;
   }
@@ -350,7 +337,7 @@ class Instrumenter {
   void measureBlocks() {
     Work block;
     uint32_t before = 0;
-    forEach(code_, [&](Words words) {
+    forEachInstruction(code_, [&](Words words) {
       const uint32_t op = opOf(words);
       if (op == OpLabel) block = {};
       if (op >= OpFunction || op == OpExtInst) accumulate(block, workOf(types_, words));
@@ -446,7 +433,7 @@ StaticWork staticWork(std::span<const uint32_t> code) {
   // Functions may be called before they are defined; calls do not nest deeper than this.
   for (int depth = 0; depth < 16; ++depth) {
     std::map<uint32_t, uint64_t> next;
-    forEach(code, [&](Words words) {
+    forEachInstruction(code, [&](Words words) {
       const uint32_t op = opOf(words);
       if (op == OpEntryPoint) main = words[2];
       if (op == OpFunction) function = words[2];

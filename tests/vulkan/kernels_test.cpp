@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -13,6 +12,7 @@
 
 #include "method/gpu_plug_in.h"
 #include "vulkan/device/features.h"
+#include "vulkan/device/spirv.h"
 // Must follow Vulkan's declarations.
 #include "shaders/raymap_vulkan_all.h"
 
@@ -42,21 +42,9 @@ enum Capability : uint32_t {
   PhysicalStorageBufferAddresses = 5347
 };
 
-/// Calls visit(words) for each instruction; `words` includes its first word.
-void forEachInstruction(const struct Shader& shader,
-                        const std::function<void(std::span<const uint32_t> words)>& visit) {
-  constexpr size_t kHeaderWords = 5;
-  for (size_t at = kHeaderWords; at < shader.code.size(); at += shader.code[at] >> 16)
-    visit(shader.code.subspan(at, shader.code[at] >> 16));
-}
-
-Op opOf(std::span<const uint32_t> words) {
-  return static_cast<Op>(words[0] & 0xFFFFu);
-}
-
 std::set<uint32_t> capabilitiesOf(const struct Shader& shader) {
   std::set<uint32_t> capabilities;
-  forEachInstruction(shader, [&](std::span<const uint32_t> words) {
+  forEachInstruction(shader.code, [&](std::span<const uint32_t> words) {
     if (opOf(words) == OpCapability) capabilities.insert(words[1]);
   });
   return capabilities;
@@ -105,7 +93,7 @@ TEST(Kernels, HaveAHashThatChangesWithEachOfThem) {
 TEST(Kernels, HaveNoNumbersOfDoublePrecision) {
   size_t floats = 0;
   for (const struct Shader& shader : shaders::kAll)
-    forEachInstruction(shader, [&](std::span<const uint32_t> words) {
+    forEachInstruction(shader.code, [&](std::span<const uint32_t> words) {
       if (opOf(words) != OpTypeFloat) return;
       EXPECT_EQ(words[2], 32u) << shader.name;
       ++floats;
@@ -140,8 +128,8 @@ std::map<std::string, Arithmetic> arithmeticOf(const struct Shader& shader) {
   std::set<uint32_t> precise;
   std::map<std::string, Arithmetic> functions;
   std::string function;
-  forEachInstruction(shader, [&](std::span<const uint32_t> words) {
-    const Op op = opOf(words);
+  forEachInstruction(shader.code, [&](std::span<const uint32_t> words) {
+    const uint32_t op = opOf(words);
     if (op == OpName) {
       const char* text = reinterpret_cast<const char*>(words.data() + 2);
       const std::string name(text, strnlen(text, 4 * (words.size() - 2)));

@@ -20,7 +20,6 @@ enum Op : uint32_t {
   OpDecorate = 71,
   OpMemberDecorate = 72
 };
-constexpr uint32_t kHeaderWords = 5;
 constexpr uint32_t kDecorationArrayStride = 6;
 constexpr uint32_t kDecorationOffset = 35;
 constexpr uint32_t kStoragePushConstant = 9;
@@ -31,7 +30,7 @@ class Types {
  public:
   /// Adds an instruction; `words` includes its first word.
   void add(std::span<const uint32_t> words) {
-    switch (words[0] & 0xFFFFU) {
+    switch (opOf(words)) {
       case OpTypeInt:
       case OpTypeFloat:
       case OpTypeVector:
@@ -56,7 +55,7 @@ class Types {
 
   uint32_t bytes(uint32_t id) const {
     const std::span<const uint32_t> words = types_.at(id);
-    switch (words[0] & 0xFFFFU) {
+    switch (opOf(words)) {
       case OpTypeInt:
       case OpTypeFloat:
         return words[2] / 8;
@@ -88,14 +87,13 @@ class Types {
 
 uint32_t pushConstantBytes(std::span<const uint32_t> code) {
   Types types;
-  for (size_t at = kHeaderWords; at < code.size();) {
-    const std::span<const uint32_t> words = code.subspan(at, code[at] >> 16);
-    if ((words[0] & 0xFFFFU) == OpVariable && words[3] == kStoragePushConstant)
-      return types.bytes(types.pointee(words[1]));
+  uint32_t bytes = 0;
+  forEachInstruction(code, [&](std::span<const uint32_t> words) {
     types.add(words);
-    at += words.size();
-  }
-  return 0;
+    if (opOf(words) == OpVariable && words[3] == kStoragePushConstant)
+      bytes = types.bytes(types.pointee(words[1]));
+  });
+  return bytes;
 }
 
 }  // namespace raymap::vulkan
