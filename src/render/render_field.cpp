@@ -8,7 +8,7 @@
 #include "api/devices.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "render/shade.h"
+#include "cpu/render/shade.h"
 #include "scene/scene.h"
 
 namespace raymap {
@@ -18,7 +18,7 @@ namespace {
 void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
   std::atomic<int> rows{0};
   parallelFor(size_t(picture.height), 1, [&](size_t y, size_t) {
-    for (int x = 0; x < picture.width; ++x) setPixel(picture, x, int(y), pixelColour(scene, x, int(y)));
+    for (int x = 0; x < picture.width; ++x) setPixel(picture, x, int(y), cpu::pixelColour(scene, x, int(y)));
     progress.report(double(++rows) / picture.height);
   });
 }

@@ -14,8 +14,8 @@
 #include <string>
 
 #include "analytic_fields.h"
+#include "cpu/render/sphere_trace.h"
 #include "field/field_sampler.h"
-#include "render/sphere_trace.h"
 #include "scene/camera.h"
 #include "scene/shape.h"
 #include "shapes.h"
@@ -36,7 +36,7 @@ size_t silhouette(const Field& field, const RenderOptions& options) {
   const Camera camera(options, shape);
   size_t hits = 0;
   for (int y = 0; y < options.height; ++y)
-    for (int x = 0; x < options.width; ++x) hits += trace(shape, camera.ray(x + 0.5, y + 0.5)) ? 1 : 0;
+    for (int x = 0; x < options.width; ++x) hits += cpu::trace(shape, camera.ray(x + 0.5, y + 0.5)) ? 1 : 0;
   return hits;
 }
 
@@ -209,7 +209,7 @@ TEST(Render, CutShowsTheInsideAndShellHollowsIt) {
     for (int y = 0; y < options.height; ++y)
       for (int x = 0; x < options.width; ++x) {
         const Ray ray = camera.ray(x + 0.5, y + 0.5);
-        const auto t = trace(shape, ray);
+        const auto t = cpu::trace(shape, ray);
         pixels += t && shape.isOnCutFace(ray.origin + *t * ray.direction) ? 1 : 0;
       }
     return double(pixels) * scale * scale * field.grid.spacing * field.grid.spacing;  // Area in mesh units.

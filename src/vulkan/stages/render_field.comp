@@ -1,4 +1,4 @@
-// Draws one ray of a pixel per invocation. GPU twin of render/shade.cpp.
+// Draws one ray of a pixel per invocation. GPU twin of cpu/render/shade.cpp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

@@ -12,7 +12,7 @@ namespace raymap::vulkan {
 /// Farther than any ray goes, in samples; its square is still a finite float.
 inline constexpr double kFarthest = 1e15;
 
-/// GPU twin of render/shade.cpp: draws a scene, one ray of a pixel per invocation.
+/// GPU twin of cpu/render/shade.cpp: draws a scene, one ray of a pixel per invocation.
 class RenderFieldStage {
  public:
   /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,

@@ -1,4 +1,4 @@
-// GPU twin of field/field_sampler.h, scene/shape.h and render/sphere_trace.cpp, which give the reasons.
+// GPU twin of field/field_sampler.h, scene/shape.h and cpu/render/sphere_trace.cpp, which give the reasons.
 
 #include "vulkan/stages/render_scene_push.h"
 

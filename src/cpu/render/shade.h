@@ -2,9 +2,9 @@
 
 #include "scene/scene.h"
 
-namespace raymap {
+namespace raymap::cpu {
 
 /// Returns the colour of a pixel.
 Colour pixelColour(const Scene& scene, int x, int y);
 
-}  // namespace raymap
+}  // namespace raymap::cpu

@@ -5,7 +5,7 @@
 #include "scene/camera.h"
 #include "scene/shape.h"
 
-namespace raymap {
+namespace raymap::cpu {
 
 /// Returns the distance along a ray to where it first enters the shape, or nothing.
 std::optional<double> trace(const Shape& shape, const Ray& ray);
@@ -16,4 +16,4 @@ double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3&
 /// Returns the openness of a surface point's surroundings, from 0 (closed) to 1 (open).
 double ambientOpenness(const Shape& shape, const glm::dvec3& point, const glm::dvec3& normal);
 
-}  // namespace raymap
+}  // namespace raymap::cpu

@@ -5,11 +5,11 @@
 // surface is less than the height, something is near. The narrowest angle by which a ray to the light passes
 // everything gives the covered share of a round light.
 
-#include "render/sphere_trace.h"
+#include "cpu/render/sphere_trace.h"
 
 #include <algorithm>
 
-namespace raymap {
+namespace raymap::cpu {
 
 namespace {
 
@@ -97,4 +97,4 @@ double ambientOpenness(const Shape& shape, const glm::dvec3& point, const glm::d
   return std::max(1.0 - 1.1 * blocked / total, 0.0);
 }
 
-}  // namespace raymap
+}  // namespace raymap::cpu

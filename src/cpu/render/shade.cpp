@@ -1,10 +1,10 @@
-#include "render/shade.h"
+#include "cpu/render/shade.h"
 
 #include <algorithm>
 
-#include "render/sphere_trace.h"
+#include "cpu/render/sphere_trace.h"
 
-namespace raymap {
+namespace raymap::cpu {
 
 namespace {
 
@@ -64,4 +64,4 @@ Colour pixelColour(const Scene& scene, int x, int y) {
   return 0.25 * sum;
 }
 
-}  // namespace raymap
+}  // namespace raymap::cpu
