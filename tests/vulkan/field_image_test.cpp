@@ -1,52 +1,14 @@
 #include "vulkan/stages/field_image.h"
 
-#include <bit>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
 #include "shaders/field_image_halves_spv.h"
+#include "vulkan/self_test/probe_image.h"
 #include "vulkan_generation.h"
 
 namespace raymap::vulkan {
 namespace {
-
-/// A 3D image with memory of its own.
-class Image {
- public:
-  Image(const DeviceHandles& on, VkFormat format, const glm::ivec3& dims) : device_(on.device) {
-    const VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                 .imageType = VK_IMAGE_TYPE_3D,
-                                 .format = format,
-                                 .extent = {uint32_t(dims.x), uint32_t(dims.y), uint32_t(dims.z)},
-                                 .mipLevels = 1,
-                                 .arrayLayers = 1,
-                                 .samples = VK_SAMPLE_COUNT_1_BIT,
-                                 .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                          VK_IMAGE_USAGE_SAMPLED_BIT};
-    check(vkCreateImage(device_, &info, nullptr, &image_), "making an image");
-    VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(device_, image_, &needs);
-    const VkMemoryAllocateInfo memory{
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-        .allocationSize = needs.size,
-        .memoryTypeIndex = static_cast<uint32_t>(std::countr_zero(needs.memoryTypeBits))};
-    check(vkAllocateMemory(device_, &memory, nullptr, &memory_), "allocating an image");
-    check(vkBindImageMemory(device_, image_, memory_, 0), "binding an image");
-  }
-  ~Image() {
-    vkDestroyImage(device_, image_, nullptr);
-    vkFreeMemory(device_, memory_, nullptr);
-  }
-  Image(const Image&) = delete;
-  Image& operator=(const Image&) = delete;
-
-  VkImage handle() const { return image_; }
-
- private:
-  VkDevice device_;
-  VkImage image_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
-};
 
 TEST_F(VulkanGenerator, FillsImages) {
   const Mesh mesh = holedSphere();
@@ -56,7 +18,7 @@ TEST_F(VulkanGenerator, FillsImages) {
     const Field expected = hostField(mesh, grid, options);
     const Uploaded uploaded(mesh);
     for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT}) {
-      const Image image(device().handles(), format, grid.dims);
+      const ProbeImage image(device(), format, grid.dims);
       DeviceBuffer texels(device(), "texels", MemoryUse::ReadBack);
       texels.resize<std::byte>(grid.sampleCount() * (format == VK_FORMAT_R32_SFLOAT ? 4 : 2));
       Room room = roomFor(mesh, grid, options);
@@ -66,12 +28,7 @@ TEST_F(VulkanGenerator, FillsImages) {
         const Target target{.image = image.handle(), .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
         for (int round = 0; round < 2; ++round)
           generator().record(commands.handle(), uploaded.buffers, grid, options, target);
-        const VkBufferImageCopy region{
-            .bufferOffset = texels.offset(),
-            .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-            .imageExtent = {uint32_t(grid.dims.x), uint32_t(grid.dims.y), uint32_t(grid.dims.z)}};
-        vkCmdCopyImageToBuffer(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                               texels.handle(), 1, &region);
+        image.recordCopy(commands, texels);
       });
       if (format == VK_FORMAT_R32_SFLOAT) {
         EXPECT_EQ(0, std::memcmp(texels.mapped<float>().data(), expected.distance.data(), texels.bytes()));

@@ -62,7 +62,10 @@ TEST_F(VulkanSelfTest, Passes) {
                            "sign",
                            "finish",
                            "default fields",
-                           "quick fields"})
+                           "quick fields",
+                           "skin",
+                           "field_image",
+                           "render_field"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 

@@ -32,5 +32,6 @@ std::span<const Check> checksOfCells();
 std::span<const Check> checksOfSurface();
 std::span<const Check> checksOfSign();
 std::span<const Check> checksOfFields();
+std::span<const Check> checksOfFrames();
 
 }  // namespace raymap::vulkan

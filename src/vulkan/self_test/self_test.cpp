@@ -11,7 +11,8 @@ namespace {
 
 std::vector<Check> allChecks() {
   std::vector<Check> checks;
-  for (const auto part : {checksOfPrimitives, checksOfCells, checksOfSurface, checksOfSign, checksOfFields})
+  for (const auto part :
+       {checksOfPrimitives, checksOfCells, checksOfSurface, checksOfSign, checksOfFields, checksOfFrames})
     for (const Check& check : part()) checks.push_back(check);
   return checks;
 }
