@@ -131,12 +131,30 @@ StageWork& find(std::vector<StageWork>& stages, const std::string& name) {
   return found != stages.end() ? *found : stages.emplace_back(StageWork{name, {}, {}});
 }
 
+/// Returns a dispatch and its further parts, from command `i` on, as one; then `i` is the next. They share
+/// the limit of the bytes.
+Work takeDispatch(const std::vector<CountedCommand>& commands, size_t& i) {
+  CountedCommand whole = commands[i];
+  const size_t first = i;
+  for (++i; i < commands.size() && commands[i].isMore; ++i) {
+    const auto& part = commands[i].work;
+    whole.work.steppedOperations += part.steppedOperations;
+    whole.work.bytesRead += part.bytesRead;
+    whole.work.bytesWritten += part.bytesWritten;
+    whole.work.longest = std::max(whole.work.longest, part.longest);
+    whole.work.mostRounds = std::max(whole.work.mostRounds, part.mostRounds);
+  }
+  Work work = workOf(whole);
+  work.commands = static_cast<uint32_t>(i - first);
+  return work;
+}
+
 std::vector<StageWork> stagesOf(const std::vector<CountedCommand>& commands, const Card& card) {
   std::vector<StageWork> stages;
   for (size_t i = 0; i < commands.size();) {
     const CountedCommand& first = commands[i];
     Work step{.steps = 1};
-    for (; i < commands.size() && commands[i].step == first.step; ++i) addToStep(step, workOf(commands[i]));
+    while (i < commands.size() && commands[i].step == first.step) addToStep(step, takeDispatch(commands, i));
     predict(step, card);
     StageWork& stage = find(stages, first.stage);
     addUp(stage.work, step);

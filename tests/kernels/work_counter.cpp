@@ -39,7 +39,8 @@ struct WorkCounter::State {
   std::vector<CountedCommand> commands;
   std::vector<size_t> pending;  // Dispatches by index in the log, as indices of commands.
   PipelineInfo bound;
-  std::vector<VkDeviceAddress> pointers;  // Push constants that may be addresses.
+  std::vector<VkDeviceAddress> pointers;        // Push constants that may be addresses.
+  std::vector<VkDeviceAddress> pointersBefore;  // Those of the dispatch before.
   std::string stage;
   uint32_t step = 0, submission = 0;
 
@@ -231,9 +232,14 @@ struct WorkCounter::Entries {
     wholeBarrier(buffer);
     current->fill.real()(buffer, counters.handle(), counters.offset(), counters.bytes(), 0);
     wholeBarrier(buffer);
+    const bool isMore = !state->commands.empty() && state->commands.back().step == state->step &&
+                        state->commands.back().name == state->bound.name &&
+                        state->pointers == state->pointersBefore;
+    state->pointersBefore = state->pointers;
     state->pending.push_back(state->commands.size());
     state->add(state->bound.name, groups, state->bound.groupSize, {});
     state->commands.back().touchableBytes = state->touchableBytes();
+    state->commands.back().isMore = isMore;
   }
 
   static void wholeBarrier(VkCommandBuffer buffer) {

@@ -18,6 +18,7 @@ struct CountedCommand {
   uint64_t groups = 0;  ///< Work groups; for an indirect dispatch, those that the device decided.
   uint32_t groupSize = 0;
   uint64_t touchableBytes = 0;  ///< Sum of the sizes of the buffers that its push constants point into.
+  bool isMore = false;          ///< Whether it is a further part of the dispatch before.
   WorkCounters work{};
 };
 

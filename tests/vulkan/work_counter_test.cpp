@@ -4,6 +4,7 @@
 
 #include "shaders/counted_loops.h"
 #include "shaders/counted_loops_spv.h"
+#include "vulkan/device/dispatch_limits.h"
 #include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan_device.h"
 
@@ -111,6 +112,24 @@ TEST_F(VulkanWorkCounter, CountsEachDispatchByItself) {
   for (const CountedCommand& command : counter_->commands()) EXPECT_EQ(command.work.operations, alone);
 }
 
+TEST_F(VulkanWorkCounter, TellsPartsOfADispatch) {
+  constexpr uint32_t kTwoDispatches = 2 * kMaxGroups * kGroup;
+  const CountedLoopsPush loops = push(1, 0, kTwoDispatches);
+  CountedLoopsPush others = loops;
+  others.first = 0;
+  counter_->clear();
+  run([&](Commands& commands) {
+    commands.concurrent([&] {
+      commands.dispatch(*loops_, loops, kTwoDispatches);
+      commands.dispatch(*loops_, others, kGroup);
+    });
+    commands.dispatch(*loops_, others, kGroup);
+  });
+  std::vector<bool> isMore;
+  for (const CountedCommand& command : counter_->commands()) isMore.push_back(command.isMore);
+  EXPECT_EQ(isMore, (std::vector<bool>{false, true, false, false}));
+}
+
 TEST_F(VulkanWorkCounter, NumbersStepsAndSubmissions) {
   const CountedLoopsPush loops = push(1, 0, 3 * kGroup);
   DispatchArguments arguments(device(), "arguments", 1);
@@ -138,6 +157,7 @@ TEST_F(VulkanWorkCounter, NumbersStepsAndSubmissions) {
   EXPECT_LT(commands[0].step, commands[1].step);
   EXPECT_EQ(commands[1].step, commands[2].step);
   EXPECT_LT(commands[2].step, commands[3].step);
+  for (const CountedCommand& command : commands) EXPECT_FALSE(command.isMore);
   EXPECT_EQ(commands[0].work.bytesWritten, 4u);
   // Both buffers of the loops, with their guards behind.
   EXPECT_EQ(commands[3].touchableBytes, 4u + 4u * 3 * kGroup + 2 * Guards::kBytes);
