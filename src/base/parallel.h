@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <type_traits>
+#include <vector>
 
 namespace raymap {
 
@@ -43,6 +45,20 @@ void parallelWorkers(size_t count, Work&& work) {
   std::atomic<size_t> numbers{0};
   const auto next = [&] { return std::min(numbers++, count); };
   parallelFor(std::min(parallelThreads(), count), 1, [&](size_t, size_t) { work(next); });
+}
+
+/// Returns the numbers below `count` for which `isWanted(number)` holds, ascending.
+template <class Predicate>
+std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted) {
+  constexpr size_t kPart = size_t{1} << 16;
+  std::vector<std::vector<uint32_t>> parts((count + kPart - 1) / kPart);
+  parallelFor(parts.size(), 1, [&](size_t part, size_t) {
+    for (size_t k = part * kPart; k < std::min((part + 1) * kPart, count); ++k)
+      if (isWanted(uint32_t(k))) parts[part].push_back(uint32_t(k));
+  });
+  std::vector<uint32_t> selected;
+  for (const std::vector<uint32_t>& part : parts) selected.insert(selected.end(), part.begin(), part.end());
+  return selected;
 }
 
 /// Runs `work` with at most this many threads; 0 = all of the machine's.

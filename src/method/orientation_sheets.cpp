@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/parts.h"
-
 namespace raymap {
 
 namespace {
@@ -33,13 +31,12 @@ double leastSheetArea(double spacing) {
   return 2.0 * kLeastCells * spacing * spacing;
 }
 
-SheetFinder::SheetFinder(const PackedMesh& mesh, double spacing, const DoubleSidedFaces& faces,
-                         const OrientationSurface& surface)
+SheetFinder::SheetFinder(double spacing, const DoubleSidedFaces& faces, const OrientationSurface& surface,
+                         const std::vector<uint32_t>& parts)
     : faces_(faces),
       surface_(surface),
-      parts_(findParts(mesh, surface.patches, 0.5 * spacing)),
+      parts_(parts),
       leastArea_(leastSheetArea(spacing)),
-      borders_(findBorders(mesh, surface)),
       isSheet_(faces.firsts.size(), 0) {}
 
 bool SheetFinder::giveBack(std::span<const float> rises, std::span<const float> wholeness, Turns& turns) {
@@ -77,7 +74,8 @@ bool SheetFinder::looksLikeSheet(uint32_t face) const {
   const Solidity &ofPatch = ofPatch_[patch], &ofPart = ofPart_[parts_[patch]];
   // The sides of walls thinner than the samples do not differ. Those of a sheet do, unless it is small.
   if (!ofPart.isSeen())
-    return borders_[patch].open > 0 && (ofPart.area < leastArea_ || ofPart.rise > kSheetRise * ofPart.area);
+    return surface_.borders[patch].open > 0 &&
+           (ofPart.area < leastArea_ || ofPart.rise > kSheetRise * ofPart.area);
   if (ofPatch.isSeen() && ofPatch.share() >= kSolid) return false;
   return ofPart.share() < kSolid || (ofPatch.isSeen() && ofPatch.share() < kHalfSolid);
 }

@@ -32,9 +32,10 @@ double leastSheetArea(double spacing);
 /// Finds the double-sided faces that are sheets, after all were taken once.
 class SheetFinder {
  public:
-  /// `faces` are those that `surface` takes once. `spacing` is the sample spacing in the mesh's units.
-  SheetFinder(const PackedMesh& mesh, double spacing, const DoubleSidedFaces& faces,
-              const OrientationSurface& surface);
+  /// `spacing` is the sample spacing in the mesh's units. `faces` are those that `surface` takes once,
+  /// `parts` the parts of its patches.
+  SheetFinder(double spacing, const DoubleSidedFaces& faces, const OrientationSurface& surface,
+              const std::vector<uint32_t>& parts);
 
   /// Takes all faces of the groups as given again that look like sheets. `rises` is the winding number one
   /// cell in front of each face minus that one cell behind it, `wholeness` is as in `FaceField`. Returns
@@ -50,9 +51,8 @@ class SheetFinder {
 
   const DoubleSidedFaces& faces_;
   const OrientationSurface& surface_;
-  std::vector<uint32_t> parts_;
+  const std::vector<uint32_t>& parts_;
   double leastArea_;                        ///< Twice the area from which on a sheet is seen.
-  std::vector<Borders> borders_;            ///< Borders of each patch.
   std::vector<uint8_t> isSheet_;            ///< One flag per group.
   std::vector<Solidity> ofPatch_, ofPart_;  ///< Solidity of their double-sided faces.
 };

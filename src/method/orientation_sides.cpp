@@ -113,6 +113,12 @@ class SideChooser {
     return best;
   }
 
+  /// Returns the part of each patch.
+  const std::vector<uint32_t>& parts() {
+    if (parts_.empty()) parts_ = findParts(examined_.mesh, surface_.patches, 0.5 * examined_.spacing);
+    return parts_;
+  }
+
  private:
   void takeIfBetter(State state, const State& start, State& best) const {
     const bool isClear = risingShare_ > kManyFaces && state.misfit < kClearly * best.misfit &&
@@ -192,21 +198,20 @@ class SideChooser {
   /// and the field fits as well: the inner one of two nested closed surfaces bounds a cavity or a solid.
   void keepGivenParts(State& best) {
     if (best.turns == surface_.asGiven) return;
-    const std::vector<uint32_t> parts = findParts(examined_.mesh, surface_.patches, 0.5 * examined_.spacing);
-    std::vector<PartVotes> against = votesAgainst(best.turns, parts);
-    if (against.empty() || flipIfAsGood(against, parts, best)) return;
+    std::vector<PartVotes> against = votesAgainst(best.turns);
+    if (against.empty() || flipIfAsGood(against, best)) return;
     std::sort(against.begin(), against.end(), [](const PartVotes& a, const PartVotes& b) {
       return a.area != b.area ? a.area > b.area : a.part < b.part;
     });
     for (size_t p = 0; p < std::min(against.size(), size_t(kMostRounds)) && against.size() > 1; ++p)
-      flipIfAsGood({&against[p], 1}, parts, best);
+      flipIfAsGood({&against[p], 1}, best);
   }
 
-  std::vector<PartVotes> votesAgainst(const Turns& turns, const std::vector<uint32_t>& parts) const {
-    std::vector<PartVotes> votes(parts.size());
-    for (uint32_t p = 0; p < parts.size(); ++p) votes[p].part = p;
+  std::vector<PartVotes> votesAgainst(const Turns& turns) {
+    std::vector<PartVotes> votes(parts().size());
+    for (uint32_t p = 0; p < parts_.size(); ++p) votes[p].part = p;
     for (size_t f = 0; f < turns.size(); ++f) {
-      PartVotes& v = votes[parts[surface_.patches.ids[f]]];
+      PartVotes& v = votes[parts_[surface_.patches.ids[f]]];
       const double area = surface_.areas[f];
       v.area += area;
       if (!surface_.isDirected[f]) continue;
@@ -218,8 +223,8 @@ class SideChooser {
   }
 
   /// Reverses the parts if the field then fits as well. Returns whether it did.
-  bool flipIfAsGood(std::span<const PartVotes> flipped, const std::vector<uint32_t>& parts, State& best) {
-    std::vector<uint8_t> isFlipped(parts.size());
+  bool flipIfAsGood(std::span<const PartVotes> flipped, State& best) {
+    std::vector<uint8_t> isFlipped(parts().size());
     double area = 0.0;
     for (const PartVotes& votes : flipped) {
       isFlipped[votes.part] = 1;
@@ -227,7 +232,7 @@ class SideChooser {
     }
     Turns turns = best.turns;
     for (size_t f = 0; f < turns.size(); ++f)
-      if (turns[f] != kLeftOut && isFlipped[parts[surface_.patches.ids[f]]]) turns[f] ^= kReversed;
+      if (turns[f] != kLeftOut && isFlipped[parts_[surface_.patches.ids[f]]]) turns[f] ^= kReversed;
     const State& solved = solver_.solve(turns);
     if (solved.misfit > best.misfit + kAsGood * area / surface_.area) return false;
     best = solved;
@@ -238,8 +243,9 @@ class SideChooser {
   const OrientationSurface& surface_;
   FieldSolver& solver_;
   State given_;
-  bool isFromParity_ = false;  ///< Whether the first state is wholly the one that the parity says.
-  double risingShare_ = 0.0;   ///< Largest share of the surface that the field contradicted in one round.
+  std::vector<uint32_t> parts_;  ///< See `parts`; empty until then.
+  bool isFromParity_ = false;    ///< Whether the first state is wholly the one that the parity says.
+  double risingShare_ = 0.0;     ///< Largest share of the surface that the field contradicted in one round.
 };
 
 /// Takes all faces of the groups as given again that look like sheets in the solved field. Returns whether
@@ -261,8 +267,9 @@ std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver
     if (solver.raysAgree(turns) && !solver.field().contradictsParity()) return State{std::move(turns), 0.0};
   }
   const OrientationSurface surface = takeSingleFaces(examined.mesh, faces);
-  State best = SideChooser(examined, surface, solver, {surface.asGiven, INFINITY}).choose(true);
-  SheetFinder sheets(examined.mesh, examined.spacing, faces, surface);
+  SideChooser chooser(examined, surface, solver, {surface.asGiven, INFINITY});
+  State best = chooser.choose(true);
+  SheetFinder sheets(examined.spacing, faces, surface, chooser.parts());
   do best = solver.solve(best.turns);
   while (giveBackSheets(sheets, solver.field(), best.turns));
   if (!sheets.hasSolid() || best.misfit > kMostMisfit) return {};

@@ -16,21 +16,45 @@ std::vector<glm::uvec3> takenFaces(const PackedMesh& mesh, const Turns& turns) {
   return faces;
 }
 
-OrientationSurface surfaceOf(const PackedMesh& mesh, Turns asGiven, std::vector<uint8_t> isDirected) {
-  const std::vector<glm::uvec3> taken = takenFaces(mesh, asGiven);
+/// Counts the edges at which the double-sided faces of each patch end.
+std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, const OrientationSurface& surface) {
+  std::vector<Borders> borders(surface.patches.count);
+  const auto isDirected = [&](const SortKey& key) { return surface.isDirected[halfEdgeOf(key).face] != 0; };
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    const auto directed = std::count_if(edge.begin(), edge.end(), isDirected);
+    for (const SortKey& key : edge) {
+      if (isDirected(key)) continue;
+      Borders& ofPatch = borders[surface.patches.ids[halfEdgeOf(key).face]];
+      if (edge.size() == 1) ++ofPatch.open;
+      if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
+    }
+  });
+  return borders;
+}
+
+OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector<uint8_t> isDirected) {
+  const std::vector<glm::uvec3> faces = takenFaces(given, asGiven);
+  const PackedMesh mesh{given.vertices, faces, given.origin};
+  Buffer<SortKey> keys;
+  const Welding welding = weldVertices(mesh.vertices, keys);
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
   OrientationSurface surface{.asGiven = std::move(asGiven),
                              .isDirected = std::move(isDirected),
-                             .patches = findPatches({mesh.vertices, taken, mesh.origin}),
-                             .areas = std::vector<float>(taken.size()),
-                             .patchAreas = {}};
+                             .patches = findPatches(mesh, welding, halfEdges),
+                             .areas = std::vector<float>(faces.size()),
+                             .patchAreas = {},
+                             .borders = {}};
   surface.patchAreas.resize(surface.patches.count);
-  for (size_t f = 0; f < taken.size(); ++f) {
-    const glm::vec3 a = mesh.vertices[taken[f].x];
-    const glm::vec3 across = glm::cross(mesh.vertices[taken[f].y] - a, mesh.vertices[taken[f].z] - a);
+  for (size_t f = 0; f < faces.size(); ++f) {
+    const glm::vec3 a = mesh.vertices[faces[f].x];
+    const glm::vec3 across = glm::cross(mesh.vertices[faces[f].y] - a, mesh.vertices[faces[f].z] - a);
     surface.areas[f] = glm::length(across);
     surface.patchAreas[surface.patches.ids[f]] += surface.areas[f];
     surface.area += surface.areas[f];
   }
+  const std::vector<uint8_t>& directed = surface.isDirected;
+  if (std::find(directed.begin(), directed.end(), 0) != directed.end())
+    surface.borders = findBorders(halfEdges, surface);
   return surface;
 }
 
@@ -79,26 +103,6 @@ std::optional<Turns> turnsOfFirsts(const DoubleSidedFaces& doubleSided, Turns tu
   return turns;
 }
 
-std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface) {
-  const std::vector<glm::uvec3> taken = takenFaces(mesh, surface.asGiven);
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::span<const SortKey> halfEdges =
-      sortHalfEdges({mesh.vertices, taken, mesh.origin}, welding, keys);
-  std::vector<Borders> borders(surface.patches.count);
-  const auto isDirected = [&](const SortKey& key) { return surface.isDirected[halfEdgeOf(key).face] != 0; };
-  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
-    const auto directed = std::count_if(edge.begin(), edge.end(), isDirected);
-    for (const SortKey& key : edge) {
-      if (isDirected(key)) continue;
-      Borders& ofPatch = borders[surface.patches.ids[halfEdgeOf(key).face]];
-      if (edge.size() == 1) ++ofPatch.open;
-      if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
-    }
-  });
-  return borders;
-}
-
 namespace {
 
 /// Positions, not exactly: a position that was added is found, and few others are.
@@ -121,18 +125,11 @@ class PositionFilter {
 
 /// Returns the faces with two or more corners at the positions, ascending.
 std::vector<uint32_t> facesAt(const PackedMesh& mesh, const PositionFilter& positions) {
-  constexpr size_t kPart = size_t{1} << 16;
-  std::vector<std::vector<uint32_t>> found((mesh.triangles.size() + kPart - 1) / kPart);
-  parallelFor(found.size(), 1, [&](size_t part, size_t) {
-    for (size_t f = part * kPart; f < std::min((part + 1) * kPart, mesh.triangles.size()); ++f) {
-      int known = 0;
-      for (int c = 0; c < 3; ++c) known += positions.has(mesh.vertices[mesh.triangles[f][c]]) ? 1 : 0;
-      if (known >= 2) found[part].push_back(uint32_t(f));
-    }
+  return parallelSelect(mesh.triangles.size(), [&](uint32_t face) {
+    int known = 0;
+    for (int c = 0; c < 3; ++c) known += positions.has(mesh.vertices[mesh.triangles[face][c]]) ? 1 : 0;
+    return known >= 2;
   });
-  std::vector<uint32_t> faces;
-  for (const std::vector<uint32_t>& part : found) faces.insert(faces.end(), part.begin(), part.end());
-  return faces;
 }
 
 /// The double-sided faces and those that share an edge with them, and a few more, as a mesh of its own.
@@ -165,14 +162,14 @@ DoubleSidedFaces withoutSheets(const PackedMesh& mesh, const DoubleSidedFaces& d
   if (doubleSided.count() == mesh.triangles.size()) return doubleSided;  // Nothing else is there.
   const Surroundings near = surroundingsOf(mesh, doubleSided);
   const OrientationSurface surface = takeSingleFaces(near.mesh, near.doubleSided);
-  const std::vector<Borders> borders = findBorders(near.mesh, surface);
-  std::vector<double> areas(borders.size());  // Twice the area of the double-sided faces in each patch.
+  std::vector<double> areas(
+      surface.patches.count);  // Twice the area of the double-sided faces in each patch.
   for (const uint32_t face : near.doubleSided.firsts) areas[surface.patches.ids[face]] += surface.areas[face];
   DoubleSidedFaces kept;
   std::vector<uint32_t> newGroup(doubleSided.firsts.size(), UINT32_MAX);
   for (size_t g = 0; g < newGroup.size(); ++g) {
     const uint32_t patch = surface.patches.ids[near.doubleSided.firsts[g]];
-    const Borders& ofPatch = borders[patch];
+    const Borders& ofPatch = surface.borders[patch];
     if (ofPatch.dividing > ofPatch.closing) continue;
     if (areas[patch] < leastArea && ofPatch.open + ofPatch.closing > 0) continue;
     newGroup[g] = uint32_t(kept.firsts.size());

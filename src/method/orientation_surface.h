@@ -11,6 +11,13 @@
 
 namespace raymap {
 
+/// Number of edges at which the double-sided faces of a patch end.
+struct Borders {
+  uint32_t open = 0;      ///< No other face is there.
+  uint32_t closing = 0;   ///< An odd number of single-sided faces is there, which the patch completes.
+  uint32_t dividing = 0;  ///< An even number of them is there: they bound a solid without the patch.
+};
+
 /// The faces that the sign takes, and what the mesh says of their directions.
 struct OrientationSurface {
   Turns asGiven;                    ///< Takes each face as given or leaves it out.
@@ -19,6 +26,7 @@ struct OrientationSurface {
   std::vector<float> areas;         ///< Twice the area of each face; 0 if it is left out.
   std::vector<double> patchAreas;   ///< Sum of `areas` over each patch.
   double area = 0.0;                ///< Sum of `areas`.
+  std::vector<Borders> borders;     ///< Borders of each patch's double-sided faces; empty if there are none.
 
   /// Returns the number of patches with an area.
   size_t patchCount() const;
@@ -39,16 +47,6 @@ Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount);
 /// where all faces of the group are as given, as they cancel. Returns nothing if a group is neither as given
 /// nor its first face alone. Empty turns take all faces as given.
 std::optional<Turns> turnsOfFirsts(const DoubleSidedFaces& doubleSided, Turns turns, size_t faceCount);
-
-/// Number of edges at which the double-sided faces of a patch end.
-struct Borders {
-  uint32_t open = 0;      ///< No other face is there.
-  uint32_t closing = 0;   ///< An odd number of single-sided faces is there, which the patch completes.
-  uint32_t dividing = 0;  ///< An even number of them is there: they bound a solid without the patch.
-};
-
-/// Counts the edges at which the double-sided faces of each patch end.
-std::vector<Borders> findBorders(const PackedMesh& mesh, const OrientationSurface& surface);
 
 /// Returns the groups without those whose patch divides a solid or sticks out of one, and without small ones
 /// that bound nothing by themselves: their area in the patch is less than half of `leastArea`.
