@@ -53,7 +53,8 @@ void Backend::begin() {
   const auto& [mesh, grid, options, progress, field] = *job_;
   memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
   toCellUnits(mesh, grid, mesh_);
-  hasSurfaceTree_ = false;
+  hasSurfaceTree_ = hasCrossings_ = false;
+  countedTurns_.clear();
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
@@ -135,7 +136,12 @@ void Backend::refine() {
 }
 
 void Backend::crossings() {
-  countCrossings(mesh_, progress(), crossings_);
+  if (std::exchange(hasCrossings_, true))
+    changeCrossings(mesh_, removedTriangles_, addedTriangles_, progress(), crossings_);
+  else
+    countCrossings(mesh_, progress(), crossings_);
+  removedTriangles_ = {};
+  addedTriangles_ = {};
 }
 
 void Backend::rayMap() {
@@ -151,7 +157,17 @@ DoubleSidedFaces Backend::doubleSidedFaces() {
 }
 
 void Backend::turnFaces(const Turns& turns) {
+  if (countedTurns_.empty()) countedTurns_.assign(turns.size(), kAsGiven);
   const std::span<const glm::uvec3> given = mesh().triangles;
+  const std::vector<uint32_t> changed =
+      parallelSelect(given.size(), [&](uint32_t f) { return turns[f] != countedTurns_[f]; });
+  removedTriangles_.clear();
+  addedTriangles_.clear();
+  for (const uint32_t f : changed) {
+    if (countedTurns_[f] != kLeftOut) removedTriangles_.push_back(turned(given[f], countedTurns_[f]));
+    if (turns[f] != kLeftOut) addedTriangles_.push_back(turned(given[f], turns[f]));
+  }
+  countedTurns_ = turns;
   turnedTriangles_.resizeUninitialized(given.size());
   parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);

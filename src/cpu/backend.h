@@ -98,6 +98,9 @@ class Backend {
   Turns turns_;                   // Since the tree was built.
   bool hasSurfaceTree_ = false, isSurfaceTreeTurned_ = false;
   Crossings crossings_;
+  bool hasCrossings_ = false;
+  Turns countedTurns_;  // With these the crossings are counted, once the changes below are made.
+  std::vector<glm::uvec3> removedTriangles_, addedTriangles_;
   RayMap rayMap_;
   Winding windingSolver_;
   WindingDipoles windingDipoles_;

@@ -4,7 +4,6 @@
 #include <span>
 #include <unordered_map>
 
-#include "base/parallel.h"
 #include "mesh/disjoint_sets.h"
 
 namespace raymap {
@@ -27,18 +26,45 @@ std::vector<uint32_t> joinAtVertices(const PackedMesh& mesh, const Patches& patc
   return patchAt;
 }
 
-/// Joins the patches that have vertices in the same cell of a lattice. Its cells are `size` wide, and the
-/// lattice is displaced by a share of a cell along each axis.
-void joinInCells(const PackedMesh& mesh, std::span<const uint32_t> patchAt, const glm::dvec3& low,
-                 double size, const glm::dvec3& displacement, DisjointSets& sets) {
-  constexpr double kMostCells = 0x1FFFFF;  // 21 bits per axis.
-  std::unordered_map<uint64_t, uint32_t> patchOfCell;
+/// Returns the cell of a lattice that a point is in. All coordinates of the point must be positive.
+uint64_t cellOf(const glm::dvec3& p) {
+  constexpr double kLastCell = 0x1FFFFE;  // 21 bits per axis, and all cells have neighbours.
+  const glm::u64vec3 cell(glm::min(p, kLastCell));
+  return cell.x << 42 | cell.y << 21 | cell.z;
+}
+
+/// Calls `work(neighbour)` for the 26 cells around a cell.
+template <class Work>
+void forEachNeighbour(uint64_t cell, Work&& work) {
+  for (uint64_t x = 0; x < 3; ++x)
+    for (uint64_t y = 0; y < 3; ++y)
+      for (uint64_t z = 0; z < 3; ++z)
+        if (x != 1 || y != 1 || z != 1) work(cell + ((x - 1) << 42) + ((y - 1) << 21) + (z - 1));
+}
+
+/// Joins the parts that have vertices in the same cell of a lattice or in neighbouring ones. The cells are
+/// `size` wide.
+void joinInCells(const PackedMesh& mesh, std::span<const uint32_t> patchAt, std::span<const uint32_t> parts,
+                 double size, DisjointSets& sets) {
+  const glm::dvec3 low = bounds(mesh).min;
+  std::unordered_map<uint64_t, uint32_t> partOfCell;
+  std::vector<uint32_t> cellsOf(parts.size());
   for (uint32_t v = 0; v < patchAt.size(); ++v) {
     if (patchAt[v] == kNoPatch) continue;
-    const glm::dvec3 p = (mesh.position(v) - low) / size + displacement;
-    const glm::u64vec3 cell(glm::min(p, kMostCells));
-    const auto [place, isNew] = patchOfCell.try_emplace(cell.x << 42 | cell.y << 21 | cell.z, patchAt[v]);
-    if (!isNew) sets.link(place->second, patchAt[v]);
+    const uint32_t part = parts[patchAt[v]];
+    const auto [place, isNew] = partOfCell.try_emplace(cellOf((mesh.position(v) - low) / size + 1.0), part);
+    if (isNew)
+      ++cellsOf[part];
+    else if (place->second != part)
+      sets.link(place->second, part);
+  }
+  const auto largest = uint32_t(std::max_element(cellsOf.begin(), cellsOf.end()) - cellsOf.begin());
+  for (const auto& [cell, part] : partOfCell) {
+    if (part == largest) continue;  // The other part of each pair finds it.
+    forEachNeighbour(cell, [&, part = part](uint64_t neighbour) {
+      if (const auto place = partOfCell.find(neighbour); place != partOfCell.end())
+        sets.link(part, place->second);
+    });
   }
 }
 
@@ -53,15 +79,10 @@ std::vector<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
 std::vector<uint32_t> findParts(const PackedMesh& mesh, const Patches& patches, double distance) {
   DisjointSets sets(patches.count);
   const std::vector<uint32_t> patchAt = joinAtVertices(mesh, patches, sets);
-  std::vector<uint32_t> parts = rootsOf(sets, patches.count);
+  const std::vector<uint32_t> parts = rootsOf(sets, patches.count);
   const auto isFirst = [](uint32_t part) { return part == 0; };
   if (std::all_of(parts.begin(), parts.end(), isFirst)) return parts;
-  const glm::dvec3 low = bounds(mesh).min;
-  // In one of these eight lattices, vertices closer than half a cell are in the same cell.
-  parallelFor(8, 1, [&](size_t corner, size_t) {
-    joinInCells(mesh, patchAt, low, 2.0 * distance,
-                0.5 * glm::dvec3(corner & 1, (corner >> 1) & 1, corner >> 2), sets);
-  });
+  joinInCells(mesh, patchAt, parts, distance, sets);
   return rootsOf(sets, patches.count);
 }
 

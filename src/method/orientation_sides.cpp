@@ -294,6 +294,11 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
   return options.orientation == Orientation::Repair || contradictsParity || misfit > kFall;
 }
 
+bool leaveOutTheSame(const Turns& a, const Turns& b) {
+  const auto sameFace = [](uint8_t s, uint8_t t) { return (s == kLeftOut) == (t == kLeftOut); };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), sameFace);
+}
+
 FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,
                       bool mayReverse, const FaceField& field, Progress& progress) {
   const bool isForced = orientation == Orientation::Repair;

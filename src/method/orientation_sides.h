@@ -75,6 +75,9 @@ bool mayTurnFaces(const Options& options);
 /// Reversing faces could then hardly change a sign.
 bool shouldExamineFaces(const Options& options, double misfit, bool contradictsParity);
 
+/// Returns whether two choices leave out the same faces.
+bool leaveOutTheSame(const Turns& a, const Turns& b);
+
 /// Chooses which faces the sign takes reversed or not at all. On entry `field` must be solved for the mesh as
 /// given, with misfit `misfitGiven`. On return it is solved for the result's turns.
 ///
@@ -97,7 +100,9 @@ void orientFaces(B& backend) {
   const bool hasDouble = !examined.doubleSided.empty();
   if (sides.doubtfulShare == 0.0 && !isForced && !hasDouble) return;
 
+  Turns counted(backend.mesh().triangles.size(), kAsGiven);
   const auto count = [&](const Turns& turns) {  // Runs the stages before this one again.
+    counted = turns;
     backend.turnFaces(turns);
     backend.crossings();
     backend.rayMap();
@@ -113,11 +118,11 @@ void orientFaces(B& backend) {
     return backend.doubtfulShare() == 0.0 && backend.misfit() == 0.0;
   };
   const auto parityRises = [&](const Turns& turns) {
-    if (hasDouble) count(turns);
+    if (!leaveOutTheSame(turns, counted)) count(turns);
     return backend.parityRises();
   };
   const bool isHarmonic = options.sign == SignMode::Harmonic;
-  const double misfit = isHarmonic ? backend.misfit() : solve(Turns(backend.mesh().triangles.size(), 0));
+  const double misfit = isHarmonic ? backend.misfit() : solve(counted);
   const bool mayReverse = shouldExamineFaces(options, misfit, backend.contradictsParity());
   if (!mayReverse && !hasDouble) {
     sides.misfitGiven = sides.misfit = misfit;

@@ -48,6 +48,32 @@ void expectNoLeak(const Crossings& crossings) {
     }
 }
 
+TEST(Crossings, ChangeToThoseOfOtherFaces) {
+  const Mesh before = shapes::sphere(1.0, 3);
+  const Grid grid = fitGrid(before, {.resolution = 20});
+  Mesh after = before;
+  std::vector<glm::uvec3> removed, added;
+  for (size_t f = 0; f < 600; ++f) {
+    removed.push_back(before.triangles[f]);
+    if (f % 2 == 0) added.emplace_back(before.triangles[f].x, before.triangles[f].z, before.triangles[f].y);
+  }
+  after.triangles.erase(after.triangles.begin(), after.triangles.begin() + 600);
+  after.triangles.insert(after.triangles.end(), added.begin(), added.end());
+  Crossings crossings = crossingsOf(before, grid);
+  const Crossings expected = crossingsOf(after, grid);
+  Progress progress;
+  changeCrossings(cellMesh(after, grid), removed, added, progress, crossings);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    ASSERT_TRUE(std::ranges::equal(crossings[axis].starts, expected[axis].starts)) << axis;
+    for (size_t e = 0; e < expected[axis].entries.size(); ++e) {
+      const Crossing &found = crossings[axis].entries[e], &wanted = expected[axis].entries[e];
+      ASSERT_EQ(found.index, wanted.index) << axis << " " << e;
+      ASSERT_EQ(found.signedCount, wanted.signedCount) << axis << " " << e;
+      ASSERT_EQ(found.unsignedCount, wanted.unsignedCount) << axis << " " << e;
+    }
+  }
+}
+
 TEST_P(CrossingsTwins, CountsOneFaceOnceWithItsDirection) {
   // A triangle facing +z, between samples 2 and 3 of the lines along z.
   const Mesh mesh =

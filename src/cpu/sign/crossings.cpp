@@ -51,8 +51,8 @@ struct Lattice {
   }
 };
 
-size_t chunkCount(const CellMesh& mesh) {
-  return (mesh.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
+size_t chunkCount(std::span<const glm::uvec3> triangles) {
+  return (triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
 }
 
 /// Returns the largest magnitude of a point's coordinates.
@@ -78,7 +78,7 @@ float reach(const glm::vec3& p) {
 template <class Work>
 void forEachTriangle(const CellMesh& mesh, Work&& work) {
   const size_t count = mesh.triangles.size();
-  parallelFor(chunkCount(mesh), 1, [&](size_t chunk, size_t) {
+  parallelFor(chunkCount(mesh.triangles), 1, [&](size_t chunk, size_t) {
     const size_t end = std::min((chunk + 1) * kTrianglesPerChunk, count);
     for (size_t t = chunk * kTrianglesPerChunk; t < end; ++t) work(chunk, t);
   });
@@ -86,7 +86,7 @@ void forEachTriangle(const CellMesh& mesh, Work&& work) {
 
 /// Returns the largest magnitude of all triangles' coordinates, at least 1.
 float furthestCoordinate(const CellMesh& mesh) {
-  std::vector<float> reaches(chunkCount(mesh), 1.0f);
+  std::vector<float> reaches(chunkCount(mesh.triangles), 1.0f);
   forEachTriangle(mesh, [&](size_t chunk, size_t t) {
     for (int c = 0; c < 3; ++c) reaches[chunk] = std::max(reaches[chunk], reach(mesh.corner(t, c)));
   });
@@ -202,16 +202,17 @@ class MissTest {
 };
 
 /// Scans triangles until the chunk is done or all chunks together have `kRecordsPerRound` records.
-void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress, std::atomic<size_t>& found,
-               Chunk& chunk, LineRecords& records) {
-  const auto report = [&] { progress.report(double(chunk.next) / double(mesh.triangles.size())); };
+void scanChunk(const Buffer<glm::vec3>& vertices, std::span<const glm::uvec3> triangles,
+               const Lattice& lattice, Progress& progress, std::atomic<size_t>& found, Chunk& chunk,
+               LineRecords& records) {
+  const auto report = [&] { progress.report(double(chunk.next) / double(triangles.size())); };
   report();
   const double scale = lattice.scale();
   const MissTest misses(lattice);
   size_t reported = 0;
   while (chunk.next < chunk.end && found < kRecordsPerRound) {
-    const size_t t = chunk.next++;
-    const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    const glm::uvec3& t = triangles[chunk.next++];
+    const glm::vec3 a = vertices[t.x], b = vertices[t.y], c = vertices[t.z];
     if (misses(a, b, c)) continue;
     scanTriangle({snap(a, scale), snap(b, scale), snap(c, scale)}, lattice, records);
     const size_t count = records[0].size() + records[1].size() + records[2].size();
@@ -221,24 +222,36 @@ void scanChunk(const CellMesh& mesh, const Lattice& lattice, Progress& progress,
   }
 }
 
-}  // namespace
-
-void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
-  const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
-  std::vector<Chunk> chunks(chunkCount(mesh));
+/// Adds the crossings of some of the mesh's triangles. Each counts as `weight` faces: 1, or -1 to remove it.
+void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, const Lattice& lattice,
+                  int32_t weight, Progress& progress, Crossings& crossings) {
+  std::vector<Chunk> chunks(chunkCount(triangles));
   for (size_t c = 0; c < chunks.size(); ++c)
-    chunks[c] = {c * kTrianglesPerChunk, std::min((c + 1) * kTrianglesPerChunk, mesh.triangles.size())};
+    chunks[c] = {c * kTrianglesPerChunk, std::min((c + 1) * kTrianglesPerChunk, triangles.size())};
   std::vector<LineRecords> records(chunks.size());
-  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(mesh.dims, axis), crossings[axis]);
   const auto isDone = [](const Chunk& chunk) { return chunk.next == chunk.end; };
-  do {
+  while (!std::all_of(chunks.begin(), chunks.end(), isDone)) {
     std::atomic<size_t> found{0};
     parallelFor(chunks.size(), 1, [&](size_t c, size_t) {
       for (auto& list : records[c]) list.clear();
-      scanChunk(mesh, lattice, progress, found, chunks[c], records[c]);
+      scanChunk(mesh.vertices, triangles, lattice, progress, found, chunks[c], records[c]);
     });
-    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, crossings[axis]);
-  } while (!std::all_of(chunks.begin(), chunks.end(), isDone));
+    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, weight, crossings[axis]);
+  }
+}
+
+}  // namespace
+
+void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
+  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(mesh.dims, axis), crossings[axis]);
+  addCrossings(mesh, mesh.triangles, {mesh.dims, chooseFractionBits(mesh)}, 1, progress, crossings);
+}
+
+void changeCrossings(const CellMesh& mesh, std::span<const glm::uvec3> removed,
+                     std::span<const glm::uvec3> added, Progress& progress, Crossings& crossings) {
+  const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
+  addCrossings(mesh, removed, lattice, -1, progress, crossings);
+  addCrossings(mesh, added, lattice, 1, progress, crossings);
 }
 
 }  // namespace raymap::cpu

@@ -25,7 +25,8 @@ uint64_t addOne(uint64_t& count) {
 }
 
 /// Appends the records to their lines with a counting sort. The order within a line depends on the threads.
-void appendRecords(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings) {
+void appendRecords(const std::vector<LineRecords>& lists, int axis, int32_t weight,
+                   AxisCrossings& crossings) {
   const size_t lines = crossings.starts.size() - 1;
   const AxisCrossings old{crossings.starts.clone(), crossings.entries.clone()};
   Buffer<uint64_t>& starts = crossings.starts;
@@ -42,11 +43,12 @@ void appendRecords(const std::vector<LineRecords>& lists, int axis, AxisCrossing
   }
   starts[0] = 0;
   forEachRecord(lists, axis, [&](const LineRecord& r) {
-    crossings.entries[addOne(starts[r.line + 1])] = {r.index, r.sign, 1};
+    crossings.entries[addOne(starts[r.line + 1])] = {r.index, weight * r.sign, weight};
   });
 }
 
-/// Sorts a line's crossings by index and adds up those with the same index. Returns how many are left.
+/// Sorts a line's crossings by index and adds up those with the same index. Removes those of no face. Returns
+/// how many are left.
 size_t mergeLine(Crossing* begin, Crossing* end) {
   if (begin == end) return 0;
   std::sort(begin, end, [](const Crossing& a, const Crossing& b) { return a.index < b.index; });
@@ -59,7 +61,8 @@ size_t mergeLine(Crossing* begin, Crossing* end) {
       *++last = *next;
     }
   }
-  return size_t(last + 1 - begin);
+  const auto isEmpty = [](const Crossing& c) { return c.unsignedCount == 0; };
+  return size_t(std::remove_if(begin, last + 1, isEmpty) - begin);
 }
 
 void mergeLines(AxisCrossings& crossings) {
@@ -92,8 +95,8 @@ void clearLines(size_t lines, AxisCrossings& axis) {
   axis.entries.resizeUninitialized(0);
 }
 
-void addToLines(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings) {
-  appendRecords(lists, axis, crossings);
+void addToLines(const std::vector<LineRecords>& lists, int axis, int32_t weight, AxisCrossings& crossings) {
+  appendRecords(lists, axis, weight, crossings);
   mergeLines(crossings);
 }
 

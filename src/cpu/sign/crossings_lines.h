@@ -20,7 +20,8 @@ size_t lineCount(const glm::ivec3& dims, int axis);
 
 void clearLines(size_t lines, AxisCrossings& axis);
 
-/// Sorts the records of one axis by line and index, and adds them to the existing crossings.
-void addToLines(const std::vector<LineRecords>& lists, int axis, AxisCrossings& crossings);
+/// Sorts the records of one axis by line and index, and adds them to the existing crossings, each `weight`
+/// times: 1, or -1 to remove a triangle that was added before.
+void addToLines(const std::vector<LineRecords>& lists, int axis, int32_t weight, AxisCrossings& crossings);
 
 }  // namespace raymap::cpu

@@ -49,20 +49,27 @@ float sidesOf(const Trilinear<float>& field, float farSides, FaceMeasure measure
   const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ab, ac);
   const float doubleArea = glm::length(across);
   if (!(doubleArea > 0.0f)) return 0.0f;
-  const glm::vec3 normal = across / doubleArea;
-  const float longest = std::max({glm::length(ab), glm::length(ac), glm::length(c - b)});
-  const int parts = int(std::clamp(std::ceil(longest / kPartLength), 1.0f, float(kMostParts)));
+  const glm::vec3 normal = across / doubleArea, bc = c - b;
+  const float longest = std::sqrt(std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)}));
   float sum = 0.0f;
   const glm::vec3 step = normal * std::max(1.0f, farSides * std::sqrt(doubleArea));
   const auto inGrid = [&](const glm::vec3& p) { return glm::clamp(p, glm::vec3(0.0f), field.last()); };
   const auto look = [&](float u, float v) {
-    const glm::vec3 p = a + (u / float(parts)) * ab + (v / float(parts)) * ac;
+    const glm::vec3 p = a + u * ab + v * ac;
     sum += measureOf(measure, field(inGrid(p + step)), field(inGrid(p - step)));
+  };
+  if (longest <= kPartLength) {
+    look(1.0f / 3.0f, 1.0f / 3.0f);
+    return sum;
+  }
+  const auto parts = int(std::min(std::ceil(longest / kPartLength), float(kMostParts)));
+  const auto lookAt = [&](int i, int j, float shift) {
+    look((float(i) + shift) / float(parts), (float(j) + shift) / float(parts));
   };
   for (int i = 0; i < parts; ++i)
     for (int j = 0; i + j < parts; ++j) {
-      look(float(i) + 1.0f / 3.0f, float(j) + 1.0f / 3.0f);
-      if (i + j + 1 < parts) look(float(i) + 2.0f / 3.0f, float(j) + 2.0f / 3.0f);
+      lookAt(i, j, 1.0f / 3.0f);
+      if (i + j + 1 < parts) lookAt(i, j, 2.0f / 3.0f);
     }
   return sum / float(parts * parts);
 }
