@@ -1,6 +1,5 @@
 #include <raymap/raymap.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <ostream>
 
@@ -33,17 +32,6 @@ struct Arguments : FieldArguments {
   RepairOptions repair;
   std::vector<double> down;
 };
-
-/// Covers the mesh's bounds, padded as by `generate`, and the space that the offset adds.
-Grid fitRepairGrid(const Mesh& mesh, const Arguments& arguments) {
-  GridOptions options = arguments.grid;
-  Box box = bounds(mesh);
-  const glm::dvec3 size = box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  const double room = options.padding * longest + std::max(arguments.repair.offset, 0.0);
-  options.box = Box{box.min - room, box.max + room};
-  return fitGrid(mesh, options);
-}
 
 bool isSound(const Diagnostics& found) {
   return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0;
@@ -142,7 +130,7 @@ void run(Arguments& arguments) {
       {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
   const Mesh mesh = loadMesh(arguments.mesh);
   testBeforeFirstUse(arguments.options.device);
-  const Grid grid = fitRepairGrid(mesh, arguments);
+  const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
   const auto [result, report] = makeSolid(mesh, grid, arguments);
   if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");
   writeMesh(arguments.result, result);

@@ -2,8 +2,9 @@
 """Checks that every #include points down, by the layers that src/layers.txt declares.
 
 Also: the declared layers have no cycle, every folder of src and every public header belongs to a layer, only
-src/base/parallel.cpp and parallel_sort.h include oneTBB, and apps/ and examples/ include no private header. Prints the number of includes that
-point up or sideways and of cycles between folders, and ends with 1 if there is anything to mend.
+src/base/parallel.cpp and parallel_sort.h include oneTBB, and apps/, examples/ and python/ include no private header. Prints
+the number of includes that point up or sideways and of cycles between folders, and ends with 1 if there is anything to
+mend.
 
 check_layers.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
 """
@@ -13,7 +14,7 @@ import sys
 from pathlib import Path
 
 SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
-OUTSIDE = ("apps", "examples")  # Users of the library, which see its public headers only.
+OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its public headers only.
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files that may include oneTBB.
 # Made while building.

@@ -19,10 +19,12 @@ packages=(
   libvulkan-dev libvulkan-volk-dev glslc  # GPUs: headers, the loader's loader, the shader compiler;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
   libgtest-dev python3-numpy     # tests
+  python3-dev python3-venv       # the Python package; what it and its tests need from PyPI: scripts/python_env.sh
 )
 checks=(
   ccache                         # so that the second build of a file is free
   clang clang-format clang-tidy  # fuzzing, formatting, static checks
+  libusb-1.0-0 libgl1 libgomp1   # Open3D, whose meshes the Python package takes
   pkg-config                     # the installed library
 )
 peers=(

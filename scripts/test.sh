@@ -4,6 +4,6 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh
 export RAYMAP_REQUIRE_VULKAN=1  # A missing driver fails the tests of the GPU instead of skipping them.
-cmake --preset release
+cmake --preset release -DRAYMAP_PYTHON=ON -DPython_EXECUTABLE="$(scripts/python_env.sh)"
 cmake --build --preset release
 ctest --preset release "$@"

@@ -2,6 +2,7 @@
 
 #include <raymap/diagnostics.h>
 #include <raymap/generate.h>
+#include <raymap/grid.h>
 
 #include <cstddef>
 
@@ -45,6 +46,10 @@ struct Repaired {
   Mesh mesh = {};
   RepairReport report = {};
 };
+
+/// Returns a grid that holds the result: it covers the mesh's bounds, padded by `GridOptions::padding` and by
+/// a positive offset. Ignores `GridOptions::box`. Throws `Error(Usage)` as `fitGrid` does.
+RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair);
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Throws `Error` as `generate` and `isosurface` do, Usage also if walls or holes are thinner

@@ -131,6 +131,16 @@ Deviation measureMesh(std::vector<glm::vec3> points, const PackedMesh& result, c
 
 }  // namespace
 
+Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair) {
+  const Box box = bounds(mesh);
+  const glm::dvec3 size = box.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  const double room = options.padding * longest + std::max(repair.offset, 0.0);
+  GridOptions covering = options;
+  covering.box = Box{box.min - room, box.max + room};
+  return fitGrid(mesh, covering);
+}
+
 Repaired repair(const MeshView& view, const Grid& grid, const Options& options, const RepairOptions& repair) {
   check(grid, repair);
   MeshPacker packer;

@@ -13,6 +13,16 @@ TEST(Grid, CoversThePaddedBounds) {
   EXPECT_NEAR(grid.origin.x, -0.2 + 0.05, 1e-12);
 }
 
+TEST(Grid, OfARepairHoldsThePaddingAndAPositiveOffset) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {2, 1, 1});
+  GridOptions options{.voxelSize = 0.1, .padding = 0.2};
+  options.box = Box{glm::dvec3(0), glm::dvec3(9)};
+  const Grid grown = fitRepairGrid(mesh, options, {.offset = 0.3});
+  EXPECT_EQ(grown.dims, glm::ivec3(34, 24, 24));
+  EXPECT_NEAR(grown.origin.y, -0.7 + 0.05, 1e-12);
+  EXPECT_EQ(fitRepairGrid(mesh, options, {.offset = -0.3}).dims, glm::ivec3(28, 18, 18));
+}
+
 TEST(Grid, RefusesAnEmptyBox) {
   GridOptions options;
   options.box = Box{glm::dvec3(1), glm::dvec3(0)};

@@ -1,0 +1,63 @@
+"""Signed distance fields from any triangle mesh, negative inside.
+
+>>> field = raymap.signed_distance("ball.ply", resolution=64)
+>>> field.distance.shape
+(64, 64, 64)
+>>> field.sample([(0, 0, 0.5), (0, 0, 1.1)]).round(2)
+array([-0.5,  0.1], dtype=float32)
+"""
+
+from ._devices import Device, devices, test_device
+from ._errors import (
+    Cancelled,
+    DeviceLostError,
+    Error,
+    FileError,
+    InputError,
+    MemoryLimitError,
+    RaymapWarning,
+    UnsupportedError,
+    UsageError,
+)
+from ._field import NO_TRIANGLE, Field, Stats, load_field
+from ._generate import FieldOptions, Generator, signed_distance
+from ._mesh import Mesh, load_mesh
+from ._raymap import version as _version
+from ._repair import Info, Repaired, RepairReport, info, isosurface, repair
+
+__version__ = _version()
+
+__all__ = [
+    "NO_TRIANGLE",
+    "Cancelled",
+    "Device",
+    "DeviceLostError",
+    "Error",
+    "Field",
+    "FieldOptions",
+    "FileError",
+    "Generator",
+    "Info",
+    "InputError",
+    "MemoryLimitError",
+    "Mesh",
+    "RaymapWarning",
+    "RepairReport",
+    "Repaired",
+    "Stats",
+    "UnsupportedError",
+    "UsageError",
+    "devices",
+    "info",
+    "isosurface",
+    "load_field",
+    "load_mesh",
+    "repair",
+    "signed_distance",
+    "test_device",
+]
+
+for _name in __all__:  # Messages name classes as users import them.
+    if isinstance(_value := globals()[_name], type):
+        _value.__module__ = __name__
+del _name, _value

@@ -1,0 +1,409 @@
+"""Signed distance fields."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _devices, _html, _inputs, _raymap
+from ._errors import UsageError
+from ._mesh import Mesh
+from ._progress import Progress, reporting
+
+#: Name of one of a field's arrays.
+ArrayName: TypeAlias = Literal["distance", "winding", "confidence", "triangle"]
+
+#: Value of ``Field.triangle`` beyond a band, and where surface that closes a hole is closer.
+NO_TRIANGLE = 0xFFFFFFFF
+
+
+def _no_faces() -> npt.NDArray[np.uint32]:
+    return np.empty(0, np.uint32)
+
+
+@dataclass(frozen=True)
+class Stats:
+    """What making a field cost, and what it found out about the mesh. All 0 for a field from a file or an array."""
+
+    device: str = ""
+    """Device that made it: ``"cpu"`` or ``"vulkan:K"``; empty if none did."""
+    stages: tuple[tuple[str, float], ...] = ()
+    """Name and milliseconds of each stage, in the order in which they ran."""
+    milliseconds: float = 0.0
+    """Time from triangles in memory to the finished field."""
+    bytes: int = 0
+    """Most bytes that the generator and the field held together."""
+    doubtful_share: float = 0.0
+    """Share of samples whose six rays disagree; 0 for a consistent mesh."""
+    turned_faces: npt.NDArray[np.uint32] = field(default_factory=_no_faces)
+    """Indices of the faces that were reversed, ascending."""
+    left_out_faces: npt.NDArray[np.uint32] = field(default_factory=_no_faces)
+    """Indices of the faces that the sign left out, the other sides of double-sided ones, ascending."""
+    misfit_given: float = 0.0
+    """Disagreement of the crossings of the given mesh, 0 to 1; 0 if they were not examined."""
+    misfit: float = 0.0
+    """The same with ``turned_faces`` reversed and without ``left_out_faces``."""
+    orientation_fits: bool = True
+    """False if the faces were examined, but no choice has a misfit of at most 0.5."""
+    patch_triangles: int = 0
+    """Number of triangles of the surface that closes holes."""
+    patch_area: float = 0.0
+    """Area of that surface, in the mesh's units squared."""
+
+
+class Field:
+    """A signed distance field, negative inside: distances on a regular grid.
+
+    ``raymap.signed_distance`` and ``raymap.load_field`` return fields. To make one of an array of your own, give it to
+    this class, which copies it.
+
+    Sample (i, j, k) lies at ``origin + spacing * (i, j, k)``. Arrays have the shape (nx, ny, nz), i along x. In memory
+    x is fastest (NumPy's Fortran order). They are views of the library's memory without a copy; what is written into
+    them changes the field.
+
+    Args:
+        distance: Distances, (nx, ny, nz), negative inside.
+        origin: Position of sample (0, 0, 0).
+        spacing: Distance between neighbouring samples, in the mesh's units.
+        band: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
+        winding: Winding numbers, of the same shape.
+        confidence: Confidences in the sign, of the same shape.
+        triangle: Indices of closest triangles, of the same shape.
+
+    Raises:
+        UsageError: The arrays are not of one shape with three dimensions, or the grid makes no sense.
+
+    >>> x, y, z = np.mgrid[-2:3, -2:3, -2:3]
+    >>> ball = raymap.Field(np.sqrt(x**2 + y**2 + z**2) - 1.5, origin=(-2, -2, -2))
+    >>> ball
+    raymap.Field(5 x 5 x 5 samples, spacing 1, arrays distance)
+    >>> float(ball.distance[2, 2, 2])
+    -1.5
+    """
+
+    def __init__(
+        self,
+        distance: npt.ArrayLike,
+        origin: npt.ArrayLike = (0.0, 0.0, 0.0),
+        spacing: float = 1.0,
+        *,
+        band: float = 0.0,
+        winding: npt.ArrayLike | None = None,
+        confidence: npt.ArrayLike | None = None,
+        triangle: npt.ArrayLike | None = None,
+    ) -> None:
+        arrays = {"distance": distance, "winding": winding, "confidence": confidence, "triangle": triangle}
+        shape = np.shape(_inputs.to_numpy(distance))
+        if len(shape) != 3 or 0 in shape:
+            raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
+        x, y, z = (float(v) for v in np.asarray(origin, np.float64))
+        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band)), Stats())
+        for name, array in arrays.items():
+            if array is not None:
+                self._set(name, _inputs.to_numpy(array), shape)
+
+    def _take(self, core: _raymap.Field, stats: Stats) -> None:
+        self._core, self._stats = core, stats
+        self._views: dict[str, npt.NDArray[Any]] = {}
+
+    def _set(self, name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
+        if array.shape != shape:
+            raise UsageError(f"{name} must have the shape of distance, {shape}, not {array.shape}")
+        if name == "triangle":
+            self._core.set_wholes(name, np.asfortranarray(array, np.uint32))
+        else:
+            self._core.set_floats(name, np.asfortranarray(array, np.float32))
+
+    @classmethod
+    def _from_core(cls, core: _raymap.Field) -> Field:
+        made = cls.__new__(cls)
+        made._take(core, Stats(**core.stats()))
+        return made
+
+    def _array(self, name: ArrayName) -> npt.NDArray[Any]:
+        if name in self._views:
+            return self._views[name]
+        array: Any = self._core.array(name)
+        if array is None:
+            raise AttributeError(f"the field has no {name!r}; ask for it, as in arrays=('distance', {name!r})")
+        return self._views.setdefault(name, array)
+
+    @property
+    def distance(self) -> npt.NDArray[np.float32]:
+        """Distances in the mesh's units, (nx, ny, nz) float32, negative inside, positive outside."""
+        return self._array("distance")
+
+    @property
+    def winding(self) -> npt.NDArray[np.float32]:
+        """Winding numbers, (nx, ny, nz) float32, +1 inside a closed surface that faces outwards.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("winding")
+
+    @property
+    def confidence(self) -> npt.NDArray[np.float32]:
+        """Confidences in the sign, (nx, ny, nz) float32, 0 to 1.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("confidence")
+
+    @property
+    def triangle(self) -> npt.NDArray[np.uint32]:
+        """Indices of closest triangles, (nx, ny, nz) uint32; ``raymap.NO_TRIANGLE`` beyond a band.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("triangle")
+
+    @property
+    def stats(self) -> Stats:
+        """What making the field cost, and what it found out about the mesh."""
+        return self._stats
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """Names of the arrays that the field has."""
+        return tuple(self._core.arrays)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of samples (nx, ny, nz)."""
+        return self._core.dims
+
+    @property
+    def origin(self) -> npt.NDArray[np.float64]:
+        """Position of sample (0, 0, 0), (3,)."""
+        return np.array(self._core.origin)
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
+        return self._core.spacing
+
+    @property
+    def band(self) -> float:
+        """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
+        return self._core.band
+
+    def sample(self, points: Any, *, threads: int | None = None) -> Any:
+        """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
+
+        Within the box of the samples the distance is trilinear between the eight samples around a point. Outside of
+        it, it is a positive lower bound: no surface in the box is closer. It is NaN for points that are NaN.
+
+        Args:
+            points: Positions in the mesh's units: NumPy, or any array with ``__dlpack__``. PyTorch, JAX and CuPy get
+                arrays of their own back, on the same device.
+            threads: Number of CPU threads; None = all.
+
+        Raises:
+            InputError: Points of another shape.
+
+        >>> ball = raymap.signed_distance("ball.ply", resolution=32)
+        >>> ball.sample([(0, 0, 0), (0, 0, 1.25)]).round(2)
+        array([-0.99,  0.25], dtype=float32)
+        """
+        return self._sample(points, False, threads)
+
+    def gradient(self, points: Any, *, threads: int | None = None) -> Any:
+        """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
+
+        A gradient is the central difference of ``sample`` over one spacing to either side. Its length is close to 1,
+        but less where surfaces are equally near, and 0 where distances are clamped.
+
+        Args:
+            points: Positions in the mesh's units, (..., 3), as for ``sample``.
+            threads: Number of CPU threads; None = all.
+
+        Raises:
+            InputError: Points of another shape.
+
+        >>> ball = raymap.signed_distance("ball.ply", resolution=32)
+        >>> ball.gradient((0, 0, 1)).round(1) + 0.0
+        array([0., 0., 1.], dtype=float32)
+        """
+        return self._sample(points, True, threads)
+
+    def _sample(self, points: Any, gradients: bool, threads: int | None) -> Any:
+        shape = np.shape(points)
+        flat = _inputs.to_points(points)
+        result = self._core.sample(flat, gradients, threads or 0)
+        return _inputs.like(result.reshape(shape if gradients else shape[:-1]), points)
+
+    def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
+        """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
+
+        Every edge has exactly two faces. Corners and sharp edges are kept (dual contouring).
+
+        Args:
+            iso: Distance of the surface in the mesh's units; above 0 outside of the shape.
+            threads: Number of CPU threads; None = all.
+            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+        Raises:
+            UsageError: There is no surface at ``iso``.
+            InputError: A sample is not finite.
+            MemoryLimitError: The mesh does not fit into memory.
+
+        >>> raymap.signed_distance("ball.ply", resolution=16).to_mesh(iso=0.1).bounds.round(1)
+        array([[-1.1, -1.1, -1.1],
+               [ 1.1,  1.1,  1.1]])
+        """
+        with reporting(progress) as report:
+            return Mesh._from_core(_raymap.isosurface(self._core, float(iso), threads or 0, report))
+
+    def save(self, path: str | os.PathLike[str], array: ArrayName = "distance") -> None:
+        """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
+
+        Args:
+            path: File to write. A .npz holds every array and the grid; a .npy holds no grid.
+            array: Array to write into the other formats.
+
+        Raises:
+            UsageError: Another extension, or an array that the field does not have.
+            FileError: The file cannot be written.
+
+        >>> field = raymap.signed_distance("ball.ply", resolution=16)
+        >>> field.save("ball.npz")
+        >>> bool((raymap.load_field("ball.npz").distance == field.distance).all())
+        True
+        """
+        self._core.save(os.fspath(path), array)
+
+    def slice(
+        self,
+        axis: int | Literal["x", "y", "z"],
+        index: int | None = None,
+        *,
+        array: ArrayName = "distance",
+        width: int = 512,
+    ) -> npt.NDArray[np.uint8]:
+        """Returns a picture of a slice, (h, w, 3) uint8, rows from the top.
+
+        Outside is warm, inside cool; thin lines mark round distances, a thick line zero. Across x, y points right and
+        z up; across y, x right and z up; across z, x right and y up.
+
+        Args:
+            axis: Axis that the slice crosses: 0, 1, 2 or "x", "y", "z".
+            index: Sample along this axis; negative ones count from the end; None = the middle.
+            array: Array to draw.
+            width: Width in pixels.
+
+        Raises:
+            UsageError: No such axis, sample or array.
+
+        >>> raymap.signed_distance("ball.ply", resolution=16).slice("z", width=100).shape
+        (100, 100, 3)
+        """
+        if axis not in (0, 1, 2, "x", "y", "z"):
+            raise UsageError(f"axis must be 0, 1, 2, 'x', 'y' or 'z', not {axis!r}")
+        number = "xyz".index(axis) if isinstance(axis, str) else int(axis)
+        count = self.shape[number]
+        if index is not None and not -count <= index < count:
+            raise UsageError(f"index {index} is out of range: the field has {count} samples along {'xyz'[number]}")
+        chosen = -1 if index is None else index % count
+        return _raymap.render_slice(self._core, number, chosen, int(width), array)
+
+    def render(
+        self,
+        *,
+        width: int = 1024,
+        height: int = 768,
+        direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+        field_of_view: float = 30.0,
+        cut: bool = False,
+        shell: float = 0.0,
+        device: str = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> npt.NDArray[np.uint8]:
+        """Returns a picture of the surface by sphere tracing, (h, w, 3) uint8, rows from the top.
+
+        Args:
+            width: Width in pixels.
+            height: Height in pixels.
+            direction: Direction from the camera to the shape.
+            up: Direction up in the picture.
+            field_of_view: Angle from the bottom to the top of the picture, in degrees.
+            cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
+            shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
+            device: Device that draws; see ``raymap.devices``.
+            threads: Number of CPU threads; None = all.
+            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+        Raises:
+            UsageError: Arguments that make no picture.
+            InputError: A sample is not finite.
+
+        >>> raymap.signed_distance("ball.ply", resolution=16).render(width=64, height=48).shape
+        (48, 64, 3)
+        """
+        options = _raymap.RenderOptions()
+        options.width, options.height, options.field_of_view = int(width), int(height), float(field_of_view)
+        options.direction, options.up = _vector(direction), _vector(up)
+        options.cut, options.shell, options.threads = bool(cut), float(shell), threads or 0
+        options.device = _devices.tested(device)
+        with reporting(progress) as report:
+            return _raymap.render_field(self._core, options, report)
+
+    def __repr__(self) -> str:
+        nx, ny, nz = self.shape
+        return (
+            f"raymap.Field({nx} x {ny} x {nz} samples, spacing {self.spacing:.6g}, arrays {', '.join(self.arrays)})"
+        )
+
+    def _repr_html_(self) -> str:
+        return _html.describe(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arrays = {name: self._array(name) for name in self.arrays}  # type: ignore[arg-type]
+        return _restore, (self.shape, self.origin, self.spacing, self.band, arrays, self.stats)
+
+
+def _vector(v: Any) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in v)
+    return x, y, z
+
+
+def _restore(
+    shape: tuple[int, int, int],
+    origin: npt.NDArray[np.float64],
+    spacing: float,
+    band: float,
+    arrays: dict[str, npt.NDArray[Any]],
+    stats: Stats,
+) -> Field:
+    """Makes a field of what was pickled."""
+    restored = Field.__new__(Field)
+    restored._take(_raymap.Field(shape, _vector(origin), spacing, band), stats)
+    for name, array in arrays.items():
+        restored._set(name, array, shape)
+    return restored
+
+
+def load_field(path: str | os.PathLike[str]) -> Field:
+    """Reads a field, negative inside: .vdb, .nrrd, .npz, .npy or .vti by extension.
+
+    A .npy has no grid: the result has the origin 0 and the spacing 1.
+
+    Raises:
+        UsageError: Another extension.
+        FileError: The file cannot be read.
+        InputError: Its content is not valid.
+        UnsupportedError: For example a rotated grid.
+
+    >>> raymap.signed_distance("ball.ply", resolution=16).save("ball.vdb")
+    >>> raymap.load_field("ball.vdb")
+    raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
+    """
+    return Field._from_core(_raymap.load_field(os.fspath(path)))

@@ -1,0 +1,228 @@
+"""Fields from meshes."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable
+from typing import Any, Literal, TypeAlias, TypedDict, Unpack
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _devices, _inputs, _raymap
+from ._errors import UsageError
+from ._field import ArrayName, Field
+from ._progress import Progress, reporting
+
+Distance: TypeAlias = Literal["exact", "neighbours", "cell", "raster"]
+Sign: TypeAlias = Literal["harmonic", "paths", "evolution", "rays", "ray", "none"]
+Orientation: TypeAlias = Literal["auto", "keep", "repair"]
+
+
+class FieldOptions(TypedDict, total=False):
+    """Keyword arguments of ``raymap.signed_distance``, which documents them."""
+
+    resolution: int
+    voxel_size: float | None
+    bounds: npt.ArrayLike | None
+    padding: float
+    distance: Distance
+    sign: Sign
+    orientation: Orientation
+    close_holes: bool
+    thickness: float | None
+    band: float | None
+    arrays: Iterable[ArrayName]
+    device: str
+    threads: int | None
+    memory_limit: int | None
+    progress: Progress
+
+
+def signed_distance(
+    mesh_or_vertices: Any,
+    faces: Any = None,
+    *,
+    resolution: int = 128,
+    voxel_size: float | None = None,
+    bounds: npt.ArrayLike | None = None,
+    padding: float = 0.1,
+    distance: Distance = "exact",
+    sign: Sign = "harmonic",
+    orientation: Orientation = "auto",
+    close_holes: bool = False,
+    thickness: float | None = None,
+    band: float | None = None,
+    arrays: Iterable[ArrayName] = ("distance",),
+    device: str = "auto",
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Field:
+    """Returns the signed distance field of a triangle mesh, negative inside.
+
+    Any mesh will do: with holes, overlaps, missing parts, or faces that point the wrong way. Nothing is scaled or
+    moved: all lengths are in the mesh's units. The same mesh and arguments give the same field, bit for bit, on the
+    same device, for any number of threads. Ctrl-C stops the call.
+
+    Args:
+        mesh_or_vertices: A mesh (``raymap.Mesh``, or of trimesh, Open3D, meshio or PyVista), the path of a file, or
+            positions, (n, 3): NumPy, or any array with ``__dlpack__``.
+        faces: Three vertex numbers per triangle, (m, 3), counter-clockwise seen from outside, if positions are given.
+        resolution: Number of samples along the longest side of the grid. Without effect if ``voxel_size`` is given.
+        voxel_size: Distance between samples, in the mesh's units.
+        bounds: Box to cover, ((x0, y0, z0), (x1, y1, z1)), in the mesh's units; None = the mesh's bounds, padded. Cubic
+            cells fill it; samples are their centres, so the first lies half a spacing inside. Sides that are no
+            multiple of the spacing grow at both ends.
+        padding: Padding of the mesh's bounds on every side, as a share of their longest side. Without effect if
+            ``bounds`` is given.
+        distance: Source of the magnitude: ``"exact"``, or the faster approximations ``"neighbours"``, ``"cell"`` and
+            ``"raster"``.
+        sign: Method that decides inside and outside: ``"harmonic"``, ``"paths"``, ``"evolution"``, ``"rays"``,
+            ``"ray"``, or ``"none"`` for an unsigned field.
+        orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the field then fits clearly
+            better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
+        close_holes: Whether distances count the surface that is missing in holes.
+        thickness: Thickness of a wall around the surface, in the mesh's units, in place of the sign: for sheets that
+            enclose nothing.
+        band: Number of samples at which distances are clamped; None = not clamped.
+        arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
+            which every field has.
+        device: Device that computes: ``"cpu"``, ``"vulkan"``, ``"vulkan:K"``, or ``"auto"``, a GPU if there is a real
+            one, else the CPU; see ``raymap.devices``.
+        threads: Number of CPU threads; None = all.
+        memory_limit: Most bytes that the work and the field may take; None = what is available.
+        progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
+            times a second. It cancels by returning False or by raising. True for a line on stderr.
+
+    Raises:
+        InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
+        UsageError: Arguments that make no sense or contradict each other.
+        MemoryLimitError: The field needs more memory than allowed.
+        FileError: The file cannot be read.
+        Cancelled: ``progress`` returned False.
+        UnsupportedError: There is no such device.
+        DeviceLostError: The GPU stopped answering.
+
+    >>> field = raymap.signed_distance("ball.ply", resolution=32)
+    >>> field.distance.shape, field.distance.dtype
+    ((32, 32, 32), dtype('float32'))
+    >>> bool(field.distance[16, 16, 16] < 0 < field.distance[0, 0, 0])
+    True
+    >>> field.origin.round(2), round(field.spacing, 4)
+    (array([-1.16, -1.16, -1.16]), 0.075)
+    """
+    return Generator().signed_distance(
+        mesh_or_vertices,
+        faces,
+        resolution=resolution,
+        voxel_size=voxel_size,
+        bounds=bounds,
+        padding=padding,
+        distance=distance,
+        sign=sign,
+        orientation=orientation,
+        close_holes=close_holes,
+        thickness=thickness,
+        band=band,
+        arrays=arrays,
+        device=device,
+        threads=threads,
+        memory_limit=memory_limit,
+        progress=progress,
+    )
+
+
+class Generator:
+    """Makes fields and keeps its memory and its device between calls, for meshes that change.
+
+    Several threads may share one; they wait for each other. Fields stay valid as long as they are referred to. The
+    memory of one that is no longer referred to is used again.
+
+    >>> generator = raymap.Generator()
+    >>> ball = raymap.load_mesh("ball.ply")
+    >>> for size in 1.0, 2.0:
+    ...     field = generator.signed_distance(ball.vertices * size, ball.faces, resolution=16)
+    ...     print(field.spacing.__round__(3))
+    0.15
+    0.3
+    """
+
+    def __init__(self) -> None:
+        self._core = _raymap.Generator()
+
+    def signed_distance(self, mesh_or_vertices: Any, faces: Any = None, **options: Unpack[FieldOptions]) -> Field:
+        """Returns the signed distance field of a mesh, negative inside.
+
+        Arguments and errors are those of ``raymap.signed_distance``.
+        """
+        unknown = options.keys() - FieldOptions.__annotations__.keys()
+        if unknown:
+            raise TypeError(f"signed_distance() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+        mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+        grid = _grid(mesh._core, options)
+        core_options = _options(options)
+        with reporting(options.get("progress")) as report:
+            return Field._from_core(self._core.generate(mesh._core, grid, core_options, report))
+
+
+def _grid(mesh: _raymap.Mesh, options: FieldOptions) -> _raymap.Grid:
+    voxel_size = options.get("voxel_size")
+    if voxel_size is not None and not voxel_size > 0:
+        raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
+    box = None
+    if (bounds := options.get("bounds")) is not None:
+        corners = np.asarray(bounds, np.float64)
+        if corners.shape != (2, 3):
+            raise UsageError(f"bounds must be ((x0, y0, z0), (x1, y1, z1)), not of the shape {corners.shape}")
+        if not (corners[0] < corners[1]).all():
+            raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
+        box = tuple(corners[0].tolist()), tuple(corners[1].tolist())
+    resolution = operator.index(options.get("resolution", 128))
+    return _raymap.fit_grid(mesh, resolution, voxel_size or 0.0, box, options.get("padding", 0.1))
+
+
+def _options(given: FieldOptions) -> _raymap.Options:
+    options = _raymap.Options()
+    options.distance = given.get("distance", "exact")
+    options.sign = given.get("sign", "harmonic")
+    options.orientation = given.get("orientation", "auto")
+    options.close_holes = bool(given.get("close_holes", False))
+    _set_thickness(options, given.get("thickness"))
+    options.band = given.get("band") or 0.0
+    _set_arrays(options, given.get("arrays", ("distance",)))
+    set_machine(options, given.get("device", "auto"), given.get("threads"), given.get("memory_limit"))
+    return options
+
+
+def _set_thickness(options: _raymap.Options, thickness: float | None) -> None:
+    if thickness is None:
+        return
+    if not thickness > 0:
+        raise UsageError(f"thickness must be above 0, not {thickness}")
+    if options.sign not in ("harmonic", "none"):
+        raise UsageError("thickness takes the place of sign; leave one of them out")
+    options.sign, options.thickness = "none", float(thickness)
+
+
+def _set_arrays(options: _raymap.Options, arrays: Iterable[str]) -> None:
+    names = {arrays} if isinstance(arrays, str) else set(arrays)
+    if unknown := names - {"distance", "winding", "confidence", "triangle"}:
+        raise UsageError(
+            f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
+        )
+    if options.sign == "none" and names & {"winding", "confidence"}:
+        raise UsageError("winding and confidence need a sign; leave out sign='none' and thickness")
+    options.winding = "winding" in names
+    options.confidence = "confidence" in names
+    options.triangle = "triangle" in names
+
+
+def set_machine(options: _raymap.Options, device: str, threads: int | None, memory_limit: int | None) -> None:
+    """Sets what every long call takes."""
+    options.threads = operator.index(threads or 0)
+    if memory_limit is not None:
+        if not operator.index(memory_limit) > 0:
+            raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+        options.memory_limit = memory_limit
+    options.device = _devices.tested(device)

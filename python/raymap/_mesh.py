@@ -1,0 +1,120 @@
+"""Triangle meshes."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _raymap
+
+_Origin: TypeAlias = tuple[float, float, float] | None  # Of the library's own meshes, whose vertices are about it.
+
+
+class Mesh:
+    """A triangle mesh that never changes.
+
+    Every function of this package that takes a mesh also takes arrays, the path of a file, and meshes of trimesh,
+    Open3D, meshio and PyVista. What returns a mesh returns one of these. Other packages take its two arrays:
+    ``trimesh.Trimesh(mesh.vertices, mesh.faces)``. They are read-only; copy them for what wants to write into them.
+
+    Args:
+        vertices: Positions, (n, 3), in any unit.
+        faces: Three vertex numbers per triangle, (m, 3), counter-clockwise seen from outside.
+
+    Raises:
+        InputError: An array has another shape or type. Positions that are not finite and numbers out of range are
+            found by the functions that use the mesh.
+
+    >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> mesh = raymap.Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+    >>> mesh
+    raymap.Mesh(4 vertices, 4 faces)
+    >>> mesh.bounds
+    array([[0., 0., 0.],
+           [1., 1., 1.]])
+    """
+
+    def __init__(self, vertices: Any, faces: Any) -> None:
+        from . import _inputs
+
+        self._set(*_inputs.checked_arrays(vertices, faces), None)
+
+    def _set(self, vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> None:
+        self._core = _raymap.Mesh(vertices, faces, origin or (0.0, 0.0, 0.0))
+        self._vertices, self._faces, self._origin = _read_only(vertices), _read_only(faces), origin
+
+    @classmethod
+    def _from_core(cls, core: _raymap.Mesh) -> Mesh:
+        mesh = cls.__new__(cls)
+        mesh._core, mesh._vertices, mesh._faces, mesh._origin = core, core.vertices(), core.faces(), core.origin
+        return mesh
+
+    @cached_property
+    def vertices(self) -> npt.NDArray[Any]:
+        """Positions, (n, 3) float64 (float32 if it was made from such), read-only."""
+        return self._vertices if self._origin is None else _read_only(self._vertices + np.array(self._origin))
+
+    @property
+    def faces(self) -> npt.NDArray[Any]:
+        """Three vertex numbers per triangle, (m, 3) uint32 (uint64 if it was made from 64-bit numbers), read-only."""
+        return self._faces
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """Lowest and highest corner of the vertices that faces use, (2, 3).
+
+        Raises:
+            InputError: There is no face, a vertex number out of range, or a position that is not finite.
+        """
+        return np.array(self._core.bounds())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all.
+
+        Raises:
+            UsageError: Another extension.
+            InputError: The mesh is not valid.
+            FileError: The file cannot be written.
+        """
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        return f"raymap.Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self._vertices, self._faces, self._origin)
+
+
+def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def _restore(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> Mesh:
+    """Makes a mesh of what was pickled."""
+    mesh = Mesh.__new__(Mesh)
+    mesh._set(vertices, faces, origin)
+    return mesh
+
+
+def load_mesh(path: str | os.PathLike[str]) -> Mesh:
+    """Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE by extension.
+
+    Positions are those of the file, in its units, with the transforms of its nodes. Polygons are cut into triangles;
+    all meshes of the file are joined. Odd things in the file are warnings (``RaymapWarning``).
+
+    Raises:
+        FileError: The file cannot be read.
+        InputError: Its content is not valid; the text names the element and the value.
+        UnsupportedError: The format is unknown.
+
+    >>> mesh = raymap.load_mesh("tetrahedron.ply")
+    >>> mesh.vertices.shape, mesh.faces.shape
+    ((4, 3), (4, 3))
+    """
+    return Mesh._from_core(_raymap.load_mesh(os.fspath(path)))

@@ -1,0 +1,220 @@
+"""What is wrong with a mesh, and watertight solids in its place."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, NamedTuple, TypedDict
+
+from . import _inputs, _raymap
+from ._errors import UsageError
+from ._field import Stats, _vector
+from ._generate import Orientation, set_machine
+from ._mesh import Mesh
+from ._progress import Progress, reporting
+
+
+class Hole(TypedDict):
+    """A boundary loop. Lengths are in the mesh's units."""
+
+    edges: int
+    length: float
+    centre: list[float]
+    """Mean of the edges' ends."""
+    diameter: float
+    """Twice the distance from the centre to the farthest vertex."""
+
+
+class SelfIntersections(TypedDict, total=False):
+    """Faces that cross others."""
+
+    pairs: int
+    faces: int
+    complete: bool
+    """False if the search stopped early: there are at least so many pairs."""
+    counted: bool
+    """False, and nothing else, if they were not counted."""
+
+
+class Info(TypedDict):
+    """Size, topology and defects of a mesh, measured after welding vertices at exactly equal positions."""
+
+    vertices: int
+    vertices_welded: int
+    triangles: int
+    watertight: bool
+    """Whether every edge has exactly two faces."""
+    consistently_oriented: bool
+    """Whether neighbours agree across every edge with two faces."""
+    balanced: bool
+    """Whether every edge is used equally often both ways: the inside is definite."""
+    components: int
+    boundary_edges: int
+    hole_count: int
+    holes: list[Hole]
+    """The longest first."""
+    nonmanifold_edges: int
+    flipped_edges: int
+    flipped_faces: int
+    degenerate_faces: int
+    duplicate_faces: int
+    double_sided_faces: int
+    signed_volume: float
+    """In the mesh's units cubed; positive if faces point outwards."""
+    area: float
+    bbox_min: list[float]
+    bbox_max: list[float]
+    self_intersections: SelfIntersections
+
+
+def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progress: Progress = None) -> Info:
+    """Returns size, topology and defects of a mesh: what ``raymap info --json`` prints.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        fast: Whether not to count faces that cross others, which takes about half of the time.
+        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+    Raises:
+        InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
+        FileError: The file cannot be read.
+
+    >>> found = raymap.info("ball.ply")
+    >>> found["triangles"], found["watertight"], found["boundary_edges"]
+    (1280, True, 0)
+    """
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    with reporting(progress) as report:
+        return _raymap.info(mesh._core, bool(fast), report)  # type: ignore[return-value]
+
+
+class Deviation(TypedDict):
+    """How far points of one surface lie from where they should, in the mesh's units."""
+
+    max: float
+    mean: float
+    p99: float
+    points: int
+
+
+class RepairReport(TypedDict):
+    """What a repair did."""
+
+    before: Info
+    after: Info
+    result_from_mesh: Deviation
+    """From points of the result to the given surface, moved by the offset."""
+    mesh_from_result: Deviation
+    """From visible points of the given mesh to the result, moved by the offset."""
+    buried_share: float
+    """Share of the mesh's points inside the solid, a sample or more deep."""
+    lost_share: float
+    """Share of them outside, as far: parts thinner than the samples, or open."""
+    hollows: int
+    drain_holes: int
+
+
+class Repaired(NamedTuple):
+    """A repaired mesh, and what was done."""
+
+    mesh: Mesh
+    report: RepairReport
+    stats: Stats
+    """Cost of the field, then of the stages after it."""
+
+
+def repair(
+    mesh_or_vertices: Any,
+    faces: Any = None,
+    *,
+    resolution: int = 256,
+    voxel_size: float | None = None,
+    orientation: Orientation = "auto",
+    close_holes: bool = True,
+    offset: float = 0.0,
+    shell: float = 0.0,
+    drain_hole: float = 0.0,
+    down: tuple[float, float, float] = (0.0, 0.0, -1.0),
+    device: str = "auto",
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Repaired:
+    """Returns a watertight solid in place of any mesh, for example to print it.
+
+    It is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        resolution: Number of samples along the longest side. Without effect if ``voxel_size`` is given.
+        voxel_size: Distance between samples, in the mesh's units.
+        orientation: Whether faces that point the wrong way are reversed: ``"auto"``, ``"keep"`` or ``"repair"``.
+        close_holes: Whether distances count the surface that closes holes. Without it, holes are closed in steps.
+        offset: Distance to move the surface outwards, in the mesh's units; negative: inwards.
+        shell: Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
+        drain_hole: Diameter of a hole down from the lowest point of each hollow; 0 = none.
+        down: Direction of the drain holes.
+        device: Device that computes; see ``raymap.devices``.
+        threads: Number of CPU threads; None = all.
+        memory_limit: Most bytes that the field may take; None = what is available.
+        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+    Raises:
+        InputError: The mesh is not valid, or encloses nothing.
+        UsageError: Arguments that make no sense, for example walls thinner than two samples.
+        MemoryLimitError: The field needs more memory than allowed.
+
+    >>> mesh, report, stats = raymap.repair("ball.ply", resolution=32)
+    >>> report["after"]["watertight"], report["after"]["boundary_edges"]
+    (True, 0)
+    """
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    if voxel_size is not None and not voxel_size > 0:
+        raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
+    options = _raymap.Options()
+    options.orientation, options.close_holes = orientation, bool(close_holes)
+    set_machine(options, device, threads, memory_limit)
+    how = _raymap.RepairOptions()
+    how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), _vector(down)
+    with reporting(progress) as report:
+        result, found, stats = _raymap.repair(
+            mesh._core, operator.index(resolution), voxel_size or 0.0, options, how, report
+        )
+    return Repaired(Mesh._from_core(result), found, Stats(**stats))  # type: ignore[arg-type]
+
+
+def isosurface(
+    distance: Any,
+    iso: float = 0.0,
+    *,
+    origin: Any = (0.0, 0.0, 0.0),
+    spacing: float = 1.0,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """Returns the surface of an array of distances, negative inside, as a closed mesh.
+
+    ``Field.to_mesh`` does the same for a field.
+
+    Args:
+        distance: Distances, (nx, ny, nz), i along x: NumPy, or any array with ``__dlpack__``.
+        iso: Distance of the surface; above 0 outside of the shape.
+        origin: Position of sample (0, 0, 0).
+        spacing: Distance between samples.
+        threads: Number of CPU threads; None = all.
+        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+    Raises:
+        UsageError: There is no surface at ``iso``, or the array is not (nx, ny, nz).
+        InputError: A sample is not finite.
+
+    >>> x, y, z = np.mgrid[-2:3, -2:3, -2:3]
+    >>> mesh = raymap.isosurface(np.maximum(np.maximum(abs(x), abs(y)), abs(z)) - 1.5, origin=(-2, -2, -2))
+    >>> mesh.bounds.round(1)
+    array([[-1.5, -1.5, -1.5],
+           [ 1.5,  1.5,  1.5]])
+    """
+    from ._field import Field
+
+    return Field(distance, origin, spacing).to_mesh(iso, threads=threads, progress=progress)

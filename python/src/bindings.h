@@ -1,0 +1,85 @@
+#pragma once
+
+// What the files of the Python bindings share. The package `raymap` (python/raymap/) wraps this module,
+// raymap._raymap, with names, defaults and documentation for users.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <raymap/generate.h>
+#include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
+
+#include <initializer_list>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+namespace raymap::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+/// An array of any type in host memory, by its own strides.
+using AnyArray = nb::ndarray<nb::ro, nb::device::cpu>;
+using Triple = std::tuple<double, double, double>;
+
+/// A mesh of our own, or a view of arrays that Python owns.
+struct MeshHandle {
+  Mesh owned = {};
+  AnyArray vertices = {}, faces = {};  ///< Keep the viewed arrays alive.
+  MeshView view = {};                  ///< View of `owned` or of the arrays.
+
+  MeshHandle() = default;
+  MeshHandle(const MeshHandle&) = delete;
+  MeshHandle& operator=(const MeshHandle&) = delete;
+};
+
+/// A field and what it cost.
+struct FieldHandle {
+  Field field = {};
+  Stats stats = {};
+};
+
+inline glm::dvec3 toVector(const Triple& v) {
+  return {std::get<0>(v), std::get<1>(v), std::get<2>(v)};
+}
+
+inline Triple toTriple(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Returns a handle that owns the mesh.
+std::shared_ptr<MeshHandle> own(Mesh mesh);
+
+/// Returns a NumPy array of this shape that owns the elements, for example of a vector.
+template <class Number, class Elements>
+nb::ndarray<nb::numpy, Number> toArray(Elements elements, std::initializer_list<size_t> shape) {
+  auto memory = std::make_unique<Elements>(std::move(elements));
+  auto* numbers = reinterpret_cast<Number*>(memory->data());
+  const nb::capsule owner(memory.release(),
+                          [](void* given) noexcept { delete static_cast<Elements*>(given); });
+  return {numbers, shape, owner};
+}
+
+/// Returns the names and values of `raymap generate --stats` and `raymap repair --stats`.
+nb::dict describe(const Stats& stats);
+
+void bindDevices(nb::module_& module);
+void bindDiagnostics(nb::module_& module);
+void bindErrors(nb::module_& module);
+void bindField(nb::module_& module);
+void bindGenerate(nb::module_& module);
+void bindIsosurface(nb::module_& module);
+void bindMesh(nb::module_& module);
+void bindRender(nb::module_& module);
+void bindRepair(nb::module_& module);
+
+}  // namespace raymap::python

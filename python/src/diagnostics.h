@@ -1,0 +1,12 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+
+#include "bindings.h"
+
+namespace raymap::python {
+
+/// Returns what `raymap info --json` prints, and all holes.
+nb::dict describe(const Diagnostics& found, const SelfIntersections& crossings);
+
+}  // namespace raymap::python

@@ -1,0 +1,146 @@
+#include <raymap/error.h>
+#include <raymap/io.h>
+#include <raymap/names.h>
+#include <raymap/sample.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "bindings.h"
+
+namespace raymap::python {
+
+namespace {
+
+/// Calls `use` with the buffer of a field's array.
+template <class AField, class Use>
+auto withArray(AField& field, FieldArray array, Use&& use) {
+  switch (array) {
+    case FieldArray::Winding:
+      return use(field.winding);
+    case FieldArray::Confidence:
+      return use(field.confidence);
+    case FieldArray::Triangle:
+      return use(field.triangle);
+    case FieldArray::Distance:
+      break;
+  }
+  return use(field.distance);
+}
+
+/// Views one array as (nx, ny, nz), x fastest; None if the field does not have it.
+nb::object viewArray(nb::handle_t<FieldHandle> self, std::string_view name) {
+  Field& field = nb::cast<FieldHandle&>(self).field;
+  return withArray(field, fromName<FieldArray>(name), [&](auto& buffer) -> nb::object {
+    using Number = std::remove_reference_t<decltype(buffer[0])>;
+    if (buffer.empty()) return nb::none();
+    const glm::ivec3 dims = field.grid.dims;
+    const size_t shape[] = {size_t(dims.x), size_t(dims.y), size_t(dims.z)};
+    const int64_t strides[] = {1, dims.x, int64_t(dims.x) * dims.y};
+    return nb::cast(nb::ndarray<nb::numpy, Number>(buffer.data(), 3, shape, self, strides));
+  });
+}
+
+std::vector<std::string> arrayNames(const FieldHandle& handle) {
+  std::vector<std::string> all;
+  for (const std::string_view name : names<FieldArray>())
+    withArray(handle.field, fromName<FieldArray>(name), [&](const auto& buffer) {
+      if (!buffer.empty()) all.emplace_back(name);
+    });
+  return all;
+}
+
+using FloatGrid = nb::ndarray<const float, nb::ndim<3>, nb::f_contig, nb::device::cpu>;
+using WholeGrid = nb::ndarray<const uint32_t, nb::ndim<3>, nb::f_contig, nb::device::cpu>;
+
+/// Returns a field without arrays, for `setArray`.
+std::shared_ptr<FieldHandle> makeField(const std::tuple<int, int, int>& dims, const Triple& origin,
+                                       double spacing, double band) {
+  auto handle = std::make_shared<FieldHandle>();
+  const auto [x, y, z] = dims;
+  handle->field.grid = {.dims = {x, y, z}, .origin = toVector(origin), .spacing = spacing};
+  handle->field.band = band;
+  return handle;
+}
+
+template <class Array>
+void setArray(FieldHandle& handle, std::string_view name, const Array& array) {
+  withArray(handle.field, fromName<FieldArray>(name), [&](auto& buffer) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(buffer[0])>,
+                                 std::remove_const_t<typename Array::Scalar>>) {
+      buffer.resizeUninitialized(array.size());
+      std::copy_n(array.data(), array.size(), buffer.data());
+    }
+  });
+}
+
+using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+nb::ndarray<nb::numpy, float> samplePoints(const FieldHandle& handle, const Points& points, bool gradients,
+                                           int threads) {
+  Samples samples;
+  {
+    const nb::gil_scoped_release release;
+    const std::span all(reinterpret_cast<const glm::dvec3*>(points.data()), points.shape(0));
+    sample(handle.field, all, {.gradients = gradients, .threads = threads}, samples);
+  }
+  if (gradients) return toArray<float>(std::move(samples.gradient), {points.shape(0), 3});
+  return toArray<float>(std::move(samples.distance), {points.shape(0)});
+}
+
+std::shared_ptr<FieldHandle> load(const std::filesystem::path& path) {
+  auto handle = std::make_shared<FieldHandle>();
+  handle->field = readField(path);
+  return handle;
+}
+
+}  // namespace
+
+nb::dict describe(const Stats& stats) {
+  nb::dict dict;
+  nb::list stages;
+  for (const Stats::Stage& stage : stats.stages)
+    stages.append(nb::make_tuple(stage.name, stage.milliseconds));
+  dict["device"] = stats.device;
+  dict["stages"] = nb::tuple(stages);
+  dict["milliseconds"] = stats.totalMilliseconds;
+  dict["bytes"] = stats.bytes;
+  dict["doubtful_share"] = stats.doubtfulShare;
+  dict["turned_faces"] = toArray<uint32_t>(stats.turnedFaces, {stats.turnedFaces.size()});
+  dict["left_out_faces"] = toArray<uint32_t>(stats.leftOutFaces, {stats.leftOutFaces.size()});
+  dict["misfit_given"] = stats.misfitGiven;
+  dict["misfit"] = stats.misfit;
+  dict["orientation_fits"] = stats.orientationFits;
+  dict["patch_triangles"] = stats.patchTriangles;
+  dict["patch_area"] = stats.patchArea;
+  return dict;
+}
+
+void bindField(nb::module_& module) {
+  nb::class_<FieldHandle>(module, "Field")
+      .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "band"_a)
+      .def("set_floats", &setArray<FloatGrid>, "name"_a, "array"_a.noconvert())
+      .def("set_wholes", &setArray<WholeGrid>, "name"_a, "array"_a.noconvert())
+      .def("array", &viewArray, "name"_a)
+      .def_prop_ro("arrays", &arrayNames)
+      .def_prop_ro("dims",
+                   [](const FieldHandle& self) {
+                     const glm::ivec3 dims = self.field.grid.dims;
+                     return std::tuple(dims.x, dims.y, dims.z);
+                   })
+      .def_prop_ro("origin", [](const FieldHandle& self) { return toTriple(self.field.grid.origin); })
+      .def_prop_ro("spacing", [](const FieldHandle& self) { return self.field.grid.spacing; })
+      .def_prop_ro("band", [](const FieldHandle& self) { return self.field.band; })
+      .def("stats", [](const FieldHandle& self) { return describe(self.stats); })
+      .def("sample", &samplePoints, "points"_a.noconvert(), "gradients"_a, "threads"_a)
+      .def(
+          "save",
+          [](const FieldHandle& self, const std::filesystem::path& path, const std::string& array) {
+            writeField(path, self.field, array);
+          },
+          "path"_a, "array"_a, nb::call_guard<nb::gil_scoped_release>());
+  module.def("load_field", &load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+}
+
+}  // namespace raymap::python

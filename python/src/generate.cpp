@@ -1,0 +1,94 @@
+#include <raymap/grid.h>
+#include <raymap/names.h>
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "call.h"
+
+namespace raymap::python {
+
+namespace {
+
+using Bounds = std::pair<Triple, Triple>;
+
+/// A generator that several threads of Python may call: they wait for each other.
+class GeneratorHandle {
+ public:
+  std::shared_ptr<FieldHandle> generate(const MeshHandle& mesh, const Grid& grid, Options options,
+                                        nb::object progress) {
+    Call call(std::move(progress));
+    options.progress = call.progress();
+    options.warn = call.warn();
+    std::shared_ptr<FieldHandle> result;
+    call.run([&] {
+      const std::lock_guard lock(mutex_);
+      result = unusedField();
+      result->stats = generator_.generate(mesh.view, grid, options, result->field);
+    });
+    return result;
+  }
+
+ private:
+  /// Returns a field that Python no longer refers to, for its memory; a new one if there is none. Two are
+  /// kept: while the caller still holds the last one, the one before it is free.
+  std::shared_ptr<FieldHandle> unusedField() {
+    const auto isUnused = [](const std::shared_ptr<FieldHandle>& field) { return field.use_count() == 1; };
+    if (const auto unused = std::ranges::find_if(fields_, isUnused); unused != fields_.end()) return *unused;
+    constexpr size_t kKept = 2;
+    if (fields_.size() == kKept) fields_.erase(fields_.begin());
+    return fields_.emplace_back(std::make_shared<FieldHandle>());
+  }
+
+  std::mutex mutex_;
+  Generator generator_;
+  std::vector<std::shared_ptr<FieldHandle>> fields_;
+};
+
+Grid fit(const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
+         double padding) {
+  validate(mesh.view);
+  GridOptions options{.resolution = resolution, .voxelSize = voxelSize, .padding = padding};
+  if (bounds) options.box = Box{toVector(bounds->first), toVector(bounds->second)};
+  return fitGrid(mesh.view, options);
+}
+
+/// Binds an option whose value is the name of an enum's.
+template <class Enum>
+void bindName(nb::class_<Options>& options, const char* option, Enum Options::*member) {
+  options.def_prop_rw(
+      option, [member](const Options& self) { return std::string(name(self.*member)); },
+      [member](Options& self, std::string_view value) { self.*member = fromName<Enum>(value); });
+}
+
+void bindOptions(nb::module_& module) {
+  nb::class_<Options> options(module, "Options");
+  options.def(nb::init<>());
+  bindName(options, "distance", &Options::distance);
+  bindName(options, "sign", &Options::sign);
+  bindName(options, "orientation", &Options::orientation);
+  options.def_rw("band", &Options::band)
+      .def_rw("close_holes", &Options::closeHoles)
+      .def_rw("thickness", &Options::thickness)
+      .def_rw("threads", &Options::threads)
+      .def_rw("memory_limit", &Options::memoryLimit)
+      .def_rw("triangle", &Options::triangleIds)
+      .def_rw("winding", &Options::winding)
+      .def_rw("confidence", &Options::confidence)
+      .def_rw("device", &Options::device);
+}
+
+}  // namespace
+
+void bindGenerate(nb::module_& module) {
+  nb::class_<Grid>(module, "Grid");
+  module.def("fit_grid", &fit, "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a);
+  bindOptions(module);
+  nb::class_<GeneratorHandle>(module, "Generator")
+      .def(nb::init<>())
+      .def("generate", &GeneratorHandle::generate, "mesh"_a, "grid"_a, "options"_a, "progress"_a.none());
+}
+
+}  // namespace raymap::python

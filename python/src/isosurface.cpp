@@ -1,0 +1,26 @@
+#include <raymap/isosurface.h>
+
+#include "call.h"
+
+namespace raymap::python {
+
+namespace {
+
+std::shared_ptr<MeshHandle> makeSurface(const FieldHandle& field, double iso, int threads,
+                                        nb::object progress) {
+  Call call(std::move(progress));
+  Mesh mesh;
+  call.run([&] {
+    mesh = isosurface(field.field,
+                      {.iso = iso, .threads = threads, .warn = call.warn(), .progress = call.progress()});
+  });
+  return own(std::move(mesh));
+}
+
+}  // namespace
+
+void bindIsosurface(nb::module_& module) {
+  module.def("isosurface", &makeSurface, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
+}
+
+}  // namespace raymap::python

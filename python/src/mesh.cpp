@@ -1,0 +1,90 @@
+#include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <filesystem>
+#include <vector>
+
+#include "call.h"
+
+namespace raymap::python {
+
+std::shared_ptr<MeshHandle> own(Mesh mesh) {
+  auto handle = std::make_shared<MeshHandle>();
+  handle->owned = std::move(mesh);
+  handle->view = handle->owned;
+  return handle;
+}
+
+namespace {
+
+/// Views arrays whose layout python/raymap/_inputs.py has checked: three native numbers after each other in
+/// each row.
+std::shared_ptr<MeshHandle> view(AnyArray vertices, AnyArray faces, const Triple& origin) {
+  auto handle = std::make_shared<MeshHandle>();
+  MeshView& mesh = handle->view;
+  const auto check = [](const AnyArray& array, bool isType, const char* what) {
+    if (!isType || array.ndim() != 2 || array.shape(1) != 3 || (array.shape(0) > 0 && array.stride(1) != 1))
+      throw Error(ErrorCode::Usage, what);
+  };
+  const nb::dlpack::dtype real = vertices.dtype(), whole = faces.dtype();
+  check(vertices, real == nb::dtype<float>() || real == nb::dtype<double>(), "vertices: no (n, 3) of floats");
+  check(faces, whole == nb::dtype<uint32_t>() || whole == nb::dtype<uint64_t>(),
+        "faces: no (n, 3) of unsigned numbers");
+  mesh.scalar = real == nb::dtype<float>() ? MeshView::Scalar::Float : MeshView::Scalar::Double;
+  mesh.index = whole == nb::dtype<uint32_t>() ? MeshView::Index::UInt32 : MeshView::Index::UInt64;
+  mesh.vertices = vertices.data();
+  mesh.vertexCount = vertices.shape(0);
+  mesh.vertexStride = size_t(vertices.stride(0)) * vertices.itemsize();
+  mesh.triangles = faces.data();
+  mesh.triangleCount = faces.shape(0);
+  mesh.triangleStride = size_t(faces.stride(0)) * faces.itemsize();
+  mesh.origin = toVector(origin);
+  handle->vertices = std::move(vertices);
+  handle->faces = std::move(faces);
+  return handle;
+}
+
+std::shared_ptr<MeshHandle> load(const std::filesystem::path& path) {
+  Call call{nb::none()};
+  Mesh mesh;
+  call.run([&] { mesh = readMesh(path, call.warn()); });
+  return own(std::move(mesh));
+}
+
+/// Views the vertices of a mesh of our own, about its origin.
+nb::ndarray<nb::numpy, const float> vertices(nb::handle_t<MeshHandle> self) {
+  const Mesh& mesh = nb::cast<const MeshHandle&>(self).owned;
+  const size_t shape[] = {mesh.vertices.size(), 3};
+  return {reinterpret_cast<const float*>(mesh.vertices.data()), 2, shape, self};
+}
+
+/// Views the triangles of a mesh of our own.
+nb::ndarray<nb::numpy, const uint32_t> faces(nb::handle_t<MeshHandle> self) {
+  const Mesh& mesh = nb::cast<const MeshHandle&>(self).owned;
+  const size_t shape[] = {mesh.triangles.size(), 3};
+  return {reinterpret_cast<const uint32_t*>(mesh.triangles.data()), 2, shape, self};
+}
+
+}  // namespace
+
+void bindMesh(nb::module_& module) {
+  nb::class_<MeshHandle>(module, "Mesh")
+      .def(nb::new_(&view), "vertices"_a.noconvert(), "faces"_a.noconvert(), "origin"_a)
+      .def("vertices", &vertices)
+      .def("faces", &faces)
+      .def_prop_ro("origin", [](const MeshHandle& mesh) { return toTriple(mesh.view.origin); })
+      .def("bounds",
+           [](const MeshHandle& mesh) {
+             validate(mesh.view);
+             const Box box = bounds(mesh.view);
+             return std::pair(toTriple(box.min), toTriple(box.max));
+           })
+      .def(
+          "save",
+          [](const MeshHandle& mesh, const std::filesystem::path& path) { writeMesh(path, mesh.view); },
+          "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  module.def("load_mesh", &load, "path"_a);
+  module.def("mesh_extensions", &meshExtensions);
+}
+
+}  // namespace raymap::python

@@ -1,0 +1,18 @@
+#include <raymap/version.h>
+
+#include "bindings.h"
+
+NB_MODULE(_raymap, module) {
+  using namespace raymap::python;
+  module.doc() = "The C++ library. Use the package raymap, which wraps it.";
+  module.def("version", [] { return std::string(raymap::version().text); });
+  bindErrors(module);
+  bindMesh(module);
+  bindDiagnostics(module);
+  bindField(module);
+  bindGenerate(module);
+  bindIsosurface(module);
+  bindRepair(module);
+  bindRender(module);
+  bindDevices(module);
+}

@@ -1,0 +1,61 @@
+#include <raymap/names.h>
+#include <raymap/render.h>
+
+#include "call.h"
+
+namespace raymap::python {
+
+namespace {
+
+using Pixels = nb::ndarray<nb::numpy, uint8_t>;
+
+/// Returns the picture as (height, width, 3).
+Pixels toPixels(Picture picture) {
+  const auto width = size_t(picture.width), height = size_t(picture.height);
+  return toArray<uint8_t>(std::move(picture.rgb), {height, width, 3});
+}
+
+Pixels drawSlice(const FieldHandle& field, int axis, int index, int width, std::string_view array) {
+  Picture picture;
+  const auto chosen = fromName<FieldArray>(array);
+  {
+    const nb::gil_scoped_release release;
+    picture = renderSlice(field.field, axis, index, width, chosen);
+  }
+  return toPixels(std::move(picture));
+}
+
+Pixels drawField(const FieldHandle& field, RenderOptions options, nb::object progress) {
+  Call call(std::move(progress));
+  options.progress = call.progress();
+  options.warn = call.warn();
+  Picture picture;
+  call.run([&] { picture = renderField(field.field, options); });
+  return toPixels(std::move(picture));
+}
+
+void bindVector(nb::class_<RenderOptions>& options, const char* option, glm::dvec3 RenderOptions::*member) {
+  options.def_prop_rw(
+      option, [member](const RenderOptions& self) { return toTriple(self.*member); },
+      [member](RenderOptions& self, const Triple& value) { self.*member = toVector(value); });
+}
+
+}  // namespace
+
+void bindRender(nb::module_& module) {
+  nb::class_<RenderOptions> options(module, "RenderOptions");
+  options.def(nb::init<>())
+      .def_rw("width", &RenderOptions::width)
+      .def_rw("height", &RenderOptions::height)
+      .def_rw("field_of_view", &RenderOptions::fieldOfView)
+      .def_rw("cut", &RenderOptions::cut)
+      .def_rw("shell", &RenderOptions::shell)
+      .def_rw("threads", &RenderOptions::threads)
+      .def_rw("device", &RenderOptions::device);
+  bindVector(options, "direction", &RenderOptions::direction);
+  bindVector(options, "up", &RenderOptions::up);
+  module.def("render_field", &drawField, "field"_a, "options"_a, "progress"_a.none());
+  module.def("render_slice", &drawSlice, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
+}
+
+}  // namespace raymap::python

@@ -1,0 +1,66 @@
+#include <raymap/repair.h>
+
+#include <utility>
+
+#include "call.h"
+#include "diagnostics.h"
+
+namespace raymap::python {
+
+namespace {
+
+nb::dict toDict(const Deviation& deviation) {
+  nb::dict dict;
+  dict["max"] = deviation.max;
+  dict["mean"] = deviation.mean;
+  dict["p99"] = deviation.p99;
+  dict["points"] = deviation.points;
+  return dict;
+}
+
+nb::dict toDict(const RepairReport& report) {
+  nb::dict dict;
+  dict["before"] = describe(report.before, report.crossingBefore);
+  dict["after"] = describe(report.after, report.crossingAfter);
+  dict["result_from_mesh"] = toDict(report.ofResult);
+  dict["mesh_from_result"] = toDict(report.ofMesh);
+  dict["buried_share"] = report.buriedShare;
+  dict["lost_share"] = report.lostShare;
+  dict["hollows"] = report.hollows;
+  dict["drain_holes"] = report.holes;
+  return dict;
+}
+
+using Result = std::tuple<std::shared_ptr<MeshHandle>, nb::dict, nb::dict>;
+
+/// Returns the mesh, the report and the statistics.
+Result repairMesh(const MeshHandle& mesh, int resolution, double voxelSize, Options options,
+                  const RepairOptions& how, nb::object progress) {
+  Call call(std::move(progress));
+  options.progress = call.progress();
+  options.warn = call.warn();
+  Repaired result;
+  call.run([&] {
+    validate(mesh.view);
+    const Grid grid = fitRepairGrid(mesh.view, {.resolution = resolution, .voxelSize = voxelSize}, how);
+    result = repair(mesh.view, grid, options, how);
+  });
+  return {own(std::move(result.mesh)), toDict(result.report), describe(result.report.stats)};
+}
+
+}  // namespace
+
+void bindRepair(nb::module_& module) {
+  nb::class_<RepairOptions>(module, "RepairOptions")
+      .def(nb::init<>())
+      .def_rw("offset", &RepairOptions::offset)
+      .def_rw("shell", &RepairOptions::shell)
+      .def_rw("drain_hole", &RepairOptions::drainHole)
+      .def_prop_rw(
+          "down", [](const RepairOptions& self) { return toTriple(self.down); },
+          [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });
+  module.def("repair", &repairMesh, "mesh"_a, "resolution"_a, "voxel_size"_a, "options"_a, "repair"_a,
+             "progress"_a.none());
+}
+
+}  // namespace raymap::python

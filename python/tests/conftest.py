@@ -1,0 +1,77 @@
+"""Meshes and programs that the tests share. Doctests run in a folder with ball.ply and tetrahedron.ply."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import raymap
+
+ROOT = Path(__file__).parents[2]
+
+
+def make_ball(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Returns an icosphere of radius 1 about 0 with 20 * 4^subdivisions faces."""
+    phi = (1 + 5**0.5) / 2
+    points = [(s * 1.0, t * phi, 0.0) for s in (-1, 1) for t in (-1, 1)]
+    vertices = np.array([np.roll(p, shift) for shift in range(3) for p in points])
+    centres = range(len(vertices))
+    near = np.linalg.norm(vertices[:, None] - vertices[None], axis=2) < 2.1
+    faces = np.array([(a, b, c) for a in centres for b in centres for c in centres
+                      if a < b < c and near[a, b] and near[b, c] and near[a, c]])
+    normals = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    inward = np.einsum("ij,ij->i", normals, vertices[faces].sum(axis=1)) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    for _ in range(subdivisions):
+        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+        edges.sort(axis=1)
+        unique, index = np.unique(edges, axis=0, return_inverse=True)
+        ab, bc, ca = (index.reshape(-1) + len(vertices)).reshape(3, -1)
+        a, b, c = faces.T
+        vertices = np.concatenate([vertices, vertices[unique].mean(axis=1)])
+        faces = np.concatenate([np.stack(f, axis=1) for f in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
+    return vertices / np.linalg.norm(vertices, axis=1, keepdims=True), faces.astype(np.uint32)
+
+
+@pytest.fixture(scope="session")
+def ball() -> raymap.Mesh:
+    return raymap.Mesh(*make_ball())
+
+
+@pytest.fixture(scope="session")
+def large_ball() -> raymap.Mesh:
+    """A mesh whose field takes seconds at a high resolution."""
+    return raymap.Mesh(*make_ball(6))
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory: pytest.TempPathFactory, ball: raymap.Mesh) -> Path:
+    """A folder with ball.ply and tetrahedron.ply."""
+    folder = tmp_path_factory.mktemp("meshes")
+    ball.save(folder / "ball.ply")
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
+    raymap.Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]).save(folder / "tetrahedron.ply")
+    return folder
+
+
+@pytest.fixture
+def run_raymap():
+    """Runs the command line, RAYMAP_BINARY or that of the build tree, and returns its output."""
+    program = os.environ.get("RAYMAP_BINARY", str(ROOT / "build/release/bin/raymap"))
+    if "RAYMAP_BINARY" not in os.environ and not Path(program).exists():
+        pytest.skip("the command line was not built; name it in RAYMAP_BINARY")
+    return lambda *arguments: subprocess.run(
+        [program, *map(str, arguments)], check=True, capture_output=True, text=True
+    ).stdout
+
+
+@pytest.fixture(autouse=True)
+def own_folder(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Gives every test a folder of its own with the meshes."""
+    for mesh in files.iterdir():
+        (tmp_path / mesh.name).write_bytes(mesh.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RAYMAP_CACHE", "off")

@@ -1,0 +1,49 @@
+"""Runs the examples of all docstrings and pages."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import raymap
+from conftest import ROOT
+
+MODULES = ["raymap", *(f"raymap.{m.name}" for m in pkgutil.iter_modules(raymap.__path__) if m.name != "_raymap")]
+PAGES = ["docs/python.md", "python/README.md"]
+
+
+def run(test: doctest.DocTest) -> None:
+    report: list[str] = []
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.FAIL_FAST)
+    assert runner.run(test, out=report.append).failed == 0, "".join(report)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstrings(name: str) -> None:
+    module = importlib.import_module(name)
+    for test in doctest.DocTestFinder().find(module, name, globs={"raymap": raymap, "np": np}):
+        run(test)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_pages(page: str) -> None:
+    text = Path(ROOT, page).read_text()
+    code = "\n".join(re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
+    assert ">>>" in code
+    run(doctest.DocTestParser().get_doctest(code, {}, page, page, 0))
+
+
+def test_everything_public_has_a_docstring() -> None:
+    for name in raymap.__all__:
+        value = getattr(raymap, name)
+        if not callable(value):
+            continue
+        assert value.__doc__, name
+        for member in vars(value) if isinstance(value, type) else ():
+            if not member.startswith("_") and callable(getattr(value, member)):
+                assert getattr(value, member).__doc__, f"{name}.{member}"

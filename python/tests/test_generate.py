@@ -1,0 +1,361 @@
+"""Making fields: options, equality with the command line, threads, Ctrl-C, progress, errors."""
+
+from __future__ import annotations
+
+import inspect
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+import raymap
+from raymap import _progress
+
+
+def generate(mesh, **options):
+    return raymap.signed_distance(mesh, **{"resolution": 24, "device": "cpu", **options})
+
+
+def test_the_docstring_says_negative_inside_first():
+    assert "negative inside" in raymap.signed_distance.__doc__.splitlines()[0]
+
+
+def test_defaults_are_those_of_the_command_line(ball, run_raymap):
+    ball.save("mesh.ply")
+    run_raymap("generate", "mesh.ply", "-o", "field.npz", "--device", "cpu")
+    expected = raymap.load_field("field.npz")
+    field = raymap.signed_distance(ball, device="cpu")
+    np.testing.assert_array_equal(field.distance, expected.distance)
+    np.testing.assert_array_equal(field.origin, expected.origin)
+    assert field.spacing == expected.spacing
+
+
+@pytest.mark.parametrize("options, arguments", [
+    (dict(resolution=20), ["--resolution", "20"]),
+    (dict(voxel_size=0.17), ["--voxel-size", "0.17"]),
+    (dict(padding=0.3), ["--padding", "0.3"]),
+    (dict(bounds=((-1, -2, -1.5), (1, 1, 2))), ["--bounds", "-1", "-2", "-1.5", "1", "1", "2"]),
+    (dict(distance="cell"), ["--distance", "cell"]),
+    (dict(distance="raster"), ["--distance", "raster"]),
+    (dict(sign="paths"), ["--sign", "paths"]),
+    (dict(sign="none"), ["--sign", "none"]),
+    (dict(orientation="keep"), ["--orientation", "keep"]),
+    (dict(orientation="repair"), ["--orientation", "repair"]),
+    (dict(close_holes=True), ["--close-holes"]),
+    (dict(thickness=0.5), ["--thickness", "0.5"]),
+    (dict(band=2.5), ["--band", "2.5"]),
+])
+def test_options_are_those_of_the_command_line(ball, run_raymap, options, arguments):
+    broken = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[40:200, ::-1], ball.faces[260:]]))
+    broken.save("mesh.ply")
+    size = [] if {"resolution", "voxel_size"} & options.keys() else ["--resolution", "24"]
+    run_raymap("generate", "mesh.ply", "-o", "field.npz", "--device", "cpu", *size, *arguments)
+    expected = raymap.load_field("field.npz")
+    field = generate(broken, **options)
+    np.testing.assert_array_equal(field.distance, expected.distance)
+    np.testing.assert_array_equal(field.origin, expected.origin)
+    assert (field.spacing, field.band) == (expected.spacing, expected.band)
+
+
+def test_arrays_are_those_of_the_command_line(ball, run_raymap):
+    ball.save("mesh.ply")
+    names = dict(winding="winding", confidence="confidence", triangle="triangle-ids")
+    files = [f for name, option in names.items() for f in (f"--{option}", f"{name}.nrrd")]
+    run_raymap("generate", "mesh.ply", "-o", "f.nrrd", "--device", "cpu", "--resolution", 24, *files)
+    field = generate(ball, arrays=list(names))
+    for name in names:
+        np.testing.assert_array_equal(getattr(field, name), getattr(raymap.load_field(f"{name}.nrrd"), name))
+    assert generate(ball, arrays="winding").arrays == ("distance", "winding")
+    assert generate(ball, arrays=()).arrays == ("distance",)
+
+
+def test_any_form_of_a_mesh_gives_the_same_bits(ball, files):
+    expected = generate(ball).distance
+    loaded = raymap.load_mesh(files / "ball.ply")
+    for form in (str(files / "ball.ply"), files / "ball.ply", loaded, pickle.loads(pickle.dumps(loaded))):
+        np.testing.assert_array_equal(generate(form).distance, expected)
+    arrays = raymap.signed_distance(loaded.vertices, loaded.faces, resolution=24, device="cpu")
+    np.testing.assert_array_equal(arrays.distance, expected)
+
+
+def test_any_number_of_threads_gives_the_same_bits(ball):
+    expected = generate(ball, threads=1, arrays=("winding", "confidence"))
+    for threads in (2, 3, None):
+        field = generate(ball, threads=threads, arrays=("winding", "confidence"))
+        for name in field.arrays:
+            np.testing.assert_array_equal(getattr(field, name), getattr(expected, name))
+
+
+def test_stats(ball):
+    flipped = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[:40, ::-1], ball.faces[40:]]))
+    stats = generate(flipped, orientation="repair").stats
+    assert stats.device == "cpu"
+    assert [name for name, _ in stats.stages][1] == "exact_distance"
+    assert stats.milliseconds >= sum(ms for _, ms in stats.stages) * 0.999
+    assert stats.bytes > 24**3 * 4
+    assert stats.turned_faces.dtype == np.uint32
+    np.testing.assert_array_equal(stats.turned_faces, np.arange(40))
+    assert stats.misfit_given > stats.misfit and stats.orientation_fits
+    assert stats.doubtful_share > 0
+    holed = raymap.Mesh(ball.vertices, ball.faces[40:])
+    stats = generate(holed, close_holes=True).stats
+    assert stats.patch_triangles > 0 and stats.patch_area > 0
+
+
+@pytest.mark.parametrize("options, error, text", [
+    (dict(distance="near"), raymap.UsageError, "'near'; use exact, neighbours, cell or raster"),
+    (dict(sign="left"), raymap.UsageError, "'left'; use harmonic"),
+    (dict(orientation="up"), raymap.UsageError, "'up'; use auto, keep or repair"),
+    (dict(device="abacus"), raymap.UsageError, "abacus"),
+    (dict(device="vulkan:99"), raymap.UnsupportedError, None),
+    (dict(resolution=0), raymap.UsageError, None),
+    (dict(resolution=-3), raymap.UsageError, None),
+    (dict(voxel_size=0), raymap.UsageError, "voxel_size must be above 0, not 0"),
+    (dict(voxel_size=float("nan")), raymap.UsageError, "voxel_size must be above 0, not nan"),
+    (dict(padding=-1), raymap.UsageError, None),
+    (dict(bounds=(0, 0, 0, 1, 1, 1)), raymap.UsageError, r"bounds must be \(\(x0"),
+    (dict(bounds=((0, 0, 0), (1, 0, 1))), raymap.UsageError, "less than"),
+    (dict(bounds=((0, 0, 0), (1, float("nan"), 1))), raymap.UsageError, "less than"),
+    (dict(band=-1), raymap.UsageError, "band"),
+    (dict(thickness=0), raymap.UsageError, "thickness must be above 0, not 0"),
+    (dict(thickness=1, sign="paths"), raymap.UsageError, "thickness takes the place of sign"),
+    (dict(thickness=1, arrays="winding"), raymap.UsageError, "winding and confidence need a sign"),
+    (dict(sign="none", arrays=["confidence"]), raymap.UsageError, "winding and confidence need a sign"),
+    (dict(sign="none", close_holes=True), raymap.UsageError, None),
+    (dict(distance="raster", arrays=["triangle"]), raymap.UsageError, None),
+    (dict(arrays=["colour"]), raymap.UsageError, "no array is named 'colour'"),
+    (dict(threads=-1), raymap.UsageError, "threads"),
+    (dict(memory_limit=0), raymap.UsageError, "memory_limit must be above 0 bytes, not 0"),
+    (dict(memory_limit=1000), raymap.MemoryLimitError, "the field needs"),
+    (dict(memory_limit=1000), MemoryError, "the field needs"),
+    (dict(threads=1.5), TypeError, None),
+    (dict(resolution="many"), TypeError, None),
+    (dict(progress=3), TypeError, "progress must be a callable"),
+])
+def test_arguments_that_make_no_sense(ball, options, error, text):
+    with pytest.raises(error, match=text):
+        generate(ball, **options)
+
+
+def test_meshes_that_are_not_valid():
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.0)])
+    with pytest.raises(raymap.InputError, match="3"):
+        generate(raymap.Mesh(corners, [(0, 1, 3)]))
+    with pytest.raises(ValueError):
+        generate(raymap.Mesh(corners, np.empty((0, 3), int)))
+    corners[1, 2] = np.nan
+    with pytest.raises(raymap.InputError, match="1"):
+        generate(raymap.Mesh(corners, [(0, 1, 2)]))
+    for call in (raymap.info, raymap.repair, raymap.Generator().signed_distance):
+        with pytest.raises(raymap.InputError):
+            call(raymap.Mesh(corners, [(0, 1, 2)]))
+    with pytest.raises(raymap.InputError):
+        raymap.Mesh(corners, [(0, 1, 2)]).bounds
+
+
+def test_errors_are_of_the_classes_of_python():
+    assert issubclass(raymap.UsageError, ValueError) and issubclass(raymap.InputError, ValueError)
+    assert issubclass(raymap.FileError, OSError) and issubclass(raymap.MemoryLimitError, MemoryError)
+    for name in ("UsageError", "InputError", "FileError", "MemoryLimitError", "Cancelled", "UnsupportedError",
+                 "DeviceLostError"):
+        assert issubclass(getattr(raymap, name), raymap.Error)
+        assert getattr(raymap, name).__module__ == "raymap"
+    with pytest.raises(raymap.FileError, match="gone.ply"):
+        raymap.signed_distance("gone.ply")
+    with pytest.raises(raymap.Error) as caught:
+        raymap.load_mesh(os.fsdecode(b"gone\xff.ply"))
+    assert "gone" in str(caught.value)
+
+
+def test_generator_equals_the_function(ball):
+    generator = raymap.Generator()
+    for size, resolution in ((1.0, 24), (3.0, 12), (0.5, 24)):
+        mesh = raymap.Mesh(ball.vertices * size, ball.faces)
+        field = generator.signed_distance(mesh, resolution=resolution, arrays=("winding",), device="cpu")
+        np.testing.assert_array_equal(field.distance, generate(mesh, resolution=resolution).distance)
+        np.testing.assert_array_equal(field.winding, generate(mesh, resolution=resolution, arrays="winding").winding)
+    with pytest.raises(TypeError, match="resolutoin"):
+        generator.signed_distance(ball, resolutoin=3)
+    named = inspect.signature(raymap.signed_distance).parameters
+    assert set(raymap.FieldOptions.__annotations__) == {n for n, p in named.items() if p.kind is p.KEYWORD_ONLY}
+
+
+def test_fields_of_a_generator_stay_as_they_are(ball):
+    generator = raymap.Generator()
+    fields, copies = [], []
+    for k in range(5):
+        mesh = raymap.Mesh(ball.vertices * (1 + k), ball.faces)
+        fields.append(generator.signed_distance(mesh, resolution=12, device="cpu").distance)
+        copies.append(fields[-1].copy())
+    for view, copy in zip(fields, copies):
+        np.testing.assert_array_equal(view, copy)
+
+
+def test_a_generator_uses_memory_again(ball):
+    generator = raymap.Generator()
+    places = set()
+    for _ in range(6):
+        field = generator.signed_distance(ball, resolution=12, device="cpu")
+        places.add(field.distance.ctypes.data)
+    assert len(places) == 2
+    with pytest.raises(raymap.UsageError):
+        generator.signed_distance(ball, band=-1, device="cpu")
+    np.testing.assert_array_equal(field.distance, generate(ball, resolution=12).distance)
+
+
+def test_threads_of_python_may_share_everything(ball):
+    generator = raymap.Generator()
+    expected = [generate(ball, resolution=8 + k).distance for k in range(4)]
+    failures = []
+
+    def work(k: int) -> None:
+        for _ in range(5):
+            for maker in (generator.signed_distance, raymap.signed_distance):
+                if (maker(ball, resolution=8 + k, device="cpu").distance != expected[k]).any():
+                    failures.append(k)
+
+    workers = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert not failures
+
+
+def test_other_threads_run_meanwhile(large_ball):
+    counted = []
+    running = threading.Event()
+
+    def count() -> None:
+        running.wait()
+        while running.is_set():
+            counted.append(1)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    before: list[int] = []
+
+    def progress(stage: str, done: float) -> None:
+        running.set()
+        before.append(len(counted))
+
+    generate(large_ball, resolution=128, progress=progress)
+    running.clear()
+    counter.join()
+    assert before[0] < before[-1]
+
+
+def test_processes_may_be_forked(ball):
+    expected = generate(ball)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        for field in pool.map(generate, [ball] * 4):
+            np.testing.assert_array_equal(field.distance, expected.distance)
+
+
+def test_progress_names_every_stage(ball):
+    reports = []
+    field = generate(ball, progress=lambda stage, done: reports.append((stage, done)))
+    assert list(dict.fromkeys(stage for stage, _ in reports)) == [name for name, _ in field.stats.stages]
+    assert all(0 <= done <= 1 for _, done in reports)
+    for call in (raymap.info, lambda m, progress: raymap.repair(m, resolution=16, progress=progress),
+                 lambda m, progress: field.to_mesh(progress=progress)):
+        reports.clear()
+        call(ball, progress=lambda stage, done: reports.append((stage, done)))
+        assert reports
+
+
+def test_progress_that_returns_false_cancels(large_ball):
+    with pytest.raises(raymap.Cancelled, match="cancelled during"):
+        generate(large_ball, resolution=128, progress=lambda stage, done: False)
+
+
+def test_progress_that_raises_cancels(large_ball):
+    calls = []
+
+    def fail(stage: str, done: float) -> None:
+        calls.append(stage)
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        generate(large_ball, resolution=128, progress=fail)
+    assert len(calls) == 1
+
+
+class Terminal:
+    def __init__(self) -> None:
+        self.text = ""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> None:
+        self.text += text
+
+    def flush(self) -> None:
+        pass
+
+
+def test_a_line_of_progress_appears_on_a_terminal_only(ball, monkeypatch, capsys):
+    monkeypatch.setattr(_progress, "_QUIET_SECONDS", 0.0)
+    generate(ball, progress=True)
+    assert capsys.readouterr().err == ""
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    generate(ball, progress=True)
+    assert "exact_distance" in terminal.text and terminal.text.endswith("\r\033[K")
+    monkeypatch.setattr(_progress, "_QUIET_SECONDS", 1000.0)
+    terminal.text = ""
+    generate(ball, progress=True)
+    assert terminal.text == ""
+
+
+@pytest.mark.parametrize("call", ["field", "generator", "info", "repair"])
+def test_ctrl_c_stops_the_work(large_ball, call):
+    """Another thread interrupts this one as soon as the work reports, long before its end."""
+    begun, reports = threading.Event(), []
+
+    def progress(stage: str, done: float) -> None:
+        reports.append(stage)
+        begun.set()
+
+    def interrupt() -> None:
+        begun.wait()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    generator = raymap.Generator()
+    options = dict(resolution=300, device="cpu", threads=1, progress=progress)
+    interrupter = threading.Thread(target=interrupt)
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        if call == "field":
+            raymap.signed_distance(large_ball, **options)
+        elif call == "generator":
+            generator.signed_distance(large_ball, **options)
+        elif call == "info":
+            while True:  # It may end before the signal comes.
+                raymap.info(large_ball, progress=progress)
+        else:
+            raymap.repair(large_ball, **options)
+    interrupter.join()
+    assert "finish" not in reports  # The last stage.
+    assert generator.signed_distance(large_ball, resolution=8, device="cpu").shape == (8, 8, 8)
+
+
+def test_warnings_name_the_line_of_the_caller():
+    Path("odd.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncurv2 1 2\n")
+    with pytest.warns(raymap.RaymapWarning) as caught:
+        raymap.load_mesh("odd.obj")
+    assert caught[0].filename == __file__ and "odd.obj" in str(caught[0].message)
+
+
+def test_devices():
+    found = raymap.devices()
+    assert found[0]["id"] == "cpu" and found[0]["type"] == "cpu" and found[0]["memory"] > 0
+    assert sum(device["automatic"] for device in found) == 1
+    with pytest.raises(raymap.UsageError):
+        raymap.test_device("cpu")

@@ -1,0 +1,149 @@
+"""Meshes: files, arrays of every layout, diagnostics and repair."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import raymap
+
+
+@pytest.mark.parametrize("extension", ["ply", "obj", "glb", "stl"])
+def test_files_give_back_the_mesh(ball, extension):
+    ball.save(f"mesh.{extension}")
+    read = raymap.load_mesh(f"mesh.{extension}")
+    np.testing.assert_allclose(read.vertices[read.faces], ball.vertices[ball.faces], atol=1e-6)
+    assert read.vertices.dtype == np.float64 and read.faces.dtype == np.uint32
+
+
+def test_meshes_far_away_lose_no_precision(ball):
+    far = ball.vertices + (1e7, -2e7, 3e7)
+    raymap.Mesh(far, ball.faces).save("far.ply")
+    read = raymap.load_mesh("far.ply")
+    assert np.abs(read.vertices - far).max() < 1e-7
+    field = raymap.signed_distance("far.ply", resolution=16, device="cpu")
+    near = raymap.signed_distance(ball, resolution=16, device="cpu")
+    np.testing.assert_allclose(field.distance, near.distance, atol=1e-6)
+
+
+def test_arrays_are_read_only_views(ball):
+    vertices, faces = ball.vertices.copy(), ball.faces.copy()
+    mesh = raymap.Mesh(vertices, faces)
+    assert np.shares_memory(mesh.vertices, vertices) and np.shares_memory(mesh.faces, faces)
+    assert not mesh.vertices.flags.writeable and not mesh.faces.flags.writeable
+    assert vertices.flags.writeable
+    loaded = raymap.load_mesh("ball.ply")
+    assert not loaded.vertices.flags.writeable and not loaded.faces.flags.writeable
+    assert loaded.vertices is loaded.vertices
+    faces = loaded.faces
+    del loaded
+    assert faces[0, 0] == ball.faces[0, 0]
+
+
+def test_pickling(ball):
+    loaded = raymap.load_mesh("ball.ply")
+    made = raymap.signed_distance(ball.vertices + (7, 8, 9), ball.faces, resolution=12, device="cpu").to_mesh()
+    for mesh in (ball, loaded, made):
+        copy = pickle.loads(pickle.dumps(mesh))
+        np.testing.assert_array_equal(copy.vertices, mesh.vertices)
+        np.testing.assert_array_equal(copy.faces, mesh.faces)
+        assert copy.vertices.dtype == np.float64
+        same = [raymap.signed_distance(m, resolution=12, device="cpu").distance for m in (copy, mesh)]
+        np.testing.assert_array_equal(*same)
+
+
+def strided(array: np.ndarray) -> np.ndarray:
+    wide = np.zeros((len(array), 5), array.dtype)
+    wide[:, :3] = array
+    return wide[:, :3]
+
+
+@pytest.mark.parametrize("change", [
+    lambda v, f: (v, f.astype(np.int64)),
+    lambda v, f: (v, f.astype(np.uint64)),
+    lambda v, f: (v, f.astype(np.int32)),
+    lambda v, f: (v, f.astype(np.int16)),
+    lambda v, f: (v, f.astype(">u4")),
+    lambda v, f: (v.astype(">f8"), f),
+    lambda v, f: (np.asfortranarray(v), np.asfortranarray(f)),
+    lambda v, f: (strided(v), strided(f)),
+    lambda v, f: (v[::-1], len(v) - 1 - f),
+    lambda v, f: (np.flip(v.copy(), 1)[:, ::-1], f),
+    lambda v, f: (v.tolist(), f.tolist()),
+    lambda v, f: (np.repeat(v, 2, axis=0)[::2], f),
+])
+def test_layouts_of_arrays(ball, change):
+    expected = raymap.signed_distance(ball, resolution=12, device="cpu").distance
+    vertices, faces = change(ball.vertices, ball.faces)
+    made = raymap.signed_distance(vertices, faces, resolution=12, device="cpu").distance
+    np.testing.assert_array_equal(made, expected)
+
+
+def test_single_precision_is_read_in_place(ball):
+    vertices = ball.vertices.astype(np.float32)
+    mesh = raymap.Mesh(vertices, ball.faces)
+    assert mesh.vertices.dtype == np.float32 and np.shares_memory(mesh.vertices, vertices)
+    single = raymap.signed_distance(mesh, resolution=12, device="cpu")
+    double = raymap.signed_distance(ball, resolution=12, device="cpu")
+    np.testing.assert_allclose(single.distance, double.distance, atol=1e-6)
+    half = raymap.signed_distance(vertices.astype(np.float16), ball.faces, resolution=12, device="cpu")
+    np.testing.assert_allclose(half.distance, double.distance, atol=1e-2)
+
+
+@pytest.mark.parametrize("vertices, faces, text", [
+    (np.zeros((4, 2)), [(0, 1, 2)], r"vertices must be \(n, 3\) positions, not of the shape \(4, 2\)"),
+    (np.zeros(3), [(0, 1, 2)], "vertices must be"),
+    (np.zeros((4, 3)), [(0, 1, 2, 3)], r"faces must be \(n, 3\) vertex numbers, not of the shape \(1, 4\)"),
+    (np.zeros((4, 3)), [(0.0, 1.0, 2.0)], "faces must be whole numbers, not float64"),
+    (np.zeros((4, 3)), [(0, 1, 2), (0, -1, 2)], r"face 1 has a negative vertex number: \[0, -1, 2\]"),
+    (np.zeros((4, 3), complex), [(0, 1, 2)], "vertices must be numbers, not complex128"),
+])
+def test_arrays_that_are_no_mesh(vertices, faces, text):
+    with pytest.raises(raymap.InputError, match=text):
+        raymap.Mesh(vertices, faces)
+
+
+def test_things_that_are_no_mesh():
+    with pytest.raises(raymap.UsageError, match="vertices without faces"):
+        raymap.signed_distance(np.zeros((4, 3)))
+    with pytest.raises(TypeError, match="no mesh: builtins.int"):
+        raymap.signed_distance(3)
+
+
+def test_info_is_that_of_the_command_line(ball, run_raymap):
+    broken = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[40:90, ::-1], ball.faces[95:], ball.faces[200:203]]))
+    broken.save("broken.ply")
+    found = raymap.info("broken.ply")
+    assert found == json.loads(run_raymap("info", "broken.ply", "--json"))
+    assert found["hole_count"] > 0 and found["duplicate_faces"] == 3 and not found["watertight"]
+    assert raymap.info("broken.ply", fast=True) == json.loads(run_raymap("info", "broken.ply", "--json", "--fast"))
+    assert set(found) == set(raymap.Info.__annotations__)
+
+
+def test_repair_is_that_of_the_command_line(ball, run_raymap):
+    broken = raymap.Mesh(ball.vertices, ball.faces[60:])
+    broken.save("broken.ply")
+    options = dict(resolution=40, offset=0.1, shell=0.3, drain_hole=0.4, down=(0, -1, 0))
+    arguments = "--resolution 40 --offset 0.1 --shell 0.3 --drain-hole 0.4 --down 0 -1 0".split()
+    run_raymap("repair", "broken.ply", "-o", "solid.ply", "--device", "cpu", "--stats", "stats.json", *arguments)
+    mesh, report, stats = raymap.repair("broken.ply", device="cpu", **options)
+    mesh.save("mine.ply")
+    assert Path("mine.ply").read_bytes() == Path("solid.ply").read_bytes()
+    written = json.load(open("stats.json"))
+    assert report == {key: written[key] for key in report}
+    assert set(report) == set(raymap.RepairReport.__annotations__)
+    assert report["hollows"] == 1 and report["drain_holes"] == 1
+    assert stats.patch_area == written["patch"]["area"]
+
+
+def test_repair_without_options(ball):
+    result = raymap.repair(ball, voxel_size=0.1, close_holes=False, orientation="keep", threads=1)
+    found = raymap.info(result.mesh)
+    assert found["watertight"] and found == result.report["after"]
+    for options in (dict(voxel_size=-1), dict(shell=0.001), dict(drain_hole=1), dict(down=(0, 0, 0)),
+                    dict(orientation="up"), dict(memory_limit=0)):
+        with pytest.raises(raymap.UsageError):
+            raymap.repair(ball, **{"resolution": 16, **options})

@@ -1,0 +1,34 @@
+"""A program for the type checker. Each ignored error must be one: mypy --strict refuses an ignore without need."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import raymap
+
+mesh: raymap.Mesh = raymap.load_mesh("ball.ply")
+field: raymap.Field = raymap.signed_distance(mesh, resolution=16, sign="rays", arrays=("winding",), device="cpu")
+distance: npt.NDArray[np.float32] = field.distance
+nx, ny, nz = field.shape
+spacing: float = field.spacing
+surface: raymap.Mesh = field.to_mesh(iso=0.1, progress=lambda stage, done: print(stage, done))
+generator = raymap.Generator()
+again: raymap.Field = generator.signed_distance(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
+picture: npt.NDArray[np.uint8] = field.slice("z", width=64)
+found: raymap.Info = raymap.info(mesh, fast=True)
+holes: int = found["hole_count"]
+milliseconds: float = field.stats.milliseconds
+solid, report, stats = raymap.repair(mesh, resolution=16)
+deviation: float = report["result_from_mesh"]["p99"]
+try:
+    raymap.load_field("nowhere.vdb")
+except raymap.FileError as error:
+    reason: str = str(error)
+
+if TYPE_CHECKING:
+    raymap.signed_distance(mesh, distance="near")  # type: ignore[arg-type]
+    raymap.signed_distance(mesh, resolutoin=3)  # type: ignore[call-arg]
+    generator.signed_distance(mesh, threads="all")  # type: ignore[arg-type]
+    field.distance = distance  # type: ignore[misc]
+    field.slice("w")  # type: ignore[arg-type]
+    found["colour"]  # type: ignore[typeddict-item]
