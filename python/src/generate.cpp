@@ -22,18 +22,17 @@ class GeneratorHandle {
     Call call(std::move(progress));
     options.progress = call.progress();
     options.warn = call.warn();
-    std::shared_ptr<FieldHandle> result;
+    std::shared_ptr<FieldHandle> result = unusedField();
     call.run([&] {
       const std::lock_guard lock(mutex_);
-      result = unusedField();
       result->stats = generator_.generate(mesh.view, grid, options, result->field);
     });
     return result;
   }
 
  private:
-  /// Returns a field that Python no longer refers to, for its memory; a new one if there is none. Two are
-  /// kept: while the caller still holds the last one, the one before it is free.
+  /// Returns a field that nobody refers to, for its memory; a new one if there is none. Needs the GIL. Two
+  /// are kept: while the caller still holds the last one, the one before it is free.
   std::shared_ptr<FieldHandle> unusedField() {
     const auto isUnused = [](const std::shared_ptr<FieldHandle>& field) { return field.use_count() == 1; };
     if (const auto unused = std::ranges::find_if(fields_, isUnused); unused != fields_.end()) return *unused;
@@ -83,7 +82,7 @@ void bindOptions(nb::module_& module) {
 }  // namespace
 
 void bindGenerate(nb::module_& module) {
-  nb::class_<Grid>(module, "Grid");
+  const nb::class_<Grid> opaque(module, "Grid");
   module.def("fit_grid", &fit, "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a);
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")

