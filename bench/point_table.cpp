@@ -65,7 +65,8 @@ struct Errors {
   double distance = 0.0;  // largest error, as a share of the diagonal
 };
 
-Errors compare(const Surface& surface, const Mesh& mesh, const Mesh& turned, const std::vector<glm::dvec3>& points) {
+Errors compare(const Surface& surface, const Mesh& mesh, const Mesh& turned,
+               const std::vector<glm::dvec3>& points) {
   const QueryResult result = surface.query(points, {.closest = true, .triangle = true, .barycentric = true});
   const double diagonal = glm::length(bounds(mesh).size());
   std::vector<double> errors(points.size());
@@ -93,8 +94,10 @@ int run(int argc, char** argv) {
   std::vector<std::string> names(argv + std::min(argc, 2), argv + argc);
   if (names.empty())
     for (const std::string& name : wellFormedMeshes()) names.push_back((meshFolder() / name).string());
-  std::printf("| mesh | triangles | all rays agree | points | wrong: anywhere | near | largest error of the distance |\n"
-              "|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| mesh | triangles | all rays agree | points | wrong: anywhere | near | largest error of the distance "
+      "|\n"
+      "|---|---|---|---|---|---|---|\n");
   for (const std::string& name : names) {
     const Mesh mesh = readMesh(name);
     const size_t count =

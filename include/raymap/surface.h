@@ -11,10 +11,11 @@ namespace raymap {
 
 /// How to prepare a mesh.
 struct SurfaceOptions {
-  bool sign = true;  ///< Whether queries tell inside from outside. Without, the surface takes less time and memory.
+  bool sign =
+      true;  ///< Whether queries tell inside from outside. Without, the surface takes less time and memory.
   Orientation orientation = Orientation::Auto;  ///< Whether faces that point the wrong way may be reversed.
-  double threshold = 0.5;  ///< A point is inside if |winding number| exceeds this.
-  int threads = 0;         ///< Number of threads; 0 = all.
+  double threshold = 0.5;                       ///< A point is inside if |winding number| exceeds this.
+  int threads = 0;                              ///< Number of threads; 0 = all.
   size_t memoryLimit = 0;  ///< Most bytes that the surface may hold while it is made; 0 = what is available.
   ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
@@ -65,13 +66,13 @@ struct QueryOptions {
 /// A point with a coordinate that is not finite gets NaN and `kNoTriangle`. What a point that is farther than
 /// `QueryOptions::maxDistance` does not get is NaN, too.
 struct QueryResult {
-  Buffer<double> distance = {};       ///< In the mesh's units, negative inside; not negative without a sign.
-  Buffer<glm::dvec3> closest = {};    ///< Closest point of the surface, in the mesh's units.
-  Buffer<uint32_t> triangle = {};     ///< Index of a triangle that holds it, or `kNoTriangle`.
+  Buffer<double> distance = {};     ///< In the mesh's units, negative inside; not negative without a sign.
+  Buffer<glm::dvec3> closest = {};  ///< Closest point of the surface, in the mesh's units.
+  Buffer<uint32_t> triangle = {};   ///< Index of a triangle that holds it, or `kNoTriangle`.
   Buffer<glm::dvec3> barycentric = {};  ///< Weights of the triangle's corners at it, 0 to 1; their sum is 1.
-  Buffer<glm::dvec3> direction = {};  ///< Unit vector from the point to the closest one; 0 on the surface.
-  Buffer<float> winding = {};         ///< Winding number, +1 inside a closed surface that faces outwards.
-  Buffer<float> confidence = {};      ///< Confidence in the sign, 0 to 1.
+  Buffer<glm::dvec3> direction = {};    ///< Unit vector from the point to the closest one; 0 on the surface.
+  Buffer<float> winding = {};           ///< Winding number, +1 inside a closed surface that faces outwards.
+  Buffer<float> confidence = {};        ///< Confidence in the sign, 0 to 1.
 };
 
 /// A mesh prepared once for queries at any points. It copies what it needs of the mesh and never changes, so

@@ -37,8 +37,10 @@ void check(const QueryOptions& options, bool isSigned) {
   };
   require(options.threads >= 0, "the number of threads must not be negative");
   require(options.maxDistance > 0.0, "the largest distance must be positive");
-  require(isSigned || !options.winding, "the surface was made without a sign, so it knows no winding numbers");
-  require(isSigned || !options.confidence, "the surface was made without a sign, so it has no confidence in it");
+  require(isSigned || !options.winding,
+          "the surface was made without a sign, so it knows no winding numbers");
+  require(isSigned || !options.confidence,
+          "the surface was made without a sign, so it has no confidence in it");
 }
 
 }  // namespace
@@ -62,7 +64,9 @@ struct Surface::Impl {
     prepared.mesh = {vertices, triangles, mesh.origin};
   }
 
-  size_t meshBytes() const { return vertices.capacityBytes() + triangles.capacityBytes() + turnedTriangles.capacityBytes(); }
+  size_t meshBytes() const {
+    return vertices.capacityBytes() + triangles.capacityBytes() + turnedTriangles.capacityBytes();
+  }
 
   /// Builds the tree alone.
   void prepareUnsigned(Progress& progress) {
@@ -71,7 +75,8 @@ struct Surface::Impl {
       toCellUnits(prepared.mesh, prepared.grid, cells);
       prepared.tree.buildSingleSided(cells, prepared.mesh.vertices);
     });
-    for (const Progress::Time& time : progress.times()) stats.stages.push_back({time.stage, time.milliseconds});
+    for (const Progress::Time& time : progress.times())
+      stats.stages.push_back({time.stage, time.milliseconds});
     stats.device = "cpu";
   }
 
@@ -131,7 +136,8 @@ Surface::Surface(const MeshView& view, const SurfaceOptions& options) : impl_(st
   withThreads(options.threads, [&] {
     impl_->copy(view, options.memoryLimit);
     impl_->prepared.threshold = options.threshold;
-    impl_->prepared.grid = fitGrid(impl_->prepared.mesh, {.resolution = latticeResolution(impl_->triangles.size())});
+    impl_->prepared.grid =
+        fitGrid(impl_->prepared.mesh, {.resolution = latticeResolution(impl_->triangles.size())});
     if (options.sign)
       impl_->prepareSigned(options, progress);
     else

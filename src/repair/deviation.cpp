@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "cpu/distance/point_distance.h"
+#include "cpu/points/point_query.h"
 #include "method/cell_mesh.h"
 
 namespace raymap {
@@ -14,16 +14,6 @@ namespace {
 constexpr double kMostPoints = 2e7;
 constexpr double kMostPerSide = 4096.0;
 constexpr size_t kPointsPerReport = size_t{1} << 18;
-
-CellMesh toSamples(const PackedMesh& mesh, const Grid& grid) {
-  CellMesh cells;
-  cells.dims = grid.dims;
-  cells.triangles = mesh.triangles;
-  cells.vertices.resizeUninitialized(mesh.vertices.size());
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
-    cells.vertices[v] = glm::vec3((mesh.position(v) - grid.origin) / grid.spacing);
-  return cells;
-}
 
 /// Returns the number of parts that each of a triangle's sides is cut into.
 int partsOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
@@ -56,7 +46,8 @@ void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
 }  // namespace
 
 std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, double step) {
-  const CellMesh cells = toSamples(mesh, grid);
+  CellMesh cells;
+  toCellUnits(mesh, grid, cells);
   double count = countPoints(cells, step);
   while (count > kMostPoints + double(mesh.triangles.size())) {
     step *= 1.5;
@@ -78,15 +69,24 @@ std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, d
 
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
-  const CellMesh cells = toSamples(mesh, grid);
-  cpu::SurfaceTree tree;
-  tree.build(cells);
+  cpu::PreparedSurface surface;
+  surface.mesh = mesh;
+  surface.grid = grid;
+  CellMesh cells;
+  toCellUnits(mesh, grid, cells);
+  surface.tree.build(cells);
   std::vector<float> distances(points.size());
+  std::vector<glm::dvec3> part;
+  QueryResult result;
+  Progress ofPart;
   for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
     progress.report(double(begin) / double(points.size()));
     const size_t count = std::min(kPointsPerReport, points.size() - begin);
-    cpu::computePointDistances(tree, points.subspan(begin, count),
-                               std::span(distances).subspan(begin, count));
+    part.clear();
+    for (size_t i = 0; i < count; ++i) part.push_back(grid.position(points[begin + i]));
+    cpu::queryPoints(surface, part, {}, ofPart, result);
+    for (size_t i = 0; i < count; ++i)
+      distances[begin + i] = static_cast<float>(result.distance[i] / grid.spacing);
   }
   return distances;
 }

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <random>
+#include <span>
 #include <thread>
 
 #include "any_threads.h"
@@ -32,7 +32,8 @@ std::vector<glm::dvec3> uniformPoints(const Mesh& mesh, size_t count, double pad
   std::uniform_real_distribution<double> unit(-padding, 1.0 + padding);
   const Box box = bounds(mesh);
   std::vector<glm::dvec3> points(count);
-  for (glm::dvec3& p : points) p = box.min + glm::dvec3(unit(random), unit(random), unit(random)) * box.size();
+  for (glm::dvec3& p : points)
+    p = box.min + glm::dvec3(unit(random), unit(random), unit(random)) * box.size();
   return points;
 }
 
@@ -88,7 +89,10 @@ size_t countWrong(const Mesh& given, const Mesh& truth, const std::vector<glm::d
 
 template <class T>
 bool sameAt(const Buffer<T>& a, size_t i, const Buffer<T>& b, size_t k) {
-  return std::memcmp(&a[i], &b[k], sizeof(T)) == 0;
+  const auto bytesAt = [](const Buffer<T>& buffer, size_t place) {
+    return std::as_bytes(std::span(buffer).subspan(place, 1));
+  };
+  return std::ranges::equal(bytesAt(a, i), bytesAt(b, k));
 }
 
 bool sameAt(const QueryResult& a, size_t i, const QueryResult& b, size_t k) {
@@ -117,7 +121,8 @@ TEST(Surface, KeepsItsPrecisionFarFromTheOrigin) {
 
 TEST(Surface, MeasuresPointsFarFromTheMesh) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
-  const std::vector<glm::dvec3> points{{30, 0.25, 0.5}, {0.5, -4e3, 0.5}, {1e7 + 1, 0.5, 0.25}, {-3e12, -3e12, -3e12}};
+  const std::vector<glm::dvec3> points{
+      {30, 0.25, 0.5}, {0.5, -4e3, 0.5}, {1e7 + 1, 0.5, 0.25}, {-3e12, -3e12, -3e12}};
   const QueryResult result = Surface(mesh).query(points, {.closest = true, .winding = true});
   const double expected[] = {29, 4e3, 1e7, 3e12 * std::sqrt(3.0)};
   for (size_t i = 0; i < points.size(); ++i) {
@@ -128,7 +133,8 @@ TEST(Surface, MeasuresPointsFarFromTheMesh) {
 }
 
 TEST(Surface, HasNoWrongSignOnClosedMeshes) {
-  const Mesh overlapping = shapes::joined(shapes::sphere(1.0, 3), shapes::box({0.2, 0.1, 0.0}, {1.5, 1.2, 1.1}));
+  const Mesh overlapping =
+      shapes::joined(shapes::sphere(1.0, 3), shapes::box({0.2, 0.1, 0.0}, {1.5, 1.2, 1.1}));
   for (const Mesh& mesh : {shapes::torus(1.0, 0.3, 40, 20), overlapping, shapes::box({0, 0, 0}, {1, 2, 3})}) {
     EXPECT_EQ(countWrong(mesh, mesh, uniformPoints(mesh, 2000)), 0u);
     EXPECT_EQ(countWrong(mesh, mesh, nearPoints(mesh, 2000, 2e-3)), 0u);
@@ -138,7 +144,8 @@ TEST(Surface, HasNoWrongSignOnClosedMeshes) {
 // Single precision could not tell on which side these points lie.
 TEST(Surface, HasNoWrongSignCloseToTheSurface) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
-  for (const double reach : {1e-6, 1e-8, 1e-10}) EXPECT_EQ(countWrong(mesh, mesh, nearPoints(mesh, 500, reach)), 0u);
+  for (const double reach : {1e-6, 1e-8, 1e-10})
+    EXPECT_EQ(countWrong(mesh, mesh, nearPoints(mesh, 500, reach)), 0u);
 }
 
 // The lattice of a box has samples in the planes of its faces and on the lines through its edges.
@@ -154,7 +161,7 @@ TEST(Surface, HasNoWrongSignOnLinesOfTheLattice) {
     const double inside = std::min({q.x, q.y, q.z});
     if (inside == 0.0) continue;
     EXPECT_EQ(result.winding[i], inside > 0.0 ? 1.0f : 0.0f) << i;
-    EXPECT_EQ(result.distance[i] < 0.0, inside > 0.0) << i;
+    EXPECT_EQ(result.distance[i]<0.0, inside> 0.0) << i;
   }
 }
 
@@ -206,7 +213,8 @@ TEST(Surface, AgreesWithTheGrid) {
         for (int i = 0; i < grid.dims.x; ++i) points.push_back(grid.position({i, j, k}));
     const QueryResult result = surface.query(points);
     for (size_t s = 0; s < points.size(); ++s) {
-      ASSERT_NEAR(std::abs(result.distance[s]), std::abs(made.field.distance[s]), 1e-6 * diagonalOf(mesh)) << s;
+      ASSERT_NEAR(std::abs(result.distance[s]), std::abs(made.field.distance[s]), 1e-6 * diagonalOf(mesh))
+          << s;
       if (std::abs(std::abs(made.field.winding[s]) - 0.5) > 1e-4) {
         ASSERT_EQ(result.distance[s] < 0.0, made.field.distance[s] < 0.0f) << s;
       }
@@ -316,13 +324,14 @@ TEST(Surface, StopsAtTheLargestDistance) {
 
 TEST(Surface, GivesNaNWhereThePointIsNotFinite) {
   const Surface surface(shapes::sphere(1.0, 2));
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
   const std::vector<glm::dvec3> points{{nan, 0, 0}, {0, 0, infinity}, {2, 0, 0}};
   const QueryResult result = surface.query(points, kEverything);
   for (size_t i = 0; i < 2; ++i) {
-    EXPECT_TRUE(std::isnan(result.distance[i]) && std::isnan(result.closest[i].x) && std::isnan(result.winding[i]) &&
-                std::isnan(result.barycentric[i].x) && std::isnan(result.direction[i].x) &&
-                std::isnan(result.confidence[i]));
+    EXPECT_TRUE(std::isnan(result.distance[i]) && std::isnan(result.closest[i].x) &&
+                std::isnan(result.winding[i]) && std::isnan(result.barycentric[i].x) &&
+                std::isnan(result.direction[i].x) && std::isnan(result.confidence[i]));
     EXPECT_EQ(result.triangle[i], kNoTriangle);
   }
   EXPECT_NEAR(result.distance[2], 1.0, 0.02);
@@ -365,8 +374,9 @@ TEST(Surface, RefusesBadInput) {
   const std::vector<glm::dvec3> points{{0, 0, 0}};
   EXPECT_EQ(codeOf([&] { surface.query(points, {.maxDistance = 0.0}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { surface.query(points, {.threads = -1}); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { surface.query(points, {.progress = [](std::string_view, double) { return false; }}); }),
-            ErrorCode::Cancelled);
+  EXPECT_EQ(
+      codeOf([&] { surface.query(points, {.progress = [](std::string_view, double) { return false; }}); }),
+      ErrorCode::Cancelled);
 }
 
 TEST(Surface, KeepsItsMeshWhenMoved) {

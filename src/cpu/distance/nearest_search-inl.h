@@ -112,13 +112,6 @@ class NearestSearch {
     settle(lanes, points);
   }
 
-  /// Returns the squared distance of one point, or `known` if that is less.
-  float lookAround(const glm::vec3& p, float known) const {
-    Closest closest{known, 0};
-    searchBelow(tree_.root(), p, closest);
-    return closest.squared;
-  }
-
  private:
   template <class Packet>
   static HWY_INLINE void prefetch(const Packet& packet) {

@@ -21,19 +21,22 @@ double placeOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3
   return length2 > 0.0 ? std::clamp(glm::dot(p - a, e) / length2, 0.0, 1.0) : 0.0;
 }
 
-TrianglePoint closestOnEdges(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+TrianglePoint closestOnEdges(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                             const glm::dvec3& c) {
   const double ab = placeOnSegment(p, a, b), bc = placeOnSegment(p, b, c), ca = placeOnSegment(p, c, a);
   const TrianglePoint points[] = {{a + ab * (b - a), {1.0 - ab, ab, 0.0}},
                                   {b + bc * (c - b), {0.0, 1.0 - bc, bc}},
                                   {c + ca * (a - c), {ca, 0.0, 1.0 - ca}}};
-  return *std::min_element(std::begin(points), std::end(points), [&](const TrianglePoint& l, const TrianglePoint& r) {
-    return squaredLength(l.position - p) < squaredLength(r.position - p);
-  });
+  return *std::min_element(std::begin(points), std::end(points),
+                           [&](const TrianglePoint& l, const TrianglePoint& r) {
+                             return squaredLength(l.position - p) < squaredLength(r.position - p);
+                           });
 }
 
 }  // namespace
 
-TrianglePoint closestPoint(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+TrianglePoint closestPoint(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                           const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
   const glm::dvec3 normal = glm::cross(ab, ac);
   const double area2 = squaredLength(normal);

@@ -10,6 +10,7 @@ struct TrianglePoint {
 };
 
 /// Returns the point of a triangle that is closest to p. The triangle may be a segment or a point.
-TrianglePoint closestPoint(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+TrianglePoint closestPoint(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                           const glm::dvec3& c);
 
 }  // namespace raymap::cpu

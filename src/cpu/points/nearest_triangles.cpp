@@ -38,7 +38,8 @@ float slackOf(const SurfaceTree& tree, const SortedPoints& sorted) {
 /// Halves blocks of points. Each thread has its own instance.
 class PointBlocks {
  public:
-  PointBlocks(const SurfaceTree& tree, const SortedPoints& sorted, float most, std::span<NearestTriangle> nearest)
+  PointBlocks(const SurfaceTree& tree, const SortedPoints& sorted, float most,
+              std::span<NearestTriangle> nearest)
       : tree_(tree),
         sorted_(sorted),
         most_(most),
@@ -97,11 +98,13 @@ class PointBlocks {
   /// Halves the smallest block of the octree that holds all points of the range. Places the halves' centres.
   Halves halve(const Range& range, Level& level) const {
     const uint64_t first = sorted_.codes[range.begin], last = sorted_.codes[range.end - 1];
-    const int octreeLevel = (std::bit_width(first ^ last) - 1) / 3;  // of the halves; the finest is 0
+    // Level of the halves; the finest is 0. The codes differ, so one bit of them is the highest to do so.
+    const int octreeLevel = std::clamp((std::bit_width(first ^ last) - 1) / 3, 0, kCurveBits - 1);
     const float cell = sorted_.side / static_cast<float>(1 << kCurveBits);
     const float side = cell * static_cast<float>(1 << octreeLevel);
     const uint64_t block = first >> (3 * (octreeLevel + 1));
-    const glm::vec3 low = sorted_.low + 2.0f * side * glm::vec3(gather(block), gather(block >> 1), gather(block >> 2));
+    const glm::vec3 low =
+        sorted_.low + 2.0f * side * glm::vec3(gather(block), gather(block >> 1), gather(block >> 2));
     Halves halves{.reach = 0.5f * side};
     size_t begin = range.begin;
     for (size_t lane = 0; lane < kLanes; ++lane) {
@@ -175,7 +178,8 @@ class PointBlocks {
     }
     Lanes d;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(tag))
-      d.store(i, hn::Add(hn::Sqrt(squaredDistance(t, x.load(i), y.load(i), z.load(i))), hn::Set(tag, slack_)));
+      d.store(i,
+              hn::Add(hn::Sqrt(squaredDistance(t, x.load(i), y.load(i), z.load(i))), hn::Set(tag, slack_)));
     for (size_t c = 0; c < kLanes; ++c) level.corners[c].v[lane] = d.v[c];
   }
 
@@ -216,7 +220,8 @@ class PointBlocks {
   std::vector<std::unique_ptr<Level>> levels_;
 };
 
-void findNearest(const SurfaceTree& tree, const SortedPoints& sorted, float most, std::span<NearestTriangle> nearest) {
+void findNearest(const SurfaceTree& tree, const SortedPoints& sorted, float most,
+                 std::span<NearestTriangle> nearest) {
   PointBlocks(tree, sorted, most, nearest).run();
 }
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "base/parallel.h"
@@ -87,7 +87,8 @@ class Batch {
   static glm::vec3 toCells(const Grid& grid, const glm::dvec3& p, float size) {
     if (!isFinite(p)) return glm::vec3(NAN);
     glm::dvec3 q = (p - grid.origin) * (1.0 / grid.spacing);
-    const double far = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}), most = double(kFarthest) * size;
+    const double far = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}),
+                 most = double(kFarthest) * size;
     if (far > most) q = q / far * most;
     return glm::vec3(q);
   }
@@ -101,7 +102,8 @@ class Batch {
     const int shift = 64 - 3 * kCurveBits;
     parallelFor(keys_.size(), kMostAtOnce, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const glm::uvec3 place(glm::clamp((cells_[keys_[k]] - low) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
+        const glm::uvec3 place(
+            glm::clamp((cells_[keys_[k]] - low) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
         keys_[k] |= (spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2) << shift;
       }
     });
@@ -128,18 +130,20 @@ class Batch {
 /// Answers for one part of a batch after another. Each thread has its own instance.
 class Answers {
  public:
-  Answers(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options, QueryResult& result)
+  Answers(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
+          QueryResult& result)
       : surface_(surface), view_(view), options_(options), result_(result) {
     if (surface.isSigned)
-      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.dipoles, surface.lattice,
-                                     surface.threshold});
+      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.dipoles,
+                                     surface.lattice, surface.threshold});
   }
 
   void answer(const Batch& batch, size_t begin, size_t end) {
     const size_t count = end - begin;
     nearest_.resize(count), exact_.resize(count), distances_.resize(count), numbers_.resize(count);
     const SortedPoints all = batch.sorted();
-    const SortedPoints part{all.points.subspan(begin, count), all.codes.subspan(begin, count), all.low, all.side};
+    const SortedPoints part{all.points.subspan(begin, count), all.codes.subspan(begin, count), all.low,
+                            all.side};
     const double limit = options_.maxDistance / surface_.grid.spacing;
     findNearestTriangles(surface_.tree, part, static_cast<float>(limit), nearest_);
     for (size_t k = 0; k < count; ++k) {
@@ -237,8 +241,8 @@ void fillRest(const PointsView& view, size_t begin, size_t end, QueryResult& res
 
 size_t PreparedSurface::bytes() const {
   return tree.bytes() + (turnedTree ? turnedTree->bytes() : 0) + turns.capacity() + dipoles.bytes() +
-         lattice.distance.capacityBytes() + lattice.winding.capacityBytes() + lattice.confidence.capacityBytes() +
-         lattice.isNearRim.capacityBytes();
+         lattice.distance.capacityBytes() + lattice.winding.capacityBytes() +
+         lattice.confidence.capacityBytes() + lattice.isNearRim.capacityBytes();
 }
 
 void queryPoints(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,

@@ -17,9 +17,9 @@ struct PreparedSurface {
   bool isSigned = false;
 
   // Filled if `isSigned`.
-  Turns turns;                             ///< How the sign takes the faces; empty: all as given.
-  std::optional<SurfaceTree> turnedTree;   ///< The faces as the sign takes them; none: `tree`.
-  WindingDipoles dipoles;                  ///< Of the faces as the sign takes them.
+  Turns turns;                            ///< How the sign takes the faces; empty: all as given.
+  std::optional<SurfaceTree> turnedTree;  ///< The faces as the sign takes them; none: `tree`.
+  WindingDipoles dipoles;                 ///< Of the faces as the sign takes them.
   WindingLattice lattice;
   double threshold = 0.5;
 

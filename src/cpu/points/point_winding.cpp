@@ -1,7 +1,8 @@
 // Ours: the winding number of scattered points (Krayer & Müller 2019, §3.5, know the lattice's samples only).
 //
-// On the way from a sample to a point, the number changes by the crossings of faces, as along the paper's rays.
-// Where the surface has holes it changes between faces, too. If the change could matter, the dipoles decide.
+// On the way from a sample to a point, the number changes by the crossings of faces, as along the paper's
+// rays. Where the surface has holes it changes between faces, too. If the change could matter, the dipoles
+// decide.
 
 #include "cpu/points/point_winding.h"
 
@@ -138,7 +139,8 @@ void PointWinding::compute(const WindingPoints& points, std::span<float> winding
   asked_.clear();
   ends_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i) {
-    if (isWhole && std::isnan(winding[i]) && crossExactly(points.exact[i], points.cells[i], winding[i])) continue;
+    if (isWhole && std::isnan(winding[i]) && crossExactly(points.exact[i], points.cells[i], winding[i]))
+      continue;
     if (!std::isnan(winding[i]) && isSettled(winding[i], points.distance[i])) continue;
     asked_.push_back(i);
     ends_.push_back(points.cells[i]);

@@ -28,8 +28,8 @@ struct WindingLattice {
 /// A mesh whose winding number is asked for. Refers to its parts.
 struct WindingSource {
   PackedMesh mesh;
-  const Turns& turns;       ///< How the sign takes the faces; empty: all as given.
-  const SurfaceTree& tree;  ///< The faces as the sign takes them, in the lattice's cells.
+  const Turns& turns;             ///< How the sign takes the faces; empty: all as given.
+  const SurfaceTree& tree;        ///< The faces as the sign takes them, in the lattice's cells.
   const WindingDipoles& dipoles;  ///< Prepared for the tree.
   const WindingLattice& lattice;
   double threshold = 0.5;
@@ -37,18 +37,19 @@ struct WindingSource {
 
 /// Points in parallel arrays.
 struct WindingPoints {
-  std::span<const glm::vec3> cells;     ///< Position in the lattice's cells.
-  std::span<const glm::dvec3> exact;    ///< Position relative to the mesh's origin, in the mesh's units.
-  std::span<const float> distance;      ///< Unsigned distance to the surface, in cells.
+  std::span<const glm::vec3> cells;   ///< Position in the lattice's cells.
+  std::span<const glm::dvec3> exact;  ///< Position relative to the mesh's origin, in the mesh's units.
+  std::span<const float> distance;    ///< Unsigned distance to the surface, in cells.
 };
 
-/// Computes winding numbers of points. A number is exact if the lattice's are whole. Else it is good enough to
-/// tell on which side of the threshold the point lies. Each thread has its own instance.
+/// Computes winding numbers of points. A number is exact if the lattice's are whole. Else it is good enough
+/// to tell on which side of the threshold the point lies. Each thread has its own instance.
 class PointWinding {
  public:
   explicit PointWinding(const WindingSource& source);
 
-  /// Computes the numbers, from the nearest sample and the faces between it and the point where that is enough.
+  /// Computes the numbers, from the nearest sample and the faces between it and the point where that is
+  /// enough.
   void compute(const WindingPoints& points, std::span<float> winding);
   /// Computes them from the faces themselves, to about 0.0002 and ever closer towards the threshold, unless
   /// the lattice's are whole.

@@ -46,7 +46,9 @@ class EdgeSums {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
     at(edge).fetch_add(edge.direction < 0 ? 0u - value : edge.direction * value, std::memory_order_relaxed);
   }
-  bool isRim(const EdgeHash& edge) { return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0; }
+  bool isRim(const EdgeHash& edge) {
+    return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
+  }
 
  private:
   std::atomic<uint32_t>& at(const EdgeHash& edge) { return sums_[edge.number & (sums_.size() - 1)]; }
@@ -68,7 +70,8 @@ void markEdge(const glm::vec3& a, const glm::vec3& b, const glm::ivec3& dims, Bu
   for (int s = 0; s <= steps; ++s) {
     const glm::vec3 p = a + (b - a) * (static_cast<float>(s) / static_cast<float>(steps));
     const glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(p)), glm::ivec3(0), dims - 1);
-    std::atomic_ref(marks[(size_t(cell.z) * dims.y + cell.y) * dims.x + cell.x]).store(1, std::memory_order_relaxed);
+    std::atomic_ref(marks[(size_t(cell.z) * dims.y + cell.y) * dims.x + cell.x])
+        .store(1, std::memory_order_relaxed);
   }
 }
 

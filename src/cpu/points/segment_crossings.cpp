@@ -31,12 +31,14 @@ HWY_INLINE uint32_t nodesAt(const DiscPacket& discs, const Capsule& capsule) {
   uint32_t nodes = 0;
   for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
     const Each read{i};
-    const Float x = hn::Sub(read(discs.cx), set(capsule.from.x)), y = hn::Sub(read(discs.cy), set(capsule.from.y)),
+    const Float x = hn::Sub(read(discs.cx), set(capsule.from.x)),
+                y = hn::Sub(read(discs.cy), set(capsule.from.y)),
                 z = hn::Sub(read(discs.cz), set(capsule.from.z));
     const Float dot = hn::MulAdd(x, set(capsule.along.x),
                                  hn::MulAdd(y, set(capsule.along.y), hn::Mul(z, set(capsule.along.z))));
     const Float t = hn::Min(hn::Max(hn::Mul(dot, inverse), hn::Zero(d)), set(1.0f));
-    const Float dx = hn::NegMulAdd(t, set(capsule.along.x), x), dy = hn::NegMulAdd(t, set(capsule.along.y), y),
+    const Float dx = hn::NegMulAdd(t, set(capsule.along.x), x),
+                dy = hn::NegMulAdd(t, set(capsule.along.y), y),
                 dz = hn::NegMulAdd(t, set(capsule.along.z), z);
     const Float square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
     const Float reach = hn::Add(hn::Add(read(discs.radius), read(discs.halfThickness)), set(capsule.radius));
@@ -47,8 +49,8 @@ HWY_INLINE uint32_t nodesAt(const DiscPacket& discs, const Capsule& capsule) {
 
 /// Visits the leaves that the capsule meets.
 template <class Visit>
-HWY_INLINE void forEachLeaf(const SurfaceTree& tree, const Capsule& capsule,
-                            std::vector<uint32_t>& stack, Visit&& visit) {
+HWY_INLINE void forEachLeaf(const SurfaceTree& tree, const Capsule& capsule, std::vector<uint32_t>& stack,
+                            Visit&& visit) {
   stack.push_back(tree.root() / kPacket);
   while (!stack.empty()) {
     const uint32_t packet = stack.back();
@@ -76,10 +78,12 @@ HWY_INLINE void addCrossings(const TrianglePacket& packet, const glm::vec3& from
   const float length = glm::distance(from, to);
   for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
     const Triangle<Each> t{packet, {i}};
-    const Local a = toLocal(t, set(from.x), set(from.y), set(from.z)), b = toLocal(t, set(to.x), set(to.y), set(to.z));
+    const Local a = toLocal(t, set(from.x), set(from.y), set(from.z)),
+                b = toLocal(t, set(to.x), set(to.y), set(to.z));
     const Float near = set(slack), zero = hn::Zero(d);
     // Both ends surely on the same side of the plane: no crossing.
-    const Mask meetsPlane = hn::And(hn::Lt(hn::Min(a.w, b.w), near), hn::Gt(hn::Max(a.w, b.w), hn::Neg(near)));
+    const Mask meetsPlane =
+        hn::And(hn::Lt(hn::Min(a.w, b.w), near), hn::Gt(hn::Max(a.w, b.w), hn::Neg(near)));
     const Float fall = hn::Max(hn::Abs(hn::Sub(a.w, b.w)), near);
     const Float s = hn::Min(hn::Div(hn::Abs(a.w), fall), set(1.0f));
     const Float u = hn::MulAdd(s, hn::Sub(b.u, a.u), a.u), v = hn::MulAdd(s, hn::Sub(b.v, a.v), a.v);
@@ -88,14 +92,15 @@ HWY_INLINE void addCrossings(const TrianglePacket& packet, const glm::vec3& from
     // Edge functions are distances times lengths of edges, and ab is the longest. The error of the crossing's
     // place grows as the segment runs along the plane.
     const Float error = hn::Mul(hn::Mul(bx, near), hn::Add(set(2.0f), hn::Div(set(2.0f * length), fall)));
-    const uint32_t possible =
-        (bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i) & lanes;
+    const uint32_t possible = (bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i) & lanes;
     if (!possible) continue;
-    const Mask passesPlane = hn::And(hn::Lt(hn::Min(a.w, b.w), hn::Neg(near)), hn::Gt(hn::Max(a.w, b.w), near));
+    const Mask passesPlane =
+        hn::And(hn::Lt(hn::Min(a.w, b.w), hn::Neg(near)), hn::Gt(hn::Max(a.w, b.w), near));
     const uint32_t sure = bits(hn::And(passesPlane, hn::Gt(inside, error))) << i;
     const uint32_t fromFront = bits(hn::Gt(a.w, zero)) << i;
     if (possible & ~sure) crossings.isSure = false;
-    crossings.change += hwy::PopCount(possible & sure & fromFront) - hwy::PopCount(possible & sure & ~fromFront);
+    crossings.change +=
+        hwy::PopCount(possible & sure & fromFront) - hwy::PopCount(possible & sure & ~fromFront);
   }
 }
 

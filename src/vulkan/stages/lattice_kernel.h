@@ -15,7 +15,8 @@ class LatticeKernel {
   LatticeKernel(Device& device, const Shader& shader, uint32_t groupSize)
       : device_(&device), shader_(shader), groupSize_(groupSize) {}
 
-  /// Chooses the variant, by whether all lattices are that of the samples. Must be called before the first use.
+  /// Chooses the variant, by whether all lattices are that of the samples. Must be called before the first
+  /// use.
   void choose(bool isOfSamples) {
     kernel_ = Kernel<Push>(*device_, shader_, groupSize_, {uint32_t{isOfSamples}});
   }
