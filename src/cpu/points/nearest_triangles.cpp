@@ -98,8 +98,9 @@ class PointBlocks {
   /// Halves the smallest block of the octree that holds all points of the range. Places the halves' centres.
   Halves halve(const Range& range, Level& level) const {
     const uint64_t first = sorted_.codes[range.begin], last = sorted_.codes[range.end - 1];
-    // Level of the halves; the finest is 0. The codes differ, so one bit of them is the highest to do so.
-    const int octreeLevel = std::clamp((std::bit_width(first ^ last) - 1) / 3, 0, kCurveBits - 1);
+    // Level of the halves; the finest is 0. The codes differ.
+    const int highest = static_cast<int>(std::bit_width(first ^ last)) - 1;
+    const int octreeLevel = std::clamp(highest / 3, 0, kCurveBits - 1);
     const float cell = sorted_.side / static_cast<float>(1 << kCurveBits);
     const float side = cell * static_cast<float>(1 << octreeLevel);
     const uint64_t block = first >> (3 * (octreeLevel + 1));
