@@ -40,7 +40,7 @@ EdgeHash hashOf(const glm::vec3& a, const glm::vec3& b) {
 /// keeps them from cancelling each other by chance.
 class EdgeSums {
  public:
-  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(3 * faces, 64))) {}
+  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(8 * faces, 64))) {}
 
   void add(const EdgeHash& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;

@@ -1,0 +1,98 @@
+#include "cpu/points/rims.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "broken_meshes.h"
+#include "shapes.h"
+#include "sign_scene.h"
+
+namespace raymap::cpu {
+namespace {
+
+Mesh meshOf(std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles) {
+  return makeMesh(positions, std::move(triangles));
+}
+
+CellMesh inCells(const Mesh& mesh) {
+  return cellMesh(mesh, fitGrid(mesh, {.resolution = 30}));
+}
+
+TEST(Rims, AreNotThereOnClosedMeshes) {
+  Mesh split = shapes::sphere(1.0, 2);  // Faces with corners of their own still share edges.
+  Mesh apart;
+  for (const glm::uvec3& t : split.triangles) {
+    const auto first = static_cast<uint32_t>(apart.vertices.size());
+    for (int c = 0; c < 3; ++c) apart.vertices.push_back(split.vertices[t[c]]);
+    apart.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const Mesh touching = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({1, 1, 0}, {2, 2, 1}));
+  for (const Mesh& mesh : {split, apart, touching, shapes::torus(1.0, 0.3, 30, 15),
+                           shapes::joined(split, shapes::sphere(1.0, 2))})
+    EXPECT_TRUE(markRims(inCells(mesh)).empty());
+}
+
+TEST(Rims, TakeZeroOfAnySign) {
+  Mesh mesh = shapes::box({-1, -1, 0}, {1, 1, 1});
+  CellMesh cells = inCells(mesh);
+  cells.vertices[0].x = 0.0f;
+  std::vector<glm::uvec3> triangles(cells.triangles.begin(), cells.triangles.end());
+  Buffer<glm::vec3> more(cells.vertices.size() + 1);
+  std::ranges::copy(cells.vertices, more.begin());
+  more[cells.vertices.size()] = glm::vec3(-0.0f, cells.vertices[0].y, cells.vertices[0].z);
+  for (glm::uvec3& t : triangles)  // One face names the same corner by another vertex.
+    if (t.x == 0) {
+      t.x = static_cast<uint32_t>(cells.vertices.size());
+      break;
+    }
+  cells.vertices = std::move(more);
+  cells.triangles = triangles;
+  EXPECT_TRUE(markRims(cells).empty());
+}
+
+TEST(Rims, AreMarkedWithinACell) {
+  for (const Mesh& mesh : {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(20, 1),
+                           meshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
+    const CellMesh cells = inCells(mesh);
+    const Buffer<uint8_t> marks = markRims(cells);
+    const glm::ivec3 d = cells.dims;
+    ASSERT_EQ(marks.size(), size_t(d.x) * d.y * d.z);
+    // All directed edges without their opposite, which these meshes have once at most.
+    std::vector<std::pair<glm::vec3, glm::vec3>> edges, rims;
+    for (size_t t = 0; t < cells.triangles.size(); ++t)
+      for (int c = 0; c < 3; ++c) edges.emplace_back(cells.corner(t, c), cells.corner(t, (c + 1) % 3));
+    for (const auto& [a, b] : edges)
+      if (std::ranges::find(edges, std::pair(b, a)) == edges.end()) rims.emplace_back(a, b);
+    ASSERT_FALSE(rims.empty());
+    size_t marked = 0, far = 0;
+    for (int z = 0; z < d.z; ++z)
+      for (int y = 0; y < d.y; ++y)
+        for (int x = 0; x < d.x; ++x) {
+          const glm::dvec3 low(x, y, z);
+          double distance = INFINITY;  // from the cube between the sample and the next ones, at points of the rims
+          for (const auto& [a, b] : rims)
+            for (int s = 0; s <= 40; ++s) {
+              const glm::dvec3 p = glm::dvec3(a) + (s / 40.0) * glm::dvec3(b - a);
+              distance = std::min(distance, glm::distance(p, glm::clamp(p, low, low + 1.0)));
+            }
+          const bool isMarked = marks[(size_t(z) * d.y + y) * d.x + x] != 0;
+          marked += isMarked;
+          if (distance < 0.5) {
+            ASSERT_TRUE(isMarked) << x << ' ' << y << ' ' << z;
+          }
+          far += isMarked && distance > 2.0;
+        }
+    EXPECT_GT(marked, 10u);
+    EXPECT_LT(far, marked / 4);  // Edges that share their sum with a rim.
+  }
+}
+
+TEST(Rims, AreFacesThatPointTheOtherWay) {
+  Mesh mesh = shapes::sphere(1.0, 2);
+  std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
+  EXPECT_FALSE(markRims(inCells(mesh)).empty());
+}
+
+}  // namespace
+}  // namespace raymap::cpu
