@@ -1,5 +1,6 @@
 #include "cpu/points/point_query.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
@@ -22,15 +23,19 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kBatch = size_t{1} << (64 - 3 * kCurveBits);
 
 /// Most points that one thread answers at a time, and fewest.
-constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 64;
+constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256;
 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
 /// search is that of its farthest point. Even farther ones are moved closer, to this distance. It hardly
 /// matters there from which of two directions so close to each other one looks.
 constexpr float kFar = 4.0f, kFarthest = 1e4f;
 
+const std::byte* bytesAt(const PointsView& view, size_t i) {
+  return static_cast<const std::byte*>(view.data) + i * view.stride;
+}
+
 glm::dvec3 pointAt(const PointsView& view, size_t i) {
-  const auto* bytes = static_cast<const std::byte*>(view.data) + i * view.stride;
+  const std::byte* bytes = bytesAt(view, i);
   const auto read = [&]<class S>(S) {
     S p[3];
     std::memcpy(p, bytes, sizeof(p));
@@ -52,77 +57,118 @@ uint64_t spread(uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ull;
 }
 
+/// Returns a point in the cells of a grid.
+glm::vec3 toCells(const Grid& grid, const glm::dvec3& p) {
+  if (!isFinite(p)) return glm::vec3(NAN);
+  glm::dvec3 q = (p - grid.origin) * (1.0 / grid.spacing);
+  const double far = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}),
+               most = double(kFarthest) * double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
+  if (far > most) q = q / far * most;
+  return glm::vec3(q);
+}
+
 /// Some points of a query, sorted along a curve.
 class Batch {
  public:
-  /// Takes those points numbered [begin, end) that are far from the grid, or the others.
-  void take(const PreparedSurface& surface, const PointsView& view, size_t begin, size_t end, bool isFar) {
+  /// Loads the points numbered [begin, end).
+  void load(const Grid& grid, const PointsView& view, size_t begin, size_t end) {
     begin_ = begin;
-    const glm::vec3 dims(surface.grid.dims);
-    const float size = std::max({dims.x, dims.y, dims.z});
-    keys_.clear();
     cells_.resizeUninitialized(end - begin);
-    parallelFor(end - begin, kMostAtOnce, [&](size_t from, size_t to) {
-      for (size_t i = from; i < to; ++i) cells_[i] = toCells(surface.grid, pointAt(view, begin + i), size);
+    places_.resizeUninitialized(end - begin);
+    parts_.assign((end - begin + kMostAtOnce - 1) / kMostAtOnce, {});
+    forEachPart([&](Part& part, size_t i) {
+      cells_[i] = toCells(grid, pointAt(view, begin_ + i));
+      places_[i] = placeOf(grid, cells_[i]);
+      if (places_[i] != Place::Nowhere) part.sets[places_[i] == Place::Far].add(cells_[i]);
     });
-    glm::vec3 low(INFINITY), high(-INFINITY);
-    for (size_t i = 0; i < cells_.size(); ++i) {
-      const glm::vec3& p = cells_[i];
-      const glm::vec3 q = glm::abs(p - 0.5f * dims);
-      const bool isNear = std::max({q.x, q.y, q.z}) <= kFar * size;
-      if (std::isnan(p.x) || isNear == isFar) continue;
-      keys_.push_back(i);
-      low = glm::min(low, p);
-      high = glm::max(high, p);
+  }
+
+  /// Sorts the points that are far from the grid, or the others.
+  void sort(bool isFar) {
+    PointSet all;
+    for (Part& part : parts_) {
+      part.next = all.count;
+      all.add(part.sets[isFar]);
     }
-    if (!keys_.empty()) sort(low, high);
-  }
-
-  size_t count() const { return keys_.size(); }
-  SortedPoints sorted() const { return {points_, codes_, low_, side_}; }
-  /// Returns the number of a sorted point in the query.
-  size_t number(size_t k) const { return begin_ + keys_[k]; }
-
- private:
-  static glm::vec3 toCells(const Grid& grid, const glm::dvec3& p, float size) {
-    if (!isFinite(p)) return glm::vec3(NAN);
-    glm::dvec3 q = (p - grid.origin) * (1.0 / grid.spacing);
-    const double far = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}),
-                 most = double(kFarthest) * size;
-    if (far > most) q = q / far * most;
-    return glm::vec3(q);
-  }
-
-  void sort(const glm::vec3& low, const glm::vec3& high) {
-    constexpr float kPlaces = 1 << kCurveBits;
-    const glm::vec3 size = high - low;
-    low_ = low;
+    keys_.resizeUninitialized(all.count);
+    if (all.count == 0) return;
+    const glm::vec3 size = all.high - all.low;
+    low_ = all.low;
     // All points lie within the cube in spite of rounding.
     side_ = std::max({size.x, size.y, size.z, 1e-20f}) * 1.0001f;
-    const int shift = 64 - 3 * kCurveBits;
-    parallelFor(keys_.size(), kMostAtOnce, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) {
-        const glm::uvec3 place(
-            glm::clamp((cells_[keys_[k]] - low) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
-        keys_[k] |= (spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2) << shift;
-      }
+    const Place wanted = isFar ? Place::Far : Place::Near;
+    forEachPart([&](Part& part, size_t i) {
+      if (places_[i] == wanted) keys_[part.next++] = codeOf(cells_[i]) << kNumberBits | i;
     });
     hwy::Sorter()(keys_.data(), keys_.size(), hwy::SortAscending());
-    points_.resizeUninitialized(keys_.size());
-    codes_.resizeUninitialized(keys_.size());
-    parallelFor(keys_.size(), kMostAtOnce, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) {
-        codes_[k] = keys_[k] >> shift;
-        keys_[k] &= kBatch - 1;
-        points_[k] = cells_[keys_[k]];
-      }
+  }
+
+  /// Number of points that were sorted.
+  size_t count() const { return keys_.size(); }
+  /// Returns the number of a sorted point in the query.
+  size_t number(size_t k) const { return begin_ + (keys_[k] & (kBatch - 1)); }
+  /// Returns the place of a sorted point on the curve.
+  uint64_t code(size_t k) const { return keys_[k] >> kNumberBits; }
+  /// Returns some of the sorted points, from what the caller keeps of them.
+  SortedPoints sorted(std::span<const glm::vec3> cells, std::span<const uint64_t> codes) const {
+    return {cells, codes, low_, side_};
+  }
+  /// Returns whether a coordinate of some point is not finite.
+  bool hasNowhere() const {
+    size_t somewhere = 0;
+    for (const Part& part : parts_) somewhere += part.sets[0].count + part.sets[1].count;
+    return somewhere < cells_.size();
+  }
+
+ private:
+  static constexpr int kNumberBits = 64 - 3 * kCurveBits;
+  enum class Place : uint8_t { Near, Far, Nowhere };
+
+  /// Size of a set of points.
+  struct PointSet {
+    size_t count = 0;
+    glm::vec3 low{INFINITY}, high{-INFINITY};
+
+    void add(const glm::vec3& p) { add(PointSet{1, p, p}); }
+    void add(const PointSet& set) {
+      count += set.count;
+      low = glm::min(low, set.low);
+      high = glm::max(high, set.high);
+    }
+  };
+
+  /// Points that one thread loads at a time.
+  struct Part {
+    PointSet sets[2];  // near and far
+    size_t next = 0;   // where its next key goes
+  };
+
+  static Place placeOf(const Grid& grid, const glm::vec3& p) {
+    if (std::isnan(p.x)) return Place::Nowhere;
+    const glm::vec3 dims(grid.dims), q = glm::abs(p - 0.5f * dims);
+    return std::max({q.x, q.y, q.z}) <= kFar * std::max({dims.x, dims.y, dims.z}) ? Place::Near : Place::Far;
+  }
+
+  uint64_t codeOf(const glm::vec3& p) const {
+    constexpr float kPlaces = 1 << kCurveBits;
+    const glm::uvec3 place(glm::clamp((p - low_) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
+    return spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
+  }
+
+  template <class Visit>
+  void forEachPart(Visit&& visit) {
+    parallelFor(parts_.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t part = begin; part < end; ++part)
+        for (size_t i = part * kMostAtOnce; i < std::min((part + 1) * kMostAtOnce, cells_.size()); ++i)
+          visit(parts_[part], i);
     });
   }
 
   size_t begin_ = 0;
-  Buffer<glm::vec3> cells_, points_;
-  std::vector<uint64_t> keys_;  // the point's number in the batch below its place on the curve
-  Buffer<uint64_t> codes_;
+  Buffer<glm::vec3> cells_;
+  Buffer<Place> places_;
+  std::vector<Part> parts_;
+  Buffer<uint64_t> keys_;  // the point's number in the batch below its place on the curve
   glm::vec3 low_{0.0f};
   float side_ = 0.0f;
 };
@@ -139,21 +185,28 @@ class Answers {
   }
 
   void answer(const Batch& batch, size_t begin, size_t end) {
-    const size_t count = end - begin;
-    nearest_.resize(count), exact_.resize(count), distances_.resize(count), numbers_.resize(count);
-    const SortedPoints all = batch.sorted();
-    const SortedPoints part{all.points.subspan(begin, count), all.codes.subspan(begin, count), all.low,
-                            all.side};
+    gather(batch, begin, end - begin);
     const double limit = options_.maxDistance / surface_.grid.spacing;
-    findNearestTriangles(surface_.tree, part, static_cast<float>(limit), nearest_);
-    for (size_t k = 0; k < count; ++k) {
-      exact_[k] = pointAt(view_, batch.number(begin + k)) - surface_.mesh.origin;
-      measure(k, batch.number(begin + k));
-    }
-    if (winding_) computeSigns(part.points, batch, begin);
+    findNearestTriangles(surface_.tree, batch.sorted(cells_, codes_), static_cast<float>(limit), nearest_);
+    for (size_t k = 0; k < cells_.size(); ++k) measure(k, batch.number(begin + k));
+    if (winding_) computeSigns(batch, begin);
   }
 
  private:
+  /// Collects points that are scattered over memory.
+  void gather(const Batch& batch, size_t begin, size_t count) {
+    constexpr size_t kAhead = 32;
+    nearest_.resize(count), cells_.resize(count), codes_.resize(count), exact_.resize(count);
+    distances_.resize(count), numbers_.resize(count);
+    for (size_t k = 0; k < count; ++k) {
+      if (k + kAhead < count) hwy::Prefetch(bytesAt(view_, batch.number(begin + k + kAhead)));
+      const glm::dvec3 p = pointAt(view_, batch.number(begin + k));
+      cells_[k] = toCells(surface_.grid, p);
+      codes_[k] = batch.code(begin + k);
+      exact_[k] = p - surface_.mesh.origin;
+    }
+  }
+
   /// Fills what follows from the closest triangle.
   void measure(size_t k, size_t number) {
     const uint32_t found = nearest_[k].triangle;
@@ -183,19 +236,19 @@ class Answers {
 
   glm::dvec3 corner(uint32_t vertex) const { return glm::dvec3(surface_.mesh.vertices[vertex]); }
 
-  void computeSigns(std::span<const glm::vec3> cells, const Batch& batch, size_t begin) {
-    const WindingPoints points{cells, exact_, distances_};
+  void computeSigns(const Batch& batch, size_t begin) {
+    const WindingPoints points{cells_, exact_, distances_};
     if (options_.winding)
       winding_->computeClosely(points, numbers_);
     else
       winding_->compute(points, numbers_);
-    for (size_t k = 0; k < cells.size(); ++k) {
+    for (size_t k = 0; k < cells_.size(); ++k) {
       const size_t number = batch.number(begin + k);
       const bool isInside = std::abs(numbers_[k]) > static_cast<float>(surface_.threshold);
       if (options_.distance && isInside) result_.distance[number] = -result_.distance[number];
       if (options_.winding) result_.winding[number] = numbers_[k];
       if (options_.confidence)
-        result_.confidence[number] = surface_.lattice.confidence[winding_->nearestSample(cells[k])];
+        result_.confidence[number] = surface_.lattice.confidence[winding_->nearestSample(cells_[k])];
     }
   }
 
@@ -205,6 +258,8 @@ class Answers {
   QueryResult& result_;
   std::optional<PointWinding> winding_;
   std::vector<NearestTriangle> nearest_;
+  std::vector<glm::vec3> cells_;
+  std::vector<uint64_t> codes_;
   std::vector<glm::dvec3> exact_;
   std::vector<float> distances_, numbers_;
 };
@@ -252,8 +307,9 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
   std::atomic<size_t> done{0};
   for (size_t begin = 0; begin < view.count; begin += kBatch) {
     const size_t end = std::min(begin + kBatch, view.count);
+    batch.load(surface.grid, view, begin, end);
     for (const bool isFar : {false, true}) {
-      batch.take(surface, view, begin, end, isFar);
+      batch.sort(isFar);
       const size_t part = std::clamp(batch.count() / (8 * parallelThreads()), kFewestAtOnce, kMostAtOnce);
       const size_t parts = (batch.count() + part - 1) / part;
       parallelWorkers(parts, [&](const auto& next) {
@@ -265,7 +321,7 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
         }
       });
     }
-    fillRest(view, begin, end, result);
+    if (batch.hasNowhere()) fillRest(view, begin, end, result);
   }
 }
 
