@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "methods.h"
+#include "point_methods.h"
 
 namespace raymap::bench {
 
@@ -157,6 +158,26 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 };
 
+float signedDistance(const glm::vec3& p, RTCScene scene, const PseudoNormals& normals, Walk& walk) {
+  walk.squared = INFINITY;
+  walk.visit(p, walk.closest);
+  RTCPointQuery query{p.x, p.y, p.z, 0.f, std::sqrt(walk.squared)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene, &query, &context, nullptr, &walk);
+  const ClosestPoint closest = closestPoint(p, (*walk.triangles)[walk.closest]);
+  const bool outside = glm::dot(p - closest.point, normals(walk.closest, closest.feature)) >= 0.f;
+  const float distance = std::sqrt(walk.squared);
+  return outside ? distance : -distance;
+}
+
+std::vector<std::array<glm::vec3, 3>> cornersOf(const Mesh& mesh) {
+  std::vector<std::array<glm::vec3, 3>> triangles(mesh.triangles.size());
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) triangles[t][c] = mesh.vertices[mesh.triangles[t][c]];
+  return triangles;
+}
+
 /// Visits one z slice back and forth along x and y, so that each sample is adjacent to the one before.
 void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, Walk walk, int k,
                float* slice) {
@@ -165,16 +186,7 @@ void fillSlice(const Case& input, RTCScene scene, const PseudoNormals& normals, 
     for (int step = 0; step < dims.x; ++step) {
       const int i = j % 2 == 0 ? step : dims.x - 1 - step;
       const glm::vec3 p(input.grid.position({i, j, k}) - input.mesh.origin);
-      walk.squared = INFINITY;
-      walk.visit(p, walk.closest);
-      RTCPointQuery query{p.x, p.y, p.z, 0.f, std::sqrt(walk.squared)};
-      RTCPointQueryContext context;
-      rtcInitPointQueryContext(&context);
-      rtcPointQuery(scene, &query, &context, nullptr, &walk);
-      const ClosestPoint closest = closestPoint(p, (*walk.triangles)[walk.closest]);
-      const bool outside = glm::dot(p - closest.point, normals(walk.closest, closest.feature)) >= 0.f;
-      const float distance = std::sqrt(walk.squared);
-      slice[size_t(j) * dims.x + i] = outside ? distance : -distance;
+      slice[size_t(j) * dims.x + i] = signedDistance(p, scene, normals, walk);
     }
 }
 
@@ -185,12 +197,28 @@ void runEmbree(const Case& input, Buffer<float>& values) {
   const Scene scene(input.mesh, input.threads);
   withThreads(input.threads, [&] {
     const PseudoNormals normals(input.mesh);
-    std::vector<std::array<glm::vec3, 3>> triangles(input.mesh.triangles.size());
-    for (size_t t = 0; t < triangles.size(); ++t)
-      for (int c = 0; c < 3; ++c) triangles[t][c] = input.mesh.vertices[input.mesh.triangles[t][c]];
+    const std::vector<std::array<glm::vec3, 3>> triangles = cornersOf(input.mesh);
     parallelFor(input.grid.dims.z, 1, [&](size_t k, size_t) {
       fillSlice(input, scene.scene, normals, Walk{&triangles, 0, INFINITY}, int(k),
                 values.data() + input.grid.index({0, 0, int(k)}));
+    });
+  });
+}
+
+void runEmbreePoints(const PointCase& input, const std::function<void()>& prepared, Buffer<double>& values) {
+  constexpr size_t kPointsPerTask = 4096;
+  const Scene scene(input.mesh, input.threads);
+  const glm::dvec3 origin = input.mesh.origin;
+  withThreads(input.threads, [&] {
+    const PseudoNormals normals(input.mesh);
+    const std::vector<std::array<glm::vec3, 3>> triangles = cornersOf(input.mesh);
+    prepared();
+    values.resizeUninitialized(input.points.size());
+    parallelFor(input.points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      Walk walk{&triangles, 0, INFINITY};
+      for (size_t i = begin; i < end; ++i)
+        values[i] =
+            signedDistance(glm::vec3(glm::dvec3(input.points[i]) - origin), scene.scene, normals, walk);
     });
   });
 }

@@ -1,12 +1,8 @@
 // Runs one method on one case and prints its cost as one line of JSON. Every run has a process of its own, so
 // that no run starts with warm memory. bench/compare.py alternates the methods and makes the table.
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +11,7 @@
 #include "meshes.h"
 #include "methods.h"
 #include "program.h"
+#include "usage.h"
 
 namespace raymap::bench {
 
@@ -29,32 +26,6 @@ const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kM
 #ifdef RAYMAP_BENCH_OPENVDB
     {"openvdb", runOpenvdb},
 #endif
-};
-
-/// Returns the peak since it was last cleared. getrusage includes the peak of the program that started this
-/// one.
-double peakMegabytesNow() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (double kilobytes = 0.0; word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
-  return 0.0;
-}
-
-struct Usage {
-  double wall, cpu, peakMegabytes;
-
-  /// Clears the peak, so that it does not include making the mesh.
-  static Usage start() {
-    std::ofstream("/proc/self/clear_refs") << 5;
-    return now();
-  }
-  static Usage now() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now().time_since_epoch();
-    return {wall.count(), seconds(usage.ru_utime) + seconds(usage.ru_stime), peakMegabytesNow()};
-  }
 };
 
 int run(int argc, char** argv) {

@@ -4,20 +4,8 @@
 # Installs the Python peers (libigl, Open3D, mesh2sdf) into build/bench/venv and leaves out those that do not install.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-build=build/bench
-scripts/install.sh --bench >&2
-
-cmake --preset release -B "$build" -DRAYMAP_BUILD_BENCH=ON -DRAYMAP_BUILD_TESTS=OFF >&2
+source scripts/bench_peers.sh
 cmake --build "$build" >&2
-
-if [ ! -e "$build/venv/complete" ]; then
-  python3 -m venv "$build/venv" >&2
-  "$build/venv/bin/pip" install --quiet numpy >&2
-  for peer in libigl open3d mesh2sdf; do
-    "$build/venv/bin/pip" install --quiet "$peer" >&2 || echo "$peer does not install here" >&2
-  done
-  touch "$build/venv/complete"
-fi
 
 echo "## Machine and stages"
 echo
