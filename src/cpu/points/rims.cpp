@@ -25,33 +25,41 @@ uint64_t hashOf(const glm::vec3& p) {
   return mix(mix(bits(p.x) << 32 | bits(p.y)) + bits(p.z));
 }
 
-/// A directed edge's number, the same in both directions, and its direction, +1 or -1.
-struct EdgeHash {
+/// A directed edge: its ends, a number that is the same in both directions, and its direction, +1 or -1.
+struct Edge {
+  glm::vec3 from, to;
   uint64_t number;
   int direction;
 };
 
-EdgeHash hashOf(const glm::vec3& a, const glm::vec3& b) {
-  const uint64_t from = hashOf(a), to = hashOf(b);
-  return {mix(std::min(from, to) + 3 * std::max(from, to)), from < to ? 1 : from > to ? -1 : 0};
-}
-
-/// Sums that are 0 where all edges end evenly. Several edges share one; the upper half of an edge's number
-/// keeps them from cancelling each other by chance.
+/// Sums that are 0 where all edges end evenly. Several edges share one, mostly edges of the same cell: their
+/// sums lie in one cache line. The upper half of an edge's number keeps them from cancelling each other by
+/// chance.
 class EdgeSums {
  public:
-  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(8 * faces, 64))) {}
+  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(3 * faces, 64))) {}
 
-  void add(const EdgeHash& edge) {
+  void add(const Edge& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
     at(edge).fetch_add(edge.direction < 0 ? 0u - value : edge.direction * value, std::memory_order_relaxed);
   }
-  bool isRim(const EdgeHash& edge) {
+  bool isRim(const Edge& edge) {
     return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
+  }
+  bool hasRims() const {
+    return std::ranges::any_of(sums_,
+                               [](const auto& sum) { return sum.load(std::memory_order_relaxed) != 0; });
   }
 
  private:
-  std::atomic<uint32_t>& at(const EdgeHash& edge) { return sums_[edge.number & (sums_.size() - 1)]; }
+  std::atomic<uint32_t>& at(const Edge& edge) {
+    constexpr uint64_t kLine = 64 / sizeof(uint32_t);
+    const glm::ivec3 cell(glm::floor(0.5f * (edge.from + edge.to)));  // the same in both directions
+    const auto bits = [](int v) { return uint64_t{static_cast<uint32_t>(v)}; };
+    const uint64_t place =
+        mix(mix(bits(cell.x) << 32 | bits(cell.y)) + bits(cell.z)) * kLine + edge.number % kLine;
+    return sums_[place & (sums_.size() - 1)];
+  }
 
   std::vector<std::atomic<uint32_t>> sums_;
 };
@@ -59,8 +67,17 @@ class EdgeSums {
 template <class Visit>
 void forEachEdge(const CellMesh& mesh, Visit&& visit) {
   parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t)
-      for (int c = 0; c < 3; ++c) visit(mesh.corner(t, c), mesh.corner(t, (c + 1) % 3));
+    for (size_t t = begin; t < end; ++t) {
+      const glm::vec3 corners[] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
+      const uint64_t hashes[] = {hashOf(corners[0]), hashOf(corners[1]), hashOf(corners[2])};
+      for (int c = 0; c < 3; ++c) {
+        const uint64_t from = hashes[c], to = hashes[(c + 1) % 3];
+        visit(Edge{corners[c], corners[(c + 1) % 3], mix(std::min(from, to) + 3 * std::max(from, to)),
+                   from < to   ? 1
+                   : from > to ? -1
+                               : 0});
+      }
+    }
   });
 }
 
@@ -96,16 +113,13 @@ void widen(const glm::ivec3& dims, int axis, const Buffer<uint8_t>& from, Buffer
 
 Buffer<uint8_t> markRims(const CellMesh& mesh) {
   EdgeSums sums(mesh.triangles.size());
-  forEachEdge(mesh, [&](const glm::vec3& a, const glm::vec3& b) { sums.add(hashOf(a, b)); });
+  forEachEdge(mesh, [&](const Edge& edge) { sums.add(edge); });
+  if (!sums.hasRims()) return {};
   Buffer<uint8_t> marks(size_t(mesh.dims.x) * mesh.dims.y * mesh.dims.z);
   std::fill(marks.begin(), marks.end(), uint8_t{0});
-  std::atomic<bool> hasRims{false};
-  forEachEdge(mesh, [&](const glm::vec3& a, const glm::vec3& b) {
-    if (!sums.isRim(hashOf(a, b))) return;
-    hasRims.store(true, std::memory_order_relaxed);
-    markEdge(a, b, mesh.dims, marks);
+  forEachEdge(mesh, [&](const Edge& edge) {
+    if (sums.isRim(edge)) markEdge(edge.from, edge.to, mesh.dims, marks);
   });
-  if (!hasRims) return {};
   Buffer<uint8_t> wider(marks.size());
   for (int axis = 0; axis < 3; ++axis) {
     widen(mesh.dims, axis, marks, wider);
