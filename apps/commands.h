@@ -7,6 +7,7 @@ namespace raymap {
 // One file per subcommand. Each function adds its options and the function to run.
 void addGenerate(CLI::App& app);
 void addInfo(CLI::App& app);
+void addQuery(CLI::App& app);
 void addMesh(CLI::App& app);
 void addRender(CLI::App& app);
 void addRepair(CLI::App& app);

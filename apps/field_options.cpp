@@ -63,8 +63,7 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   add("--offsets", arguments.offsets,
       "Text file of offset points for --sign paths and evolution, a line x y z each, in samples")
       ->type_name("FILE");
-  add("--threshold", options.threshold, "A sample is inside if |winding number| exceeds this (default 0.5)")
-      ->check(numberFrom(0, true));
+  addThresholdOption(command, arguments);
   add("--band", options.band, "Clamp distances to this many samples; 0 = do not clamp (default)")
       ->check(numberFrom(0));
   command
@@ -91,6 +90,14 @@ void addOrientationOption(CLI::App& command, FieldArguments& arguments) {
       ->group("Method");
 }
 
+void addThresholdOption(CLI::App& command, FieldArguments& arguments) {
+  command
+      .add_option("--threshold", arguments.options.threshold,
+                  "A point is inside if |winding number| exceeds this (default 0.5)")
+      ->check(numberFrom(0, true))
+      ->group("Method");
+}
+
 void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
   command
       .add_option(
@@ -98,6 +105,10 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
           "Device that computes the field: cpu, vulkan, vulkan:K (see raymap devices), or auto (default), a "
           "GPU if there is one, else the CPU")
       ->group("Machine");
+  addCpuOptions(command, arguments);
+}
+
+void addCpuOptions(CLI::App& command, FieldArguments& arguments) {
   command.add_option("--threads", arguments.options.threads, "Number of CPU threads; 0 = all (default)")
       ->check(wholeNumberFrom(0))
       ->group("Machine");

@@ -27,6 +27,8 @@ void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 // Add some of them.
 void addOrientationOption(CLI::App& command, FieldArguments& arguments);
 void addMachineOptions(CLI::App& command, FieldArguments& arguments);
+void addCpuOptions(CLI::App& command, FieldArguments& arguments);
+void addThresholdOption(CLI::App& command, FieldArguments& arguments);
 
 /// Converts arguments given as text into `grid` and `options`. Throws `Error(Usage)` if they contradict each
 /// other.

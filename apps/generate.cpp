@@ -42,11 +42,11 @@ struct Report {
   double elapsedMilliseconds = 0.0;
   std::vector<fs::path> written;
 
-  double millisecondsOf(std::string_view name) const {
-    double sum = 0.0;
-    for (const auto* steps : {&before, &after})
-      for (const Stats::Stage& step : *steps) sum += step.name == name ? step.milliseconds : 0.0;
-    return sum;
+  /// Returns all steps, in order.
+  std::vector<Stats::Stage> steps() const {
+    std::vector<Stats::Stage> all = before;
+    for (const auto* more : {&stats.stages, &after}) all.insert(all.end(), more->begin(), more->end());
+    return all;
   }
 };
 
@@ -58,18 +58,6 @@ std::vector<Output> outputs(const Arguments& arguments) {
           {"--stats", arguments.stats, {".json"}},
           {"--report", arguments.report, {".json"}},
           {"--report-picture", arguments.reportPicture, {".png"}}};
-}
-
-double secondsSinceStart() {
-  using namespace std::chrono;
-  return duration<double>(steady_clock::now().time_since_epoch()).count();
-}
-
-template <class Work>
-double milliseconds(Work&& work) {
-  const double start = secondsSinceStart();
-  work();
-  return 1e3 * (secondsSinceStart() - start);
 }
 
 void finishOptions(Arguments& arguments) {
@@ -109,8 +97,8 @@ Json describe(const Arguments& arguments, const Report& report) {
   return {{"raymap", version().text},
           {"mesh",
            {{"file", arguments.mesh.string()},
-            {"load_ms", report.millisecondsOf("load")},
-            {"diagnose_ms", report.millisecondsOf("diagnose")}}},
+            {"load_ms", millisecondsOf(report.before, "load")},
+            {"diagnose_ms", millisecondsOf(report.before, "diagnose")}}},
           {"diagnostics", toJson(report.found)},
           {"grid",
            {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
@@ -133,7 +121,7 @@ Json describe(const Arguments& arguments, const Report& report) {
           {"device", report.stats.device},
           {"stages", toJson(report.stats)},
           {"total_ms", report.stats.totalMilliseconds},
-          {"write_ms", report.millisecondsOf("write")},
+          {"write_ms", millisecondsOf(report.after, "write")},
           {"doubtful_share", report.stats.doubtfulShare},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"left_out_faces", report.stats.leftOutFaces.size()},
@@ -172,33 +160,6 @@ void writeJson(const fs::path& path, const Json& json, Report& report) {
   report.written.push_back(path);
 }
 
-/// Prints a line for each step, and their sum. "other" is what lies between the stages: checks of the mesh,
-/// and freeing memory.
-void printTimes(const Report& report) {
-  double sum = 0.0;
-  const auto line = [&](const std::string& name, double milliseconds) {
-    std::printf("  %-20s %10.1f ms\n", name.c_str(), milliseconds);
-    sum += milliseconds;
-  };
-  for (const auto* steps : {&report.before, &report.stats.stages, &report.after})
-    for (const Stats::Stage& step : *steps) line(step.name, step.milliseconds);
-  line("other", std::max(report.elapsedMilliseconds - sum, 0.0));
-  line("elapsed", sum);
-}
-
-void printOrientation(const Stats& stats) {
-  const size_t turned = stats.turnedFaces.size(), leftOut = stats.leftOutFaces.size();
-  if (!stats.orientationFits)
-    std::printf("orientation: no directions of the faces fit the crossings, misfit %.3g%s\n", stats.misfit,
-                turned == 0 ? "; the faces are used as given" : "");
-  if (leftOut > 0)
-    std::printf("orientation: double-sided faces bound a solid; %s left out\n",
-                counted(leftOut, "other side").c_str());
-  if (turned > 0)
-    std::printf("orientation: turned %s; misfit of the crossings %.3g as given, %.3g now\n",
-                counted(turned, "face").c_str(), stats.misfitGiven, stats.misfit);
-}
-
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
@@ -207,7 +168,7 @@ void print(const Arguments& arguments, const Report& report) {
               describeDefects(report.found).c_str());
   std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
-  printTimes(report);
+  printTimes(report.steps(), report.elapsedMilliseconds);
   std::printf("field: %.1f ms on %s, peak memory %s", report.stats.totalMilliseconds,
               report.stats.device.c_str(), sizeText(peakMemory()).c_str());
   if (arguments.options.sign != SignMode::None)
@@ -230,30 +191,27 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
 }
 
 void run(Arguments& arguments) {
-  const double start = secondsSinceStart();
+  const Clock::time_point start = Clock::now();
   finishOptions(arguments);
   checkOutputs(outputs(arguments));
   testBeforeFirstUse(arguments.options.device);
   Report report;
-  const auto time = [](std::vector<Stats::Stage>& steps, const char* name, auto&& work) {
-    steps.push_back({name, milliseconds(work)});
-  };
   Mesh mesh;
   Field field;
-  time(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
+  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
   {
     ProgressLine line;
     // The summary line needs no more. The files list everything.
     const bool isBrief = arguments.stats.empty() && arguments.report.empty();
-    time(report.before, "diagnose",
-         [&] { report.found = diagnose(mesh, {.isBrief = isBrief, .progress = line.callback()}); });
-    time(report.before, "fit", [&] { report.grid = fitGrid(mesh, arguments.grid); });
+    timeStep(report.before, "diagnose",
+             [&] { report.found = diagnose(mesh, {.isBrief = isBrief, .progress = line.callback()}); });
+    timeStep(report.before, "fit", [&] { report.grid = fitGrid(mesh, arguments.grid); });
     report.stats = Generator().generate(mesh, report.grid, withProgress(arguments.options, line), field);
   }
-  time(report.after, "write", [&] { writeAll(arguments, field, report); });
+  timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
-    time(report.after, "report", [&] { writeReports(arguments, mesh, field, report); });
-  report.elapsedMilliseconds = 1e3 * (secondsSinceStart() - start);
+    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report); });
+  report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
 }
 

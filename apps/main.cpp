@@ -71,6 +71,7 @@ int run(int argc, char** argv) {
   app.get_formatter()->column_width(34);
   addGenerate(app);
   addInfo(app);
+  addQuery(app);
   addMesh(app);
   addRender(app);
   addRepair(app);

@@ -101,6 +101,36 @@ std::string sizeText(size_t bytes) {
   return text.data();
 }
 
+double millisecondsOf(const std::vector<Stats::Stage>& steps, std::string_view name) {
+  double sum = 0.0;
+  for (const Stats::Stage& step : steps) sum += step.name == name ? step.milliseconds : 0.0;
+  return sum;
+}
+
+void printTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds) {
+  double sum = 0.0;
+  const auto line = [&](const std::string& name, double milliseconds) {
+    std::printf("  %-20s %10.1f ms\n", name.c_str(), milliseconds);
+    sum += milliseconds;
+  };
+  for (const Stats::Stage& step : steps) line(step.name, step.milliseconds);
+  line("other", std::max(elapsedMilliseconds - sum, 0.0));
+  line("elapsed", sum);
+}
+
+void printOrientation(const Stats& stats) {
+  const size_t turned = stats.turnedFaces.size(), leftOut = stats.leftOutFaces.size();
+  if (!stats.orientationFits)
+    std::printf("orientation: no directions of the faces fit the crossings, misfit %.3g%s\n", stats.misfit,
+                turned == 0 ? "; the faces are used as given" : "");
+  if (leftOut > 0)
+    std::printf("orientation: double-sided faces bound a solid; %s left out\n",
+                counted(leftOut, "other side").c_str());
+  if (turned > 0)
+    std::printf("orientation: turned %s; misfit of the crossings %.3g as given, %.3g now\n",
+                counted(turned, "face").c_str(), stats.misfitGiven, stats.misfit);
+}
+
 void printWritten(const std::filesystem::path& path) {
   std::printf("wrote %s, %s\n", path.string().c_str(), sizeText(std::filesystem::file_size(path)).c_str());
 }

@@ -3,9 +3,12 @@
 #include <raymap/diagnostics.h>
 #include <raymap/generate.h>
 
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace raymap {
 
@@ -25,6 +28,30 @@ std::string grouped(size_t number);
 std::string counted(size_t number, const std::string& thing);
 /// Returns a number of bytes as "1.23 GB".
 std::string sizeText(size_t bytes);
+
+using Clock = std::chrono::steady_clock;
+
+inline double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Does the work of a step of a command, and appends its name and time to `steps`.
+template <class Work>
+void timeStep(std::vector<Stats::Stage>& steps, const char* name, Work&& work) {
+  const Clock::time_point start = Clock::now();
+  work();
+  steps.push_back({name, millisecondsSince(start)});
+}
+
+/// Returns the time of all steps of a name.
+double millisecondsOf(const std::vector<Stats::Stage>& steps, std::string_view name);
+
+/// Prints a line for each step, and the time that has elapsed. "other" is what lies between the steps: checks
+/// of the mesh, and freeing memory.
+void printTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds);
+
+/// Prints which faces were reversed and left out, if any.
+void printOrientation(const Stats& stats);
 
 /// Prints "wrote scan.vdb, 1.23 MB".
 void printWritten(const std::filesystem::path& path);

@@ -4,8 +4,10 @@
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
+#include <raymap/surface.h>
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,5 +48,38 @@ RAYMAP_API Field readField(const std::filesystem::path& path);
 /// finite; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            std::string_view name = "distance");
+
+/// Reads points in double precision, in the order of the file:
+/// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or
+///   blanks.
+/// - .xyz, .txt: the same; without a header the first three columns.
+/// - .npy: shape (N, 3), or any whose last axis has length 3, then in C order.
+/// - .ply: the vertices, whether there are faces or not.
+///
+/// NaN and infinities are numbers. Throws `Error`: Usage for another extension, File, Memory, Unsupported, or
+/// Input that names the file, the line and the value.
+RAYMAP_API std::vector<glm::dvec3> readPoints(const std::filesystem::path& path,
+                                              const WarningCallback& warn = {});
+
+/// How to write the results of a query.
+struct WriteQueryOptions {
+  bool colour = false;  ///< Whether a .ply gets the colour of each distance, as in slices of a field.
+};
+
+/// Writes all arrays of a result, by extension:
+/// - .csv: a row per point, x, y, z first. No triangle is -1.
+/// - .npy: the only array, without the points.
+/// - .npz: every array under its name, without the points.
+/// - .ply: vertices with the arrays as properties. Numbers have single precision, positions double.
+///
+/// The file appears whole or not at all. Throws `Error`: Usage for another extension, or for results that do
+/// not fit the points or the format; File.
+RAYMAP_API void writeQuery(const std::filesystem::path& path, std::span<const glm::dvec3> points,
+                           const QueryResult& result, const WriteQueryOptions& options = {});
+
+/// Returns the extensions that `readPoints` knows.
+RAYMAP_API std::vector<std::string> pointExtensions();
+/// Returns those that `writeQuery` knows.
+RAYMAP_API std::vector<std::string> queryExtensions();
 
 }  // namespace raymap

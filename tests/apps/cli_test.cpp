@@ -80,8 +80,8 @@ class Cli : public ::testing::Test {
 TEST_F(Cli, PrintsHelpAndVersion) {
   EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
   const std::string help = succeed("--help").out;
-  for (const char* word : {"generate", "info", "mesh", "render", "repair", "compare", "convert", "example",
-                           "devices", "Exit codes"})
+  for (const char* word : {"generate", "info", "query", "mesh", "render", "repair", "compare", "convert",
+                           "example", "devices", "Exit codes"})
     EXPECT_NE(help.find(word), std::string::npos) << word;
   const std::string generate = succeed("generate --help").out;
   for (const char* option :
@@ -666,7 +666,7 @@ TEST_F(Cli, RefusesBadOptions) {
   expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
   expectFailure("", ErrorCode::Usage,
-                "name a command: generate info mesh render repair compare convert example devices;");
+                "name a command: generate info query mesh render repair compare convert example devices;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
                 "convert example devices; paint is none; see raymap --help");
   expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
@@ -697,6 +697,68 @@ TEST_F(Cli, LeavesNothingBehindWhenStopped) {
   EXPECT_EQ(run(forever, "timeout --preserve-status -s INT 1").code, 130);
   EXPECT_EQ(run(forever, "timeout --preserve-status -s TERM 1").code, 143);
   EXPECT_EQ(fileCount(), 1u);
+}
+
+TEST_F(Cli, MeasuresPoints) {
+  writeTorus();
+  std::ofstream(path("p.csv")) << "name,x,y,z\nin,2,0,0\nout,0,0,0\nlost,nan,0,0\n";
+  const Result result = succeed("query torus.ply p.csv -o r.csv --arrays triangle,distance --stats s.json");
+  EXPECT_NE(result.out.find("p.csv: 3 points, 1 not finite"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(", 1 point inside"), std::string::npos) << result.out;
+  std::istringstream rows(readBytes(path("r.csv")));
+  std::string header, in, out, lost;
+  for (std::string* row : {&header, &in, &out, &lost}) std::getline(rows, *row);
+  EXPECT_EQ(header, "x,y,z,distance,triangle");
+  EXPECT_EQ(in.rfind("2,0,0,-0.6", 0), 0u) << in;
+  EXPECT_EQ(out.rfind("0,0,0,1.", 0), 0u) << out;
+  EXPECT_EQ(lost, "nan,0,0,nan,-1");
+  const Json stats = json("s.json");
+  EXPECT_EQ(stats["points"]["count"], 3);
+  EXPECT_EQ(stats["points"]["not_finite"], 1);
+  EXPECT_EQ(stats["options"]["arrays"], Json({"distance", "triangle"}));
+  EXPECT_TRUE(stats["options"]["max_distance"].is_null());
+  EXPECT_EQ(stats["distances"]["inside"], 1);
+  EXPECT_EQ(stats["turned_faces"], 0);
+}
+
+TEST_F(Cli, MeasuresPointsWithoutASign) {
+  writeTorus();
+  std::ofstream(path("p.xyz")) << "2 0 0\n0 0 0\n";
+  succeed("query torus.ply p.xyz -o r.csv --unsigned --max-distance 1 --stats s.json");
+  const std::string rows = readBytes(path("r.csv"));
+  EXPECT_EQ(rows.rfind("x,y,z,distance\n2,0,0,0.6", 0), 0u) << rows;
+  EXPECT_NE(rows.find("\n0,0,0,1\n"), std::string::npos) << rows;
+  EXPECT_EQ(json("s.json")["options"]["max_distance"], 1.0);
+  EXPECT_FALSE(json("s.json").contains("turned_faces"));
+}
+
+TEST_F(Cli, ColoursAPointCloud) {
+  writeTorus();
+  succeed("query torus.ply torus.ply -o r.ply --colour");
+  const std::string bytes = readBytes(path("r.ply"));
+  EXPECT_NE(bytes.find("element vertex 960\n"), std::string::npos);
+  EXPECT_NE(bytes.find("property float distance\nproperty uchar red\n"), std::string::npos);
+  EXPECT_EQ(readPoints(path("r.ply")).size(), 960u);
+}
+
+TEST_F(Cli, RefusesQueriesThatMakeNoSense) {
+  writeTorus();
+  std::ofstream(path("p.csv")) << "1,2,3\n1,2\n";
+  const auto usage = ErrorCode::Usage;
+  expectFailure("query torus.ply p.csv -o r.csv", ErrorCode::Input,
+                "p.csv: line 2: 2 columns, but line 1 has 3");
+  expectFailure("query torus.ply p.csv -o r.txt", usage, "the name must end in one of .csv .npy .npz .ply");
+  expectFailure("query torus.ply torus.stl -o r.csv", usage, "'.stl' is no kind of file of points");
+  expectFailure("query torus.ply p.csv -o r.npy --arrays distance,closest", usage, "a .npy holds one array");
+  expectFailure("query torus.ply p.csv -o r.csv --colour", usage, "--colour needs");
+  expectFailure("query torus.ply p.csv -o r.ply --colour --arrays winding", usage, "--colour needs");
+  expectFailure("query torus.ply p.csv -o r.csv --unsigned --arrays winding", usage, "leave out --unsigned");
+  expectFailure("query torus.ply p.csv -o r.csv --arrays length", usage, "length not in");
+  expectFailure("query torus.ply p.csv -o r.csv --max-distance 0", usage, "must be a number above 0");
+  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 30kB", ErrorCode::Memory,
+                "960 points and their results need 30.7 kB, which leaves nothing of the 30.7 kB");
+  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 40kB", ErrorCode::Memory, "");
+  EXPECT_EQ(fileCount(), 2u);
 }
 
 }  // namespace

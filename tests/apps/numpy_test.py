@@ -72,5 +72,22 @@ def main():
             np.testing.assert_array_equal(again["distance"], distance)
             np.testing.assert_array_equal(again["origin"], field["origin"])
 
+        # Queries take points in any shape and order, and give them back in C order.
+        points = np.random.default_rng(1).uniform(-1, 4, (5, 4, 3))
+        flat = points.reshape(-1, 3)
+        for given in (points, flat, np.asfortranarray(flat), flat.astype(np.float32)):
+            np.save(folder / "points.npy", given)
+            run("query", folder / "box.obj", folder / "points.npy", "-o", folder / "found.npz",
+                "--arrays", "distance,closest,triangle,barycentric,direction,winding,confidence")
+            found = np.load(folder / "found.npz")
+            np.testing.assert_allclose(found["distance"], box_distance(flat), atol=1e-5)
+            for name, shape, kind in (("closest", (20, 3), "f8"), ("triangle", (20,), "u4"), ("barycentric", (20, 3), "f8"),
+                                      ("direction", (20, 3), "f8"), ("winding", (20,), "f4"), ("confidence", (20,), "f4")):
+                assert found[name].shape == shape and found[name].dtype == kind, name
+            away = np.linalg.norm(found["closest"] - flat, axis=-1)
+            np.testing.assert_allclose(away, np.abs(found["distance"]), atol=1e-5)
+        run("query", folder / "box.obj", folder / "points.npy", "-o", folder / "d.npy")
+        np.testing.assert_array_equal(np.load(folder / "d.npy"), found["distance"])
+
 
 main()

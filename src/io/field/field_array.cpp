@@ -99,7 +99,7 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   if (!std::filesystem::exists(status))
     throw Error(ErrorCode::File, path.string() + ": no such file; check the path");
   if (!std::filesystem::is_regular_file(status))
-    throw Error(ErrorCode::File, path.string() + ": not a regular file; fields cannot be read from it");
+    throw Error(ErrorCode::File, path.string() + ": not a regular file; arrays cannot be read from it");
   stream_.open(path, std::ios::binary);
   remaining_ = std::filesystem::file_size(path, error);
   if (!stream_ || error)
@@ -180,6 +180,19 @@ void readArray(const std::filesystem::path& path, Field& field, std::string_view
                           : name == "confidence" ? field.confidence
                                                  : field.distance;
   values = readBuffer<double, float>(field.grid, layout, layout.type == ElementType::Float64, read);
+}
+
+void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes& read) {
+  switch (layout.type) {
+    case ElementType::Float32:
+      return readConverted<float>(to, layout.bigEndian, read);
+    case ElementType::UInt32:
+      return readConverted<uint32_t>(to, layout.bigEndian, read);
+    case ElementType::Int32:
+      return readConverted<int32_t>(to, layout.bigEndian, read);
+    case ElementType::Float64:
+      return readRaw(to, layout.bigEndian, read);
+  }
 }
 
 std::string toText(double value) {

@@ -81,6 +81,9 @@ void checkPlacement(const std::filesystem::path& path, const Field& field);
 void readArray(const std::filesystem::path& path, Field& field, std::string_view name,
                const ArrayLayout& layout, const ReadBytes& read);
 
+/// Reads numbers of the layout's type, in the order of the file.
+void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes& read);
+
 /// Returns the shortest text that reads back as the same number, whatever the locale.
 std::string toText(double value);
 /// Parses numbers separated by blanks, commas or parentheses. Returns nothing unless the text holds exactly

@@ -43,6 +43,16 @@ std::vector<int64_t> parseShape(const std::filesystem::path& path, std::string_v
   return shape;
 }
 
+/// Returns a shape as Python writes a tuple: (), (3,), (3, 4).
+std::string tuple(const std::vector<int64_t>& shape) {
+  std::string text = "(";
+  for (size_t axis = 0; axis < shape.size(); ++axis)
+    text += (axis > 0 ? ", " : "") + std::to_string(shape[axis]);
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+}  // namespace
+
 ArrayLayout layoutOf(const std::filesystem::path& path, const NpyHeader& header) {
   static const std::map<std::string, ElementType, std::less<>> kTypes{{"f4", ElementType::Float32},
                                                                       {"f8", ElementType::Float64},
@@ -53,8 +63,6 @@ ArrayLayout layoutOf(const std::filesystem::path& path, const NpyHeader& header)
     throwUnsupported(path, "elements of NumPy type '" + header.type + "'; save it as float32");
   return {found->second, header.type[0] == '>', !header.xFastest};
 }
-
-}  // namespace
 
 NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read) {
   constexpr uint32_t kLongestHeader = 1 << 16;
@@ -85,21 +93,21 @@ NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read
   return header;
 }
 
-std::string npyHeader(std::string_view type, std::string_view shape) {
+std::string npyHeader(const NpyHeader& header) {
   constexpr size_t kStart = 10, kAlignment = 64;
-  std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': True, 'shape': (" +
-                     std::string(shape) + "), }";
+  std::string text = "{'descr': '" + header.type +
+                     "', 'fortran_order': " + (header.xFastest ? "True" : "False") +
+                     ", 'shape': " + tuple(header.shape) + ", }";
   text.append(kAlignment - 1 - (kStart + text.size()) % kAlignment, ' ');
   text += '\n';
-  std::string header(kMagic);
-  header += {'\x01', '\x00', static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
-  return header + text;
+  std::string bytes(kMagic);
+  bytes += {'\x01', '\x00', static_cast<char>(text.size() & 0xff), static_cast<char>(text.size() >> 8)};
+  return bytes + text;
 }
 
 std::string npyHeader(const Grid& grid, ElementType type) {
-  return npyHeader(
-      type == ElementType::UInt32 ? "<u4" : "<f4",
-      std::to_string(grid.dims.x) + ", " + std::to_string(grid.dims.y) + ", " + std::to_string(grid.dims.z));
+  const glm::ivec3 dims = grid.dims;
+  return npyHeader({type == ElementType::UInt32 ? "<u4" : "<f4", true, {dims.x, dims.y, dims.z}});
 }
 
 void readNpyArray(const std::filesystem::path& path, Field& field, std::string_view name,

@@ -13,9 +13,12 @@ struct NpyHeader {
 
 /// Reads the header. `path` is used in error messages.
 NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read);
-/// Returns a header, padded so that the array after it starts at a multiple of 64 bytes.
-std::string npyHeader(std::string_view type, std::string_view shape);
+/// Returns the text of a header, padded so that the array after it starts at a multiple of 64 bytes.
+std::string npyHeader(const NpyHeader& header);
 std::string npyHeader(const Grid& grid, ElementType type);
+
+/// Returns the layout of the array. Throws `Error(Unsupported)` for other types than those of `ElementType`.
+ArrayLayout layoutOf(const std::filesystem::path& path, const NpyHeader& header);
 
 /// Reads the array after `header` into the field and sets the dimensions of its grid. `available` bounds the
 /// array's bytes.

@@ -2,117 +2,23 @@
 // deflate. The reader accepts both.
 
 #include <minizip/unzip.h>
-#include <minizip/zip.h>
 
 #include <algorithm>
-#include <exception>
 #include <memory>
 #include <ostream>
 #include <set>
 
 #include "io/field/field_formats.h"
 #include "io/field/npy.h"
+#include "io/field/zip_writer.h"
 
 namespace raymap {
 
 namespace {
 
-/// Lets minizip write to a stream. Exceptions must not cross its C code, so `problem` keeps the first one.
-struct ZipStream {
-  std::ostream& out;
-  std::exception_ptr problem;
-
-  template <class Work>
-  auto guarded(Work&& work, decltype(work()) otherwise) noexcept {
-    try {
-      return work();
-    } catch (...) {
-      if (!problem) problem = std::current_exception();
-      return otherwise;
-    }
-  }
-  static ZipStream& of(voidpf opaque) { return *static_cast<ZipStream*>(opaque); }
-};
-
-uLong writeStream(voidpf opaque, voidpf, const void* data, uLong count) {
-  ZipStream& zip = ZipStream::of(opaque);
-  return zip.guarded(
-      [&] {
-        zip.out.write(static_cast<const char*>(data), static_cast<std::streamsize>(count));
-        return count;
-      },
-      uLong{0});
-}
-ZPOS64_T tellStream(voidpf opaque, voidpf) {
-  ZipStream& zip = ZipStream::of(opaque);
-  return zip.guarded([&] { return static_cast<ZPOS64_T>(zip.out.tellp()); }, ZPOS64_T(-1));
-}
-long seekStream(voidpf opaque, voidpf, ZPOS64_T offset, int origin) {
-  ZipStream& zip = ZipStream::of(opaque);
-  const auto from = origin == ZLIB_FILEFUNC_SEEK_SET   ? std::ios_base::beg
-                    : origin == ZLIB_FILEFUNC_SEEK_CUR ? std::ios_base::cur
-                                                       : std::ios_base::end;
-  return zip.guarded(
-      [&] {
-        zip.out.seekp(static_cast<std::streamoff>(offset), from);
-        return 0L;
-      },
-      -1L);
-}
-
-zlib_filefunc64_def streamFunctions(ZipStream& zip) {
-  zlib_filefunc64_def functions{};
-  functions.opaque = &zip;
-  functions.zopen64_file = [](voidpf opaque, const void*, int) { return opaque; };
-  functions.zread_file = [](voidpf, voidpf, void*, uLong) { return uLong{0}; };
-  functions.zwrite_file = writeStream;
-  functions.ztell64_file = tellStream;
-  functions.zseek64_file = seekStream;
-  functions.zclose_file = [](voidpf, voidpf) { return 0; };
-  functions.zerror_file = [](voidpf, voidpf) { return 0; };
-  return functions;
-}
-
-class ZipWriter {
- public:
-  explicit ZipWriter(std::ostream& out) : stream_{out, nullptr} {
-    zlib_filefunc64_def functions = streamFunctions(stream_);
-    zip_ = zipOpen2_64("", APPEND_STATUS_CREATE, nullptr, &functions);
-    check(zip_ != nullptr);
-  }
-  ~ZipWriter() {
-    if (zip_) zipClose(zip_, nullptr);
-  }
-  ZipWriter(const ZipWriter&) = delete;
-  ZipWriter& operator=(const ZipWriter&) = delete;
-
-  void add(const std::string& name, const std::string& header, std::span<const std::byte> bytes) {
-    zip_fileinfo info{};
-    info.dosDate = (1U << 21) | (1U << 16);  // 1 January 1980: equal fields make equal files.
-    check(zipOpenNewFileInZip64(zip_, (name + ".npy").c_str(), &info, nullptr, 0, nullptr, 0, nullptr, 0, 0,
-                                1) == ZIP_OK);
-    check(zipWriteInFileInZip(zip_, header.data(), static_cast<unsigned>(header.size())) == ZIP_OK);
-    constexpr size_t kPiece = size_t{1} << 24;  // minizip counts in 32 bits.
-    for (size_t begin = 0; begin < bytes.size(); begin += kPiece) {
-      const auto count = static_cast<unsigned>(std::min(kPiece, bytes.size() - begin));
-      check(zipWriteInFileInZip(zip_, bytes.data() + begin, count) == ZIP_OK);
-    }
-    check(zipCloseFileInZip(zip_) == ZIP_OK);
-  }
-  void finish() { check(zipClose(std::exchange(zip_, nullptr), nullptr) == ZIP_OK); }
-
- private:
-  void check(bool good) const {
-    if (stream_.problem) std::rethrow_exception(stream_.problem);
-    if (!good) throw Error(ErrorCode::File, "cannot write a .npz here: it needs a regular file");
-  }
-
-  ZipStream stream_;
-  zipFile zip_ = nullptr;
-};
-
 std::string doublesHeader(size_t count) {
-  return npyHeader("<f8", count == 1 ? "" : std::to_string(count) + ",");
+  const auto side = static_cast<int64_t>(count);
+  return npyHeader({"<f8", true, count == 1 ? std::vector<int64_t>() : std::vector<int64_t>{side}});
 }
 
 using UnzipFile = std::unique_ptr<void, decltype(&unzClose)>;
@@ -225,11 +131,11 @@ void writeNpz(std::ostream& out, const Field& field, const NamedArray& array) {
   // The distance is written with all other arrays, any other array alone.
   for (const NamedArray& each : arraysOf(field))
     if (array.name == "distance" || each.name == array.name)
-      zip.add(std::string(each.name), npyHeader(field.grid, each.type), each.bytes);
+      zip.add(std::string(each.name) + ".npy", npyHeader(field.grid, each.type), each.bytes);
   const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};
-  zip.add("origin", doublesHeader(3), std::as_bytes(std::span(origin)));
-  zip.add("spacing", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));
-  zip.add("band", doublesHeader(1), std::as_bytes(std::span(&field.band, 1)));
+  zip.add("origin.npy", doublesHeader(3), std::as_bytes(std::span(origin)));
+  zip.add("spacing.npy", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));
+  zip.add("band.npy", doublesHeader(1), std::as_bytes(std::span(&field.band, 1)));
   zip.finish();
 }
 

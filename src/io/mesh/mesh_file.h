@@ -35,6 +35,9 @@ Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 
+/// Reads the positions of a PLY's vertices alone, whether there are faces or not.
+std::vector<glm::dvec3> readPlyPoints(const MeshFile& file);
+
 /// Returns a file name's extension in lower case, with the dot.
 std::string lowerExtension(const std::filesystem::path& path);
 

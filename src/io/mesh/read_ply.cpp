@@ -157,17 +157,21 @@ class BinarySource {
   bool swap_;
 };
 
+/// What to read from a file.
+enum class PlyContent { Mesh, Points };
+
 /// Reads the elements. `Vec` is single precision if the file has no more.
 template <class Source, class Vec>
 class PlyReader {
  public:
   template <class... Options>
-  PlyReader(const MeshFile& file, const PlyHeader& header, Options... options)
-      : file_(file), header_(header), source_(file, header, options...) {}
+  PlyReader(const MeshFile& file, const PlyHeader& header, PlyContent content, Options... options)
+      : file_(file), header_(header), content_(content), source_(file, header, options...) {}
 
   void readElements() {
     if (!header_.find("vertex")) file_.fail("no 'vertex' element");
-    if (!header_.find("face") && !header_.find("tristrips")) file_.fail("no 'face' or 'tristrips' element");
+    if (content_ == PlyContent::Mesh && !header_.find("face") && !header_.find("tristrips"))
+      file_.fail("no 'face' or 'tristrips' element");
     for (const PlyElement& element : header_.elements) readElement(element);
   }
   Source& source() { return source_; }
@@ -176,12 +180,13 @@ class PlyReader {
     warnDropped(file_, dropped_);
     return finishMesh(file_, std::move(positions_), std::move(triangles_));
   }
+  std::vector<Vec> takePositions() { return std::move(positions_); }
 
  private:
   void readElement(const PlyElement& element) {
     if (element.name == "vertex")
       readVertices(element);
-    else if (element.name == "face" || element.name == "tristrips")
+    else if (content_ == PlyContent::Mesh && (element.name == "face" || element.name == "tristrips"))
       readFaces(element);
     else if (!element.properties.empty())
       forEachRow(element, [&](uint64_t) {
@@ -289,6 +294,7 @@ class PlyReader {
 
   const MeshFile& file_;
   const PlyHeader& header_;
+  PlyContent content_;
   Source source_;
   std::vector<Vec> positions_;
   std::vector<glm::uvec3> triangles_;
@@ -309,8 +315,8 @@ using TextReader = PlyReader<TextSource, glm::dvec3>;
 
 /// Reads the values of a text file one after the other. Returns the reader if they end with the file, else
 /// null.
-std::unique_ptr<TextReader> readValues(const MeshFile& file, const PlyHeader& header) {
-  auto reader = std::make_unique<TextReader>(file, header, TextRows::Values);
+std::unique_ptr<TextReader> readValues(const MeshFile& file, const PlyHeader& header, PlyContent content) {
+  auto reader = std::make_unique<TextReader>(file, header, content, TextRows::Values);
   try {
     reader->readElements();
   } catch (const Error&) {
@@ -321,33 +327,42 @@ std::unique_ptr<TextReader> readValues(const MeshFile& file, const PlyHeader& he
 
 /// Reads rows that are lines. If that fails after a row was cut, several rows may share a line, so that line
 /// breaks mean nothing.
-Mesh readText(const MeshFile& file, const PlyHeader& header) {
-  TextReader reader(file, header, TextRows::Lines);
+std::unique_ptr<TextReader> readText(const MeshFile& file, const PlyHeader& header, PlyContent content) {
+  auto reader = std::make_unique<TextReader>(file, header, content, TextRows::Lines);
   try {
-    reader.readElements();
+    reader->readElements();
   } catch (const Error&) {
-    if (!reader.source().hasCutRows()) throw;
-    if (const auto values = readValues(file, header)) return values->finish();
-    reader.source().warnCutRows();
+    if (!reader->source().hasCutRows()) throw;
+    if (auto values = readValues(file, header, content)) return values;
+    reader->source().warnCutRows();
     throw;
   }
-  reader.source().warnCutRows();
-  return reader.finish();
+  reader->source().warnCutRows();
+  return reader;
 }
 
 template <class Vec>
-Mesh readBinary(const MeshFile& file, const PlyHeader& header) {
-  PlyReader<BinarySource, Vec> reader(file, header);
+PlyReader<BinarySource, Vec> readBinary(const MeshFile& file, const PlyHeader& header, PlyContent content) {
+  PlyReader<BinarySource, Vec> reader(file, header, content);
   reader.readElements();
-  return reader.finish();
+  return reader;
 }
 
 }  // namespace
 
 Mesh readPly(const MeshFile& file) {
   const PlyHeader header = readPlyHeader(file);
-  if (header.format == PlyFormat::Text) return readText(file, header);
-  return fitsFloat(header) ? readBinary<glm::vec3>(file, header) : readBinary<glm::dvec3>(file, header);
+  constexpr PlyContent kMesh = PlyContent::Mesh;
+  if (header.format == PlyFormat::Text) return readText(file, header, kMesh)->finish();
+  return fitsFloat(header) ? readBinary<glm::vec3>(file, header, kMesh).finish()
+                           : readBinary<glm::dvec3>(file, header, kMesh).finish();
+}
+
+std::vector<glm::dvec3> readPlyPoints(const MeshFile& file) {
+  const PlyHeader header = readPlyHeader(file);
+  constexpr PlyContent kPoints = PlyContent::Points;
+  return header.format == PlyFormat::Text ? readText(file, header, kPoints)->takePositions()
+                                          : readBinary<glm::dvec3>(file, header, kPoints).takePositions();
 }
 
 }  // namespace raymap

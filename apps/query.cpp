@@ -1,0 +1,277 @@
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+#include <utility>
+
+#include "checks.h"
+#include "commands.h"
+#include "field_options.h"
+#include "report.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Examples:
+  raymap query scan.ply points.csv -o distances.csv
+      the signed distance of each point, a row each
+  raymap query scan.ply points.npy -o d.npz --arrays distance,closest,triangle
+      also the closest point of the surface and its triangle, as NumPy arrays
+  raymap query cad.stl scan.ply -o deviation.ply --colour
+      how far a scan lies from a model, as a coloured point cloud
+
+Points and results are in the mesh's units. A point that is not finite gets NaN.)";
+
+struct Arguments : FieldArguments {
+  fs::path mesh, points, results, stats;
+  std::vector<std::string> arrays{"distance"};
+  double maxDistance = std::numeric_limits<double>::infinity();
+  bool isUnsigned = false, colour = false;
+};
+
+/// An array that may be asked for: its name and its member of the options.
+struct AskedArray {
+  const char* name;
+  bool QueryOptions::*isAsked;
+  size_t bytes;  ///< Of a point's value.
+};
+
+constexpr std::array kArrays{AskedArray{"distance", &QueryOptions::distance, sizeof(double)},
+                             AskedArray{"closest", &QueryOptions::closest, sizeof(glm::dvec3)},
+                             AskedArray{"triangle", &QueryOptions::triangle, sizeof(uint32_t)},
+                             AskedArray{"barycentric", &QueryOptions::barycentric, sizeof(glm::dvec3)},
+                             AskedArray{"direction", &QueryOptions::direction, sizeof(glm::dvec3)},
+                             AskedArray{"winding", &QueryOptions::winding, sizeof(float)},
+                             AskedArray{"confidence", &QueryOptions::confidence, sizeof(float)}};
+
+/// Results of one run, for the summary and the statistics.
+struct Report {
+  size_t triangles = 0, points = 0, notFinite = 0;
+  Stats surface;
+  size_t surfaceBytes = 0;
+  std::vector<Stats::Stage> before, after;  ///< Steps of the command before and after the surface's stages.
+  size_t inside = 0, known = 0;             ///< Number of points inside, and of those with a distance.
+  double least = INFINITY, most = -INFINITY;
+
+  /// Returns all steps, in order.
+  std::vector<Stats::Stage> steps() const {
+    std::vector<Stats::Stage> all = before;
+    for (const auto* more : {&surface.stages, &after}) all.insert(all.end(), more->begin(), more->end());
+    return all;
+  }
+};
+
+QueryOptions askedFor(const Arguments& arguments) {
+  QueryOptions options;
+  for (const AskedArray& array : kArrays)
+    options.*array.isAsked = std::ranges::find(arguments.arrays, array.name) != arguments.arrays.end();
+  options.maxDistance = arguments.maxDistance;
+  options.threads = arguments.options.threads;
+  return options;
+}
+
+void check(const Arguments& arguments, const QueryOptions& asked) {
+  checkOutputs({{"--output", arguments.results, queryExtensions()}, {"--stats", arguments.stats, {".json"}}});
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw Error(ErrorCode::Usage, what);
+  };
+  require(!arguments.isUnsigned || !(asked.winding || asked.confidence),
+          "the arrays winding and confidence need a sign; leave out --unsigned");
+  require(!arguments.colour || (asked.distance && hasExtension(arguments.results, {".ply"})),
+          "--colour needs the array distance and an output .ply");
+  const auto count =
+      std::ranges::count_if(kArrays, [&](const AskedArray& array) { return asked.*array.isAsked; });
+  require(count == 1 || !hasExtension(arguments.results, {".npy"}),
+          "a .npy holds one array; name one with --arrays, or write a .npz");
+}
+
+std::vector<glm::dvec3> loadPoints(const fs::path& path) {
+  const WaitingLine line("reading " + path.filename().string());
+  return readPoints(path, warn);
+}
+
+/// Returns how much of the limit is left for the surface when points and results are held too; 0: no limit.
+size_t limitOfSurface(const Arguments& arguments, const QueryOptions& asked, size_t points) {
+  const size_t limit = arguments.options.memoryLimit;
+  if (limit == 0) return 0;
+  size_t bytes = sizeof(glm::dvec3);
+  for (const AskedArray& array : kArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
+  bytes *= points;
+  if (bytes >= limit)
+    throw Error(ErrorCode::Memory,
+                counted(points, "point") + " and their results need " + sizeText(bytes) +
+                    ", which leaves nothing of the " + sizeText(limit) +
+                    " of --memory-limit for the mesh; split the file of points, or allow more");
+  return limit - bytes;
+}
+
+Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit, ProgressLine& line) {
+  return Surface(mesh, {.sign = !arguments.isUnsigned,
+                        .orientation = fromName<Orientation>(arguments.orientation),
+                        .threshold = arguments.options.threshold,
+                        .threads = arguments.options.threads,
+                        .memoryLimit = memoryLimit,
+                        .progress = line.callback()});
+}
+
+void count(std::span<const glm::dvec3> points, const QueryResult& result, Report& report) {
+  report.points = points.size();
+  report.notFinite = static_cast<size_t>(std::ranges::count_if(points, [](const glm::dvec3& p) {
+    return !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z);
+  }));
+  for (const double distance : result.distance) {
+    if (std::isnan(distance)) continue;
+    ++report.known;
+    report.inside += distance < 0.0 ? 1 : 0;
+    report.least = std::min(report.least, distance);
+    report.most = std::max(report.most, distance);
+  }
+}
+
+Json describe(const Arguments& arguments, const QueryOptions& asked, const Report& report) {
+  Json arrays = Json::array();
+  for (const AskedArray& array : kArrays)
+    if (asked.*array.isAsked) arrays.push_back(array.name);
+  Json json{{"raymap", version().text},
+            {"mesh",
+             {{"file", arguments.mesh.string()},
+              {"triangles", report.triangles},
+              {"load_ms", millisecondsOf(report.before, "load")}}},
+            {"points",
+             {{"file", arguments.points.string()},
+              {"count", report.points},
+              {"not_finite", report.notFinite},
+              {"load_ms", millisecondsOf(report.before, "load points")}}},
+            {"options",
+             {{"arrays", arrays},
+              {"unsigned", arguments.isUnsigned},
+              {"orientation", arguments.orientation},
+              {"threshold", arguments.options.threshold},
+              {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
+              {"threads", arguments.options.threads}}},
+            {"stages", toJson(report.surface)},
+            {"surface_ms", report.surface.totalMilliseconds},
+            {"surface_bytes", report.surfaceBytes},
+            {"query_ms", millisecondsOf(report.after, "query")},
+            {"write_ms", millisecondsOf(report.after, "write")}};
+  if (report.known > 0)
+    json["distances"] = {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
+  if (!arguments.isUnsigned)
+    json.update({{"doubtful_share", report.surface.doubtfulShare},
+                 {"turned_faces", report.surface.turnedFaces.size()},
+                 {"left_out_faces", report.surface.leftOutFaces.size()},
+                 {"orientation_fits", report.surface.orientationFits},
+                 {"misfit_given", report.surface.misfitGiven},
+                 {"misfit", report.surface.misfit}});
+  json["peak_memory_bytes"] = peakMemory();
+  return json;
+}
+
+void print(const Arguments& arguments, const Report& report, double elapsedMilliseconds) {
+  std::printf("%s: %s\n", arguments.mesh.string().c_str(), counted(report.triangles, "triangle").c_str());
+  std::printf("%s: %s", arguments.points.string().c_str(), counted(report.points, "point").c_str());
+  if (report.notFinite > 0) std::printf(", %s not finite", grouped(report.notFinite).c_str());
+  std::printf("\n");
+  printTimes(report.steps(), elapsedMilliseconds);
+  std::printf("surface: %s, peak memory %s\n", sizeText(report.surfaceBytes).c_str(),
+              sizeText(peakMemory()).c_str());
+  if (report.known > 0) {
+    std::printf("distance: %.4g to %.4g", report.least, report.most);
+    if (!arguments.isUnsigned) std::printf(", %s inside", counted(report.inside, "point").c_str());
+    std::printf("\n");
+  }
+  if (!arguments.isUnsigned) printOrientation(report.surface);
+  printWritten(arguments.results);
+  if (!arguments.stats.empty()) printWritten(arguments.stats);
+}
+
+void writeResults(const Arguments& arguments, std::span<const glm::dvec3> points, const QueryResult& result) {
+  const WaitingLine line("writing " + arguments.results.filename().string());
+  writeQuery(arguments.results, points, result, {.colour = arguments.colour});
+}
+
+void run(const Arguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  QueryOptions asked = askedFor(arguments);
+  check(arguments, asked);
+  Report report;
+  Mesh mesh;
+  std::vector<glm::dvec3> points;
+  QueryResult result;
+  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
+  timeStep(report.before, "load points", [&] { points = loadPoints(arguments.points); });
+  report.triangles = mesh.triangles.size();
+  {
+    ProgressLine line;
+    asked.progress = line.callback();
+    const Surface surface = prepare(mesh, arguments, limitOfSurface(arguments, asked, points.size()), line);
+    report.surface = surface.stats();
+    report.surfaceBytes = surface.bytes();
+    timeStep(report.after, "query", [&] { surface.query(points, asked, result); });
+  }
+  timeStep(report.after, "write", [&] { writeResults(arguments, points, result); });
+  count(points, result, report);
+  if (!arguments.stats.empty())
+    writeAtomically(arguments.stats,
+                    [&](std::ostream& out) { out << describe(arguments, asked, report).dump(2) << "\n"; });
+  print(arguments, report, millisecondsSince(start));
+}
+
+void addResultOptions(CLI::App& command, Arguments& arguments) {
+  std::vector<std::string> names;
+  for (const AskedArray& array : kArrays) names.emplace_back(array.name);
+  command
+      .add_option("-o,--output", arguments.results, "Results to write: .csv, .npy (one array), .npz or .ply")
+      ->type_name("FILE")
+      ->required()
+      ->group("Files");
+  command
+      .add_option("--stats", arguments.stats,
+                  "Also write figures of the mesh, the points and every step, as .json")
+      ->type_name("FILE")
+      ->group("Files");
+  command.add_option("--arrays", arguments.arrays, "What to compute, parted by commas (default distance)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(names))
+      ->group("Results");
+  command
+      .add_option("--max-distance", arguments.maxDistance,
+                  "Farther points get this distance and no closest point; in the mesh's units")
+      ->check(numberFrom(0, true))
+      ->group("Results");
+  command.add_flag("--colour", arguments.colour, "Colour the points of a .ply by distance, as slices are")
+      ->group("Results");
+}
+
+}  // namespace
+
+void addQuery(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("query", "Measure signed distances and closest points of a mesh at given points");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("mesh", arguments->mesh, "Mesh to measure from")->type_name("MESH")->required();
+  command
+      ->add_option("points", arguments->points,
+                   "Points: .csv with columns x, y, z; .npy of shape N x 3; .ply; .xyz or .txt")
+      ->type_name("POINTS")
+      ->required();
+  addResultOptions(*command, *arguments);
+  command
+      ->add_flag("--unsigned", arguments->isUnsigned,
+                 "Compute no sign: faster, for surfaces without an inside")
+      ->group("Method");
+  addOrientationOption(*command, *arguments);
+  addThresholdOption(*command, *arguments);
+  addCpuOptions(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

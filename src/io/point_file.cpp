@@ -1,0 +1,114 @@
+#include <raymap/atomic_file.h>
+#include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ostream>
+
+#include "io/points/point_formats.h"
+#include "scene/colour.h"
+
+namespace raymap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::array<std::string_view, 5> kPointExtensions{".csv", ".npy", ".ply", ".xyz", ".txt"};
+
+struct Format {
+  std::string_view extension;
+  void (*write)(std::ostream& out, const PointTable& table);
+};
+
+constexpr std::array kFormats{Format{".csv", writePointCsv}, Format{".npy", writePointNpy},
+                              Format{".npz", writePointNpz}, Format{".ply", writePointPly}};
+
+[[noreturn]] void failExtension(const fs::path& path, const std::string& what,
+                                const std::vector<std::string>& known) {
+  std::string text =
+      path.string() + ": '" + path.extension().string() + "' is no kind of " + what + "; use one of";
+  for (const std::string& each : known) text += " " + each;
+  throw Error(ErrorCode::Usage, text);
+}
+
+const Format& formatOf(const fs::path& path) {
+  const auto* found = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
+  if (found == kFormats.end()) failExtension(path, "file for the results of a query", queryExtensions());
+  return *found;
+}
+
+void check(const fs::path& path, const PointTable& table) {
+  const auto require = [&](bool holds, const char* what) {
+    if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
+  };
+  require(!table.arrays.empty(), "there are no results to write");
+  require(lowerExtension(path) != ".npy" || table.arrays.size() == 1,
+          "a .npy holds one array; ask for one, or write a .npz");
+  for (const PointArray& array : table.arrays)
+    require(std::visit([](const auto& values) { return values.size(); }, array.values) == table.points.size(),
+            "the results are those of another number of points");
+}
+
+glm::u8vec3 encoded(const Colour& colour) {
+  return glm::u8vec3(
+      glm::round(255.0 * glm::dvec3(encodeSrgb(colour.r), encodeSrgb(colour.g), encodeSrgb(colour.b))));
+}
+
+/// Returns the colours of a slice: each side of the surface is deepest at its largest distance.
+std::vector<glm::u8vec3> coloursOf(std::span<const double> distances) {
+  double inside = 0.0, outside = 0.0;
+  for (const double distance : distances) {
+    if (!std::isfinite(distance)) continue;
+    inside = std::max(inside, -distance);
+    outside = std::max(outside, distance);
+  }
+  std::vector<glm::u8vec3> colours;
+  colours.reserve(distances.size());
+  for (const double distance : distances)
+    colours.push_back(encoded(
+        std::isfinite(distance) ? distanceColour(distance, distance < 0.0 ? inside : outside) : kNotFinite));
+  return colours;
+}
+
+}  // namespace
+
+std::vector<std::string> pointExtensions() {
+  return {kPointExtensions.begin(), kPointExtensions.end()};
+}
+
+std::vector<std::string> queryExtensions() {
+  std::vector<std::string> extensions;
+  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  return extensions;
+}
+
+std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& warn) {
+  const std::string extension = lowerExtension(path);
+  if (std::ranges::find(kPointExtensions, extension) == kPointExtensions.end())
+    failExtension(path, "file of points", pointExtensions());
+  if (extension == ".npy") return readPointNpy(path);
+  const Buffer<std::byte> bytes = loadFile(path);
+  const MeshFile file{bytes, path, warn};
+  if (extension != ".ply") return readPointText(file);
+  std::vector<glm::dvec3> points = readPlyPoints(file);
+  if (points.empty()) file.fail("it holds no points");
+  return points;
+}
+
+void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
+                const WriteQueryOptions& options) {
+  const Format& format = formatOf(path);
+  PointTable table{points, arraysOf(result), {}};
+  check(path, table);
+  if (options.colour) {
+    if (format.extension != ".ply" || result.distance.empty())
+      throw Error(ErrorCode::Usage, path.string() + ": colours need distances and a .ply");
+    table.colours = coloursOf(result.distance);
+  }
+  writeAtomically(path, [&](std::ostream& out) { format.write(out, table); });
+}
+
+}  // namespace raymap
