@@ -250,6 +250,42 @@ RAYMAP_API raymap_field* raymap_field_load(const char* path);
  * "confidence" or "triangle". The file appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);
 
+/* ---- Queries at any points ---- */
+
+/* A mesh prepared once for queries at any points. It keeps a copy of the mesh. Several threads may query it
+ * at the same time. */
+typedef struct raymap_surface raymap_surface;
+
+/* Prepares a mesh. Of the options, "orientation", "threshold", "threads", "memory_limit" and the progress
+ * callback count, and "sign": "harmonic", or "none" for distances that are never negative. They may be NULL.
+ */
+RAYMAP_API raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options);
+RAYMAP_API void raymap_surface_free(raymap_surface* surface);
+/* Returns the bytes that the surface holds; 0 for NULL. */
+RAYMAP_API size_t raymap_surface_bytes(const raymap_surface* surface);
+/* Copies what preparing the mesh cost, and what was found out about it. */
+RAYMAP_API raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* stats);
+
+/* The caller's arrays for the results of a query, one value per point; NULL = not wanted. Initialise with
+ * {0}. A point that is not finite gets NaN, and the triangle UINT32_MAX. */
+typedef struct raymap_query_arrays {
+  double* distance;    /* In the mesh's units, negative inside. */
+  double* closest;     /* Closest point of the surface: x, y, z. */
+  uint32_t* triangle;  /* Index of a triangle that holds it. */
+  double* barycentric; /* Weights of that triangle's three corners at it; their sum is 1. */
+  double* direction;   /* Unit vector from the point to the closest one: x, y, z; 0 on the surface. */
+  float* winding;      /* Winding number, +1 inside a closed surface that faces outwards. Needs a sign. */
+  float* confidence;   /* Confidence in the sign, 0 to 1. Needs a sign. */
+} raymap_query_arrays;
+
+/* Fills the arrays. `points` are x, y, z of each. Points farther than `max_distance` get this distance with
+ * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = no limit. Of the options, only
+ * "threads" and the progress callback count; they may be NULL. After a failure the arrays are unchanged. */
+RAYMAP_API raymap_result raymap_surface_query(const raymap_surface* surface, const double* points,
+                                              size_t count, double max_distance,
+                                              const raymap_options* options,
+                                              const raymap_query_arrays* arrays);
+
 /* ---- Devices ---- */
 
 /* All devices of this machine. */

@@ -98,16 +98,7 @@ const float* raymap_field_confidence(const raymap_field* field) {
 raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats) {
   return guard([&] {
     const Stats& found = need(field, "the field").stats;
-    need(stats, "the struct of statistics") = {.milliseconds = found.totalMilliseconds,
-                                               .bytes = found.bytes,
-                                               .doubtful_share = found.doubtfulShare,
-                                               .turned_faces = found.turnedFaces.size(),
-                                               .left_out_faces = found.leftOutFaces.size(),
-                                               .no_orientation_fits = found.orientationFits ? 0 : 1,
-                                               .misfit_given = found.misfitGiven,
-                                               .misfit = found.misfit,
-                                               .patch_triangles = found.patchTriangles,
-                                               .patch_area = found.patchArea};
+    need(stats, "the struct of statistics") = c::toC(found);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <raymap/devices.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/surface.h>
 
 #include <exception>
 #include <memory>
@@ -29,6 +30,10 @@ struct raymap_field {
 
 struct raymap_generator {
   raymap::Generator generator;
+};
+
+struct raymap_surface {
+  raymap::Surface surface;
 };
 
 struct raymap_devices {
@@ -83,6 +88,20 @@ inline raymap_grid toC(const Grid& grid) {
   return {.dims = {grid.dims.x, grid.dims.y, grid.dims.z},
           .origin = {grid.origin.x, grid.origin.y, grid.origin.z},
           .spacing = grid.spacing};
+}
+
+/// Converts statistics to the struct for C.
+inline raymap_stats toC(const Stats& stats) {
+  return {.milliseconds = stats.totalMilliseconds,
+          .bytes = stats.bytes,
+          .doubtful_share = stats.doubtfulShare,
+          .turned_faces = stats.turnedFaces.size(),
+          .left_out_faces = stats.leftOutFaces.size(),
+          .no_orientation_fits = stats.orientationFits ? 0 : 1,
+          .misfit_given = stats.misfitGiven,
+          .misfit = stats.misfit,
+          .patch_triangles = stats.patchTriangles,
+          .patch_area = stats.patchArea};
 }
 
 /// Returns a handle that owns the mesh.

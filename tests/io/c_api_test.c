@@ -159,6 +159,62 @@ static void test_field(void) {
   raymap_mesh_free(mesh);
 }
 
+/* The tetrahedron's faces lie in planes such as x + y + z = -1, so the origin is 1 / sqrt(3) inside. */
+static void test_surface(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_options* options = raymap_options_create();
+  raymap_surface* surface = raymap_surface_create(mesh, options);
+  raymap_mesh_free(mesh);
+  CHECK(surface != NULL && raymap_surface_bytes(surface) > 1000);
+  raymap_stats stats;
+  CHECK(raymap_surface_stats(surface, &stats) == RAYMAP_OK);
+  CHECK(stats.turned_faces == 0 && stats.milliseconds > 0.0);
+
+  const double points[4][3] = {{0, 0, 0}, {2, 2, 2}, {NAN, 0, 0}, {0, 0, 20}};
+  double distance[4], closest[4][3], barycentric[4][3], direction[4][3];
+  uint32_t triangle[4];
+  float winding[4], confidence[4];
+  raymap_query_arrays arrays = {0};
+  arrays.distance = distance;
+  arrays.closest = &closest[0][0];
+  arrays.triangle = triangle;
+  arrays.barycentric = &barycentric[0][0];
+  arrays.direction = &direction[0][0];
+  arrays.winding = winding;
+  arrays.confidence = confidence;
+  CHECK(raymap_surface_query(surface, &points[0][0], 4, 10.0, options, &arrays) == RAYMAP_OK);
+  CHECK(fabs(distance[0] + sqrt(1.0 / 3.0)) < 1e-6 && fabs(distance[1] - sqrt(3.0)) < 1e-6);
+  CHECK(isnan(distance[2]) && distance[3] == 10.0);
+  for (int a = 0; a < 3; ++a) {
+    CHECK(fabs(closest[1][a] - 1.0) < 1e-6 && fabs(direction[1][a] + sqrt(1.0 / 3.0)) < 1e-6);
+    CHECK(isnan(closest[2][a]) && isnan(closest[3][a]));
+  }
+  CHECK(triangle[0] < 4 && triangle[1] < 3 && triangle[2] == UINT32_MAX && triangle[3] == UINT32_MAX);
+  CHECK(fabs(barycentric[0][0] - 1.0 / 3.0) < 1e-6);
+  CHECK(fabs(barycentric[1][0] + barycentric[1][1] + barycentric[1][2] - 1.0) < 1e-12);
+  CHECK(winding[0] == 1.0f && winding[1] == 0.0f && confidence[0] > 0.9f);
+  CHECK(raymap_surface_query(surface, &points[3][0], 1, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK(distance[0] > 18.0);
+  CHECK(raymap_surface_query(surface, NULL, 0, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, -1.0, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the largest distance must be positive");
+  raymap_surface_free(surface);
+
+  mesh = make_tetrahedron();
+  CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
+  surface = raymap_surface_create(mesh, options);
+  CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, 0.0, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "made without a sign");
+  arrays.winding = arrays.confidence = NULL;
+  CHECK(raymap_surface_query(surface, &points[0][0], 1, 0.0, NULL, &arrays) == RAYMAP_OK &&
+        distance[0] > 0.5);
+  raymap_surface_free(surface);
+  CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
+  CHECK_FAILS(raymap_surface_create(mesh, options), RAYMAP_ERROR_USAGE, "cannot use the sign 'rays'");
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
 static void test_options(void) {
   raymap_options* options = raymap_options_create();
   CHECK(raymap_options_set_text(options, "distance", "cell") == RAYMAP_OK);
@@ -314,11 +370,13 @@ static void test_null(void) {
   raymap_device device;
   raymap_stats stats;
   raymap_mesh_arrays arrays = {0};
+  raymap_query_arrays results = {0};
   const raymap_result usage = RAYMAP_ERROR_USAGE;
   raymap_options_free(NULL);
   raymap_mesh_free(NULL);
   raymap_field_free(NULL);
   raymap_generator_free(NULL);
+  raymap_surface_free(NULL);
   raymap_devices_free(NULL);
   CHECK(raymap_options_set_text(NULL, "device", "cpu") == usage);
   CHECK(raymap_options_set_number(NULL, "band", 1) == usage);
@@ -343,6 +401,14 @@ static void test_null(void) {
   CHECK(raymap_field_sample(NULL, low, 1, NULL, NULL) == usage);
   CHECK_FAILS(raymap_field_sample(field, low, 1, NULL, NULL), usage, "the field is empty");
   CHECK(raymap_isosurface(NULL, 0.0, NULL) == NULL);
+  CHECK(raymap_surface_create(NULL, NULL) == NULL && raymap_surface_bytes(NULL) == 0);
+  CHECK(raymap_surface_stats(NULL, &stats) == usage);
+  CHECK(raymap_surface_query(NULL, low, 1, 0.0, NULL, &results) == usage);
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  CHECK(raymap_surface_stats(surface, NULL) == usage);
+  CHECK(raymap_surface_query(surface, NULL, 1, 0.0, NULL, &results) == usage);
+  CHECK(raymap_surface_query(surface, low, 1, 0.0, NULL, NULL) == usage);
+  raymap_surface_free(surface);
   CHECK(raymap_field_load(NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);
   CHECK(raymap_devices_count(NULL) == 0 && raymap_devices_get(NULL, 0, &device) == usage);
@@ -358,6 +424,7 @@ int main(int argc, char** argv) {
   test_meshes();
   test_other_arrays();
   test_field();
+  test_surface();
   test_options();
   test_offsets();
   test_callbacks();

@@ -1,5 +1,5 @@
-/* Reads a mesh, makes its field, samples it and writes it: the interface for C. Runs in a folder that holds
- * tetrahedron.3mf. */
+/* Reads a mesh, makes its field, samples it and writes it, and queries the mesh itself: the interface for C.
+ * Runs in a folder that holds tetrahedron.3mf. */
 
 #include <raymap/c.h>
 #include <stdio.h>
@@ -21,8 +21,14 @@ int main(void) {
   raymap_field* field = raymap_generate(mesh, &grid, NULL);
   if (!field || raymap_field_sample(field, middle, 1, &distance, NULL) != RAYMAP_OK) return fail();
   if (raymap_field_write(field, "field.vdb", NULL) != RAYMAP_OK) return fail();
+  double nearest = 1.0;
+  raymap_query_arrays arrays = {0};
+  arrays.distance = &nearest;
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  if (!surface || raymap_surface_query(surface, middle, 1, 0.0, NULL, &arrays) != RAYMAP_OK) return fail();
+  raymap_surface_free(surface);
   raymap_field_free(field);
   raymap_mesh_free(mesh);
   if (raymap_mesh_load("missing.obj", NULL) != NULL || raymap_last_error() != RAYMAP_ERROR_FILE) return 1;
-  return distance < 0.0f ? 0 : 1;
+  return distance < 0.0f && nearest < 0.0 ? 0 : 1;
 }
