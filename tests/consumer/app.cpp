@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
+#include <vector>
 
 namespace {
 
@@ -15,18 +16,25 @@ void require(bool isTrue, const char* what) {
 }
 
 /// README's snippet.
-float distanceToScan() {
+void measureScan() {
   raymap::Mesh mesh = raymap::readMesh("scan.ply");
   raymap::Field field = raymap::generate(mesh, raymap::fitGrid(mesh, {.resolution = 256})).field;
   float d = field.distance[field.grid.index({10, 20, 30})];  // negative inside
-  return d;
+
+  raymap::Surface surface(mesh);  // for any number of queries at any points
+  const std::vector<glm::dvec3> points{{0.1, 0.2, 0.3}, {4.0, 5.0, 6.0}};
+  raymap::QueryResult found = surface.query(points, {.closest = true});
+  double nearest = found.distance[0];  // from the mesh itself, not from a field
+
+  require(d > 0.0f, "the sample lies outside");
+  require(nearest < 0.0 && found.distance[1] > 0.0, "the points lie on both sides");
 }
 
 void useFiles() {
   const raymap::Mesh mesh = raymap::readMesh("tetrahedron.3mf");
   require(mesh.triangles.size() == 4, "the 3MF has four triangles");
   raymap::writeMesh("scan.ply", mesh);
-  require(distanceToScan() > 0.0f, "the sample lies outside");
+  measureScan();
 
   const raymap::Grid grid = raymap::fitGrid(mesh, {.resolution = 21});
   const raymap::Field field = raymap::generate(mesh, grid).field;
