@@ -7,6 +7,7 @@
 
 #include "broken_meshes.h"
 #include "cpu_run.h"
+#include "field/trilinear.h"
 #include "mesh/patches.h"
 #include "shapes.h"
 #include "sign_scene.h"
@@ -391,6 +392,72 @@ TEST(Orientation, KeepsWhatIsGivenWhereNothingFits) {
   EXPECT_FALSE(run.stats.orientationFits);
   EXPECT_TRUE(kept.stats.orientationFits);
   EXPECT_TRUE(runOf(shapes::sphere(1.0, 3), grid, Orientation::Auto).stats.orientationFits);
+}
+
+/// Returns what `measureSides` says of a face, in double precision.
+double sidesOf(const Trilinear<double>& field, double farSides, FaceMeasure measure, const glm::dvec3& a,
+               const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 across = glm::cross(b - a, c - a);
+  const double area2 = glm::length(across);
+  if (area2 == 0.0) return 0.0;
+  const glm::dvec3 step = across / area2 * std::max(1.0, farSides * std::sqrt(area2));
+  const double longest = std::max({glm::length(b - a), glm::length(c - a), glm::length(c - b)});
+  const int parts = std::clamp(int(std::ceil(longest / 2.0)), 1, 8);
+  double sum = 0.0;
+  for (int i = 0; i < parts; ++i)
+    for (int j = 0; i + j < parts; ++j)
+      for (const double shift : {1.0 / 3.0, 2.0 / 3.0}) {
+        if (shift > 0.5 && i + j + 1 == parts) continue;
+        const glm::dvec3 p = a + ((i + shift) * (b - a) + (j + shift) * (c - a)) / double(parts);
+        const auto at = [&](const glm::dvec3& q) {
+          return field(glm::clamp(q, glm::dvec3(0.0), field.last()));
+        };
+        const double before = at(p + step), behind = at(p - step);
+        const double toOdd = std::abs(std::remainder(before + behind - 1.0, 2.0));
+        sum += measure == FaceMeasure::Rise ? before - behind : 1.0 - toOdd;
+      }
+  return sum / (parts * parts);
+}
+
+TEST(Orientation, MeasuresTheFieldBesideEachFace) {
+  std::mt19937 random(3);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  for (const glm::ivec3 dims : {glm::ivec3(14, 9, 11), glm::ivec3(1, 20, 2), glm::ivec3(2, 1, 12)}) {
+    Buffer<float> field(size_t(dims.x) * size_t(dims.y) * size_t(dims.z));
+    for (float& value : field) value = float(between(-1.5, 1.5));
+    std::vector<glm::dvec3> points;
+    std::vector<glm::uvec3> faces, taken;
+    for (uint32_t f = 0; f < 1500; ++f) {  // From tiny faces to those that reach far out of the grid.
+      const double size = std::pow(2.0, between(-4.0, 5.0));
+      const glm::dvec3 a{between(0, dims.x - 1), between(0, dims.y - 1), between(0, dims.z - 1)};
+      for (const double scale : {0.0, f % 50 == 7 ? 0.0 : size, size})
+        points.push_back(a + scale * glm::dvec3(between(-1, 1), between(-1, 1), between(-1, 1)));
+      faces.emplace_back(3 * f, 3 * f + 1, 3 * f + 2);
+      taken.push_back(f % 7 == 3 ? glm::uvec3(3 * f) : faces.back());
+    }
+    CellMesh mesh;
+    mesh.vertices.resizeUninitialized(points.size());
+    std::copy(points.begin(), points.end(), mesh.vertices.begin());
+    mesh.triangles = faces;
+    mesh.dims = dims;
+    const Trilinear<double> exact(dims, field.data());
+    Progress progress;
+    Buffer<float> sides;
+    for (const double farSides : {0.0, 0.7})
+      for (const FaceMeasure measure : {FaceMeasure::Rise, FaceMeasure::Wholeness}) {
+        measureSides(mesh, taken, field, float(farSides), measure, progress, sides);
+        ASSERT_EQ(sides.size(), faces.size());
+        for (uint32_t f = 0; f < faces.size(); ++f) {
+          const double expected = taken[f] == glm::uvec3(3 * f)
+                                      ? 0.0
+                                      : sidesOf(exact, farSides, measure, mesh.corner(f, 0),
+                                                mesh.corner(f, 1), mesh.corner(f, 2));
+          ASSERT_NEAR(sides[f], expected, 2e-4) << "face " << f;
+        }
+      }
+  }
 }
 
 TEST(Misfit, IsZeroWhereAllRaysAgree) {

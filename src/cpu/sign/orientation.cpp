@@ -9,14 +9,11 @@
 
 #include "base/parallel.h"
 #include "cpu/sign/ray_sweep.h"
-#include "field/trilinear.h"
 #include "method/orientation_sure.h"
 
 namespace raymap::cpu {
 
 namespace {
-
-constexpr size_t kFacesPerTask = 1024;
 
 struct Misfit {
   double squares = 0.0, jumps = 0.0;
@@ -32,46 +29,6 @@ void addLine(std::span<const Crossing> line, const float* field, size_t stride, 
     sum.squares += jump * (jump - (double(at[0]) - double(at[stride])));
     sum.jumps += std::abs(jump);
   }
-}
-
-float measureOf(FaceMeasure measure, float before, float behind) {
-  if (measure == FaceMeasure::Rise) return before - behind;
-  const float half = 0.5f * (before + behind - 1.0f);  // Whole where the sum is odd.
-  return 1.0f - 2.0f * std::abs(half - std::round(half));
-}
-
-/// Returns a measure of the field in front of a face and behind it, in the mean. A large face is cut into
-/// triangles, and the field is read at their centres. Points beyond the grid's border are moved onto it.
-float sidesOf(const Trilinear<float>& field, float farSides, FaceMeasure measure, const glm::vec3& a,
-              const glm::vec3& b, const glm::vec3& c) {
-  constexpr float kPartLength = 2.0f;
-  constexpr int kMostParts = 8;
-  const glm::vec3 ab = b - a, ac = c - a, across = glm::cross(ab, ac);
-  const float doubleArea = glm::length(across);
-  if (!(doubleArea > 0.0f)) return 0.0f;
-  const glm::vec3 normal = across / doubleArea, bc = c - b;
-  const float longest = std::sqrt(std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)}));
-  float sum = 0.0f;
-  const glm::vec3 step = normal * std::max(1.0f, farSides * std::sqrt(doubleArea));
-  const auto inGrid = [&](const glm::vec3& p) { return glm::clamp(p, glm::vec3(0.0f), field.last()); };
-  const auto look = [&](float u, float v) {
-    const glm::vec3 p = a + u * ab + v * ac;
-    sum += measureOf(measure, field(inGrid(p + step)), field(inGrid(p - step)));
-  };
-  if (longest <= kPartLength) {
-    look(1.0f / 3.0f, 1.0f / 3.0f);
-    return sum;
-  }
-  const auto parts = int(std::min(std::ceil(longest / kPartLength), float(kMostParts)));
-  const auto lookAt = [&](int i, int j, float shift) {
-    look((float(i) + shift) / float(parts), (float(j) + shift) / float(parts));
-  };
-  for (int i = 0; i < parts; ++i)
-    for (int j = 0; i + j < parts; ++j) {
-      lookAt(i, j, 1.0f / 3.0f);
-      if (i + j + 1 < parts) lookAt(i, j, 2.0f / 3.0f);
-    }
-  return sum / float(parts * parts);
 }
 
 /// Returns the number of a sample's six rays that cross an odd number of faces. A sum of +1 and -1 is odd
@@ -108,21 +65,6 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
     }
   }
   return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
-}
-
-void measureSides(const CellMesh& mesh, std::span<const glm::uvec3> taken, const Buffer<float>& field,
-                  float farSides, FaceMeasure measure, Progress& progress, Buffer<float>& sides) {
-  sides.resizeUninitialized(mesh.triangles.size());
-  const Trilinear<float> interpolate(mesh.dims, field.data());
-  parallelFor(sides.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    progress.poll();
-    for (size_t f = begin; f < end; ++f) {
-      const bool isLeftOut = taken[f] == glm::uvec3(taken[f].x);
-      sides[f] = isLeftOut ? 0.0f
-                           : sidesOf(interpolate, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1),
-                                     mesh.corner(f, 2));
-    }
-  });
 }
 
 bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold) {
