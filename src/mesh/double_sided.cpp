@@ -156,13 +156,15 @@ void addGroups(const PackedMesh& mesh, std::span<const uint64_t> candidates,
   }
 }
 
-/// Returns whether two faces are a double-sided group. Almost all groups are such pairs.
+/// Returns whether two faces are a double-sided group. Almost all groups are such pairs, and most of them
+/// share their vertices.
 bool isPair(const PackedMesh& mesh, uint32_t a, uint32_t b) {
   const glm::uvec3 s = mesh.triangles[a], t = mesh.triangles[b];
   const auto at = [&](uint32_t vertex) { return mesh.vertices[vertex]; };
+  const auto areSame = [&](uint32_t u, uint32_t v) { return u == v || at(u) == at(v); };
   if (at(s.x) == at(s.y) || at(s.y) == at(s.z) || at(s.z) == at(s.x)) return false;
-  const int first = at(t.x) == at(s.x) ? 0 : at(t.y) == at(s.x) ? 1 : 2;
-  return at(t[first]) == at(s.x) && at(t[(first + 1) % 3]) == at(s.z) && at(t[(first + 2) % 3]) == at(s.y);
+  const int first = areSame(t.x, s.x) ? 0 : areSame(t.y, s.x) ? 1 : 2;
+  return areSame(t[first], s.x) && areSame(t[(first + 1) % 3], s.z) && areSame(t[(first + 2) % 3], s.y);
 }
 
 /// Returns the faces of all groups but the first of each, paired with the first, ascending.

@@ -10,21 +10,18 @@ namespace raymap {
 
 namespace {
 
-std::vector<glm::uvec3> takenFaces(const PackedMesh& mesh, const Turns& turns) {
-  std::vector<glm::uvec3> faces(mesh.triangles.begin(), mesh.triangles.end());
-  for (size_t f = 0; f < faces.size(); ++f) faces[f] = turned(faces[f], turns[f]);
-  return faces;
-}
-
 /// Counts the edges at which the double-sided faces of each patch end.
-std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, const OrientationSurface& surface) {
+/// `taken` are the faces of the half edges.
+std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, std::span<const uint32_t> taken,
+                                 const OrientationSurface& surface) {
   std::vector<Borders> borders(surface.patches.count);
-  const auto isDirected = [&](const SortKey& key) { return surface.isDirected[halfEdgeOf(key).face] != 0; };
+  const auto faceOf = [&](const SortKey& key) { return taken[halfEdgeOf(key).face]; };
+  const auto isDirected = [&](const SortKey& key) { return surface.isDirected[faceOf(key)] != 0; };
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     const auto directed = std::count_if(edge.begin(), edge.end(), isDirected);
     for (const SortKey& key : edge) {
       if (isDirected(key)) continue;
-      Borders& ofPatch = borders[surface.patches.ids[halfEdgeOf(key).face]];
+      Borders& ofPatch = borders[surface.patches.ids[faceOf(key)]];
       if (edge.size() == 1) ++ofPatch.open;
       if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
     }
@@ -32,29 +29,39 @@ std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, const Orien
   return borders;
 }
 
+/// Returns the surface of the faces that are taken. The others have no patch yet.
 OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector<uint8_t> isDirected) {
-  const std::vector<glm::uvec3> faces = takenFaces(given, asGiven);
+  const size_t count = given.triangles.size();
+  const std::vector<uint32_t> taken =
+      parallelSelect(count, [&](uint32_t face) { return asGiven[face] != kLeftOut; });
+  std::vector<glm::uvec3> faces;
+  faces.reserve(taken.size());
+  for (const uint32_t face : taken) faces.push_back(given.triangles[face]);
   const PackedMesh mesh{given.vertices, faces, given.origin};
   Buffer<SortKey> keys;
   const Welding welding = weldVertices(mesh.vertices, keys);
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
-  OrientationSurface surface{.asGiven = std::move(asGiven),
-                             .isDirected = std::move(isDirected),
-                             .patches = findPatches(mesh, welding, halfEdges),
-                             .areas = std::vector<float>(faces.size()),
-                             .patchAreas = {},
-                             .borders = {}};
-  surface.patchAreas.resize(surface.patches.count);
-  for (size_t f = 0; f < faces.size(); ++f) {
-    const glm::vec3 a = mesh.vertices[faces[f].x];
-    const glm::vec3 across = glm::cross(mesh.vertices[faces[f].y] - a, mesh.vertices[faces[f].z] - a);
-    surface.areas[f] = glm::length(across);
-    surface.patchAreas[surface.patches.ids[f]] += surface.areas[f];
-    surface.area += surface.areas[f];
+  const Patches patches = findPatches(mesh, welding, halfEdges);
+  OrientationSurface surface{
+      .asGiven = std::move(asGiven),
+      .isDirected = std::move(isDirected),
+      .patches = {std::vector<uint32_t>(count), std::vector<uint8_t>(count), patches.count},
+      .areas = std::vector<float>(count),
+      .patchAreas = std::vector<double>(patches.count),
+      .borders = {}};
+  for (size_t t = 0; t < taken.size(); ++t) {
+    const uint32_t face = taken[t], patch = patches.ids[t];
+    const glm::vec3 a = mesh.vertices[faces[t].x];
+    const glm::vec3 across = glm::cross(mesh.vertices[faces[t].y] - a, mesh.vertices[faces[t].z] - a);
+    surface.patches.ids[face] = patch;
+    surface.patches.isReversed[face] = patches.isReversed[t];
+    surface.areas[face] = glm::length(across);
+    surface.patchAreas[patch] += surface.areas[face];
+    surface.area += surface.areas[face];
   }
   const std::vector<uint8_t>& directed = surface.isDirected;
   if (std::find(directed.begin(), directed.end(), 0) != directed.end())
-    surface.borders = findBorders(halfEdges, surface);
+    surface.borders = findBorders(halfEdges, taken, surface);
   return surface;
 }
 
@@ -80,7 +87,12 @@ OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFace
   std::vector<uint8_t> isDirected(mesh.triangles.size(), 1);
   for (const uint32_t face : doubleSided.others) isDirected[face] = 0;
   for (const uint32_t face : doubleSided.firsts) isDirected[face] = 0;
-  return surfaceOf(mesh, withoutOthers(doubleSided, mesh.triangles.size()), std::move(isDirected));
+  OrientationSurface surface =
+      surfaceOf(mesh, withoutOthers(doubleSided, mesh.triangles.size()), std::move(isDirected));
+  std::vector<uint32_t>& ids = surface.patches.ids;
+  for (size_t o = 0; o < doubleSided.others.size(); ++o)
+    ids[doubleSided.others[o]] = ids[doubleSided.firsts[doubleSided.groupOf[o]]];
+  return surface;
 }
 
 Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {

@@ -22,7 +22,7 @@ struct Borders {
 struct OrientationSurface {
   Turns asGiven;                    ///< Takes each face as given or leaves it out.
   std::vector<uint8_t> isDirected;  ///< Whether the given winding order of each face counts.
-  Patches patches;                  ///< Patches of the faces that are taken.
+  Patches patches;                  ///< Patches; a face that is left out has that of its group's first.
   std::vector<float> areas;         ///< Twice the area of each face; 0 if it is left out.
   std::vector<double> patchAreas;   ///< Sum of `areas` over each patch.
   double area = 0.0;                ///< Sum of `areas`.
