@@ -185,28 +185,26 @@ bool Backend::contradictsParity() {
 }
 
 std::span<const float> Backend::rises() {
-  return measureSides(kFarSides, FaceMeasure::Rise);
+  measureSides(kFarSides);
+  return rises_;
 }
 
 std::span<const float> Backend::parityRises() {
   averageParity(rayMap_, windingBuffer());
-  return nearRises();
+  measureSides(0.0f);
+  return rises_;
 }
 
-std::span<const float> Backend::nearRises() {
-  return measureSides(0.0f, FaceMeasure::Rise);
-}
-
-std::span<const float> Backend::wholeness() {
-  return measureSides(0.0f, FaceMeasure::Wholeness);
+NearSides Backend::nearSides() {
+  measureSides(0.0f, &wholeness_);
+  return {.rises = rises_, .wholeness = wholeness_};
 }
 
 /// Measures the field beside the faces as given.
-std::span<const float> Backend::measureSides(float farSides, FaceMeasure measure) {
+void Backend::measureSides(float farSides, Buffer<float>* wholeness) {
   const std::span<const glm::uvec3> taken = std::exchange(mesh_.triangles, mesh().triangles);
-  cpu::measureSides(mesh_, taken, windingBuffer(), farSides, measure, progress(), rises_);
+  cpu::measureSides(mesh_, countedTurns_, windingBuffer(), farSides, progress(), rises_, wholeness);
   mesh_.triangles = taken;
-  return rises_;
 }
 
 void Backend::windingDipoles() {
@@ -246,8 +244,8 @@ void Backend::finish() {
 
 size_t Backend::bytes() const {
   size_t total = mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + rises_.capacityBytes() +
-                 surfaceTree_.bytes() + windingSolver_.bytes() + windingDipoles_.bytes() +
-                 winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
+                 wholeness_.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
+                 windingDipoles_.bytes() + winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
   for (const CellLevel& level : levels_)
     total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
              level.squared.capacityBytes() + level.nearestCell.capacityBytes();

@@ -56,8 +56,7 @@ class Backend {
   bool contradictsParity();
   std::span<const float> rises();
   std::span<const float> parityRises();
-  std::span<const float> nearRises();
-  std::span<const float> wholeness();
+  NearSides nearSides();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();
@@ -81,7 +80,7 @@ class Backend {
   const SurfaceTree& surfaceTree();
   /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
   const SurfaceTree& turnedSurfaceTree();
-  std::span<const float> measureSides(float farSides, FaceMeasure measure);
+  void measureSides(float farSides, Buffer<float>* wholeness = nullptr);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
   Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }
@@ -105,7 +104,7 @@ class Backend {
   Winding windingSolver_;
   WindingDipoles windingDipoles_;
   double doubtfulShare_ = 0.0;
-  Buffer<float> rises_;
+  Buffer<float> rises_, wholeness_;
   FaceSides faceSides_;
   Buffer<float> winding_;
   HolePatch patch_;

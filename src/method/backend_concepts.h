@@ -14,6 +14,7 @@
 #include "mesh/packed_mesh.h"
 #include "method/cell_mesh.h"
 #include "method/close_holes_edges.h"
+#include "method/orientation_sheets.h"
 #include "method/turns.h"
 
 namespace raymap {
@@ -65,8 +66,7 @@ concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<
   { b.contradictsParity() } -> std::same_as<bool>;  // Valid after `misfit`.
   { b.rises() } -> std::same_as<std::span<const float>>;
   { b.parityRises() } -> std::same_as<std::span<const float>>;
-  { b.nearRises() } -> std::same_as<std::span<const float>>;
-  { b.wholeness() } -> std::same_as<std::span<const float>>;
+  { b.nearSides() } -> std::same_as<NearSides>;
 
   // For the stage `close_holes`, which leaves its result in `patch`.
   b.patch();

@@ -39,8 +39,8 @@ SheetFinder::SheetFinder(double spacing, const DoubleSidedFaces& faces, const Or
       leastArea_(leastSheetArea(spacing)),
       isSheet_(faces.firsts.size(), 0) {}
 
-bool SheetFinder::giveBack(std::span<const float> rises, std::span<const float> wholeness, Turns& turns) {
-  measure(rises, wholeness);
+bool SheetFinder::giveBack(const NearSides& sides, Turns& turns) {
+  measure(sides);
   bool hasSheets = false;
   for (size_t g = 0; g < faces_.firsts.size(); ++g) {
     if (isSheet_[g] || !looksLikeSheet(faces_.firsts[g])) continue;
@@ -57,13 +57,13 @@ bool SheetFinder::hasSolid() const {
   return std::find(isSheet_.begin(), isSheet_.end(), 0) != isSheet_.end();
 }
 
-void SheetFinder::measure(std::span<const float> rises, std::span<const float> wholeness) {
+void SheetFinder::measure(const NearSides& sides) {
   ofPatch_.assign(surface_.patches.count, {});
   ofPart_.assign(surface_.patches.count, {});
   for (size_t g = 0; g < faces_.firsts.size(); ++g) {
     if (isSheet_[g]) continue;
     const uint32_t face = faces_.firsts[g], patch = surface_.patches.ids[face];
-    const Solidity solidity = solidityOf(surface_.areas[face], rises[face], wholeness[face]);
+    const Solidity solidity = solidityOf(surface_.areas[face], sides.rises[face], sides.wholeness[face]);
     ofPatch_[patch].add(solidity);
     ofPart_[parts_[patch]].add(solidity);
   }

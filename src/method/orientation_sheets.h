@@ -26,6 +26,16 @@ struct Solidity {
   double share() const { return whole / seen; }
 };
 
+/// The winding number beside the faces.
+struct NearSides {
+  /// The winding number one cell in front of each face as given, minus that one cell behind it.
+  std::span<const float> rises;
+  /// How whole it is on both sides. The sum of the winding number one cell in front and one cell behind is
+  /// odd where both are whole numbers that differ by 1. The value is 1 less the mean distance of the sum from
+  /// the nearest odd number.
+  std::span<const float> wholeness;
+};
+
 /// Returns twice the area from which on a sheet is seen. `spacing` is the sample spacing.
 double leastSheetArea(double spacing);
 
@@ -37,16 +47,15 @@ class SheetFinder {
   SheetFinder(double spacing, const DoubleSidedFaces& faces, const OrientationSurface& surface,
               const std::vector<uint32_t>& parts);
 
-  /// Takes all faces of the groups as given again that look like sheets. `rises` is the winding number one
-  /// cell in front of each face minus that one cell behind it, `wholeness` is as in `FaceField`. Returns
-  /// whether there are any new ones.
-  bool giveBack(std::span<const float> rises, std::span<const float> wholeness, Turns& turns);
+  /// Takes all faces of the groups as given again that look like sheets. Returns whether there are any
+  /// new ones.
+  bool giveBack(const NearSides& sides, Turns& turns);
 
   /// Returns whether any group is no sheet.
   bool hasSolid() const;
 
  private:
-  void measure(std::span<const float> rises, std::span<const float> wholeness);
+  void measure(const NearSides& sides);
   bool looksLikeSheet(uint32_t face) const;
 
   const DoubleSidedFaces& faces_;

@@ -248,14 +248,6 @@ class SideChooser {
   double risingShare_ = 0.0;     ///< Largest share of the surface that the field contradicted in one round.
 };
 
-/// Takes all faces of the groups as given again that look like sheets in the solved field. Returns whether
-/// there are any.
-bool giveBackSheets(SheetFinder& sheets, const FaceField& field, Turns& turns) {
-  const std::span<const float> nearRises = field.nearRises();
-  const std::vector<float> rises(nearRises.begin(), nearRises.end());
-  return sheets.giveBack(rises, field.wholeness(), turns);
-}
-
 /// Takes each double-sided group as one face of unknown direction where it bounds a solid with the rest.
 /// Returns nothing if none does or nothing fits.
 std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver& solver) {
@@ -271,7 +263,7 @@ std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver
   State best = chooser.choose(true);
   SheetFinder sheets(examined.spacing, faces, surface, chooser.parts());
   do best = solver.solve(best.turns);
-  while (giveBackSheets(sheets, solver.field(), best.turns));
+  while (sheets.giveBack(solver.field().nearSides(), best.turns));
   if (!sheets.hasSolid() || best.misfit > kMostMisfit) return {};
   return best;
 }

@@ -9,6 +9,7 @@
 
 #include "mesh/double_sided.h"
 #include "method/backend_concepts.h"
+#include "method/orientation_sheets.h"
 
 namespace raymap {
 
@@ -17,7 +18,7 @@ namespace raymap {
 inline constexpr float kFarSides = 0.7f;
 
 /// Measure of a field beside a face: its rise from behind the face to the front, or how whole it is on both
-/// sides (`FaceField::wholeness`).
+/// sides (`NearSides::wholeness`).
 enum class FaceMeasure { Rise, Wholeness };
 
 /// Turns of the faces, and the misfits before and after. A misfit is the sum of squares by
@@ -51,13 +52,8 @@ struct FaceField {
   /// Returns the same for the share of the six rays that cross an odd number of faces. It does not depend on
   /// which faces are reversed, but on which are left out. It replaces the solved field.
   std::function<std::span<const float>(const Turns& turns)> parityRises;
-  /// Returns, for each face as given, the last solved field one cell before the face minus that one cell
-  /// behind it.
-  std::function<std::span<const float>()> nearRises;
-  /// Returns, for each face, how whole the field is on both sides. The sum of the field one cell before the
-  /// face and one cell behind it is odd where both are whole numbers that differ by 1. The result is 1 less
-  /// the mean distance of the sum from the nearest odd number.
-  std::function<std::span<const float>()> wholeness;
+  /// Returns the last solved field one cell in front of each face and one cell behind it.
+  std::function<NearSides()> nearSides;
 };
 
 /// The mesh whose faces are examined.
@@ -135,8 +131,7 @@ void orientFaces(B& backend) {
                        .contradictsParity = [&] { return backend.contradictsParity(); },
                        .rises = [&] { return backend.rises(); },
                        .parityRises = parityRises,
-                       .nearRises = [&] { return backend.nearRises(); },
-                       .wholeness = [&] { return backend.wholeness(); }},
+                       .nearSides = [&] { return backend.nearSides(); }},
                       backend.progress());
   sides.doubtfulShare = doubtfulShare;
   if (!isHarmonic) backend.winding(options.sign);

@@ -65,8 +65,7 @@ class FakeHostBackend : public FakeBackend {
   bool contradictsParity() const { return false; }
   std::span<const float> rises() const { return {}; }
   std::span<const float> parityRises() const { return {}; }
-  std::span<const float> nearRises() const { return {}; }
-  std::span<const float> wholeness() const { return {}; }
+  NearSides nearSides() const { return {}; }
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges() const { return {}; }
   std::vector<float> windingAt(std::span<const glm::vec3>) const { return {}; }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "broken_meshes.h"
@@ -428,14 +429,15 @@ TEST(Orientation, MeasuresTheFieldBesideEachFace) {
     Buffer<float> field(size_t(dims.x) * size_t(dims.y) * size_t(dims.z));
     for (float& value : field) value = float(between(-1.5, 1.5));
     std::vector<glm::dvec3> points;
-    std::vector<glm::uvec3> faces, taken;
+    std::vector<glm::uvec3> faces;
+    Turns turns;
     for (uint32_t f = 0; f < 1500; ++f) {  // From tiny faces to those that reach far out of the grid.
       const double size = std::pow(2.0, between(-4.0, 5.0));
       const glm::dvec3 a{between(0, dims.x - 1), between(0, dims.y - 1), between(0, dims.z - 1)};
       for (const double scale : {0.0, f % 50 == 7 ? 0.0 : size, size})
         points.push_back(a + scale * glm::dvec3(between(-1, 1), between(-1, 1), between(-1, 1)));
       faces.emplace_back(3 * f, 3 * f + 1, 3 * f + 2);
-      taken.push_back(f % 7 == 3 ? glm::uvec3(3 * f) : faces.back());
+      turns.push_back(std::array{kAsGiven, kReversed, kLeftOut}[f % 3]);
     }
     CellMesh mesh;
     mesh.vertices.resizeUninitialized(points.size());
@@ -444,17 +446,19 @@ TEST(Orientation, MeasuresTheFieldBesideEachFace) {
     mesh.dims = dims;
     const Trilinear<double> exact(dims, field.data());
     Progress progress;
-    Buffer<float> sides;
+    Buffer<float> rises, wholeness;
     for (const double farSides : {0.0, 0.7})
-      for (const FaceMeasure measure : {FaceMeasure::Rise, FaceMeasure::Wholeness}) {
-        measureSides(mesh, taken, field, float(farSides), measure, progress, sides);
-        ASSERT_EQ(sides.size(), faces.size());
+      for (const Turns& taken : {turns, Turns()}) {
+        measureSides(mesh, taken, field, float(farSides), progress, rises, &wholeness);
+        ASSERT_EQ(rises.size(), faces.size());
+        ASSERT_EQ(wholeness.size(), faces.size());
         for (uint32_t f = 0; f < faces.size(); ++f) {
-          const double expected = taken[f] == glm::uvec3(3 * f)
-                                      ? 0.0
-                                      : sidesOf(exact, farSides, measure, mesh.corner(f, 0),
-                                                mesh.corner(f, 1), mesh.corner(f, 2));
-          ASSERT_NEAR(sides[f], expected, 2e-4) << "face " << f;
+          const auto expected = [&](FaceMeasure measure) {
+            if (!taken.empty() && taken[f] == kLeftOut) return 0.0;
+            return sidesOf(exact, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+          };
+          ASSERT_NEAR(rises[f], expected(FaceMeasure::Rise), 2e-4) << "face " << f;
+          ASSERT_NEAR(wholeness[f], expected(FaceMeasure::Wholeness), 2e-4) << "face " << f;
         }
       }
   }

@@ -16,10 +16,11 @@ double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const B
 bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold);
 
 /// Measures the field a step in front of every face and a step behind it, in the mean over the face. The step
-/// is one cell, or `farSides` times the square root of twice the face's area if that is longer. The result
-/// is 0 for faces that are points in `taken`, the faces as the sign takes them.
-void measureSides(const CellMesh& mesh, std::span<const glm::uvec3> taken, const Buffer<float>& field,
-                  float farSides, FaceMeasure measure, Progress& progress, Buffer<float>& sides);
+/// is one cell, or `farSides` times the square root of twice the face's area if that is longer. Writes the
+/// rises to the front, and the wholeness (`NearSides`) if it is asked for. Both are 0 for faces that `turns`
+/// leaves out. Empty turns take all faces.
+void measureSides(const CellMesh& mesh, const Turns& turns, const Buffer<float>& field, float farSides,
+                  Progress& progress, Buffer<float>& rises, Buffer<float>* wholeness = nullptr);
 
 /// Computes the share of each sample's six rays that cross an odd number of faces.
 void averageParity(const RayMap& map, Buffer<float>& parity);

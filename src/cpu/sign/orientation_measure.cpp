@@ -95,33 +95,37 @@ class FieldReader {
   size_t offsets_[8];  // Of the samples around a point: x in bit 0, y in bit 1, z in bit 2.
 };
 
-HWY_INLINE Float measureOf(FaceMeasure measure, Float before, Float behind) {
-  if (measure == FaceMeasure::Rise) return hn::Sub(before, behind);
-  const Float one = all(1.0f);
-  const Float half =
-      hn::Mul(all(0.5f), hn::Sub(hn::Add(before, behind), one));  // Whole where the sum is odd.
+/// Returns 1 less the distance of a number from the nearest odd one.
+HWY_INLINE Float wholenessOf(Float sum) {
+  const Float one = all(1.0f), half = hn::Mul(all(0.5f), hn::Sub(sum, one));  // Whole where the sum is odd.
   return hn::Sub(one, hn::Mul(all(2.0f), hn::Abs(hn::Sub(half, hn::Round(half)))));
 }
 
-/// Returns a measure of the field in front of faces and behind them, in the mean. A large face is cut into
+struct Sides {
+  Float rise, wholeness;
+};
+
+/// Measures the field in front of faces and behind them, in the mean. A large face is cut into
 /// triangles, and the field is read at their centres.
-HWY_INLINE Float sidesOf(const FieldReader& field, float farSides, FaceMeasure measure, const Vector& a,
-                         const Vector& b, const Vector& c) {
+HWY_INLINE Sides sidesOf(const FieldReader& field, float farSides, const Vector& a, const Vector& b,
+                         const Vector& c) {
   constexpr float kPartLength = 2.0f, kMostParts = 8.0f;
-  const Float one = all(1.0f);
+  const Float zero = hn::Zero(Tag()), one = all(1.0f);
   const Vector ab = b - a, ac = c - a, across = cross(ab, ac);
   const Float doubleArea = hn::Sqrt(across.squaredLength());
-  const Mask hasArea = hn::Gt(doubleArea, hn::Zero(Tag()));
+  const Mask hasArea = hn::Gt(doubleArea, zero);
   const Vector step = across / doubleArea * hn::Max(one, hn::Mul(all(farSides), hn::Sqrt(doubleArea)));
   const Float longest =
       hn::Sqrt(hn::Max(hn::Max(ab.squaredLength(), ac.squaredLength()), (c - b).squaredLength()));
   const Float clamped = hn::Max(one, hn::Min(hn::Ceil(hn::Div(longest, all(kPartLength))), all(kMostParts)));
   const Float parts = hn::IfThenElse(hasArea, clamped, one);
-  Float sum = hn::Zero(Tag());
+  Sides sum{zero, zero};
   const auto lookAt = [&](int i, int j, float shift, Mask isPart) {
     const Float u = hn::Div(all(float(i) + shift), parts), v = hn::Div(all(float(j) + shift), parts);
     const Vector p = a + ab * u + ac * v;
-    sum = hn::Add(sum, hn::IfThenElseZero(isPart, measureOf(measure, field(p + step), field(p - step))));
+    const Float before = field(p + step), behind = field(p - step);
+    sum.rise = hn::Add(sum.rise, hn::IfThenElseZero(isPart, hn::Sub(before, behind)));
+    sum.wholeness = hn::Add(sum.wholeness, hn::IfThenElseZero(isPart, wholenessOf(hn::Add(before, behind))));
   };
   const auto mostParts = int(hn::GetLane(hn::MaxOfLanes(Tag(), parts)));
   for (int i = 0; i < mostParts; ++i)
@@ -129,12 +133,15 @@ HWY_INLINE Float sidesOf(const FieldReader& field, float farSides, FaceMeasure m
       lookAt(i, j, 1.0f / 3.0f, hn::Lt(all(float(i + j)), parts));
       if (i + j + 1 < mostParts) lookAt(i, j, 2.0f / 3.0f, hn::Lt(all(float(i + j + 1)), parts));
     }
-  return hn::IfThenElseZero(hasArea, hn::Div(sum, hn::Mul(parts, parts)));
+  const auto mean = [&](Float total) {
+    return hn::IfThenElseZero(hasArea, hn::Div(total, hn::Mul(parts, parts)));
+  };
+  return {mean(sum.rise), mean(sum.wholeness)};
 }
 
 /// Measures the faces [begin, end) that are taken, as many at once as there are lanes.
-void measureFaces(const CellMesh& mesh, std::span<const glm::uvec3> taken, const Buffer<float>& field,
-                  float farSides, FaceMeasure measure, size_t begin, size_t end, Buffer<float>& sides) {
+void measureFaces(const CellMesh& mesh, const Turns& turns, const Buffer<float>& field, float farSides,
+                  size_t begin, size_t end, float* rises, float* wholeness) {
   const FieldReader reader(mesh.dims, field.data());
   alignas(64) float corners[9][kLanes] = {};
   size_t faces[kLanes], count = 0;
@@ -143,14 +150,21 @@ void measureFaces(const CellMesh& mesh, std::span<const glm::uvec3> taken, const
       return Vector{hn::Load(Tag(), corners[3 * c]), hn::Load(Tag(), corners[3 * c + 1]),
                     hn::Load(Tag(), corners[3 * c + 2])};
     };
+    const Sides sides = sidesOf(reader, farSides, corner(0), corner(1), corner(2));
     alignas(64) float results[kLanes] = {};
-    hn::Store(sidesOf(reader, farSides, measure, corner(0), corner(1), corner(2)), Tag(), results);
-    for (size_t lane = 0; lane < count; ++lane) sides[faces[lane]] = results[lane];
+    hn::Store(sides.rise, Tag(), results);
+    for (size_t lane = 0; lane < count; ++lane) rises[faces[lane]] = results[lane];
+    hn::Store(sides.wholeness, Tag(), results);
+    if (wholeness)
+      for (size_t lane = 0; lane < count; ++lane) wholeness[faces[lane]] = results[lane];
     count = 0;
   };
   for (size_t f = begin; f < end; ++f) {
-    sides[f] = 0.0f;
-    if (taken[f] == glm::uvec3(taken[f].x)) continue;
+    if (!turns.empty() && turns[f] == kLeftOut) {
+      rises[f] = 0.0f;
+      if (wholeness) wholeness[f] = 0.0f;
+      continue;
+    }
     for (int c = 0; c < 3; ++c) {
       const glm::vec3 p = mesh.corner(f, c);
       for (int axis = 0; axis < 3; ++axis) corners[3 * c + axis][count] = p[axis];
@@ -169,13 +183,16 @@ namespace raymap::cpu {
 
 HWY_EXPORT(measureFaces);
 
-void measureSides(const CellMesh& mesh, std::span<const glm::uvec3> taken, const Buffer<float>& field,
-                  float farSides, FaceMeasure measure, Progress& progress, Buffer<float>& sides) {
+void measureSides(const CellMesh& mesh, const Turns& turns, const Buffer<float>& field, float farSides,
+                  Progress& progress, Buffer<float>& rises, Buffer<float>* wholeness) {
   constexpr size_t kFacesPerTask = 1024;
-  sides.resizeUninitialized(mesh.triangles.size());
-  parallelFor(sides.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+  const size_t count = mesh.triangles.size();
+  rises.resizeUninitialized(count);
+  if (wholeness) wholeness->resizeUninitialized(count);
+  parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
     progress.poll();
-    HWY_DYNAMIC_DISPATCH(measureFaces)(mesh, taken, field, farSides, measure, begin, end, sides);
+    HWY_DYNAMIC_DISPATCH(measureFaces)
+    (mesh, turns, field, farSides, begin, end, rises.data(), wholeness ? wholeness->data() : nullptr);
   });
 }
 

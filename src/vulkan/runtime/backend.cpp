@@ -193,17 +193,14 @@ std::span<const float> Backend::rises() {
 
 std::span<const float> Backend::parityRises() {
   recordParity();
-  return nearRises();
-}
-
-std::span<const float> Backend::nearRises() {
   return measureRises(0.0f);
 }
 
-std::span<const float> Backend::wholeness() {
+NearSides Backend::nearSides() {
+  const std::span<const float> rises = measureRises(0.0f);
   recordSides(0.0f, FaceMeasure::Wholeness);
   run();
-  return orientationStage().sides();
+  return {.rises = rises, .wholeness = orientationStage().sides()};
 }
 
 /// Negates the values of reversed faces, because the host counts them as given.

@@ -45,8 +45,7 @@ class Backend : public StageRecorder, private RecordingListener {
   bool contradictsParity() const { return orientationStage().contradictsParity(); }
   std::span<const float> rises();
   std::span<const float> parityRises();
-  std::span<const float> nearRises();
-  std::span<const float> wholeness();
+  NearSides nearSides();
 
   HolePatch& patch() { return patch_; }
   std::vector<MissingEdge> missingEdges();
