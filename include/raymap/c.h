@@ -278,12 +278,11 @@ typedef struct raymap_query_arrays {
   float* confidence;   /* Confidence in the sign, 0 to 1. Needs a sign. */
 } raymap_query_arrays;
 
-/* Fills the arrays. `points` are x, y, z of each. Points farther than `max_distance` get this distance with
+/* Fills the arrays. `points` are x, y, z of each. Points farther than `limit` get this distance with
  * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = no limit. Of the options, only
  * "threads" and the progress callback count; they may be NULL. After a failure the arrays are unchanged. */
 RAYMAP_API raymap_result raymap_surface_query(const raymap_surface* surface, const double* points,
-                                              size_t count, double max_distance,
-                                              const raymap_options* options,
+                                              size_t count, double limit, const raymap_options* options,
                                               const raymap_query_arrays* arrays);
 
 /* ---- Devices ---- */

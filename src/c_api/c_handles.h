@@ -33,6 +33,8 @@ struct raymap_generator {
 };
 
 struct raymap_surface {
+  explicit raymap_surface(raymap::Surface made) : surface(std::move(made)) {}
+
   raymap::Surface surface;
 };
 

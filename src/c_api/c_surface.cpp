@@ -43,8 +43,8 @@ void copyTo(T* to, const Buffer<T>& from) {
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
-    return std::unique_ptr<raymap_surface>(
-        new raymap_surface{Surface(need(mesh, "the mesh").view, surfaceOptions(c::optionsOr(options)))});
+    return std::make_unique<raymap_surface>(
+        Surface(need(mesh, "the mesh").view, surfaceOptions(c::optionsOr(options))));
   });
 }
 
@@ -64,25 +64,25 @@ raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* 
 }
 
 raymap_result raymap_surface_query(const raymap_surface* surface, const double* points, size_t count,
-                                   double max_distance, const raymap_options* options,
+                                   double limit, const raymap_options* options,
                                    const raymap_query_arrays* arrays) {
   return guard([&] {
     const Surface& queried = need(surface, "the surface").surface;
     const raymap_query_arrays& wanted = need(arrays, "the struct of arrays");
     if (count > 0) need(points, "the array of points");
     const Options& given = c::optionsOr(options);
-    const QueryResult found = queried.query(
-        PointsView(points, count),
-        {.distance = wanted.distance != nullptr,
-         .closest = wanted.closest != nullptr,
-         .triangle = wanted.triangle != nullptr,
-         .barycentric = wanted.barycentric != nullptr,
-         .direction = wanted.direction != nullptr,
-         .winding = wanted.winding != nullptr,
-         .confidence = wanted.confidence != nullptr,
-         .maxDistance = max_distance != 0.0 ? max_distance : std::numeric_limits<double>::infinity(),
-         .threads = given.threads,
-         .progress = given.progress});
+    const QueryResult found =
+        queried.query(PointsView(points, count),
+                      {.distance = wanted.distance != nullptr,
+                       .closest = wanted.closest != nullptr,
+                       .triangle = wanted.triangle != nullptr,
+                       .barycentric = wanted.barycentric != nullptr,
+                       .direction = wanted.direction != nullptr,
+                       .winding = wanted.winding != nullptr,
+                       .confidence = wanted.confidence != nullptr,
+                       .maxDistance = limit != 0.0 ? limit : std::numeric_limits<double>::infinity(),
+                       .threads = given.threads,
+                       .progress = given.progress});
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
     copyTo(wanted.triangle, found.triangle);

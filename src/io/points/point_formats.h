@@ -28,7 +28,7 @@ struct PointArray {
 
   std::string_view name;
   Values values;
-  std::string_view parts = "";  ///< Letter or digit of each coordinate, e.g. "xyz".
+  std::string_view parts = {};  ///< Letter or digit of each coordinate, e.g. "xyz".
 };
 
 /// Returns what the query filled, in the order of `QueryResult`.

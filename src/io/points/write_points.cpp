@@ -104,14 +104,16 @@ void addProperties(Pieces& pieces, const PointArray& array, size_t point) {
   std::visit(
       [&](const auto& values) {
         using Element = std::remove_cvref_t<decltype(values[0])>;
-        if constexpr (std::is_same_v<Element, double>)
+        if constexpr (std::is_same_v<Element, double>) {
           pieces.addBytes(static_cast<float>(values[point]));
-        else if constexpr (!kIsVector<Element>)
+        } else if constexpr (kIsVector<Element>) {
+          if (isPosition(array))
+            pieces.addBytes(values[point]);
+          else
+            pieces.addBytes(glm::vec3(values[point]));
+        } else {
           pieces.addBytes(values[point]);
-        else if (isPosition(array))
-          pieces.addBytes(values[point]);
-        else
-          pieces.addBytes(glm::vec3(values[point]));
+        }
       },
       array.values);
 }
