@@ -23,6 +23,9 @@ int latticeResolution(size_t triangles) {
   return static_cast<int>(std::clamp(std::sqrt(double(triangles)) / 3.0, kFewest, kMost));
 }
 
+/// Farthest distance that the lattice needs to know, in samples. Points are closer to their cell's corners.
+constexpr double kLatticeBand = 3.0;
+
 void check(const SurfaceOptions& options) {
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
@@ -88,6 +91,7 @@ struct Surface::Impl {
     field.threads = options.threads;
     field.memoryLimit = options.memoryLimit;
     field.winding = field.confidence = true;
+    field.band = kLatticeBand;
     cpu::Backend backend;
     Field samples;
     stats = runOnCpu(backend, {prepared.mesh, prepared.grid, field, progress, samples}, meshBytes());
