@@ -94,6 +94,12 @@ glm::dvec3 centreOf(const Extent<float>&) {
   return glm::dvec3(0.0);
 }
 
+/// Rounds to single precision. Out of line, because GCC 12's vectorizer (SLP) else drops the rounding of some
+/// coordinates.
+[[gnu::noinline]] glm::vec3 rounded(const glm::dvec3& p) {
+  return glm::vec3(p);
+}
+
 bool isPacked(const MeshView& view) {
   const auto isAligned = [](const void* memory) { return reinterpret_cast<uintptr_t>(memory) % 4 == 0; };
   return view.scalar == MeshView::Scalar::Float && view.index == MeshView::Index::UInt32 &&
@@ -120,7 +126,7 @@ Box bounds(const MeshView& view) {
     const auto extent = extentOf(mesh);
     // Double positions are rounded as the packed mesh has them, so that both have the same grid.
     const glm::dvec3 centre = centreOf(extent), origin = view.origin + centre;
-    const auto round = [&](const auto& p) { return origin + glm::dvec3(glm::vec3(glm::dvec3(p) - centre)); };
+    const auto round = [&](const auto& p) { return origin + glm::dvec3(rounded(glm::dvec3(p) - centre)); };
     return {round(extent.low), round(extent.high)};
   });
 }

@@ -81,6 +81,19 @@ TEST(MeshView, CentresDoublePositionsAsMakeMeshDoes) {
                                  triangles.size(), {.vertex = spread.kStride}));
 }
 
+TEST(MeshView, HasTheBoundsOfThePackedMesh) {
+  const double third = 1.0 / 3.0;
+  const std::vector<glm::dvec3> vertices = {{1e5 - third, -third, -7e4 - third},
+                                            {1e5 + third, third, -7e4 + third}};
+  const std::vector<glm::uvec3> triangles = {{0, 1, 1}};
+  MeshPacker packer;
+  const MeshView view(vertices, triangles);
+  const Box box = bounds(view), packed = bounds(packer.pack(view));
+  EXPECT_EQ(box.min, packed.min);
+  EXPECT_EQ(box.max, packed.max);
+  EXPECT_EQ(box.max.y, double(float(third)));
+}
+
 TEST(MeshView, MovesByItsOrigin) {
   const std::vector<glm::dvec3> positions = positionsOf(shapes::sphere(1.0, 2));
   const std::vector<glm::uvec3> triangles = shapes::sphere(1.0, 2).triangles;
