@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints the Python of a virtual environment, build/python-env, that can build and test the Python package. Makes it, and
-# installs from PyPI what python/tests/requirements.txt names; with --all also large_packages.txt, 1.4 GB, which tests
-# of their meshes and arrays need.
+# installs from PyPI what python/tests/requirements.txt names; with --all also large_packages.txt, 7 GB, which tests of
+# their meshes and arrays need.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 env=build/python-env

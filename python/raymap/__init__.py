@@ -24,12 +24,14 @@ from ._generate import FieldOptions, Generator, signed_distance
 from ._mesh import Mesh, load_mesh
 from ._raymap import version as _version
 from ._repair import Info, Repaired, RepairReport, info, isosurface, repair
+from ._surface import Closest, Query, Surface
 
 __version__ = _version()
 
 __all__ = [
     "NO_TRIANGLE",
     "Cancelled",
+    "Closest",
     "Device",
     "DeviceLostError",
     "Error",
@@ -41,10 +43,12 @@ __all__ = [
     "InputError",
     "MemoryLimitError",
     "Mesh",
+    "Query",
     "RaymapWarning",
     "RepairReport",
     "Repaired",
     "Stats",
+    "Surface",
     "UnsupportedError",
     "UsageError",
     "devices",

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 import numpy as np
@@ -19,8 +20,8 @@ Sign: TypeAlias = Literal["harmonic", "paths", "evolution", "rays", "ray", "none
 Orientation: TypeAlias = Literal["auto", "keep", "repair"]
 
 
-class FieldOptions(TypedDict, total=False):
-    """Keyword arguments of ``raymap.signed_distance``, which documents them."""
+class SurfaceFieldOptions(TypedDict, total=False):
+    """Keyword arguments of ``raymap.Surface.field``; ``raymap.signed_distance`` documents them."""
 
     resolution: int
     voxel_size: float | None
@@ -28,7 +29,6 @@ class FieldOptions(TypedDict, total=False):
     padding: float
     distance: Distance
     sign: Sign
-    orientation: Orientation
     close_holes: bool
     thickness: float | None
     band: float | None
@@ -37,6 +37,12 @@ class FieldOptions(TypedDict, total=False):
     threads: int | None
     memory_limit: int | None
     progress: Progress
+
+
+class FieldOptions(SurfaceFieldOptions, total=False):
+    """Keyword arguments of ``raymap.signed_distance``, which documents them."""
+
+    orientation: Orientation
 
 
 def signed_distance(
@@ -156,17 +162,22 @@ class Generator:
 
         Arguments and errors are those of ``raymap.signed_distance``.
         """
-        unknown = options.keys() - FieldOptions.__annotations__.keys()
-        if unknown:
-            raise TypeError(f"signed_distance() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+        check_names("signed_distance", options, FieldOptions)
         mesh = _inputs.to_mesh(mesh_or_vertices, faces)
-        grid = _grid(mesh._core, options)
-        core_options = _options(options)
+        grid = fit_grid(partial(_raymap.fit_grid, mesh._core), options)
+        core_options = to_options(options, options.get("orientation", "auto"))
         with reporting(options.get("progress")) as report:
             return Field._from_core(self._core.generate(mesh._core, grid, core_options, report))
 
 
-def _grid(mesh: _raymap.Mesh, options: FieldOptions) -> _raymap.Grid:
+def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
+    """Refuses names of arguments that there are not."""
+    if unknown := given.keys() - known.__annotations__.keys():
+        raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+
+
+def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> _raymap.Grid:
+    """Returns the grid that the options ask for, fitted by a function of the extension module."""
     voxel_size = options.get("voxel_size")
     if voxel_size is not None and not voxel_size > 0:
         raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
@@ -179,14 +190,15 @@ def _grid(mesh: _raymap.Mesh, options: FieldOptions) -> _raymap.Grid:
             raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
         box = tuple(corners[0].tolist()), tuple(corners[1].tolist())
     resolution = operator.index(options.get("resolution", 128))
-    return _raymap.fit_grid(mesh, resolution, voxel_size or 0.0, box, options.get("padding", 0.1))
+    return fit(resolution, voxel_size or 0.0, box, options.get("padding", 0.1))
 
 
-def _options(given: FieldOptions) -> _raymap.Options:
+def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.Options:
+    """Returns the options as the extension module takes them."""
     options = _raymap.Options()
     options.distance = given.get("distance", "exact")
     options.sign = given.get("sign", "harmonic")
-    options.orientation = given.get("orientation", "auto")
+    options.orientation = orientation
     options.close_holes = bool(given.get("close_holes", False))
     _set_thickness(options, given.get("thickness"))
     options.band = given.get("band") or 0.0
@@ -221,8 +233,14 @@ def _set_arrays(options: _raymap.Options, arrays: Iterable[str]) -> None:
 def set_machine(options: _raymap.Options, device: str, threads: int | None, memory_limit: int | None) -> None:
     """Sets what every long call takes."""
     options.threads = operator.index(threads or 0)
-    if memory_limit is not None:
-        if not operator.index(memory_limit) > 0:
-            raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
-        options.memory_limit = memory_limit
+    options.memory_limit = to_memory_limit(memory_limit)
     options.device = _devices.tested(device)
+
+
+def to_memory_limit(memory_limit: int | None) -> int:
+    """Returns a limit in bytes as the extension module takes it: 0 = what is available."""
+    if memory_limit is None:
+        return 0
+    if not operator.index(memory_limit) > 0:
+        raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+    return operator.index(memory_limit)

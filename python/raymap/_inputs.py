@@ -85,12 +85,15 @@ def to_numpy(array: Any) -> npt.NDArray[Any]:
 
 
 def like(result: npt.NDArray[Any], example: Any) -> Any:
-    """Returns the result in the framework of the example and on its device; as NumPy's array for anything else."""
+    """Returns the result in the framework of the example and on its device; as NumPy's array for anything else.
+
+    PyTorch gets indices as int64: it indexes with no unsigned numbers.
+    """
     if isinstance(example, np.ndarray) or not hasattr(example, "__dlpack__"):
         return result
     torch: Any = sys.modules.get("torch")
     if torch is not None and isinstance(example, torch.Tensor):
-        return torch.from_numpy(result).to(example.device)
+        return torch.from_numpy(result.astype(np.int64) if result.dtype == np.uint32 else result).to(example.device)
     if hasattr(example, "__array_namespace__"):
         return example.__array_namespace__().asarray(result, device=example.device)
     return result
@@ -131,11 +134,12 @@ def _with_whole_rows(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.ascontiguousarray(array)
 
 
-def to_points(points: Any) -> npt.NDArray[np.float64]:
-    """Returns points of any shape (..., 3) as (n, 3) float64."""
+def to_points(points: Any, *, keep_single: bool = False) -> npt.NDArray[Any]:
+    """Returns points of any shape (..., 3) as (n, 3) float64, or on request float32 as float32."""
     array = to_numpy(points)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(f"points must be (..., 3) coordinates, not of the shape {array.shape}")
     if array.dtype.kind not in "fiub":
         raise InputError(f"points must be numbers, not {array.dtype}")
-    return np.ascontiguousarray(array.reshape(-1, 3), dtype=np.float64)
+    dtype = np.float32 if keep_single and array.dtype == np.float32 else np.float64
+    return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype)

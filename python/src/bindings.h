@@ -14,11 +14,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <raymap/generate.h>
+#include <raymap/grid.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -30,6 +32,8 @@ using namespace nb::literals;
 /// An array of any type in host memory, by its own strides.
 using AnyArray = nb::ndarray<nb::ro, nb::device::cpu>;
 using Triple = std::tuple<double, double, double>;
+/// Lowest and highest corner.
+using Bounds = std::pair<Triple, Triple>;
 
 /// A mesh of our own, or a view of arrays that Python owns.
 struct MeshHandle {
@@ -59,6 +63,10 @@ inline Triple toTriple(const glm::dvec3& v) {
 /// Returns a handle that owns the mesh.
 std::shared_ptr<MeshHandle> own(Mesh mesh);
 
+/// Returns the grid that these options lay over a valid mesh.
+Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
+         double padding);
+
 /// Returns a NumPy array of this shape that owns the elements, for example of a vector.
 template <class Number, class Elements>
 nb::ndarray<nb::numpy, Number> toArray(Elements elements, std::initializer_list<size_t> shape) {
@@ -81,5 +89,6 @@ void bindIsosurface(nb::module_& module);
 void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
+void bindSurface(nb::module_& module);
 
 }  // namespace raymap::python

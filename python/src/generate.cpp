@@ -1,9 +1,7 @@
-#include <raymap/grid.h>
 #include <raymap/names.h>
 
 #include <algorithm>
 #include <mutex>
-#include <optional>
 #include <vector>
 
 #include "call.h"
@@ -11,8 +9,6 @@
 namespace raymap::python {
 
 namespace {
-
-using Bounds = std::pair<Triple, Triple>;
 
 /// A generator that several threads of Python may call: they wait for each other.
 class GeneratorHandle {
@@ -46,14 +42,6 @@ class GeneratorHandle {
   std::vector<std::shared_ptr<FieldHandle>> fields_;
 };
 
-Grid fit(const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
-         double padding) {
-  validate(mesh.view);
-  GridOptions options{.resolution = resolution, .voxelSize = voxelSize, .padding = padding};
-  if (bounds) options.box = Box{toVector(bounds->first), toVector(bounds->second)};
-  return fitGrid(mesh.view, options);
-}
-
 /// Binds an option whose value is the name of an enum's.
 template <class Enum>
 void bindName(nb::class_<Options>& options, const char* option, Enum Options::*member) {
@@ -81,9 +69,23 @@ void bindOptions(nb::module_& module) {
 
 }  // namespace
 
+Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
+         double padding) {
+  GridOptions options{.resolution = resolution, .voxelSize = voxelSize, .padding = padding};
+  if (box) options.box = Box{toVector(box->first), toVector(box->second)};
+  return fitGrid(mesh, options);
+}
+
 void bindGenerate(nb::module_& module) {
   const nb::class_<Grid> opaque(module, "Grid");
-  module.def("fit_grid", &fit, "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a);
+  module.def(
+      "fit_grid",
+      [](const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
+         double padding) {
+        validate(mesh.view);
+        return fit(mesh.view, resolution, voxelSize, bounds, padding);
+      },
+      "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a);
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())

@@ -12,6 +12,7 @@ NB_MODULE(_raymap, module) {
   bindField(module);
   bindGenerate(module);
   bindIsosurface(module);
+  bindSurface(module);
   bindRepair(module);
   bindRender(module);
   bindDevices(module);

@@ -19,11 +19,11 @@ def load(name: str) -> ModuleType:
     return pytest.importorskip(name, exc_type=ImportError)
 
 
-def check(ball: raymap.Mesh, given, atol: float = 0.0) -> None:
+def check(ball: raymap.Mesh, given, faces=None, atol: float = 0.0) -> None:
     expected = raymap.signed_distance(ball, resolution=12, device="cpu").distance
     for call in (raymap.signed_distance, raymap.Generator().signed_distance):
-        np.testing.assert_allclose(call(given, resolution=12, device="cpu").distance, expected, atol=atol, rtol=0)
-    assert raymap.info(given)["triangles"] == len(ball.faces)
+        np.testing.assert_allclose(call(given, faces, resolution=12, device="cpu").distance, expected, atol=atol, rtol=0)
+    assert raymap.info(given, faces)["triangles"] == len(ball.faces)
 
 
 def test_trimesh(ball):
@@ -89,8 +89,38 @@ def test_jax(ball):
         assert isinstance(answer, jax.Array) and answer.shape == shape and answer.dtype == np.float32
         assert answer.device == points.device
         np.testing.assert_array_equal(np.asarray(answer), call(np.asarray(points)))
+    check_surface(ball, points, np.asarray, jax.Array)
     made = raymap.Field(jax.numpy.asarray(field.distance), field.origin, field.spacing)
     np.testing.assert_array_equal(made.distance, field.distance)
+
+
+def check_surface(ball: raymap.Mesh, points, to_numpy, kind: type) -> None:
+    """Checks that a surface answers in the framework of the points."""
+    surface = raymap.Surface(ball)
+    found, expected = (surface.query(p, raymap.Query._fields) for p in (points, to_numpy(points)))
+    for array, other in zip(found, expected, strict=True):
+        assert isinstance(array, kind) and array.device == points.device
+        np.testing.assert_array_equal(to_numpy(array), other)
+    assert found.distance.dtype == points.dtype
+    inside = surface.contains(points)
+    assert isinstance(inside, kind)
+    np.testing.assert_array_equal(to_numpy(inside), expected.distance < 0)
+    assert isinstance(surface.contains(points[0, 0]), kind)
+
+
+def test_torch(ball):
+    torch = load("torch")
+    vertices, faces = torch.from_numpy(ball.vertices.copy()), torch.from_numpy(ball.faces.astype(np.int64))
+    check(ball, torch.nn.Parameter(vertices), faces)
+    field = raymap.signed_distance(ball, resolution=12, device="cpu")
+    for dtype in (torch.float32, torch.float64):
+        points = torch.linspace(-1, 1, 30, dtype=dtype).reshape(2, 5, 3)
+        check_surface(ball, points, torch.Tensor.numpy, torch.Tensor)
+        answer = field.sample(points)
+        assert isinstance(answer, torch.Tensor) and answer.shape == (2, 5) and answer.dtype == torch.float32
+    found = raymap.Surface(ball).closest(points)
+    corners = vertices[faces[found.triangle]]  # PyTorch indexes with int64.
+    assert torch.allclose((found.barycentric[..., None] * corners).sum(-2), found.point, atol=1e-5)
 
 
 class HostTensor:

@@ -12,6 +12,9 @@ distance: npt.NDArray[np.float32] = field.distance
 nx, ny, nz = field.shape
 spacing: float = field.spacing
 surface: raymap.Mesh = field.to_mesh(iso=0.1, progress=lambda stage, done: print(stage, done))
+prepared = raymap.Surface(mesh, orientation="keep")
+winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).winding
+again_field: raymap.Field = prepared.field(resolution=16, threads=1)
 generator = raymap.Generator()
 again: raymap.Field = generator.signed_distance(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
 picture: npt.NDArray[np.uint8] = field.slice("z", width=64)
@@ -31,4 +34,6 @@ if TYPE_CHECKING:
     generator.signed_distance(mesh, threads="all")  # type: ignore[arg-type]
     field.distance = distance  # type: ignore[misc]
     field.slice("w")  # type: ignore[arg-type]
+    prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
+    prepared.field(orientation="keep")  # type: ignore[call-arg]
     found["colour"]  # type: ignore[typeddict-item]

@@ -1,0 +1,276 @@
+"""Meshes prepared for queries at any points."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable
+from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
+
+import numpy as np
+
+from . import _inputs, _raymap
+from ._errors import UsageError
+from ._field import Field, Stats
+from ._generate import Orientation, SurfaceFieldOptions, check_names, fit_grid, to_memory_limit, to_options
+from ._mesh import Mesh, _restore
+from ._progress import Progress, reporting
+
+#: Name of what ``Surface.query`` can compute.
+QueryArray: TypeAlias = Literal[
+    "distance", "closest", "triangle", "barycentric", "direction", "winding", "confidence"
+]
+
+
+class Closest(NamedTuple):
+    """Result of ``Surface.closest``: one value per point, in the shape of the points."""
+
+    point: Any
+    """Closest points of the surface, (..., 3), in the mesh's units."""
+    distance: Any
+    """Distances to them, (...), negative inside; not negative for a surface without a sign."""
+    triangle: Any
+    """Indices of triangles that hold them, (...); ``raymap.NO_TRIANGLE`` for a point that is not finite."""
+    barycentric: Any
+    """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
+
+
+class Query(NamedTuple):
+    """Result of ``Surface.query``: one value per point, in the shape of the points. None for what was not asked for."""
+
+    distance: Any
+    """Distances, (...), in the mesh's units, negative inside; not negative for a surface without a sign."""
+    closest: Any
+    """Closest points of the surface, (..., 3), in the mesh's units."""
+    triangle: Any
+    """Indices of triangles that hold them, (...); ``raymap.NO_TRIANGLE`` if there is none."""
+    barycentric: Any
+    """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
+    direction: Any
+    """Unit vectors from the points to the closest ones, (..., 3); 0 on the surface."""
+    winding: Any
+    """Winding numbers, (...) float32, +1 inside a closed surface that faces outwards."""
+    confidence: Any
+    """Confidences in the sign, (...) float32, 0 to 1."""
+
+
+class Surface:
+    """A mesh prepared once for queries at any points: signed distances, negative inside, and closest points.
+
+    Distances are those to the mesh itself, within a millionth of its diagonal. (Farther from the mesh than its size,
+    they are within a millionth of the distance.) Signs follow the winding number, as those of
+    ``raymap.signed_distance``: the mesh may have holes, overlaps, or faces that point the wrong way. The result of a
+    point depends neither on the other points, nor on the number of threads.
+
+    Points have any shape (..., 3): NumPy, lists, or any array with ``__dlpack__``. Results are float32 for float32
+    points and float64 for all others. PyTorch, JAX and CuPy get arrays of their own back, on the same device.
+
+    A surface never changes, whatever becomes of the arrays that it was made from. Several threads may use it at the
+    same time. It can be pickled; the copy prepares the mesh again, and gives the same bits.
+
+    Args:
+        mesh_or_vertices: A mesh (``raymap.Mesh``, or of trimesh, Open3D, meshio or PyVista), the path of a file, or
+            positions, (n, 3): NumPy, or any array with ``__dlpack__``.
+        faces: Three vertex numbers per triangle, (m, 3), counter-clockwise seen from outside, if positions are given.
+        sign: Whether to tell inside from outside. Without, preparing takes less time and memory.
+        orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the mesh then fits clearly
+            better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
+        threads: Number of CPU threads; None = all.
+        memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
+        progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
+            times a second. It cancels by returning False or by raising. True for a line on stderr.
+
+    Raises:
+        InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
+        UsageError: Arguments that make no sense.
+        MemoryLimitError: The surface needs more memory than allowed.
+        FileError: The file cannot be read.
+        Cancelled: ``progress`` returned False.
+
+    >>> surface = raymap.Surface("ball.ply")
+    >>> surface
+    raymap.Surface(642 vertices, 1280 faces)
+    >>> surface.signed_distance([(0, 0, 0.5), (0, 0, 1.5)]).round(2)
+    array([-0.5,  0.5])
+    """
+
+    def __init__(
+        self,
+        mesh_or_vertices: Any,
+        faces: Any = None,
+        *,
+        sign: bool = True,
+        orientation: Orientation = "auto",
+        threads: int | None = None,
+        memory_limit: int | None = None,
+        progress: Progress = None,
+    ) -> None:
+        mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+        options = _raymap.SurfaceOptions()
+        options.sign = bool(sign)
+        options.threads = operator.index(threads or 0)
+        options.memory_limit = to_memory_limit(memory_limit)
+        self._sign, self._orientation, self._threads, self._memory_limit = options.sign, orientation, threads, memory_limit
+        with reporting(progress) as report:
+            self._core = _raymap.Surface(mesh._core, options, orientation, report)
+        self._stats = Stats(**self._core.stats())
+
+    def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+        """Returns distances at points, (...) for points (..., 3), negative inside, in the mesh's units.
+
+        A surface without a sign returns distances that are not negative. Points that are not finite get NaN.
+
+        Args:
+            points: Positions in the mesh's units, (..., 3).
+            threads: Number of CPU threads; None = all.
+            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+        Raises:
+            InputError: Points of another shape.
+            MemoryLimitError: The results do not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> surface = raymap.Surface("tetrahedron.ply")
+        >>> surface.signed_distance(np.array([(0.25, 0.25, 0.125), (0.25, 0.25, -1)], np.float32))
+        array([-0.125,  1.   ], dtype=float32)
+        """
+        return self.query(points, threads=threads, progress=progress).distance
+
+    def contains(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+        """Returns whether points are inside, (...) bool for points (..., 3).
+
+        Points on the surface and points that are not finite are not inside. Arguments are those of
+        ``signed_distance``.
+
+        Raises:
+            UsageError: The surface has no sign.
+            InputError: Points of another shape.
+            MemoryLimitError: The results do not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> raymap.Surface("ball.ply").contains([(0, 0, 0.5), (0, 0, 1.5)])
+        array([ True, False])
+        """
+        if not self._sign:
+            raise UsageError("the surface was made with sign=False, so it does not know what is inside")
+        found = self._query(points, {"distance"}, None, threads, progress)
+        return _inputs.like(np.asarray(found["distance"] < 0), points)
+
+    def closest(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Closest:
+        """Returns closest points of the surface, distances, triangles and barycentric coordinates.
+
+        Where several points are equally close, it is one of them, always the same. Arguments and errors are those of
+        ``signed_distance``.
+
+        >>> surface = raymap.Surface("tetrahedron.ply")
+        >>> point, distance, triangle, barycentric = surface.closest((0.25, 0.25, -1))
+        >>> point, float(distance)
+        (array([0.25, 0.25, 0.  ]), 1.0)
+        >>> corners = surface.mesh.vertices[surface.mesh.faces[triangle]]
+        >>> barycentric @ corners
+        array([0.25, 0.25, 0.  ])
+        """
+        found = self.query(
+            points, ("closest", "distance", "triangle", "barycentric"), threads=threads, progress=progress
+        )
+        return Closest(found.closest, found.distance, found.triangle, found.barycentric)
+
+    def query(
+        self,
+        points: Any,
+        arrays: Iterable[QueryArray] = ("distance",),
+        *,
+        max_distance: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Query:
+        """Returns what is asked for at points: the fields of ``raymap.Query``.
+
+        Args:
+            points: Positions in the mesh's units, (..., 3).
+            arrays: Names of what to compute: ``"distance"``, ``"closest"``, ``"triangle"``, ``"barycentric"``,
+                ``"direction"``, ``"winding"``, ``"confidence"``.
+            max_distance: Farther points get this distance, with their sign, ``raymap.NO_TRIANGLE``, and NaN for what
+                else depends on the closest point. Smaller is faster. In the mesh's units; None = no limit.
+            threads: Number of CPU threads; None = all.
+            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+        Raises:
+            UsageError: An unknown name, ``"winding"`` or ``"confidence"`` of a surface without a sign, or a
+                ``max_distance`` that is not above 0.
+            InputError: Points of another shape.
+            MemoryLimitError: The results do not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> found = raymap.Surface("ball.ply").query([(0, 0, 0), (0, 0, 3)], ("distance", "winding"), max_distance=1.5)
+        >>> found.distance.round(2), found.winding.round(3), found.closest
+        (array([-0.99,  1.5 ]), array([1., 0.], dtype=float32), None)
+        """
+        names: set[str] = {arrays} if isinstance(arrays, str) else set(arrays)
+        found = self._query(points, names, max_distance, threads, progress)
+        return Query(*(_inputs.like(found[name], points) if name in names else None for name in Query._fields))
+
+    def _query(
+        self, points: Any, names: set[str], max_distance: float | None, threads: int | None, progress: Progress
+    ) -> dict[str, Any]:
+        """Returns NumPy arrays by name, in the shape of the points."""
+        if unknown := names - set(Query._fields):
+            known = ", ".join(Query._fields)
+            raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {known}")
+        options = _raymap.QueryOptions()
+        for name in Query._fields:
+            setattr(options, name, name in names)
+        if max_distance is not None:
+            options.max_distance = float(max_distance)
+        options.threads = operator.index(threads or 0)
+        flat = _inputs.to_points(points, keep_single=True)
+        shape = tuple(np.shape(points))
+        with reporting(progress) as report:
+            found = self._core.query(flat, options, report)
+        for name, array in found.items():
+            converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
+            found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
+        return found
+
+    def field(self, **options: Unpack[SurfaceFieldOptions]) -> Field:
+        """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
+
+        Arguments and errors are those of ``raymap.signed_distance``, without ``orientation``: faces are turned as the
+        surface found best. A surface without a sign gives a field without one, unless ``sign`` asks for it.
+
+        >>> surface = raymap.Surface("ball.ply")
+        >>> field = surface.field(resolution=32)
+        >>> position = field.origin + field.spacing * np.array((16, 16, 16))
+        >>> bool(np.isclose(field.distance[16, 16, 16], surface.signed_distance(position)))
+        True
+        """
+        check_names("field", options, SurfaceFieldOptions)
+        if not self._sign:
+            options = {"sign": "none", **options}
+        grid = fit_grid(self._core.fit_grid, options)
+        core_options = to_options(options, self._orientation)
+        with reporting(options.get("progress")) as report:
+            return Field._from_core(self._core.generate(grid, core_options, report))
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh as the surface keeps it: the given faces; positions in single precision about an origin."""
+        return _restore(self._core.vertices(), self._core.faces(), self._core.origin)
+
+    @property
+    def stats(self) -> Stats:
+        """What preparing the mesh cost, and what it found out about the mesh."""
+        return self._stats
+
+    def __repr__(self) -> str:
+        counts = f"{len(self._core.vertices())} vertices, {len(self._core.faces())} faces"
+        return f"raymap.Surface({counts}{'' if self._sign else ', no sign'})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _prepare, (self.mesh, self._sign, self._orientation, self._threads, self._memory_limit)
+
+
+def _prepare(
+    mesh: Mesh, sign: bool, orientation: Orientation, threads: int | None, memory_limit: int | None
+) -> Surface:
+    """Makes a surface of what was pickled."""
+    return Surface(mesh, sign=sign, orientation=orientation, threads=threads, memory_limit=memory_limit)

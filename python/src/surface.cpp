@@ -1,0 +1,114 @@
+#include <raymap/names.h>
+#include <raymap/surface.h>
+
+#include <optional>
+
+#include "call.h"
+
+namespace raymap::python {
+
+namespace {
+
+std::shared_ptr<Surface> make(const MeshHandle& mesh, SurfaceOptions options, std::string_view orientation,
+                              nb::object progress) {
+  Call call(std::move(progress));
+  options.orientation = fromName<Orientation>(orientation);
+  options.progress = call.progress();
+  std::shared_ptr<Surface> made;
+  call.run([&] { made = std::make_shared<Surface>(mesh.view, options); });
+  return made;
+}
+
+std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, Options options,
+                                      nb::object progress) {
+  Call call(std::move(progress));
+  options.progress = call.progress();
+  options.warn = call.warn();
+  const auto result = std::make_shared<FieldHandle>();
+  call.run([&] {
+    Generated made = self.generate(grid, options);
+    result->field = std::move(made.field);
+    result->stats = std::move(made.stats);
+  });
+  return result;
+}
+
+/// Returns the arrays that the options ask for, by name.
+nb::dict toDict(QueryResult result, const QueryOptions& options, size_t count) {
+  nb::dict dict;
+  if (options.distance) dict["distance"] = toArray<double>(std::move(result.distance), {count});
+  if (options.closest) dict["closest"] = toArray<double>(std::move(result.closest), {count, 3});
+  if (options.triangle) dict["triangle"] = toArray<uint32_t>(std::move(result.triangle), {count});
+  if (options.barycentric) dict["barycentric"] = toArray<double>(std::move(result.barycentric), {count, 3});
+  if (options.direction) dict["direction"] = toArray<double>(std::move(result.direction), {count, 3});
+  if (options.winding) dict["winding"] = toArray<float>(std::move(result.winding), {count});
+  if (options.confidence) dict["confidence"] = toArray<float>(std::move(result.confidence), {count});
+  return dict;
+}
+
+template <class Real>
+using PointArray = nb::ndarray<const Real, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+template <class Real>
+nb::dict query(const Surface& self, const PointArray<Real>& points, QueryOptions options,
+               nb::object progress) {
+  Call call(std::move(progress));
+  options.progress = call.progress();
+  QueryResult result;
+  const PointsView view(points.data(), points.shape(0));
+  call.run([&] { self.query(view, options, result); });
+  return toDict(std::move(result), options, points.shape(0));
+}
+
+nb::ndarray<nb::numpy, const float> vertices(nb::handle_t<Surface> self) {
+  const MeshView mesh = nb::cast<const Surface&>(self).mesh();
+  const size_t shape[] = {mesh.vertexCount, 3};
+  return {static_cast<const float*>(mesh.vertices), 2, shape, self};
+}
+
+nb::ndarray<nb::numpy, const uint32_t> faces(nb::handle_t<Surface> self) {
+  const MeshView mesh = nb::cast<const Surface&>(self).mesh();
+  const size_t shape[] = {mesh.triangleCount, 3};
+  return {static_cast<const uint32_t*>(mesh.triangles), 2, shape, self};
+}
+
+void bindOptions(nb::module_& module) {
+  nb::class_<SurfaceOptions>(module, "SurfaceOptions")
+      .def(nb::init<>())
+      .def_rw("sign", &SurfaceOptions::sign)
+      .def_rw("threads", &SurfaceOptions::threads)
+      .def_rw("memory_limit", &SurfaceOptions::memoryLimit);
+  nb::class_<QueryOptions>(module, "QueryOptions")
+      .def(nb::init<>())
+      .def_rw("distance", &QueryOptions::distance)
+      .def_rw("closest", &QueryOptions::closest)
+      .def_rw("triangle", &QueryOptions::triangle)
+      .def_rw("barycentric", &QueryOptions::barycentric)
+      .def_rw("direction", &QueryOptions::direction)
+      .def_rw("winding", &QueryOptions::winding)
+      .def_rw("confidence", &QueryOptions::confidence)
+      .def_rw("max_distance", &QueryOptions::maxDistance)
+      .def_rw("threads", &QueryOptions::threads);
+}
+
+}  // namespace
+
+void bindSurface(nb::module_& module) {
+  bindOptions(module);
+  nb::class_<Surface>(module, "Surface")
+      .def(nb::new_(&make), "mesh"_a, "options"_a, "orientation"_a, "progress"_a.none())
+      .def(
+          "fit_grid",
+          [](const Surface& self, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
+             double padding) { return fit(self.mesh(), resolution, voxelSize, bounds, padding); },
+          "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a)
+      .def("generate", &generate, "grid"_a, "options"_a, "progress"_a.none())
+      .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
+      .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
+      .def("stats", [](const Surface& self) { return describe(self.stats()); })
+      .def("vertices", &vertices)
+      .def("faces", &faces)
+      .def_prop_ro("origin", [](const Surface& self) { return toTriple(self.mesh().origin); });
+}
+
+}  // namespace raymap::python

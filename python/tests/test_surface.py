@@ -1,0 +1,379 @@
+"""Surfaces: distances, closest points and signs at points, against brute force; shapes, types, pickling, threads."""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+import signal
+import threading
+
+import numpy as np
+import pytest
+import raymap
+
+
+@pytest.fixture(scope="module")
+def surface(ball) -> raymap.Surface:
+    return raymap.Surface(ball)
+
+
+def random_points(count: int, size: float = 1.5) -> np.ndarray:
+    return np.random.default_rng(7).uniform(-size, size, (count, 3))
+
+
+def closest_on_triangle(p: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Returns the closest point by a search over the plane, the edges and the corners."""
+    a, b, c = corners
+    normal = np.cross(b - a, c - a)
+    weights = np.array([np.dot(np.cross(v - u, p - u), normal) for u, v in ((b, c), (c, a), (a, b))]) / normal.dot(normal)
+    candidates = [weights @ corners] if (weights >= 0).all() else []
+    for u, v in ((a, b), (b, c), (c, a)):
+        share = np.clip(np.dot(p - u, v - u) / np.dot(v - u, v - u), 0, 1)
+        candidates.append(u + share * (v - u))
+    return min(candidates, key=lambda q: np.linalg.norm(p - q))
+
+
+def brute_force(mesh: raymap.Mesh, points: np.ndarray) -> np.ndarray:
+    """Returns unsigned distances."""
+    corners = mesh.vertices[mesh.faces]
+    return np.array([min(np.linalg.norm(p - closest_on_triangle(p, c)) for c in corners) for p in points])
+
+
+def test_distances_are_those_of_brute_force(ball, surface):
+    points = random_points(20)
+    distance = surface.signed_distance(points)
+    np.testing.assert_allclose(np.abs(distance), brute_force(ball, points), atol=4e-6, rtol=0)
+    normals = np.cross(*(np.diff(ball.vertices[ball.faces], axis=1)[:, k] for k in range(2)))
+    offsets = np.einsum("ij,ij->i", normals, ball.vertices[ball.faces[:, 0]])
+    np.testing.assert_array_equal(distance < 0, (points @ normals.T < offsets).all(axis=1))  # The ball is convex.
+    np.testing.assert_array_equal(surface.contains(points), distance < 0)
+    assert 0 < (distance < 0).sum() < 20
+
+
+def test_closest_points_triangles_and_barycentric_coordinates_agree(ball, surface):
+    points = random_points(500).reshape(5, 100, 3)
+    found = surface.closest(points)
+    assert isinstance(found, raymap.Closest)
+    shapes = [array.shape for array in found]
+    assert shapes == [(5, 100, 3), (5, 100), (5, 100), (5, 100, 3)]
+    assert [array.dtype for array in found] == [np.float64, np.float64, np.uint32, np.float64]
+    np.testing.assert_array_equal(found.distance, surface.signed_distance(points))
+    np.testing.assert_allclose(np.linalg.norm(points - found.point, axis=-1), np.abs(found.distance), atol=4e-6)
+    corners = ball.vertices[ball.faces[found.triangle]]
+    np.testing.assert_allclose(np.einsum("...i,...ij->...j", found.barycentric, corners), found.point, atol=4e-6)
+    np.testing.assert_allclose(found.barycentric.sum(axis=-1), 1, atol=1e-12)
+    assert found.barycentric.min() >= 0
+
+
+def test_query_gives_what_is_asked_for(surface):
+    points = random_points(50)
+    names = raymap.Query._fields
+    everything = surface.query(points, names)
+    assert isinstance(everything, raymap.Query)
+    assert [array.dtype for array in everything] == [np.float64] * 2 + [np.uint32] + [np.float64] * 2 + [np.float32] * 2
+    for name in names:
+        for arrays in (name, [name], {name}):
+            found = surface.query(points, arrays)
+            assert [n for n in names if getattr(found, n) is not None] == [name]
+            np.testing.assert_array_equal(getattr(found, name), getattr(everything, name))
+    assert surface.query(points)[1:] == (None,) * 6
+    assert surface.query(points, ()) == (None,) * 7
+    np.testing.assert_array_equal(surface.query(points).distance, everything.distance)
+    towards = everything.closest - points
+    lengths = np.linalg.norm(towards, axis=1, keepdims=True)
+    np.testing.assert_allclose(everything.direction, towards / lengths, atol=1e-9)
+    np.testing.assert_allclose(everything.winding, everything.distance < 0, atol=1e-3)
+    assert (everything.confidence > 0.9).all() and (everything.confidence <= 1).all()
+
+
+def test_the_largest_distance(surface):
+    points = [(0, 0, 0), (0, 0, 1.25), (0, 0, 4)]
+    found = surface.query(points, raymap.Query._fields, max_distance=0.5)
+    np.testing.assert_allclose(found.distance, [-0.5, 0.25, 0.5], atol=1e-6)
+    np.testing.assert_array_equal(found.triangle == raymap.NO_TRIANGLE, [True, False, True])
+    for array in (found.closest, found.barycentric, found.direction):
+        np.testing.assert_array_equal(np.isnan(array), [[True] * 3, [False] * 3, [True] * 3])
+    assert not np.isnan(found.winding).any()
+
+
+@pytest.mark.parametrize("shape", [(3,), (0, 3), (1, 3), (7, 3), (2, 3, 3), (2, 0, 3), (1, 2, 3, 3)])
+@pytest.mark.parametrize("given, taken", [(np.float32, np.float32), (np.float64, np.float64), (np.int32, np.float64),
+                                          (np.float16, np.float64), (">f8", np.float64)])
+def test_shapes_and_types(surface, shape, given, taken):
+    points = (4 * np.random.default_rng(1).uniform(-1, 1, shape)).astype(given)
+    found = surface.query(points, raymap.Query._fields)
+    for name, array in found._asdict().items():
+        assert array.shape == (shape if name in ("closest", "barycentric", "direction") else shape[:-1])
+        expected = {"triangle": np.uint32, "winding": np.float32, "confidence": np.float32}.get(name, taken)
+        assert array.dtype == expected
+    assert np.shape(surface.contains(points)) == shape[:-1] and np.asarray(surface.contains(points)).dtype == bool
+    exact = surface.query(points.astype(np.float64), raymap.Query._fields)
+    for array, expected in zip(found, exact):
+        np.testing.assert_array_equal(array, expected.astype(array.dtype))
+
+
+def test_points_in_any_layout(surface):
+    points = random_points(40)
+    expected = surface.signed_distance(points)
+    wide = np.zeros((40, 5))
+    wide[:, 1:4] = points
+    for given in (np.asfortranarray(points), wide[:, 1:4], points.tolist(), tuple(map(tuple, points))):
+        np.testing.assert_array_equal(surface.signed_distance(given), expected)
+    np.testing.assert_array_equal(surface.signed_distance(points[::-2]), expected[::-2])
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_points_that_are_not_finite(surface, bad):
+    points = [(0, 0, 0.5), (0, bad, 0)]
+    found = surface.query(points, raymap.Query._fields)
+    for name, array in found._asdict().items():
+        if name == "triangle":
+            assert array[1] == raymap.NO_TRIANGLE and array[0] != raymap.NO_TRIANGLE
+        else:
+            assert np.isnan(array[1]).all() and np.isfinite(array[0]).all(), name
+    np.testing.assert_array_equal(surface.contains(points), [True, False])
+    assert np.isnan(surface.signed_distance((bad, 0, 0)))
+
+
+def test_points_on_the_surface_are_not_inside():
+    surface = raymap.Surface("tetrahedron.ply")
+    assert surface.signed_distance((0.25, 0.25, 0)) == 0
+    assert not surface.contains((0.25, 0.25, 0))
+    assert surface.contains((0.25, 0.25, 1e-5)) and not surface.contains((0.25, 0.25, -1e-5))
+
+
+def test_each_point_is_answered_by_itself(surface):
+    points = random_points(300)
+    for arrays in ("distance", "winding", "confidence"):
+        expected = getattr(surface.query(points, arrays), arrays)
+        for threads in (1, 2, 3):
+            np.testing.assert_array_equal(getattr(surface.query(points, arrays, threads=threads), arrays), expected)
+        one_by_one = [getattr(surface.query(p, arrays), arrays) for p in points[:20]]
+        np.testing.assert_array_equal(one_by_one, expected[:20])
+
+
+def broken(ball: raymap.Mesh) -> raymap.Mesh:
+    return raymap.Mesh(ball.vertices, np.concatenate([ball.faces[40:200, ::-1], ball.faces[260:]]))
+
+
+@pytest.mark.parametrize("options", [
+    {}, dict(resolution=12), dict(voxel_size=0.17), dict(padding=0.3), dict(bounds=((-1, -2, -1.5), (1, 1, 2))),
+    dict(distance="cell"), dict(sign="rays"), dict(sign="none"), dict(close_holes=True), dict(thickness=0.5),
+    dict(band=2.5),
+])
+def test_fields_are_those_of_signed_distance(ball, options):
+    """In a mesh in double precision far from 0, which the surface rounds."""
+    far = raymap.Mesh(broken(ball).vertices / 3 + (1e5, 0, -7e4), broken(ball).faces)
+    options = {"resolution": 24, "device": "cpu", **options}
+    if "bounds" in options:
+        options["bounds"] = np.array(options["bounds"]) / 3 + (1e5, 0, -7e4)
+    for orientation in ("keep", "repair"):
+        expected = raymap.signed_distance(far, orientation=orientation, **options)
+        surface = raymap.Surface(far, orientation=orientation)
+        for made in (surface, pickle.loads(pickle.dumps(surface))):
+            field = made.field(**options)
+            np.testing.assert_array_equal(field.origin, expected.origin)
+            assert (field.spacing, field.band) == (expected.spacing, expected.band)
+            if orientation == "keep":
+                np.testing.assert_array_equal(field.distance, expected.distance)
+            else:  # The corners of reversed faces come in another order.
+                np.testing.assert_allclose(np.abs(field.distance), np.abs(expected.distance), atol=1e-5)
+
+
+def test_fields_agree_with_points(ball):
+    flipped = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[:40, ::-1], ball.faces[40:]]))
+    surface = raymap.Surface(flipped, orientation="repair")
+    field = surface.field(resolution=16, arrays=("winding", "confidence", "triangle"), device="cpu", threads=1)
+    positions = field.origin + field.spacing * np.moveaxis(np.indices(field.shape), 0, -1)
+    found = surface.query(positions, ("distance", "winding"))
+    np.testing.assert_allclose(field.distance, found.distance, atol=4e-6)
+    np.testing.assert_allclose(field.winding, found.winding, atol=0.02)
+    np.testing.assert_array_equal(surface.stats.turned_faces, np.arange(40))
+    np.testing.assert_array_equal(field.stats.turned_faces, np.arange(40))
+    assert field.triangle.shape == (16, 16, 16)
+    kept = raymap.Surface(flipped, orientation="keep")
+    assert kept.stats.turned_faces.size == 0
+
+
+def test_progress_and_unknown_arguments_of_field(surface):
+    stages = []
+    surface.field(resolution=8, device="cpu", progress=lambda stage, done: stages.append(stage))
+    assert "exact_distance" in stages
+    with pytest.raises(TypeError, match="field.. got an unexpected keyword argument 'orientation'"):
+        surface.field(orientation="keep")
+    with pytest.raises(raymap.MemoryLimitError):
+        surface.field(resolution=64, memory_limit=1000)
+    with pytest.raises(raymap.UsageError, match="voxel_size"):
+        surface.field(voxel_size=-1)
+
+
+def test_without_a_sign(ball, surface):
+    unsigned = raymap.Surface(ball, sign=False)
+    points = random_points(200)
+    np.testing.assert_array_equal(unsigned.signed_distance(points), np.abs(surface.signed_distance(points)))
+    for make in (unsigned, pickle.loads(pickle.dumps(unsigned))):
+        with pytest.raises(raymap.UsageError, match="sign=False, so it does not know what is inside"):
+            make.contains(points)
+        for array in ("winding", "confidence"):
+            with pytest.raises(raymap.UsageError, match="made without a sign"):
+                make.query(points, array)
+        assert make.field(resolution=12, device="cpu").distance.min() >= 0
+        assert make.field(resolution=12, device="cpu", sign="harmonic").distance.min() < 0
+    assert repr(unsigned) == "raymap.Surface(642 vertices, 1280 faces, no sign)"
+
+
+def test_pickled_surfaces_give_the_same_bits(ball):
+    points = random_points(300) / 3 + (1e5, 0, -7e4)
+    for orientation in ("keep", "repair"):
+        mesh = raymap.Mesh(broken(ball).vertices / 3 + (1e5, 0, -7e4), broken(ball).faces)
+        surface = raymap.Surface(mesh, orientation=orientation, threads=2)
+        expected = surface.query(points, raymap.Query._fields)
+        again = pickle.loads(pickle.dumps(surface))
+        for made in (again, pickle.loads(pickle.dumps(again)), copy.deepcopy(surface)):
+            for array, other in zip(made.query(points, raymap.Query._fields), expected):
+                np.testing.assert_array_equal(array, other)
+            assert repr(made) == repr(surface)
+            np.testing.assert_array_equal(made.mesh.vertices, surface.mesh.vertices)
+            np.testing.assert_array_equal(made.stats.turned_faces, surface.stats.turned_faces)
+
+
+def test_the_given_arrays_may_change(ball):
+    vertices, faces = ball.vertices.copy(), ball.faces.copy()
+    surface = raymap.Surface(vertices, faces)
+    points = random_points(50)
+    expected = surface.signed_distance(points)
+    vertices[:], faces[:] = 0, 0
+    np.testing.assert_array_equal(surface.signed_distance(points), expected)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(surface)).signed_distance(points), expected)
+    mesh = surface.mesh
+    del surface
+    np.testing.assert_allclose(mesh.vertices, ball.vertices, atol=1e-7)
+    np.testing.assert_array_equal(mesh.faces, ball.faces)
+    assert not mesh.vertices.flags.writeable and not mesh.faces.flags.writeable
+
+
+def test_any_form_of_a_mesh(ball, files):
+    points = random_points(50)
+    expected = raymap.Surface(files / "ball.ply").signed_distance(points)
+    loaded = raymap.load_mesh(files / "ball.ply")
+    for form in ((str(files / "ball.ply"),), (loaded,), (loaded.vertices, loaded.faces),
+                 (loaded.vertices.tolist(), loaded.faces.tolist())):
+        np.testing.assert_array_equal(raymap.Surface(*form).signed_distance(points), expected)
+
+
+def test_stats(ball):
+    stages = []
+    surface = raymap.Surface(ball, progress=lambda stage, done: stages.append(stage))
+    assert isinstance(surface.stats, raymap.Stats) and surface.stats.device == "cpu"
+    names = [name for name, _ in surface.stats.stages]
+    assert names[-1] == "tree" and set(stages) <= set(names) and stages
+    assert surface.stats.bytes > ball.vertices.size * 4 and surface.stats.milliseconds > 0
+
+
+@pytest.mark.parametrize("options, error, text", [
+    (dict(orientation="up"), raymap.UsageError, "'up'; use auto, keep or repair"),
+    (dict(threads=-1), raymap.UsageError, "threads"),
+    (dict(threads=1.5), TypeError, None),
+    (dict(memory_limit=0), raymap.UsageError, "memory_limit must be above 0 bytes, not 0"),
+    (dict(memory_limit=1000), MemoryError, None),
+    (dict(memory_limit=1.5), TypeError, None),
+    (dict(progress=3), TypeError, "progress must be a callable"),
+    (dict(progress=lambda stage, done: False), raymap.Cancelled, "cancelled during"),
+])
+def test_arguments_that_make_no_sense(ball, options, error, text):
+    with pytest.raises(error, match=text):
+        raymap.Surface(ball, **options)
+
+
+@pytest.mark.parametrize("points, options, error, text", [
+    ([(0, 0)], {}, raymap.InputError, r"points must be \(..., 3\) coordinates, not of the shape \(1, 2\)"),
+    (0.0, {}, raymap.InputError, "not of the shape"),
+    ([("a", "b", "c")], {}, raymap.InputError, "points must be numbers"),
+    ([(0, 0, 0)], dict(arrays="colour"), raymap.UsageError, "nothing is named 'colour'; there are distance, closest"),
+    ([(0, 0, 0)], dict(max_distance=0), raymap.UsageError, "largest distance must be positive"),
+    ([(0, 0, 0)], dict(max_distance=float("nan")), raymap.UsageError, "largest distance must be positive"),
+    ([(0, 0, 0)], dict(threads=-1), raymap.UsageError, "threads"),
+    ([(0, 0, 0)], dict(progress="yes"), TypeError, "progress must be a callable"),
+])
+def test_queries_that_make_no_sense(surface, points, options, error, text):
+    with pytest.raises(error, match=text):
+        surface.query(points, **options)
+
+
+def test_meshes_that_are_not_valid():
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.0)])
+    with pytest.raises(raymap.InputError, match="3"):
+        raymap.Surface(corners, [(0, 1, 3)])
+    with pytest.raises(raymap.InputError):
+        raymap.Surface(corners, np.empty((0, 3), int))
+    with pytest.raises(raymap.FileError, match="gone.ply"):
+        raymap.Surface("gone.ply")
+    corners[1, 2] = np.nan
+    with pytest.raises(raymap.InputError, match="1"):
+        raymap.Surface(corners, [(0, 1, 2)])
+
+
+def test_threads_may_share_one(surface):
+    points = random_points(2000)
+    expected = surface.signed_distance(points)
+    failures = []
+
+    def work(k: int) -> None:
+        for _ in range(5):
+            if (surface.signed_distance(points[k:]) != expected[k:]).any():
+                failures.append(k)
+
+    workers = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert not failures
+
+
+@pytest.mark.parametrize("call", ["surface", "query"])
+def test_ctrl_c_stops_the_work(large_ball, call):
+    """Another thread interrupts this one as soon as the work reports, long before its end."""
+    begun = threading.Event()
+
+    def progress(stage: str, done: float) -> None:
+        assert done < 1 or stage != "query"
+        begun.set()
+
+    def interrupt() -> None:
+        begun.wait()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    surface = raymap.Surface(large_ball)
+    points = random_points(1 << 20).repeat(4, axis=0)
+    interrupter = threading.Thread(target=interrupt)
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        while True:
+            if call == "query":
+                surface.signed_distance(points, threads=1, progress=progress)
+            else:  # It may end before the signal comes.
+                raymap.Surface(large_ball, threads=1, progress=progress)
+    interrupter.join()
+    np.testing.assert_allclose(surface.signed_distance((0, 0, 2)), 1, atol=1e-6)
+
+
+class Exporter:
+    """An array that only knows DLPack."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array, self.shape = array, array.shape
+
+    def __dlpack__(self, **options) -> object:
+        return self.array.__dlpack__(**options)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.array.__dlpack_device__()
+
+
+def test_arrays_that_only_know_dlpack(surface):
+    points = random_points(10).astype(np.float32)
+    found = surface.signed_distance(Exporter(points))
+    assert found.dtype == np.float32
+    np.testing.assert_array_equal(found, surface.signed_distance(points))
