@@ -24,6 +24,7 @@ from ._generate import FieldOptions, Generator, signed_distance
 from ._mesh import Mesh, load_mesh
 from ._raymap import version as _version
 from ._repair import Info, Repaired, RepairReport, info, isosurface, repair
+from ._samples import Samples, sample_points
 from ._surface import Closest, Query, Surface
 
 __version__ = _version()
@@ -47,6 +48,7 @@ __all__ = [
     "RaymapWarning",
     "RepairReport",
     "Repaired",
+    "Samples",
     "Stats",
     "Surface",
     "UnsupportedError",
@@ -57,6 +59,7 @@ __all__ = [
     "load_field",
     "load_mesh",
     "repair",
+    "sample_points",
     "signed_distance",
     "test_device",
 ]

@@ -23,6 +23,8 @@ holes: int = found["hole_count"]
 milliseconds: float = field.stats.milliseconds
 solid, report, stats = raymap.repair(mesh, resolution=16)
 deviation: float = report["result_from_mesh"]["p99"]
+samples: raymap.Samples = raymap.sample_points(prepared, 100, sigma=0.01, seed=3)
+pos: npt.NDArray[np.float32] = samples.pos
 try:
     raymap.load_field("nowhere.vdb")
 except raymap.FileError as error:

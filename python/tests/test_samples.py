@@ -1,0 +1,163 @@
+"""Points for training: their distribution, distances, reproducibility, files."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from statistics import NormalDist
+
+import numpy as np
+import pytest
+import raymap
+from raymap import _samples
+
+COUNT = 20_000
+
+
+@pytest.fixture(scope="module")
+def surface(ball) -> raymap.Surface:
+    return raymap.Surface(ball)
+
+
+@pytest.fixture(scope="module")
+def samples(surface) -> raymap.Samples:
+    return raymap.sample_points(surface, COUNT)
+
+
+def test_shares_are_those_of_mesh_to_sdf(samples):
+    near = COUNT * 47 // 50
+    radius = 1.0
+    for part, sigma in ((slice(0, near // 2), 0.0025), (slice(near // 2, near), 0.00025)):
+        deviation = np.sqrt(np.mean(samples.distance[part] ** 2))
+        assert deviation == pytest.approx(sigma * radius, rel=0.03)
+    lengths = np.linalg.norm(samples.points[near:], axis=1)
+    assert lengths.max() <= 1
+    for share in (0.25, 0.5, 0.75):
+        assert np.quantile(lengths**3, share) == pytest.approx(share, abs=0.06)
+    assert (samples.centre == 0).all() and samples.scale == 1
+
+
+def test_distances_and_gradients_are_those_of_the_surface(surface, samples):
+    np.testing.assert_array_equal(samples.distance, surface.signed_distance(samples.points))
+    np.testing.assert_allclose(np.linalg.norm(samples.gradient, axis=1), 1, atol=1e-12)
+    step = 1e-4
+    far = np.abs(samples.distance) > 0.02
+    far[:-400] = False
+    for axis in range(3):
+        offset = step * np.eye(3)[axis]
+        ahead, behind = (surface.signed_distance(samples.points[far] + s * offset) for s in (1, -1))
+        agree = np.isclose(samples.gradient[far, axis], (ahead - behind) / (2 * step), atol=0.02)
+        assert agree.mean() > 0.95  # The others lie between two closest points.
+    near = np.abs(samples.distance) < 0.01
+    outwards = samples.points[near] / np.linalg.norm(samples.points[near], axis=1, keepdims=True)
+    assert np.einsum("ij,ij->i", samples.gradient[near], outwards).min() > 0.9
+
+
+def test_points_of_the_surface(ball):
+    """The faces of two sizes get points by their area; reversed ones get the outward normal all the same."""
+    flipped = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[:40, ::-1], ball.faces[40:]]))
+    surface = raymap.Surface(flipped, orientation="repair")
+    samples = raymap.sample_points(surface, COUNT, near=0, surface=1)
+    assert (samples.distance == 0).all() and samples.pos.shape == (COUNT, 4)
+    np.testing.assert_allclose(surface.query(samples.points).distance, 0, atol=1e-9)
+    assert np.einsum("ij,ij->i", samples.gradient, samples.points).min() > 0.9
+    np.testing.assert_allclose(np.linalg.norm(samples.gradient, axis=1), 1, atol=1e-12)
+    long = raymap.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (0, 3, 0), (0, 0, 1)], [(0, 1, 2), (3, 4, 5)])
+    points = raymap.sample_points(long, COUNT, near=0, surface=1).points
+    assert np.mean(points[:, 0] > 0) == pytest.approx(0.25, abs=0.01)
+    first = points[points[:, 0] > 0]
+    assert first[:, 0].mean() == pytest.approx(1 / 3, abs=0.01) and first[:, 1].mean() == pytest.approx(1 / 3, abs=0.01)
+
+
+def test_counts(surface):
+    samples = raymap.sample_points(surface, 11, near=0.5, surface=0.3, sigma=(0.1, 0.2, 0.3))
+    assert samples.points.shape == (11, 3) and (samples.distance == 0).sum() == 3
+    assert _samples._plan(11, 0.5, 0.3, (1, 2, 3))[0] == [3, 2, 2, 2, 2]
+    assert _samples._plan(10, 0.94, 0, 0.5)[0] == [0, 9, 1]
+    empty = raymap.sample_points(surface, 0)
+    assert empty.points.shape == (0, 3) and empty.pos.shape == (0, 4) and empty.neg.shape == (0, 4)
+
+
+def test_the_same_seed_gives_the_same_bits(ball, surface, samples):
+    exact = raymap.sample_points("tetrahedron.ply", 1000, surface=0.01).points
+    assert hashlib.sha256(exact.tobytes()).hexdigest() == "d8f37e215edaa14e6213a603e02740a73f4e8c7307acee95830656eb8f35fbc5"
+    for other in (raymap.sample_points(ball, COUNT, threads=1), raymap.sample_points(surface, COUNT, seed=0)):
+        for name in ("points", "distance", "gradient"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(samples, name))
+    assert (raymap.sample_points(surface, COUNT, seed=1).points != samples.points).any(axis=1).all()
+
+
+def test_random_numbers_are_normal():
+    numbers = np.sort(_samples._Random(5).normal((50_001, 1)).reshape(-1))
+    assert numbers.size == 50_001
+    expected = np.array([NormalDist().cdf(x) for x in numbers])
+    assert np.abs(expected - (np.arange(numbers.size) + 0.5) / numbers.size).max() < 0.007  # Kolmogorov and Smirnov
+    x = np.concatenate([_samples._Random(1).uniform(1000), 2.0 ** -np.arange(1, 100), [0.5**0.5, 1 - 2**-53]])
+    np.testing.assert_allclose(_samples._log(x), np.log(x), rtol=1e-14, atol=1e-16)
+
+
+def test_normalized(ball):
+    """A mesh that is neither of size 1 nor about 0."""
+    moved = raymap.Mesh(ball.vertices * 3 + (10, -20, 30), ball.faces)
+    given, scaled = (raymap.sample_points(moved, 500, normalize=normalize) for normalize in (False, True))
+    np.testing.assert_allclose(scaled.centre, (10, -20, 30), atol=1e-5)
+    assert scaled.scale == pytest.approx(1 / 3, rel=1e-6)
+    np.testing.assert_allclose((given.points - scaled.centre) * scaled.scale, scaled.points, atol=1e-12)
+    np.testing.assert_allclose(given.distance * scaled.scale, scaled.distance, atol=1e-12)
+    np.testing.assert_array_equal(given.gradient, scaled.gradient)
+    assert np.linalg.norm(scaled.points[-30:], axis=1).max() <= 1
+
+
+def test_files(samples):
+    samples.save("points.npz")
+    stored = np.load("points.npz")
+    assert sorted(stored.files) == ["neg", "pos"]
+    for name in stored.files:
+        np.testing.assert_array_equal(stored[name], getattr(samples, name))
+        assert stored[name].dtype == np.float32 and stored[name].shape[1] == 4
+    assert (stored["neg"][:, 3] < 0).all() and (stored["pos"][:, 3] >= 0).all()
+    assert len(stored["neg"]) + len(stored["pos"]) == COUNT
+    with pytest.raises(raymap.UsageError, match="points.txt: samples are written as .npz, not '.txt'"):
+        samples.save("points.txt")
+    with pytest.raises(raymap.FileError, match="cannot write .*points.npz: No such file"):
+        samples.save("gone/points.npz")
+
+
+def test_a_file_that_cannot_be_written_leaves_the_old_one(samples, monkeypatch):
+    samples.save("points.npz")
+    before = open("points.npz", "rb").read()
+
+    def fail(file, **arrays):
+        file.write(b"half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", fail)
+    with pytest.raises(raymap.FileError, match="No space left"):
+        samples.save("points.npz")
+    assert open("points.npz", "rb").read() == before
+    assert not [name for name in os.listdir() if name.endswith(".tmp")]
+
+
+@pytest.mark.parametrize("arguments, error, text", [
+    (dict(n=-1), raymap.UsageError, "n must not be negative, not -1"),
+    (dict(n=1.5), TypeError, None),
+    (dict(near=1.1), raymap.UsageError, "near must be a share from 0 to 1, not 1.1"),
+    (dict(near=float("nan")), raymap.UsageError, "near must be a share"),
+    (dict(surface=-0.1), raymap.UsageError, "surface must be a share from 0 to 1, not -0.1"),
+    (dict(near=0.8, surface=0.3), raymap.UsageError, "at most 1 together, not 0.8 and 0.3"),
+    (dict(sigma=-1.0), raymap.UsageError, "sigma must be numbers from 0 on, not -1.0"),
+    (dict(sigma=()), raymap.UsageError, "sigma must be numbers"),
+    (dict(sigma=(0.1, float("inf"))), raymap.UsageError, "sigma must be numbers"),
+    (dict(seed=-1), raymap.UsageError, "seed must not be negative, not -1"),
+    (dict(seed=0.5), TypeError, None),
+])
+def test_arguments_that_make_no_sense(surface, arguments, error, text):
+    with pytest.raises(error, match=text):
+        raymap.sample_points(surface, **{"n": 10, **arguments})
+
+
+def test_meshes_without_points(ball):
+    with pytest.raises(raymap.UsageError, match="sign=False, so its points have no sign"):
+        raymap.sample_points(raymap.Surface(ball, sign=False), 10)
+    with pytest.raises(raymap.InputError, match="the mesh has no area"):
+        raymap.sample_points(raymap.Mesh([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]), 10)
