@@ -13,7 +13,7 @@ import pytest
 import raymap
 from conftest import ROOT
 
-MODULES = ["raymap", *(f"raymap.{m.name}" for m in pkgutil.iter_modules(raymap.__path__) if m.name != "_raymap")]
+MODULES = ["raymap", *(f"raymap.{m.name}" for m in pkgutil.iter_modules(raymap.__path__) if m.name not in ("_raymap", "torch"))]
 PAGES = ["docs/python.md", "python/README.md"]
 
 

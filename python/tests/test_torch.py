@@ -1,0 +1,104 @@
+"""Distances that PyTorch differentiates."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import raymap
+from test_inputs import load
+
+
+@pytest.fixture(scope="module")
+def surface(ball) -> raymap.Surface:
+    return raymap.Surface(ball)
+
+
+def points_away_from_edges(torch, ball: raymap.Mesh, surface: raymap.Surface):
+    """Returns points whose closest point is well within a triangle, so that the gradient is that of a plane."""
+    candidates = np.random.default_rng(3).uniform(-1.5, 1.5, (4000, 3))
+    found = surface.closest(candidates)
+    far = (np.linalg.norm(candidates, axis=1) > 0.4) & (np.abs(found.distance) > 0.05)
+    chosen = candidates[far & (found.barycentric.min(axis=1) > 0.2)][:12]
+    assert (surface.signed_distance(chosen) < 0).any() and (surface.signed_distance(chosen) > 0).any()
+    return torch.tensor(chosen.reshape(3, 4, 3), requires_grad=True)
+
+
+def test_gradcheck(ball, surface):
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    points = points_away_from_edges(torch, ball, surface)
+    # Positions are in single precision inside of the library, so differences need long steps.
+    assert torch.autograd.gradcheck(lambda p: signed_distance(surface, p), points, eps=1e-3, atol=1e-3)
+
+
+def test_values_and_gradients(surface):
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    for dtype in (torch.float32, torch.float64):
+        points = torch.tensor([[(0, 0, 1.5), (0, 0, 0.9)]], dtype=dtype, requires_grad=True)
+        distance = signed_distance(surface, points, threads=1)
+        assert distance.dtype == dtype and distance.shape == (1, 2)
+        np.testing.assert_array_equal(distance.detach().numpy(), surface.signed_distance(points.detach().numpy()))
+        (distance * torch.tensor([2.0, 3.0], dtype=dtype)).sum().backward()
+        assert points.grad.dtype == dtype
+        np.testing.assert_allclose(points.grad[0, 0], (0, 0, 2), atol=1e-5)
+        np.testing.assert_allclose(points.grad[0, 1], (0, 0, 3), atol=0.5)
+        np.testing.assert_allclose(torch.linalg.norm(points.grad[0, 1]), 3, rtol=1e-5)
+        assert points.grad[0, 1, 2] > 2.9
+    assert not signed_distance(surface, points.detach()).requires_grad
+
+
+def test_points_on_the_surface_have_no_gradient():
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    points = torch.tensor([0.25, 0.25, 0.0], requires_grad=True)
+    signed_distance(raymap.Surface("tetrahedron.ply"), points).backward()
+    assert (points.grad == 0).all()
+
+
+def test_points_find_the_surface(surface):
+    """Gradient descent with the squared distance."""
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    points = torch.tensor(np.random.default_rng(0).uniform(-1, 1, (50, 3)), requires_grad=True)
+    optimizer = torch.optim.SGD([points], lr=0.25)
+    for _ in range(40):
+        optimizer.zero_grad()
+        signed_distance(surface, points).square().sum().backward()
+        optimizer.step()
+    assert signed_distance(surface, points).abs().max() < 1e-4
+
+
+def test_second_derivatives_are_refused(surface):
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    points = torch.tensor([0.0, 0.0, 1.5], requires_grad=True)
+    (gradient,) = torch.autograd.grad(signed_distance(surface, points).square(), points, create_graph=True)
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        gradient.sum().backward()
+
+
+def test_arguments_that_make_no_sense(surface):
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    with pytest.raises(TypeError, match="points must be a tensor, not ndarray"):
+        signed_distance(surface, np.zeros((2, 3)))
+    with pytest.raises(raymap.InputError, match="points must be"):
+        signed_distance(surface, torch.zeros(2, 2))
+
+
+def test_without_torch():
+    program = "import sys; sys.modules['torch'] = None; import raymap, raymap.torch"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert "ImportError: raymap.torch needs PyTorch; install it with: pip install torch" in ran.stderr
+    ran = subprocess.run([sys.executable, "-c", "import sys, raymap; sys.exit('torch' in sys.modules)"], check=False)
+    assert ran.returncode == 0
