@@ -7,6 +7,7 @@
 array([-0.5,  0.1], dtype=float32)
 """
 
+from . import dataset
 from ._devices import Device, devices, test_device
 from ._errors import (
     Cancelled,
@@ -53,6 +54,7 @@ __all__ = [
     "Surface",
     "UnsupportedError",
     "UsageError",
+    "dataset",
     "devices",
     "info",
     "isosurface",

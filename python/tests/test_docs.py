@@ -14,7 +14,7 @@ import raymap
 from conftest import ROOT
 
 MODULES = ["raymap", *(f"raymap.{m.name}" for m in pkgutil.iter_modules(raymap.__path__) if m.name not in ("_raymap", "torch"))]
-PAGES = ["docs/python.md", "python/README.md"]
+PAGES = ["docs/python.md", "docs/datasets.md", "python/README.md"]
 
 
 def run(test: doctest.DocTest) -> None:

@@ -1,0 +1,119 @@
+"""The command line of the package: ``python -m raymap dataset FOLDER -o OUT``."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+import sys
+from contextlib import nullcontext
+from typing import Any
+
+from . import dataset
+from ._errors import (
+    Cancelled,
+    DeviceLostError,
+    Error,
+    FileError,
+    InputError,
+    MemoryLimitError,
+    UnsupportedError,
+    UsageError,
+)
+
+_EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
+    UsageError: 2,
+    InputError: 3,
+    FileError: 4,
+    MemoryLimitError: 5,
+    Cancelled: 6,
+    UnsupportedError: 7,
+    DeviceLostError: 8,
+}
+_UNFINISHED = 9
+_STOPPED = 130
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs a command. Returns the exit code."""
+    given = vars(_parser().parse_args(arguments))
+    del given["command"]
+    try:
+        return _dataset(**given)
+    except Error as error:
+        print(f"raymap: error: {error}", file=sys.stderr)
+        return _EXIT_CODES.get(type(error), _UNFINISHED)
+    except KeyboardInterrupt:
+        return _STOPPED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m raymap", description="Signed distance fields, negative inside.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
+    return parser
+
+
+_DATASET = """Makes the signed distance field of every mesh of a folder. It may be stopped and run again at any time: a
+second run makes what is missing or has changed. A mesh that fails goes to OUT/quarantine, and the run goes on."""
+
+
+def _add_dataset(parser: argparse.ArgumentParser) -> None:
+    def add(*names: str, **rest: Any) -> None:
+        parser.add_argument(*names, default=argparse.SUPPRESS, **rest)
+
+    parser.add_argument("meshes", nargs="+", metavar="FOLDER", help="folder of meshes, or meshes")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the results")
+    add("--format", choices=dataset.FORMATS, help="format of the fields (npz)")
+    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
+    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
+    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
+    add("--distance", choices=["exact", "neighbours", "cell", "raster"], help="source of the magnitude (exact)")
+    add("--sign", choices=["harmonic", "paths", "evolution", "rays", "ray", "none"], help="inside and outside (harmonic)")
+    add("--orientation", choices=["auto", "keep", "repair"], help="whether faces are reversed (auto)")
+    add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
+    add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
+    add("--band", type=float, metavar="B", help="clamp distances at so many samples")
+    add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
+    add("--device", metavar="ID", help="device that computes (cpu)")
+    add("--threads", type=int, metavar="N", help="threads for each mesh (1)")
+    add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")
+    add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
+    add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as tcp://host:8786, for its cluster")
+
+
+def _bytes(text: str) -> int:
+    """Returns a size in bytes, as the program raymap reads it."""
+    if not (match := re.fullmatch(r"(\d+(?:\.\d+)?) ?([KMGT]?)B?", text, re.IGNORECASE)):
+        raise argparse.ArgumentTypeError(f"{text!r} is no size; give one as 500MB or 4GB")
+    return int(float(match[1]) * 1024 ** " KMGT".index(match[2].upper() or " "))
+
+
+def _dataset(meshes: list[str], output: str, scheduler: str | None, **options: Any) -> int:
+    with _client(scheduler) as client:
+        given = meshes[0] if len(meshes) == 1 else meshes
+        summary = dataset.generate(given, output, client=client, progress=True, **options)
+    print(
+        f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
+        f"{len(summary.new)} of them new, in {summary.seconds:.1f} s"
+    )
+    print(f"See {output}/index.html")
+    return _UNFINISHED if summary.unfinished else 0
+
+
+def _client(scheduler: str | None) -> Any:
+    if scheduler is None:
+        return nullcontext()
+    try:
+        distributed = importlib.import_module("distributed")
+    except ImportError:
+        raise UsageError("--scheduler needs Dask: pip install 'raymap[dask]'") from None
+    try:
+        return distributed.Client(scheduler)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--scheduler {scheduler}: {error}") from error
+
+
+if __name__ == "__main__":
+    sys.exit(main())

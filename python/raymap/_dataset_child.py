@@ -1,0 +1,149 @@
+"""The process that makes the results of a data set, one mesh after the other: ``python -m raymap._dataset_child``.
+
+It reads one job a line from stdin, and writes one reply a line to stdout, both as JSON. All else that is printed goes to
+stderr, which is the log. It ends with its parent, or if it has nothing to do for a while.
+"""
+
+from __future__ import annotations
+
+import errno
+import faulthandler
+import json
+import os
+import queue
+import resource
+import signal
+import sys
+import threading
+import traceback
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _html
+from ._errors import Error, FileError, MemoryLimitError
+from ._field import Field
+from ._generate import signed_distance
+from ._mesh import Mesh, load_mesh
+from ._repair import info
+from ._whole_file import write_whole
+
+_IDLE_SECONDS = 60.0
+_THUMBNAIL = {"width": 192, "height": 144, "device": "cpu"}
+
+
+def main() -> None:
+    """Does jobs until stdin ends."""
+    replies = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)
+    faulthandler.enable()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    for ending in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:  # The parent decides; a signal says nothing of a mesh.
+        signal.signal(ending, signal.SIG_IGN)
+    jobs: queue.SimpleQueue[str] = queue.SimpleQueue()
+    threading.Thread(target=_receive, args=(jobs,), daemon=True).start()
+    own_memory = _memory_in_use()
+    print(json.dumps({"ready": True}), file=replies)
+    while True:
+        try:
+            job = jobs.get(timeout=_IDLE_SECONDS)
+        except queue.Empty:
+            return
+        print(json.dumps(_answer(json.loads(job), own_memory)), file=replies)
+
+
+def _receive(jobs: queue.SimpleQueue[str]) -> None:
+    for line in sys.stdin:
+        jobs.put(line)
+    os.killpg(0, signal.SIGKILL)  # The parent has ended, so nobody wants the result. Importers end as well.
+
+
+def _answer(job: dict[str, Any], own_memory: int) -> dict[str, Any]:
+    """Does a job. Returns figures; or a reason, and whether it is memory; or why the result cannot be written."""
+    _, most = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (own_memory + job["memory_limit"], most))
+    try:
+        figures, write = _make(job)
+    except Exception as error:
+        traceback.print_exc()
+        if _is_memory(error):
+            return {"reason": _memory_reason(error, job["memory_limit"]), "memory": True}
+        text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
+        return {"reason": text, "memory": False}
+    try:
+        write()
+    except (FileError, OSError) as error:
+        return {"unwritable": str(error)}
+    return {"figures": figures}
+
+
+def _is_memory(error: Exception) -> bool:
+    no_thread = os.strerror(errno.EAGAIN)  # No thread can start, as its stack does not fit.
+    return isinstance(error, (MemoryError, MemoryLimitError)) or no_thread in str(error)
+
+
+def _memory_reason(error: Exception, limit: int) -> str:
+    text = str(error) if isinstance(error, MemoryLimitError) else "needs more memory"
+    return f"{text} (memory_limit is {limit} bytes)"
+
+
+def _memory_in_use() -> int:
+    """Returns the bytes that RLIMIT_DATA counts. They do not include what allocators and threads merely reserve."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmData:"))
+
+
+def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
+    """Returns the figures of a mesh, and a function that writes its files."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mesh = load_mesh(job["mesh"])
+        found = info(mesh)
+        write, figures = _MAKERS[job["what"]](mesh, job)
+    texts = sorted({str(warning.message) for warning in caught})
+    return {**figures, "info": found, "warnings": texts}, write
+
+
+def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
+    field = signed_distance(mesh, **job["options"], threads=job["threads"], memory_limit=job["memory_limit"])
+    picture = _picture(field, job["threads"])
+
+    def write() -> None:
+        field.save(job["result"])
+        write_whole(job["thumbnail"], picture)
+
+    return write, {"field": _field_figures(field)}
+
+
+def _picture(field: Field, threads: int) -> bytes:
+    return _html.png(field.render(**_THUMBNAIL, threads=threads))  # type: ignore[arg-type]
+
+
+def _field_figures(field: Field) -> dict[str, Any]:
+    stats = field.stats
+    return {
+        "samples": list(field.shape),
+        "origin": field.origin.tolist(),
+        "spacing": field.spacing,
+        "distance_min": float(field.distance.min()),
+        "distance_max": float(field.distance.max()),
+        "inside_share": float(np.count_nonzero(field.distance < 0) / field.distance.size),
+        "device": stats.device,
+        "doubtful_share": stats.doubtful_share,
+        "turned_faces": len(stats.turned_faces),
+        "left_out_faces": len(stats.left_out_faces),
+        "misfit_given": stats.misfit_given,
+        "misfit": stats.misfit,
+        "orientation_fits": stats.orientation_fits,
+        "patch_triangles": stats.patch_triangles,
+        "patch_area": stats.patch_area,
+    }
+
+
+_MAKERS = {"field": _make_field}
+
+if __name__ == "__main__":
+    main()

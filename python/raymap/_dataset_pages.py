@@ -1,0 +1,114 @@
+"""The table and the page of a data set."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from ._dataset_work import Job, read_marker
+from ._whole_file import write_whole
+
+_INFO = [
+    "vertices", "vertices_welded", "triangles", "watertight", "consistently_oriented", "balanced", "components",
+    "boundary_edges", "hole_count", "nonmanifold_edges", "flipped_edges", "flipped_faces", "degenerate_faces",
+    "duplicate_faces", "double_sided_faces", "signed_volume", "area", "bbox_min", "bbox_max",
+]  # fmt: skip
+_FIELD = [
+    "samples", "origin", "spacing", "distance_min", "distance_max", "inside_share", "device", "doubtful_share",
+    "turned_faces", "left_out_faces", "misfit_given", "misfit", "orientation_fits", "patch_triangles", "patch_area",
+]  # fmt: skip
+_AXES = {name: [f"{name}_{axis}" for axis in "xyz"] for name in ("bbox_min", "bbox_max", "samples", "origin")}
+
+
+def write_pages(jobs: Iterable[Job], out: Path) -> None:
+    """Writes table.csv and index.html from the markers of all meshes. They hold no times: runs can be compared.
+
+    Raises:
+        OSError: A file cannot be written.
+    """
+    rows = [(job, _row(job)) for job in jobs]
+    columns = list(dict.fromkeys(name for _, row in rows for name in row))
+    text = io.StringIO()
+    table = csv.DictWriter(text, columns, lineterminator="\n")
+    table.writeheader()
+    table.writerows(row for _, row in rows)
+    write_whole(out / "table.csv", text.getvalue())
+    write_whole(out / "index.html", _page(rows))
+
+
+def _row(job: Job) -> dict[str, Any]:
+    marker = read_marker(job.marker) or {"state": "unfinished"}
+    found = marker.get("info", {})
+    crossings = found.get("self_intersections", {})
+    row = {
+        "mesh": job.name,
+        "state": marker["state"],
+        "reason": marker.get("reason", ""),
+        "mesh_sha256": marker.get("mesh_sha256") or "",
+        **_cells(found, _INFO),
+        "self_intersections": crossings.get("pairs", ""),
+        "self_intersections_complete": crossings.get("complete", ""),
+    }
+    if job.what == "field":
+        row |= _cells(marker.get("field", {}), _FIELD)
+    return {**row, "warnings": "; ".join(marker.get("warnings", []))}
+
+
+def _cells(figures: dict[str, Any], names: list[str]) -> dict[str, Any]:
+    cells: dict[str, Any] = {}
+    for name in names:
+        if name in _AXES:
+            cells |= dict(zip(_AXES[name], figures.get(name, [""] * 3), strict=True))
+        else:
+            cells[name] = figures.get(name, "")
+    return cells
+
+
+_STYLE = """
+body { font: 14px sans-serif; margin: 2em; }
+main { display: flex; flex-wrap: wrap; gap: 1em; }
+figure { margin: 0; width: 192px; }
+figure img { display: block; background: #eee; }
+figcaption, td { overflow-wrap: anywhere; }
+td { padding: 0.2em 1em 0.2em 0; vertical-align: top; }
+"""
+
+
+def _page(rows: list[tuple[Job, dict[str, Any]]]) -> str:
+    done = [(job, row) for job, row in rows if row["state"] == "done"]
+    others = [(job, row) for job, row in rows if row["state"] != "done"]
+    parts = [
+        f"<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>Data set</title><style>{_STYLE}</style>",
+        f"<h1>{len(done)} of {len(rows)} meshes done</h1>",
+        '<p><a href="table.csv">Table of all meshes</a></p>',
+    ]
+    if others:
+        parts += ["<h2>Not done</h2>", "<table>", *(_other(job, row) for job, row in others), "</table>"]
+    parts += ["<h2>Done</h2>", "<main>", *(_figure(job, row) for job, row in done), "</main>", "</html>"]
+    return "\n".join(parts) + "\n"
+
+
+def _other(job: Job, row: dict[str, Any]) -> str:
+    name = html.escape(job.name)
+    if row["state"] == "quarantined":
+        name = f'<a href="{_link(job, job.quarantine / "log.txt")}">{name}</a>'
+    return f"<tr><td>{name}<td>{html.escape(row['reason'] or row['state'])}"
+
+
+def _figure(job: Job, row: dict[str, Any]) -> str:
+    watertight = "watertight" if row["watertight"] else f"{row['boundary_edges']} boundary edges"
+    return (
+        f'<figure><a href="{_link(job, job.result)}"><img src="{_link(job, job.thumbnail)}" alt="" loading=lazy '
+        f"width=192 height=144></a><figcaption>{html.escape(job.name)}<br>{row['triangles']} triangles, {watertight}"
+        "</figcaption></figure>"
+    )
+
+
+def _link(job: Job, path: Path) -> str:
+    return html.escape(quote(os.path.relpath(path, job.out)))
