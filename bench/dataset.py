@@ -21,7 +21,8 @@ from dask_cluster import Cluster  # noqa: E402
 
 
 def contents(folder):
-    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    """Returns all files except for logs, which hold line numbers of the program."""
+    return {p.relative_to(folder): p.read_bytes() for p in folder.rglob("*") if p.is_file() and p.name != "log.txt"}
 
 
 def identities(folder):

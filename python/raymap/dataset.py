@@ -9,7 +9,7 @@ import os
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, Unpack
@@ -17,12 +17,11 @@ from uuid import uuid4
 
 import numpy as np
 
-from . import _generate
 from ._dataset_children import Children
 from ._dataset_pages import write_pages
 from ._dataset_work import Job, Outcome, work
-from ._errors import Cancelled, Error, FileError, UsageError
-from ._generate import FieldOptions
+from ._errors import Cancelled, Error, FileError, MemoryLimitError, UsageError
+from ._generate import FieldOptions, signed_distance
 from ._mesh import Mesh
 from ._progress import reporting
 from ._whole_file import file_errors, remove_leftovers
@@ -205,14 +204,11 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, Path]:
 
 def _result_options(options: FieldOptions) -> dict[str, Any]:
     """Returns all options on which results depend, the defaults included, in JSON's types. Checks them."""
-    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
-    tetrahedron = Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
     options = {"device": "cpu", **options}
     if unknown := options.keys() - FieldOptions.__annotations__.keys():
         raise TypeError(f"generate() got an unexpected keyword argument {sorted(unknown)[0]!r}")
-    _generate._grid(tetrahedron._core, options)
-    _generate._options(options)
-    defaults = inspect.signature(_generate.signed_distance).parameters
+    _check(options)
+    defaults = inspect.signature(signed_distance).parameters
     apart = {"threads", "memory_limit", "progress"}
     result = {name: options.get(name, defaults[name].default) for name in FieldOptions.__annotations__.keys() - apart}
     arrays: Any = result["arrays"]
@@ -220,6 +216,17 @@ def _result_options(options: FieldOptions) -> dict[str, Any]:
     if result["bounds"] is not None:
         result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
     return result
+
+
+def _check(options: FieldOptions) -> None:
+    """Raises what no mesh can change, for example that there is no such option: begins a field of a tetrahedron."""
+    size = 10 * (options.get("voxel_size") or 1)
+    corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
+    tetrahedron = Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+    # The device may be one that only the workers have.
+    with suppress(Cancelled, MemoryLimitError):
+        checked: FieldOptions = {**options, "device": "cpu", "progress": lambda stage, done: False}
+        signed_distance(tetrahedron, **checked)
 
 
 # Who works.
