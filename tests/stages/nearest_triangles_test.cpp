@@ -87,8 +87,8 @@ TEST(NearestTriangles, TakeTheLowestOfEqualOnes) {
   std::vector<NearestTriangle> all(curve.points.size());
   findNearestTriangles(tree, curve.sorted, INFINITY, all);
   for (size_t i = 0; i < all.size(); ++i) {
-    const SortedPoints alone{curve.sorted.points.subspan(i, 1), curve.sorted.codes.subspan(i, 1), curve.sorted.low,
-                             curve.sorted.side};
+    const SortedPoints alone{curve.sorted.points.subspan(i, 1), curve.sorted.codes.subspan(i, 1),
+                             curve.sorted.low, curve.sorted.side};
     NearestTriangle one{};
     findNearestTriangles(tree, alone, INFINITY, {&one, 1});
     ASSERT_EQ(one.triangle, all[i].triangle);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/sort_keys.h"
 
 namespace raymap::cpu {
 
@@ -43,7 +44,7 @@ class EdgeSums {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
     at(edge).fetch_add(edge.direction < 0 ? 0u - value : edge.direction * value, std::memory_order_relaxed);
   }
-  bool isRim(const Edge& edge) {
+  bool mayBeRim(const Edge& edge) {
     return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
   }
   bool hasRims() const {
@@ -64,21 +65,49 @@ class EdgeSums {
   std::vector<std::atomic<uint32_t>> sums_;
 };
 
-template <class Visit>
-void forEachEdge(const CellMesh& mesh, Visit&& visit) {
+Edge edgeOf(const glm::vec3& a, const glm::vec3& b, uint64_t hashA, uint64_t hashB) {
+  const int direction = hashA < hashB ? 1 : hashA > hashB ? -1 : 0;
+  return {a, b, mix(std::min(hashA, hashB) + 3 * std::max(hashA, hashB)), direction};
+}
+
+/// Returns the edge number k: that from corner k % 3 of face k / 3.
+Edge edgeAt(const CellMesh& mesh, size_t k) {
+  const glm::vec3 a = mesh.corner(k / 3, int(k % 3)), b = mesh.corner(k / 3, int((k + 1) % 3));
+  return edgeOf(a, b, hashOf(a), hashOf(b));
+}
+
+void addEdges(const CellMesh& mesh, EdgeSums& sums) {
   parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
       const glm::vec3 corners[] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
       const uint64_t hashes[] = {hashOf(corners[0]), hashOf(corners[1]), hashOf(corners[2])};
       for (int c = 0; c < 3; ++c) {
-        const uint64_t from = hashes[c], to = hashes[(c + 1) % 3];
-        visit(Edge{corners[c], corners[(c + 1) % 3], mix(std::min(from, to) + 3 * std::max(from, to)),
-                   from < to   ? 1
-                   : from > to ? -1
-                               : 0});
+        const int d = (c + 1) % 3;
+        sums.add(edgeOf(corners[c], corners[d], hashes[c], hashes[d]));
       }
     }
   });
+}
+
+/// Calls `visit` with one edge of each rim. Counts again the edges whose sums are not 0, each by itself.
+template <class Visit>
+void forEachRim(const CellMesh& mesh, EdgeSums& sums, Visit&& visit) {
+  const std::vector<uint32_t> candidates =
+      parallelSelect(3 * mesh.triangles.size(), [&](uint32_t k) { return sums.mayBeRim(edgeAt(mesh, k)); });
+  Buffer<SortKey> keys;
+  const auto make = [&](size_t begin, size_t end, SortKey* to) {
+    for (size_t i = begin; i < end; ++i) {
+      const Edge edge = edgeAt(mesh, candidates[i]);
+      *to++ = {uint64_t{candidates[i]} << 1 | uint64_t{edge.direction > 0}, edge.number};
+    }
+  };
+  sortKeys(candidates.size(), make, keys);
+  for (size_t first = 0, next = 0; first < keys.size(); first = next) {
+    int64_t sum = 0;
+    for (; next < keys.size() && keys[next].high == keys[first].high; ++next)
+      sum += (keys[next].low & 1) != 0 ? 1 : -1;
+    if (sum != 0) visit(edgeAt(mesh, keys[first].low >> 1));
+  }
 }
 
 /// Marks the cells along an edge. Each point of the edge is less than half a cell from a marked one.
@@ -87,8 +116,7 @@ void markEdge(const glm::vec3& a, const glm::vec3& b, const glm::ivec3& dims, Bu
   for (int s = 0; s <= steps; ++s) {
     const glm::vec3 p = a + (b - a) * (static_cast<float>(s) / static_cast<float>(steps));
     const glm::ivec3 cell = glm::clamp(glm::ivec3(glm::floor(p)), glm::ivec3(0), dims - 1);
-    std::atomic_ref(marks[(size_t(cell.z) * dims.y + cell.y) * dims.x + cell.x])
-        .store(1, std::memory_order_relaxed);
+    marks[(size_t(cell.z) * dims.y + cell.y) * dims.x + cell.x] = 1;
   }
 }
 
@@ -113,13 +141,11 @@ void widen(const glm::ivec3& dims, int axis, const Buffer<uint8_t>& from, Buffer
 
 Buffer<uint8_t> markRims(const CellMesh& mesh) {
   EdgeSums sums(mesh.triangles.size());
-  forEachEdge(mesh, [&](const Edge& edge) { sums.add(edge); });
+  addEdges(mesh, sums);
   if (!sums.hasRims()) return {};
   Buffer<uint8_t> marks(size_t(mesh.dims.x) * mesh.dims.y * mesh.dims.z);
   std::fill(marks.begin(), marks.end(), uint8_t{0});
-  forEachEdge(mesh, [&](const Edge& edge) {
-    if (sums.isRim(edge)) markEdge(edge.from, edge.to, mesh.dims, marks);
-  });
+  forEachRim(mesh, sums, [&](const Edge& edge) { markEdge(edge.from, edge.to, mesh.dims, marks); });
   Buffer<uint8_t> wider(marks.size());
   for (int axis = 0; axis < 3; ++axis) {
     widen(mesh.dims, axis, marks, wider);
