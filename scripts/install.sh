@@ -25,6 +25,7 @@ checks=(
   ccache                         # so that the second build of a file is free
   clang clang-format clang-tidy  # fuzzing, formatting, static checks
   libusb-1.0-0 libgl1 libgomp1   # Open3D, whose meshes the Python package takes
+  libeigen3-dev                  # pysdf, with which the Python package is compared
   pkg-config                     # the installed library
 )
 peers=(
