@@ -35,11 +35,15 @@ def check(condition, text):
         sys.exit(f"dataset.py: {text}")
 
 
+def options(arguments):
+    return {"resolution": arguments.resolution}
+
+
 def on_cluster(arguments, name, workers):
     """Returns what became of a run. Its seconds do not count the start of the cluster."""
     with Cluster(arguments.out / (name + ".dask"), workers) as cluster, distributed.Client(cluster.address) as client:
         client.wait_for_workers(workers)
-        summary = raymap.dataset.generate(arguments.folder, arguments.out / name, resolution=arguments.resolution, client=client)
+        summary = raymap.dataset.generate(arguments.folder, arguments.out / name, **options(arguments), client=client)
     return summary
 
 
@@ -56,14 +60,16 @@ def rates(arguments, expected):
 
 
 def with_kills(arguments, expected, count):
-    """Kills a worker at a third of the meshes and the scheduler at two thirds; runs again. Returns the finished count."""
+    """Kills a worker at a third of the meshes and the scheduler at two thirds; runs again.
+
+    Returns the numbers of meshes that were finished by then and later, and the seconds of a third run."""
     out = arguments.out / "killed"
     answer = []
 
     def run(address):
         with distributed.Client(address) as client:
             try:
-                answer.append(raymap.dataset.generate(arguments.folder, out, resolution=arguments.resolution, client=client))
+                answer.append(raymap.dataset.generate(arguments.folder, out, **options(arguments), client=client))
             except raymap.Error as error:
                 answer.append(error)
 
@@ -87,7 +93,7 @@ def with_kills(arguments, expected, count):
     check({p: i for p, i in identities(out).items() if p in before} == before, "something was made twice")
     check(len(second.new) == count - len(before), "the second run made another number of meshes")
     check(contents(out) == expected, "results with kills differ from the serial run")
-    third = raymap.dataset.generate(arguments.folder, out, resolution=arguments.resolution)
+    third = raymap.dataset.generate(arguments.folder, out, **options(arguments))
     check(not third.new, "the third run made something")
     return len(before), len(second.new), third.seconds
 
@@ -100,7 +106,7 @@ def main():
     parser.add_argument("--runs", type=int, default=3)
     arguments = parser.parse_args()
     arguments.out.mkdir()
-    serial = raymap.dataset.generate(arguments.folder, arguments.out / "serial", resolution=arguments.resolution, workers=1)
+    serial = raymap.dataset.generate(arguments.folder, arguments.out / "serial", **options(arguments), workers=1)
     expected = contents(arguments.out / "serial")
     count = len(serial.new)
     print(f"serial: {serial}", file=sys.stderr)
@@ -109,8 +115,9 @@ def main():
     print("| workers | meshes per second | seconds |\n|---|---|---|")
     for workers, time_taken in seconds.items():
         print(f"| {workers} | {count / time_taken:.1f} | {time_taken:.1f} |")
-    print(f"\n{len(serial.done)} done, {len(serial.quarantined)} quarantined. Two workers take {seconds[2] / seconds[1]:.2f} "
-          f"of the time of one. With the kills: {finished} finished, then {rest}, then none again in {nothing:.1f} s.")
+    print(f"""
+{len(serial.done)} done, {len(serial.quarantined)} quarantined. Two workers take {seconds[2] / seconds[1]:.2f} of the
+time of one. With the kills: {finished} finished, then {rest}, then none again in {nothing:.1f} s.""")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ class Cluster:
         folder.mkdir(parents=True)
         self._folder = folder
         self.scheduler = self._start("scheduler", "--port", "0", "--host", "tcp://127.0.0.1")
-        self.workers = [self._start("worker", "--no-nanny", "--nthreads", "1", "--name", f"w{k}") for k in range(workers)]
+        options = ("--no-nanny", "--nthreads", "1")
+        self.workers = [self._start("worker", *options, "--name", f"w{k}") for k in range(workers)]
 
     def _start(self, what: str, *options: str) -> subprocess.Popen[bytes]:
         file = self._folder / "scheduler.json"
@@ -43,7 +44,9 @@ class Cluster:
     def __enter__(self) -> Cluster:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         for process in *self.workers, self.scheduler:
             process.kill()
             process.wait()
