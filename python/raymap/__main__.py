@@ -54,8 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-_DATASET = """Makes the signed distance field of every mesh of a folder. It may be stopped and run again at any time: a
-second run makes what is missing or has changed. A mesh that fails goes to OUT/quarantine, and the run goes on."""
+_DATASET = """Makes the signed distance field of every mesh of a folder, or points with their distances.
+It may be stopped and run again at any time: a second run makes what is missing or has changed.
+A mesh that fails goes to OUT/quarantine, and the run goes on."""
 
 
 def _add_dataset(parser: argparse.ArgumentParser) -> None:
@@ -64,17 +65,25 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("meshes", nargs="+", metavar="FOLDER", help="folder of meshes, or meshes")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the results")
+    add("--what", choices=["field", "points"], help="what is made of each mesh (field)")
     add("--format", choices=dataset.FORMATS, help="format of the fields (npz)")
     add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
     add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
     add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
     add("--distance", choices=["exact", "neighbours", "cell", "raster"], help="source of the magnitude (exact)")
-    add("--sign", choices=["harmonic", "paths", "evolution", "rays", "ray", "none"], help="inside and outside (harmonic)")
+    signs = ["harmonic", "paths", "evolution", "rays", "ray", "none"]
+    add("--sign", choices=signs, help="method that decides inside and outside (harmonic)")
     add("--orientation", choices=["auto", "keep", "repair"], help="whether faces are reversed (auto)")
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
+    add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
+    add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
+    add("--sigma", type=float, nargs="+", metavar="S", help="points: their standard deviations (0.0025 0.00025)")
+    add("--surface", type=float, metavar="SHARE", help="points: share on the surface (0)")
+    add("--seed", type=int, metavar="K", help="points: another number gives other points (0)")
+    add("--normalize", action="store_true", help="points: scale the bounding sphere to the unit sphere")
     add("--device", metavar="ID", help="device that computes (cpu)")
     add("--threads", type=int, metavar="N", help="threads for each mesh (1)")
     add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")

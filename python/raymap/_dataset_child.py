@@ -1,13 +1,14 @@
 """The process that makes the results of a data set, one mesh after the other: ``python -m raymap._dataset_child``.
 
-It reads one job a line from stdin, and writes one reply a line to stdout, both as JSON. All else that is printed goes to
-stderr, which is the log. It ends with its parent, or if it has nothing to do for a while.
+It reads one job a line from stdin, and writes one reply a line to stdout, both as JSON. All else that is printed goes
+to stderr, which is the log. It ends with its parent, or if it has nothing to do for a while.
 """
 
 from __future__ import annotations
 
 import errno
 import faulthandler
+import io
 import json
 import os
 import queue
@@ -29,6 +30,7 @@ from ._field import Field
 from ._generate import signed_distance
 from ._mesh import Mesh, load_mesh
 from ._repair import info
+from ._samples import sample_points
 from ._whole_file import write_whole
 
 _IDLE_SECONDS = 60.0
@@ -143,7 +145,31 @@ def _field_figures(field: Field) -> dict[str, Any]:
     }
 
 
-_MAKERS = {"field": _make_field}
+def _make_points(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
+    samples = sample_points(mesh, **job["options"], threads=job["threads"])
+    small = signed_distance(
+        mesh, resolution=48, device="cpu", threads=job["threads"], memory_limit=job["memory_limit"]
+    )
+    picture = _picture(small, job["threads"])
+    content = io.BytesIO()
+    np.savez(content, pos=samples.pos, neg=samples.neg, centre=samples.centre, scale=samples.scale)
+
+    def write() -> None:
+        write_whole(job["result"], content.getvalue())
+        write_whole(job["thumbnail"], picture)
+
+    figures = {
+        "points": len(samples.points),
+        "points_inside": int(np.count_nonzero(samples.distance < 0)),
+        "distance_min": float(samples.distance.min(initial=0.0)),
+        "distance_max": float(samples.distance.max(initial=0.0)),
+        "centre": samples.centre.tolist(),
+        "scale": samples.scale,
+    }
+    return write, {"points": figures}
+
+
+_MAKERS = {"field": _make_field, "points": _make_points}
 
 if __name__ == "__main__":
     main()

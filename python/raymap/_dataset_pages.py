@@ -23,7 +23,8 @@ _FIELD = [
     "samples", "origin", "spacing", "distance_min", "distance_max", "inside_share", "device", "doubtful_share",
     "turned_faces", "left_out_faces", "misfit_given", "misfit", "orientation_fits", "patch_triangles", "patch_area",
 ]  # fmt: skip
-_AXES = {name: [f"{name}_{axis}" for axis in "xyz"] for name in ("bbox_min", "bbox_max", "samples", "origin")}
+_POINTS = ["points", "points_inside", "distance_min", "distance_max", "centre", "scale"]
+_AXES = {name: [f"{name}_{axis}" for axis in "xyz"] for name in ("bbox_min", "bbox_max", "samples", "origin", "centre")}
 
 
 def write_pages(jobs: Iterable[Job], out: Path) -> None:
@@ -55,8 +56,7 @@ def _row(job: Job) -> dict[str, Any]:
         "self_intersections": crossings.get("pairs", ""),
         "self_intersections_complete": crossings.get("complete", ""),
     }
-    if job.what == "field":
-        row |= _cells(marker.get("field", {}), _FIELD)
+    row |= _cells(marker.get(job.what, {}), {"field": _FIELD, "points": _POINTS}[job.what])
     return {**row, "warnings": "; ".join(marker.get("warnings", []))}
 
 

@@ -7,7 +7,7 @@ import inspect
 import operator
 import os
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from uuid import uuid4
 
 import numpy as np
 
+from . import _samples
 from ._dataset_children import Children
 from ._dataset_pages import write_pages
 from ._dataset_work import Job, Outcome, work
@@ -26,7 +27,7 @@ from ._mesh import Mesh
 from ._progress import reporting
 from ._whole_file import file_errors, remove_leftovers
 
-What: TypeAlias = Literal["field"]
+What: TypeAlias = Literal["field", "points"]
 Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti"]
 PathLike: TypeAlias = str | os.PathLike[str]
 
@@ -35,6 +36,17 @@ FORMATS = ("npz", "npy", "nrrd", "vti")
 
 #: Endings of the files that are meshes, in lower case.
 MESH_ENDINGS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", ".dae")
+
+
+class Options(FieldOptions, total=False):
+    """Keyword arguments of ``raymap.signed_distance`` and ``raymap.sample_points``, which document them."""
+
+    n: int
+    near: float
+    sigma: float | Iterable[float]
+    surface: float
+    seed: int
+    normalize: bool
 
 
 @dataclass(frozen=True)
@@ -68,13 +80,15 @@ def generate(
     workers: int | None = None,
     time_limit: float = 600.0,
     client: Any = None,
-    **options: Unpack[FieldOptions],
+    **options: Unpack[Options],
 ) -> Summary:
-    """Makes the signed distance fields of many meshes, negative inside. It may be stopped and run again at any time.
+    """Makes the signed distance fields of many meshes, negative inside, or points with their distances.
+
+    It may be stopped and run again at any time.
 
     A mesh MESH becomes ``out/MESH.npz``, with a thumbnail ``.png`` and a marker ``.json`` beside it. ``out`` also gets
-    ``table.csv``, with figures of all meshes, and the page ``index.html``. Each mesh is worked on in a process apart. If
-    it fails there, crashes, or exceeds a limit, ``out/quarantine/MESH`` says why, and the run goes on.
+    ``table.csv``, with figures of all meshes, and the page ``index.html``. Each mesh is made in a process apart. If it
+    fails there, crashes, or exceeds a limit, ``out/quarantine/MESH`` says why, and the run goes on.
 
     A second run makes what is missing, and what differs in the mesh's bytes, the options or raymap's version. Results
     are the same, bit for bit, for any number of workers, and whatever was killed meanwhile.
@@ -82,14 +96,16 @@ def generate(
     Args:
         paths_or_folder: Folder whose meshes are made, with all folders in it; or paths of meshes with different names.
         out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
-        what: What is made: ``"field"``.
-        format: Format of the fields: ``"npz"``, ``"npy"``, ``"nrrd"`` or ``"vti"``; see ``raymap.Field.save``.
+        what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
+            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``.
+        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"`` or ``"vti"``; see ``raymap.Field.save``.
         workers: Number of meshes at a time on this machine; None = as many as processors. With ``client``, that has
             its own.
         time_limit: Most seconds that a mesh may take.
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
-        **options: Options of ``raymap.signed_distance``, with other defaults for some: ``device="cpu"``, and for each
-            mesh ``threads=1`` and ``memory_limit=4 << 30``, which counts all that its process takes for it.
+        **options: Options of ``raymap.signed_distance``, or of ``raymap.sample_points`` with the number of points,
+            ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
+            ``memory_limit=4 << 30``, which counts all that its process takes for it.
 
     Raises:
         UsageError: Arguments that make no sense, or two meshes with one name.
@@ -151,17 +167,21 @@ def _summary(outcomes: list[Outcome], new: list[str], seconds: float) -> Summary
 
 
 def _jobs(
-    given: PathLike | Iterable[PathLike], out: Path, what: str, format: str, time_limit: float, options: FieldOptions
+    given: PathLike | Iterable[PathLike], out: Path, what: str, format: str, time_limit: float, options: Options
 ) -> list[Job]:
-    if what != "field":
-        raise UsageError(f"what must be 'field', not {what!r}")
+    if what not in ("field", "points"):
+        raise UsageError(f"what must be 'field' or 'points', not {what!r}")
+    if what == "points" and format != "npz":
+        raise UsageError(f"points are written as npz only, not {format!r}")
     if format not in FORMATS:
         raise UsageError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
     if not time_limit > 0:
         raise UsageError(f"time_limit must be above 0 seconds, not {time_limit}")
     threads = operator.index(options.get("threads") or 1)
-    memory_limit = options.get("memory_limit") or 4 << 30
-    result_options = _result_options(options)
+    memory_limit = operator.index(options.get("memory_limit") or 4 << 30)
+    if not memory_limit > 0:
+        raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+    result_options = _field_options(options) if what == "field" else _point_options(options)
     return [
         Job(str(mesh), name, str(out), what, format, result_options, threads, memory_limit, time_limit)
         for name, mesh in sorted(_meshes(given, out).items())
@@ -202,20 +222,38 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, Path]:
     return meshes
 
 
-def _result_options(options: FieldOptions) -> dict[str, Any]:
-    """Returns all options on which results depend, the defaults included, in JSON's types. Checks them."""
-    options = {"device": "cpu", **options}
-    if unknown := options.keys() - FieldOptions.__annotations__.keys():
-        raise TypeError(f"generate() got an unexpected keyword argument {sorted(unknown)[0]!r}")
-    _check(options)
-    defaults = inspect.signature(signed_distance).parameters
-    apart = {"threads", "memory_limit", "progress"}
-    result = {name: options.get(name, defaults[name].default) for name in FieldOptions.__annotations__.keys() - apart}
-    arrays: Any = result["arrays"]
+_APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
+
+
+def _field_options(options: Options) -> dict[str, Any]:
+    """Returns all options on which fields depend, the defaults included, in JSON's types. Checks them."""
+    given: FieldOptions = {"device": "cpu", **options}  # type: ignore[typeddict-unknown-key]
+    result = _with_defaults(given, signed_distance)
+    _check(given)
+    arrays = result["arrays"]
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
     if result["bounds"] is not None:
         result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
     return result
+
+
+def _point_options(options: Options) -> dict[str, Any]:
+    """Returns all options on which points depend, as `_field_options` does."""
+    if "n" not in options:
+        raise UsageError("what='points' needs n, the number of points of each mesh")
+    result = _with_defaults(options, _samples.sample_points)
+    result["sigma"] = np.atleast_1d(np.asarray(result["sigma"], np.float64)).tolist()
+    _samples._plan(result["n"], result["near"], result["surface"], result["sigma"])
+    return result
+
+
+def _with_defaults(options: Mapping[str, object], function: Callable[..., Any]) -> dict[str, Any]:
+    """Returns the keyword arguments of a function on which its result depends."""
+    known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k == "n"}
+    if unknown := options.keys() - known.keys() - _APART:
+        raise TypeError(f"generate() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+    values = {name: options.get(name, known[name].default) for name in known.keys() - _APART}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
 
 
 def _check(options: FieldOptions) -> None:

@@ -291,6 +291,26 @@ def test_children_end_with_their_parent(meshes: Path, large_ball: raymap.Mesh) -
     assert not Path("out/large.ply.json").exists()
 
 
+def test_points_are_those_of_sample_points(meshes: Path) -> None:
+    options = {"n": 500, "near": 0.5, "sigma": [0.01], "surface": 0.1, "seed": 7, "normalize": True}
+    assert raymap.dataset.generate(meshes, "out", what="points", **options).done == NAMES
+    for name in NAMES:
+        direct = raymap.sample_points(meshes / name, **options)
+        made = np.load(f"out/{name}.npz")
+        np.testing.assert_array_equal(made["pos"], direct.pos)
+        np.testing.assert_array_equal(made["neg"], direct.neg)
+        np.testing.assert_array_equal(made["centre"], direct.centre)
+        assert made["scale"] == direct.scale
+        assert int(table()[name]["points_inside"]) == len(direct.neg) > 0
+        assert float(table()[name]["centre_z"]) == direct.centre[2]
+        assert Path(f"out/{name}.png").exists()
+    content = contents("out")
+    raymap.dataset.generate(meshes, "again", what="points", workers=1, threads=2, **options)
+    assert contents("again") == content
+    assert raymap.dataset.generate(meshes, "out", what="points", **options).new == []
+    assert raymap.dataset.generate(meshes, "out", what="points", **{**options, "seed": 8}).new == NAMES
+
+
 def test_leftovers_of_killed_programs_are_removed(meshes: Path) -> None:
     Path("out/deep").mkdir(parents=True)
     Path("out/deep/.tetrahedron.ply.npz.tmp123-0-456").touch()
@@ -327,6 +347,7 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
     for options, text in [
         ({"what": "mesh"}, "what must be"),
         ({"format": "vdb"}, "format must be"),
+        ({"what": "points"}, "needs n"),
         ({"workers": 0}, "workers must be at least 1, not 0"),
         ({"time_limit": 0}, "time_limit must be above 0"),
         ({"resolution": 0}, "resolution must be at least 1"),
@@ -334,7 +355,18 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
         ({"arrays": ["colour"]}, "no array is named 'colour'"),
     ]:
         with pytest.raises(raymap.UsageError, match=text):
-            generate(meshes, **options)
+            raymap.dataset.generate(meshes, "out", **options)
+    for options, text in [
+        ({"n": -1}, "n must not be negative"),
+        ({"n": 9, "near": 2}, "near must be"),
+        ({"n": 9, "format": "npy"}, "points are written as npz"),
+    ]:
+        with pytest.raises(raymap.UsageError, match=text):
+            raymap.dataset.generate(meshes, "out", what="points", **options)
+    with pytest.raises(TypeError, match="resolution"):
+        generate(meshes, what="points", n=9)
+    with pytest.raises(TypeError, match="'n'"):
+        generate(meshes, n=9)
     with pytest.raises(TypeError, match="resolutoin"):
         generate(meshes, resolutoin=3)
     assert not Path("out").exists()
