@@ -170,12 +170,11 @@ QueryResult Surface::query(const PointsView& points, const QueryOptions& options
 }
 
 Generated Surface::generate(const Grid& grid, const Options& asked) const {
-  Options options = asked;
   PackedMesh mesh = impl_->prepared.mesh;
-  if (impl_->prepared.isSigned) {
-    options.orientation = Orientation::Keep;
-    if (!impl_->turnedTriangles.empty()) mesh.triangles = impl_->turnedTriangles;
-  }
+  if (!impl_->prepared.isSigned) return raymap::generate(mesh, grid, asked);
+  Options options = asked;
+  options.orientation = Orientation::Keep;
+  if (!impl_->turnedTriangles.empty()) mesh.triangles = impl_->turnedTriangles;
   Generated result = raymap::generate(mesh, grid, options);
   result.stats.turnedFaces = stats().turnedFaces;
   result.stats.leftOutFaces = stats().leftOutFaces;
