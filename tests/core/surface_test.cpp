@@ -322,6 +322,35 @@ TEST(Surface, StopsAtTheLargestDistance) {
   EXPECT_GT(beyond, 1000u);
 }
 
+TEST(Surface, KeepsItsSignsWithAnyLargestDistance) {
+  for (const Mesh& mesh : {shapes::torus(1.0, 0.3, 40, 20), withHoles(shapes::sphere(1.0, 4), 5, 0.08, 2)}) {
+    const Surface surface(mesh);
+    // Dense clusters beside the surface: whole blocks of the search are beyond the largest distance.
+    std::vector<glm::dvec3> points;
+    for (const glm::dvec3& centre : nearPoints(mesh, 30, 0.01))
+      for (const glm::dvec3& p : uniformPoints(mesh, 200)) points.push_back(centre + 1e-4 * p);
+    const QueryResult exact = surface.query(points);
+    for (const double most : {1e-12, 1e-4, 1e-3}) {
+      const QueryResult result = surface.query(points, {.maxDistance = most});
+      for (size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(std::signbit(result.distance[i]), std::signbit(exact.distance[i])) << i << ", " << most;
+        if (i % 50 != 0) continue;
+        const QueryResult one = surface.query(std::vector{points[i]}, {.maxDistance = most});
+        ASSERT_EQ(one.distance[0], result.distance[i]) << i;
+      }
+    }
+  }
+}
+
+TEST(Surface, TellsWhatAFieldOfAnUnsignedSurfaceTurned) {
+  const Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1);
+  const Surface surface(mesh, {.sign = false});
+  const Grid grid = fitGrid(mesh, {.resolution = 32});
+  const std::vector<uint32_t> turned = generate(mesh, grid, {.device = "cpu"}).stats.turnedFaces;
+  EXPECT_FALSE(turned.empty());
+  EXPECT_EQ(surface.generate(grid, {.device = "cpu"}).stats.turnedFaces, turned);
+}
+
 TEST(Surface, GivesNaNWhereThePointIsNotFinite) {
   const Surface surface(shapes::sphere(1.0, 2));
   const double nan = std::numeric_limits<double>::quiet_NaN(),

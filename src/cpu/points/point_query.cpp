@@ -219,7 +219,10 @@ class Answers {
       closest = closestPoint(exact_[k], corner(face.x), corner(face.y), corner(face.z));
       distance = glm::length(exact_[k] - closest.position);
     }
-    distances_[k] = static_cast<float>(distance / surface_.grid.spacing);
+    // Beyond the largest distance nothing more is known of points without a triangle. The sign must not
+    // depend on which points those are.
+    const double known = std::min(distance, options_.maxDistance);
+    distances_[k] = static_cast<float>(known / surface_.grid.spacing);
     if (distance > options_.maxDistance || found == kNoTriangle) {
       distance = options_.maxDistance;
       triangle = kNoTriangle;
