@@ -79,7 +79,7 @@ std::vector<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
 std::vector<uint32_t> findParts(const PackedMesh& mesh, const Patches& patches, double distance) {
   DisjointSets sets(patches.count);
   const std::vector<uint32_t> patchAt = joinAtVertices(mesh, patches, sets);
-  const std::vector<uint32_t> parts = rootsOf(sets, patches.count);
+  std::vector<uint32_t> parts = rootsOf(sets, patches.count);
   const auto isFirst = [](uint32_t part) { return part == 0; };
   if (std::all_of(parts.begin(), parts.end(), isFirst)) return parts;
   joinInCells(mesh, patchAt, parts, distance, sets);
