@@ -7,14 +7,12 @@
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
-#include "report.h"
+#include "repair_report.h"
 #include "terminal.h"
 
 namespace raymap {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(Examples:
   raymap repair scan.ply -o scan.stl                             (a watertight solid)
@@ -23,99 +21,8 @@ constexpr const char* kFooter = R"(Examples:
 
 All lengths are in the mesh's units. The deviation of the result from the mesh is measured and printed.)";
 
-struct Arguments : FieldArguments {
-  Arguments() {
-    grid.resolution = 256;
-    options.closeHoles = true;
-  }
-  fs::path mesh, result, stats;
-  RepairOptions repair;
-  std::vector<double> down;
-};
-
-bool isSound(const Diagnostics& found) {
-  return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0;
-}
-
-Json toJson(const Deviation& deviation) {
-  return {
-      {"max", deviation.max}, {"mean", deviation.mean}, {"p99", deviation.p99}, {"points", deviation.points}};
-}
-
-Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
-  Json json = toJson(found);
-  json["self_intersections"] = toJson(crossing);
-  return json;
-}
-
-Json describe(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
-  return {{"raymap", version().text},
-          {"mesh", arguments.mesh.string()},
-          {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
-          {"options",
-           {{"orientation", arguments.orientation},
-            {"close_holes", arguments.options.closeHoles},
-            {"offset", arguments.repair.offset},
-            {"shell", arguments.repair.shell},
-            {"drain_hole", arguments.repair.drainHole}}},
-          {"before", toJson(report.before, report.crossingBefore)},
-          {"after", toJson(report.after, report.crossingAfter)},
-          {"result_from_mesh", toJson(report.ofResult)},
-          {"mesh_from_result", toJson(report.ofMesh)},
-          {"buried_share", report.buriedShare},
-          {"lost_share", report.lostShare},
-          {"hollows", report.hollows},
-          {"drain_holes", report.holes},
-          {"turned_faces", report.stats.turnedFaces.size()},
-          {"left_out_faces", report.stats.leftOutFaces.size()},
-          {"orientation_fits", report.stats.orientationFits},
-          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
-          {"stages", toJson(report.stats)}};
-}
-
-std::string pairsText(const SelfIntersections& crossing) {
-  return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
-}
-
-void print(const char* name, const Deviation& deviation, double spacing) {
-  std::printf("  %-22s at most %.3g (%.2g samples), 99 %% within %.3g, mean %.3g\n", name, deviation.max,
-              deviation.max / spacing, deviation.p99, deviation.mean);
-}
-
-void print(const Arguments& arguments, const Grid& grid, const RepairReport& report) {
-  std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
-              counted(report.before.triangles, "triangle").c_str(), describeDefects(report.before).c_str());
-  std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
-  std::printf("result: %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
-              counted(report.after.components, "part").c_str(),
-              isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
-  std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
-              report.after.signedVolume);
-  std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
-              pairsText(report.crossingAfter).c_str());
-  print("result from mesh", report.ofResult, grid.spacing);
-  print("mesh from result", report.ofMesh, grid.spacing);
-  if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
-    std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
-  if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
-    std::printf("  %-22s %s left out\n", "double-sided", counted(leftOut, "other side").c_str());
-  if (!report.stats.orientationFits)
-    std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
-  if (report.stats.patchTriangles > 0)
-    std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
-  if (report.buriedShare > 0.0)
-    std::printf("  %.3g %% of the mesh lies inside the solid, and is no surface any more\n",
-                100.0 * report.buriedShare);
-  if (report.lostShare > 0.0)
-    std::printf("  %.3g %% of the mesh lies outside of it: open there, or thinner than the samples\n",
-                100.0 * report.lostShare);
-  if (arguments.repair.shell > 0.0)
-    std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
-                counted(report.holes, "drain hole").c_str());
-}
-
 /// Repairs with progress and warnings on stderr.
-Repaired makeSolid(const Mesh& mesh, const Grid& grid, const Arguments& arguments) {
+Repaired makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments) {
   ProgressLine line;
   Options options = arguments.options;
   options.progress = line.callback();
@@ -123,7 +30,7 @@ Repaired makeSolid(const Mesh& mesh, const Grid& grid, const Arguments& argument
   return repair(mesh, grid, options, arguments.repair);
 }
 
-void run(Arguments& arguments) {
+void run(RepairArguments& arguments) {
   finishFieldArguments(arguments);
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   checkOutputs(
@@ -143,7 +50,7 @@ void run(Arguments& arguments) {
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-void addShapeOptions(CLI::App& command, Arguments& arguments) {
+void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
   command.add_option("--offset", repair.offset, "Distance to move the surface outwards; negative: inwards")
       ->group("Shape");
@@ -161,7 +68,7 @@ void addShapeOptions(CLI::App& command, Arguments& arguments) {
       ->group("Shape");
 }
 
-void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
+void addRepairGridOptions(CLI::App& command, RepairArguments& arguments) {
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 256)");
   resolution->check(wholeNumberFrom(1))->group("Grid");
@@ -178,7 +85,7 @@ void addRepairGridOptions(CLI::App& command, Arguments& arguments) {
 void addRepair(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("repair", "Make a watertight solid from any mesh, for example to print it");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RepairArguments>();
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();

@@ -8,15 +8,12 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "field/field_sampler.h"
-#include "repair/deviation.h"
 #include "repair/hollow.h"
+#include "repair/measure.h"
 
 namespace raymap {
 
 namespace {
-
-constexpr double kStep = 0.5;  // Of the points that are measured, in samples.
 
 void check(const Grid& grid, const RepairOptions& repair) {
   const auto require = [](bool holds, const std::string& what) {
@@ -48,11 +45,6 @@ Mesh makeSurface(const Field& solid, const Options& options) {
   return isosurface(solid, {.threads = options.threads, .warn = options.warn, .progress = options.progress});
 }
 
-void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
-  found = diagnose(mesh);
-  crossing = findSelfIntersections(mesh);
-}
-
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, RepairReport& report) {
   if (repair.shell == 0.0) return {};
@@ -66,67 +58,6 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, RepairR
   for (const DrainHole& hole : holes) drill(solid, hole);
   report.holes = holes.size();
   return holes;
-}
-
-/// Leaves out what the drain holes made or took away.
-void dropDrilled(std::vector<glm::vec3>& points, const Grid& grid, const std::vector<DrainHole>& holes) {
-  std::erase_if(points, [&](const glm::vec3& p) {
-    return std::ranges::any_of(
-        holes, [&](const DrainHole& hole) { return hole.distance(grid.position(p)) < grid.spacing; });
-  });
-}
-
-/// From the mesh's surface moved by the offset or of the hollow.
-Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
-                        const RepairOptions& repair, const std::vector<DrainHole>& holes,
-                        Progress& progress) {
-  std::vector<glm::vec3> points = surfacePoints(result, grid, kStep);
-  dropDrilled(points, grid, holes);
-  std::vector<float> distances = distancesTo(mesh, grid, points, progress);
-  const double outer = std::abs(repair.offset) / grid.spacing;
-  const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
-  for (float& d : distances)
-    d = static_cast<float>(std::min(std::abs(double(d) - outer), std::abs(double(d) - inner)));
-  return summarize(distances, grid.spacing);
-}
-
-enum class Side : uint8_t { Surface, Inside, Outside };
-
-/// On which side of the mesh's solid all samples around a point lie, if they agree.
-Side sideOf(const Field& solid, double offset, const glm::vec3& p) {
-  const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(p)), glm::ivec3(0), solid.grid.dims - 1);
-  const glm::ivec3 high = glm::min(low + 1, solid.grid.dims - 1);
-  int inside = 0;
-  for (int c = 0; c < 8; ++c) {
-    const glm::ivec3 s(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z);
-    inside += double(solid.distance[solid.grid.index(s)]) + offset < 0.0 ? 1 : 0;
-  }
-  return inside == 8 ? Side::Inside : inside == 0 ? Side::Outside : Side::Surface;
-}
-
-/// The mesh's points that the result should show, and the shares of the others.
-std::vector<glm::vec3> visiblePoints(const PackedMesh& mesh, const Field& solid, double offset,
-                                     RepairReport& report) {
-  std::vector<glm::vec3> points = surfacePoints(mesh, solid.grid, kStep);
-  const auto count = double(points.size());
-  size_t buried = 0, lost = 0;
-  std::erase_if(points, [&](const glm::vec3& p) {
-    const Side side = sideOf(solid, offset, p);
-    buried += side == Side::Inside ? 1 : 0;
-    lost += side == Side::Outside ? 1 : 0;
-    return side != Side::Surface;
-  });
-  report.buriedShare = double(buried) / count;
-  report.lostShare = double(lost) / count;
-  return points;
-}
-
-Deviation measureMesh(std::vector<glm::vec3> points, const PackedMesh& result, const Grid& grid,
-                      const RepairOptions& repair, const std::vector<DrainHole>& holes, Progress& progress) {
-  dropDrilled(points, grid, holes);
-  std::vector<float> distances = distancesTo(result, grid, points, progress);
-  for (float& d : distances) d = std::abs(d - static_cast<float>(std::abs(repair.offset) / grid.spacing));
-  return summarize(distances, grid.spacing);
 }
 
 }  // namespace
@@ -155,22 +86,16 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
                 "more samples, or "
                 "for a sheet 'raymap mesh --thickness'");
   std::vector<glm::vec3> points;
-  if (repair.measure) points = visiblePoints(mesh, solid, repair.offset, report);
+  if (repair.measure) points = visiblePoints(mesh, solid, repair, report);
   const std::vector<DrainHole> holes = hollow(solid, repair, report);
   Progress progress(options.progress);
   progress.stage("isosurface", [&] { result = makeSurface(solid, options); });
   if (!repair.measure) return repaired;
   solid = {};
-  const auto measure = [&] {
-    inspect(mesh, report.before, report.crossingBefore);
-    progress.report(0.1);
-    inspect(result, report.after, report.crossingAfter);
-    progress.part(0.2, 0.6);
-    report.ofMesh = measureMesh(std::move(points), result, grid, repair, holes, progress);
-    progress.part(0.6, 1.0);
-    report.ofResult = measureResult(result, mesh, grid, repair, holes, progress);
-  };
-  progress.stage("measure", [&] { withThreads(options.threads, measure); });
+  progress.stage("measure", [&] {
+    withThreads(options.threads,
+                [&] { measure(mesh, result, grid, repair, holes, std::move(points), progress, report); });
+  });
   for (const Progress::Time& time : progress.times())
     report.stats.stages.push_back({time.stage, time.milliseconds});
   return repaired;

@@ -1,0 +1,94 @@
+#include "repair_report.h"
+
+#include <raymap/version.h>
+
+#include <cstdio>
+
+namespace raymap {
+
+namespace {
+
+Json toJson(const Deviation& deviation) {
+  return {
+      {"max", deviation.max}, {"mean", deviation.mean}, {"p99", deviation.p99}, {"points", deviation.points}};
+}
+
+Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
+  Json json = toJson(found);
+  json["self_intersections"] = toJson(crossing);
+  return json;
+}
+
+std::string pairsText(const SelfIntersections& crossing) {
+  return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
+}
+
+void print(const char* name, const Deviation& deviation, double spacing) {
+  std::printf("  %-22s at most %.3g (%.2g samples), 99 %% within %.3g, mean %.3g\n", name, deviation.max,
+              deviation.max / spacing, deviation.p99, deviation.mean);
+}
+
+}  // namespace
+
+bool isSound(const Diagnostics& found) {
+  return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0;
+}
+
+Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
+  return {{"raymap", version().text},
+          {"mesh", arguments.mesh.string()},
+          {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
+          {"options",
+           {{"orientation", arguments.orientation},
+            {"close_holes", arguments.options.closeHoles},
+            {"offset", arguments.repair.offset},
+            {"shell", arguments.repair.shell},
+            {"drain_hole", arguments.repair.drainHole}}},
+          {"before", toJson(report.before, report.crossingBefore)},
+          {"after", toJson(report.after, report.crossingAfter)},
+          {"result_from_mesh", toJson(report.ofResult)},
+          {"mesh_from_result", toJson(report.ofMesh)},
+          {"buried_share", report.buriedShare},
+          {"lost_share", report.lostShare},
+          {"hollows", report.hollows},
+          {"drain_holes", report.holes},
+          {"turned_faces", report.stats.turnedFaces.size()},
+          {"left_out_faces", report.stats.leftOutFaces.size()},
+          {"orientation_fits", report.stats.orientationFits},
+          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
+          {"stages", toJson(report.stats)}};
+}
+
+void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
+  std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
+              counted(report.before.triangles, "triangle").c_str(), describeDefects(report.before).c_str());
+  std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
+  std::printf("result: %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
+              counted(report.after.components, "part").c_str(),
+              isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
+  std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
+              report.after.signedVolume);
+  std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
+              pairsText(report.crossingAfter).c_str());
+  print("result from mesh", report.ofResult, grid.spacing);
+  print("mesh from result", report.ofMesh, grid.spacing);
+  if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
+    std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
+  if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
+    std::printf("  %-22s %s left out\n", "double-sided", counted(leftOut, "other side").c_str());
+  if (!report.stats.orientationFits)
+    std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
+  if (report.stats.patchTriangles > 0)
+    std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
+  if (report.buriedShare > 0.0)
+    std::printf("  %.3g %% of the mesh lies inside the solid, and is no surface any more\n",
+                100.0 * report.buriedShare);
+  if (report.lostShare > 0.0)
+    std::printf("  %.3g %% of the mesh lies outside of it: open there, or thinner than the samples\n",
+                100.0 * report.lostShare);
+  if (arguments.repair.shell > 0.0)
+    std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
+                counted(report.holes, "drain hole").c_str());
+}
+
+}  // namespace raymap

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <raymap/repair.h>
+
+#include <filesystem>
+#include <vector>
+
+#include "field_options.h"
+#include "report.h"
+
+namespace raymap {
+
+struct RepairArguments : FieldArguments {
+  RepairArguments() {
+    grid.resolution = 256;
+    options.closeHoles = true;
+  }
+  std::filesystem::path mesh, result, stats;
+  RepairOptions repair;
+  std::vector<double> down;
+};
+
+/// Returns whether a result is what `raymap repair` promises: watertight, with its faces outwards.
+bool isSound(const Diagnostics& found);
+
+/// Returns all figures of a repair, as `--stats` writes them.
+Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report);
+
+/// Prints what a repair did, for people.
+void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report);
+
+}  // namespace raymap
