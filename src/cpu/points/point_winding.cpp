@@ -65,7 +65,8 @@ PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float di
     const glm::ivec3 corner = glm::min(low + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), dims_ - 1);
     const auto sample = static_cast<uint32_t>(source_.lattice.grid.index(corner));
     const float clear = source_.lattice.distance[sample], length = glm::distance(p, glm::vec3(corner));
-    if (std::max(clear, distance) > length + slack_) return {sample, true};
+    // The balls around both that hold no face cover the way.
+    if (clear + distance > length + 2.0f * slack_) return {sample, true};
     if (clear >= kClear && length < nearest) best = {sample, false}, nearest = length;
   }
   return best;
