@@ -16,10 +16,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 
-/// Largest radius of an unopened node in the list of a block: this share of half the block's side, or this
-/// number of cells if that is more. The values measured best from coarse to fine meshes.
-constexpr float kNodeShare = 0.6f, kSmallNode = 0.8f;
-
 /// Tree nodes and triangles that may hold the closest triangle of some sample of a block.
 struct Candidates {
   std::vector<uint32_t> nodes, triangles;
@@ -69,10 +65,10 @@ class Pruner {
   explicit Pruner(const SurfaceTree& tree) : tree_(tree) {}
 
   /// Calls `keepTriangle` or `keepNode` with each candidate that may be closest, and with the lanes of the
-  /// halves in which it may be. Opens nodes that are too wide for the halves.
+  /// halves in which it may be. Opens nodes whose radius is above `wide`. `reach` is half a half's side.
   template <class KeepTriangle, class KeepNode>
-  HWY_INLINE void prune(const Candidates& candidates, float reach, uint32_t active, const Level& level,
-                        KeepTriangle&& keepTriangle, KeepNode&& keepNode) {
+  HWY_INLINE void prune(const Candidates& candidates, float reach, float wide, uint32_t active,
+                        const Level& level, KeepTriangle&& keepTriangle, KeepNode&& keepNode) {
     const Float reachLanes = hn::Set(Tag(), reach);
     const auto offer = [&](uint32_t t, uint32_t lanes) {
       if (lanes) keepTriangle(t, lanes);
@@ -83,7 +79,6 @@ class Pruner {
     for (size_t k = 0; k < candidates.nodes.size(); ++k)
       if (const uint32_t lanes = active & survivors(level.nodes[k], reachLanes, level))
         stack_.emplace_back(candidates.nodes[k], lanes);
-    const float wide = std::max(kNodeShare * (reach + 0.5f), kSmallNode);
     while (!stack_.empty()) {
       const auto [node, lanes] = stack_.back();
       stack_.pop_back();
