@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds a wheel, installs it in a bare system of this distribution that holds nothing but Python and pip, and makes fields
-# of files there, without a network. Needs root.
+# of files there, without a network. Runs the Python code of README and docs there as it stands. Needs root.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 python=/usr/bin/python3  # The bare system has the same.
@@ -14,7 +14,8 @@ debootstrap --variant=minbase --include=python3-pip,python3-venv "$(. /etc/os-re
   "$work/system" >"$work/debootstrap.log" || { tail -n 20 "$work/debootstrap.log" && exit 1; }
 folder=$work/system/trial
 mkdir "$folder"
-cp build/wheels/*.whl python/tests/use_wheel.py "$folder"
+cp build/wheels/*.whl python/tests/{use_wheel,pages}.py "$folder"
+cp --parents README.md python/README.md docs/{python,datasets}.md "$folder"
 "$python" tests/consumer/make_3mf.py "$folder/tetrahedron.3mf"
 build/wheel-env/bin/python -m pip download --quiet --disable-pip-version-check --only-binary=:all: --dest "$folder" numpy
 

@@ -1,9 +1,15 @@
 """What scripts/check_wheel.sh runs in a bare system: the programs and libraries of the wheel must be found there."""
 
+import re
+import shlex
+import shutil
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import raymap
+from pages import run_page
 
 field = raymap.signed_distance("tetrahedron.3mf", resolution=32)  # Read by the child process, which needs Assimp.
 field.save("field.vdb")  # Written by OpenVDB, and read by the child process.
@@ -12,4 +18,16 @@ np.testing.assert_array_equal(again.distance, field.distance)
 assert field.distance.min() < 0 < field.distance.max()
 assert raymap.info(field.to_mesh())["watertight"]
 assert raymap.devices()[0]["id"] == "cpu"
+
+# The lines that new users copy.
+field.to_mesh().save("scan.ply")
+raymap.load_mesh("tetrahedron.3mf").save("tetrahedron.ply")
+for page in "docs/python.md", "README.md", "python/README.md", "docs/datasets.md":  # The first one makes ball.ply.
+    run_page(Path(page).read_text(), page)
+Path("FOLDER").mkdir()
+shutil.copy("ball.ply", "FOLDER")
+command = re.search("^python (-m raymap dataset .*)", Path("docs/datasets.md").read_text(), re.MULTILINE)[1]
+subprocess.run([sys.executable, *shlex.split(command)], check=True)
+assert raymap.load_field("OUT/ball.ply.npz").distance.min() < 0
+
 print(f"raymap {raymap.__version__} works with Python {sys.version.split()[0]} and NumPy {np.__version__}: {again}")
