@@ -67,6 +67,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the results")
     add("--what", choices=["field", "points"], help="what is made of each mesh (field)")
     add("--format", choices=dataset.FORMATS, help="format of the fields (npz)")
+    add("--table", metavar="FILE.parquet", help="write the table there, too, with types; needs pyarrow")
     add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
     add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
     add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from . import _html
-from ._errors import Error, FileError, MemoryLimitError
+from ._errors import Error, MemoryLimitError
 from ._field import Field
 from ._generate import signed_distance
 from ._mesh import Mesh, load_mesh
@@ -77,7 +77,7 @@ def _answer(job: dict[str, Any], own_memory: int) -> dict[str, Any]:
         return {"reason": text, "memory": False}
     try:
         write()
-    except (FileError, OSError) as error:
+    except (Error, OSError) as error:  # For example a build without OpenVDB
         return {"unwritable": str(error)}
     return {"figures": figures}
 

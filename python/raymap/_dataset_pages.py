@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import importlib
 import io
 import os
 from collections.abc import Iterable
@@ -12,6 +13,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ._dataset_work import Job, read_marker
+from ._errors import FileError, UsageError
 from ._whole_file import write_whole
 
 _INFO = [
@@ -27,8 +29,24 @@ _POINTS = ["points", "points_inside", "distance_min", "distance_max", "centre", 
 _AXES = {name: [f"{name}_{axis}" for axis in "xyz"] for name in ("bbox_min", "bbox_max", "samples", "origin", "centre")}
 
 
-def write_pages(jobs: Iterable[Job], out: Path) -> None:
+def parquet_path(table: str | os.PathLike[str]) -> Path:
+    """Returns the path of a table. Raises what would be found out at the end of a run only."""
+    path = Path(table).resolve()
+    if path.suffix.lower() != ".parquet":
+        raise UsageError(f"{table}: the table is written as .parquet, and always as table.csv")
+    try:
+        importlib.import_module("pyarrow.parquet")
+    except ImportError:
+        raise UsageError(f"{table}: a table in Parquet needs pyarrow: pip install 'raymap[parquet]'") from None
+    if not path.parent.is_dir():
+        raise FileError(f"{table}: cannot write: there is no folder {path.parent}; create it first")
+    return path
+
+
+def write_pages(jobs: Iterable[Job], out: Path, parquet: Path | None = None) -> None:
     """Writes table.csv and index.html from the markers of all meshes. They hold no times: runs can be compared.
+
+    Writes the table as Parquet, too, if there is a path for it.
 
     Raises:
         OSError: A file cannot be written.
@@ -40,7 +58,18 @@ def write_pages(jobs: Iterable[Job], out: Path) -> None:
     table.writeheader()
     table.writerows(row for _, row in rows)
     write_whole(out / "table.csv", text.getvalue())
+    if parquet is not None:
+        write_whole(parquet, _parquet(columns, [row for _, row in rows]))
     write_whole(out / "index.html", _page(rows))
+
+
+def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
+    """Returns a table in which cells without a value are null."""
+    arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    values = {name: [None if row.get(name, "") == "" else row[name] for row in rows] for name in columns}
+    content = arrow.BufferOutputStream()
+    parquet.write_table(arrow.table(values), content)
+    return bytes(content.getvalue())
 
 
 def _row(job: Job) -> dict[str, Any]:

@@ -9,13 +9,22 @@ import shutil
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 
 from ._dataset_children import Children, Failure
+from ._dataset_files import buffer_hashes, file_hash
 from ._raymap import version
 from ._whole_file import file_errors, write_whole
 
 State: TypeAlias = Literal["done", "quarantined", "unfinished"]
+
+
+class Hashes(TypedDict):
+    """Hashes of the files of a mesh; None for one that cannot be read."""
+
+    mesh_sha256: str | None
+    buffers: dict[str, str | None]
+    """Hashes of the files to which the mesh refers, by name."""
 
 
 @dataclass(frozen=True)
@@ -82,31 +91,22 @@ def work(job: Job, children: Children | None = None) -> Outcome:
     Raises:
         Error: No process can be started, or a file cannot be written. This says nothing of the mesh.
     """
-    mesh_hash = _hash(job.mesh)
-    key = _key(mesh_hash, job)
+    hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+    key = _key(hashes, job)
     if (state := _finished(job, key)) is not None:
         return Outcome(job.name, state, False)
     with file_errors():
         _clear(job)
     answer = _make(job, children or _children)
     with file_errors():
-        marker = _marker(job, key, mesh_hash, answer)
+        marker = _marker(job, key, hashes, answer)
         write_whole(job.marker, json.dumps(marker, indent=1, sort_keys=True) + "\n")
     return Outcome(job.name, marker["state"], True)
 
 
-def _hash(path: str) -> str | None:
-    """Returns the hash of a file's bytes, or None if it cannot be read."""
-    try:
-        with open(path, "rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
-        return None  # The process that loads the mesh says why.
-
-
-def _key(mesh_hash: str | None, job: Job) -> str:
+def _key(hashes: Hashes, job: Job) -> str:
     """Returns the hash of all that the result depends on."""
-    all_of_it = [mesh_hash, job.what, job.format, job.options, version()]
+    all_of_it = [hashes, job.what, job.format, job.options, version()]
     return hashlib.sha256(json.dumps(all_of_it, sort_keys=True).encode()).hexdigest()
 
 
@@ -159,11 +159,11 @@ def _make(job: Job, children: Children) -> dict[str, Any] | Failure:
     return children.do(request, job.time_limit)
 
 
-def _marker(job: Job, key: str, mesh_hash: str | None, answer: dict[str, Any] | Failure) -> dict[str, Any]:
+def _marker(job: Job, key: str, hashes: Hashes, answer: dict[str, Any] | Failure) -> dict[str, Any]:
     """Returns what the marker says. Quarantines the mesh if it failed."""
     marker: dict[str, Any] = {
         "key": key,
-        "mesh_sha256": mesh_hash,
+        **hashes,
         "what": job.what,
         "options": job.options,
         "raymap": version(),

@@ -19,7 +19,7 @@ import numpy as np
 
 from . import _samples
 from ._dataset_children import Children
-from ._dataset_pages import write_pages
+from ._dataset_pages import parquet_path, write_pages
 from ._dataset_work import Job, Outcome, work
 from ._errors import Cancelled, Error, FileError, MemoryLimitError, UsageError
 from ._generate import FieldOptions, signed_distance
@@ -28,11 +28,11 @@ from ._progress import reporting
 from ._whole_file import file_errors, remove_leftovers
 
 What: TypeAlias = Literal["field", "points"]
-Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti"]
+Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
 PathLike: TypeAlias = str | os.PathLike[str]
 
-#: Formats of fields whose files are the same, bit for bit, whenever they are written. OpenVDB's are not.
-FORMATS = ("npz", "npy", "nrrd", "vti")
+#: Formats of fields. The files are the same, bit for bit, whenever they are written, but for OpenVDB's.
+FORMATS = ("npz", "npy", "nrrd", "vti", "vdb")
 
 #: Endings of the files that are meshes, in lower case.
 MESH_ENDINGS = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", ".dae")
@@ -77,6 +77,7 @@ def generate(
     *,
     what: What = "field",
     format: Format = "npz",
+    table: PathLike | None = None,
     workers: int | None = None,
     time_limit: float = 600.0,
     client: Any = None,
@@ -90,7 +91,7 @@ def generate(
     ``table.csv``, with figures of all meshes, and the page ``index.html``. Each mesh is made in a process apart. If it
     fails there, crashes, or exceeds a limit, ``out/quarantine/MESH`` says why, and the run goes on.
 
-    A second run makes what is missing, and what differs in the mesh's bytes, the options or raymap's version. Results
+    A second run makes what is missing, and what differs in the mesh's files, the options or raymap's version. Results
     are the same, bit for bit, for any number of workers, and whatever was killed meanwhile.
 
     Args:
@@ -98,7 +99,9 @@ def generate(
         out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
         what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
             ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``.
-        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"`` or ``"vti"``; see ``raymap.Field.save``.
+        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"`` or ``"vdb"``; see ``raymap.Field.save``.
+            OpenVDB's files hold the same numbers, but not the same bytes, whenever they are written.
+        table: A .parquet to which the table is written as well, with types. It needs pyarrow.
         workers: Number of meshes at a time on this machine; None = as many as processors. With ``client``, that has
             its own.
         time_limit: Most seconds that a mesh may take.
@@ -124,6 +127,7 @@ def generate(
     start = time.monotonic()
     folder = Path(out).resolve()
     jobs = _jobs(paths_or_folder, folder, what, format, time_limit, options)
+    parquet = None if table is None else parquet_path(table)
     workers = _worker_count(workers)
     with file_errors():
         folder.mkdir(parents=True, exist_ok=True)
@@ -133,7 +137,7 @@ def generate(
         with running as outcomes:
             results = _collect(outcomes, len(jobs), report)
     with file_errors():
-        write_pages(jobs, folder)
+        write_pages(jobs, folder, parquet)
         remove_leftovers(folder)
     new = [job.name for job, identity in zip(jobs, before, strict=True) if _identity(job) != identity]
     return _summary(results, new, time.monotonic() - start)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -21,6 +23,8 @@ import pytest
 import raymap
 from conftest import make_ball
 from dask_cluster import Cluster, children_of
+from raymap._dataset_files import buffer_hashes
+from test_inputs import load
 
 NAMES = ["ball.ply", "deep/tetrahedron.ply", "open.OBJ", "small.ply"]
 
@@ -139,6 +143,98 @@ def test_a_changed_mesh_is_made_again(meshes: Path) -> None:
     assert Path("out/ball.ply.npz").read_bytes() == Path("out/small.ply.npz").read_bytes()
     os.utime(meshes / "ball.ply", (1, 1))  # The bytes count, not the time.
     assert generate(meshes).new == []
+
+
+def write_gltf(path: Path, buffer: str) -> None:
+    """Writes a tetrahedron whose buffer is a file, as .gltf or .glb."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], "<f4")
+    faces = np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)], "<u4")
+    path.with_name(unquote(buffer)).write_bytes(corners.tobytes() + faces.tobytes())
+    document = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": buffer, "byteLength": 96}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 48}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }
+    text = json.dumps(document).encode()
+    if path.suffix == ".glb":  # A chunk that nobody knows comes first.
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<II", 4, 0x4E4E4E4E) + b"none" + struct.pack("<II", len(text), 0x4E4F534A) + text
+        text = b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+    path.write_bytes(text)
+
+
+@pytest.mark.parametrize("name", ["scene.gltf", "scene.glb", "SCENE.GLTF"])
+def test_a_changed_buffer_makes_a_mesh_again(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    write_gltf(folder / name, "the%20corners.bin")
+    shutil.copy("ball.ply", folder)
+    assert generate(folder).done == sorted(["ball.ply", name])
+    assert generate(folder).new == []
+    buffer = folder / "the corners.bin"
+    corners = np.fromfile(buffer, "<f4", 12)
+    buffer.write_bytes((2 * corners).tobytes() + buffer.read_bytes()[48:])
+    assert generate(folder).new == [name]
+    assert float(table()[name]["bbox_max_x"]) == 2
+    content = buffer.read_bytes()
+    buffer.unlink()
+    missing = generate(folder)
+    assert missing.new == missing.quarantined == [name] and "the corners.bin" in table()[name]["reason"]
+    assert generate(folder).new == []
+    buffer.write_bytes(content)
+    assert generate(folder).new == [name] and table()[name]["state"] == "done"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b"glTF", b"glTF\2\0\0\0", b"{", b"[" * 100_000, b"\xff", b"[]", b'{"buffers": 7}', b'{"buffers": [7]}',
+     b'{"buffers": [{"uri": 7}]}', b'{"buffers": [{"uri": "a\\u0000b"}]}', b'{"buffers": [{"uri": "\\ud800"}]}',
+     b"glTF" + struct.pack("<IIII", 2, 20, 0xFFFFFFFF, 0x4E4F534A)],
+)  # fmt: skip
+def test_a_malformed_scene_is_quarantined(tmp_path: Path, content: bytes) -> None:
+    Path("bad.gltf").write_bytes(content)
+    assert generate(tmp_path / "bad.gltf").quarantined == ["bad.gltf"]
+
+
+def test_large_json_is_left_to_the_process_of_the_mesh(tmp_path: Path) -> None:
+    write_gltf(tmp_path / "scene.gltf", "corners.bin")
+    size = (tmp_path / "scene.gltf").stat().st_size
+    assert list(buffer_hashes(str(tmp_path / "scene.gltf"), size)) == ["corners.bin"]
+    assert buffer_hashes(str(tmp_path / "scene.gltf"), size - 1) == {}
+
+
+@pytest.mark.parametrize("format", ["npy", "nrrd", "vti", "vdb"])
+def test_other_formats(meshes: Path, format: str) -> None:
+    assert generate(meshes, format=format).done == NAMES
+    assert generate(meshes, format=format).new == []
+    made = raymap.load_field(f"out/ball.ply.{format}")
+    direct = raymap.signed_distance(meshes / "ball.ply", resolution=16, device="cpu")
+    np.testing.assert_array_equal(made.distance, direct.distance)
+
+
+def test_the_table_as_parquet(meshes: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    parquet = load("pyarrow.parquet")
+    (meshes / "bad.ply").write_text("ply\n")
+    ran = run_module("dataset", meshes, "-o", "out", "--resolution", 16, "--table", "table.parquet")
+    assert ran.returncode == 0, ran.stderr
+    rows = {row["mesh"]: row for row in parquet.read_table("table.parquet").to_pylist()}
+    plain = table()
+    assert list(rows) == list(plain) == sorted([*NAMES, "bad.ply"])
+    for name, row in rows.items():
+        assert {k: "" if v is None else str(v) for k, v in row.items()} == plain[name]
+    ball, bad = rows["ball.ply"], rows["bad.ply"]
+    assert ball["triangles"] == 1280 and ball["watertight"] is True and isinstance(ball["area"], float)
+    assert (ball["reason"], bad["triangles"], bad["state"]) == (None, None, "quarantined")
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with pytest.raises(raymap.UsageError, match=r"needs pyarrow: pip install 'raymap\[parquet\]'"):
+        generate(meshes, table="table.parquet")
 
 
 @pytest.mark.parametrize("change", [{"resolution": 17}, {"sign": "rays"}, {"format": "nrrd"}, {"arrays": "winding"}])
@@ -346,7 +442,8 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
         raymap.dataset.generate("nowhere", "out")
     for options, text in [
         ({"what": "mesh"}, "what must be"),
-        ({"format": "vdb"}, "format must be"),
+        ({"format": "ply"}, "format must be"),
+        ({"table": "table.csv"}, "table.csv: the table is written as .parquet"),
         ({"what": "points"}, "needs n"),
         ({"workers": 0}, "workers must be at least 1, not 0"),
         ({"time_limit": 0}, "time_limit must be above 0"),
@@ -369,6 +466,8 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
         generate(meshes, n=9)
     with pytest.raises(TypeError, match="resolutoin"):
         generate(meshes, resolutoin=3)
+    with pytest.raises(raymap.FileError, match="nowhere/table.parquet: cannot write: there is no folder"):
+        generate(meshes, table="nowhere/table.parquet")
     assert not Path("out").exists()
 
 
