@@ -19,4 +19,5 @@
 #include <raymap/repair.h>
 #include <raymap/sample.h>
 #include <raymap/surface.h>
+#include <raymap/thickness.h>
 #include <raymap/version.h>

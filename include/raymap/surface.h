@@ -1,11 +1,13 @@
 #pragma once
 
 #include <raymap/generate.h>
+#include <raymap/thickness.h>
 
 #include <concepts>
 #include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace raymap {
 
@@ -106,6 +108,11 @@ class RAYMAP_API Surface {
   size_t bytes() const;
   /// Returns what it cost to prepare the mesh, and what was found out about it.
   const Stats& stats() const;
+
+  /// Returns the thickness of the mesh at points of its faces. Throws `Error`: Usage for options that make no
+  /// sense, for a face that does not exist and without a sign; Memory, Cancelled.
+  std::vector<Thickness> thickness(std::span<const FacePoint> points,
+                                   const ThicknessOptions& options = {}) const;
 
  private:
   struct Impl;

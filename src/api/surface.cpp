@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 
 #include "api/run_on_cpu.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cpu/points/local_thickness.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/rims.h"
 #include "mesh/packed_mesh.h"
@@ -44,6 +46,21 @@ void check(const QueryOptions& options, bool isSigned) {
           "the surface was made without a sign, so it knows no winding numbers");
   require(isSigned || !options.confidence,
           "the surface was made without a sign, so it has no confidence in it");
+}
+
+void check(const ThicknessOptions& options, std::span<const FacePoint> points, size_t triangles,
+           bool isSigned) {
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw Error(ErrorCode::Usage, what);
+  };
+  require(options.threads >= 0, "the number of threads must not be negative");
+  require(options.most > 0.0, "the largest thickness must be positive");
+  require(isSigned, "the surface was made without a sign, so it has no thickness");
+  for (size_t i = 0; i < points.size(); ++i)
+    if (points[i].triangle >= triangles)
+      throw Error(ErrorCode::Usage, "point " + std::to_string(i) + " lies on triangle " +
+                                        std::to_string(points[i].triangle) + ", but the mesh has " +
+                                        std::to_string(triangles));
 }
 
 }  // namespace
@@ -167,6 +184,19 @@ QueryResult Surface::query(const PointsView& points, const QueryOptions& options
   QueryResult result;
   query(points, options, result);
   return result;
+}
+
+std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points,
+                                          const ThicknessOptions& options) const {
+  check(options, points, impl_->triangles.size(), impl_->prepared.isSigned);
+  Progress progress(options.progress);
+  std::vector<Thickness> thickness(points.size());
+  withThreads(options.threads, [&] {
+    progress.stage("thickness", [&] {
+      cpu::measureThickness(impl_->prepared, points, options.most, progress, thickness);
+    });
+  });
+  return thickness;
 }
 
 Generated Surface::generate(const Grid& grid, const Options& asked) const {

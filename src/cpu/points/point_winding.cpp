@@ -24,15 +24,6 @@ const glm::vec3 kOffset(0.0137f, 0.0291f, 0.0213f);
 /// A sample is used only if the surface is at least so far, in cells. The offset is much shorter.
 constexpr float kClear = 0.1f;
 
-/// Returns a length that exceeds the rounding errors of all positions in the lattice and the tree, in cells.
-float slackOf(const SurfaceTree& tree, const glm::ivec3& dims) {
-  constexpr float kRounding = 2e-6f;
-  const DiscPacket& root = tree.discs(tree.root() / kPacket);
-  const float reach = root.radius[0] + root.halfThickness[0];
-  return kRounding * std::max({std::abs(root.cx[0]) + reach, std::abs(root.cy[0]) + reach,
-                               std::abs(root.cz[0]) + reach, float(dims.x), float(dims.y), float(dims.z)});
-}
-
 }  // namespace
 
 PointWinding::PointWinding(const WindingSource& source)

@@ -127,7 +127,7 @@ void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const gl
 void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
                std::vector<uint32_t>& triangles) {
   triangles.clear();
-  std::vector<uint32_t> stack;
+  thread_local std::vector<uint32_t> stack;
   forEachLeaf(tree, {from, to - from, slack}, stack, [&](uint32_t leaf) {
     const uint32_t end = std::min((leaf + 1) * kPacket, tree.triangleCount());
     for (uint32_t t = leaf * kPacket; t < end; ++t) triangles.push_back(t);
@@ -142,6 +142,14 @@ namespace raymap::cpu {
 
 HWY_EXPORT(countAll);
 HWY_EXPORT(findAlong);
+
+float slackOf(const SurfaceTree& tree, const glm::ivec3& dims) {
+  constexpr float kRounding = 2e-6f;
+  const DiscPacket& root = tree.discs(tree.root() / kPacket);
+  const float reach = root.radius[0] + root.halfThickness[0];
+  return kRounding * std::max({std::abs(root.cx[0]) + reach, std::abs(root.cy[0]) + reach,
+                               std::abs(root.cz[0]) + reach, float(dims.x), float(dims.y), float(dims.z)});
+}
 
 void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to,
                     float slack, std::span<int32_t> change) {

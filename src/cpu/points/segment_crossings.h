@@ -11,6 +11,9 @@ namespace raymap::cpu {
 /// Stands for a number of crossings that rounding errors could change.
 inline constexpr int32_t kUnsure = INT32_MIN;
 
+/// Returns a length that exceeds the rounding errors of all positions in a tree and on its lattice, in cells.
+float slackOf(const SurfaceTree& tree, const glm::ivec3& dims);
+
 /// Computes by how much the winding number changes on the straight way from a point to each of others nearby,
 /// all in cell units: by +1 where the way enters a triangle of the tree through its front, by -1 where it
 /// leaves through it. `slack` exceeds the rounding errors of all coordinates.

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <raymap/callbacks.h>
+#include <raymap/export.h>
+#include <raymap/mesh_view.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace raymap {
+
+class Surface;
+
+/// A point of a mesh's surface, in the mesh's units, and the area that it stands for.
+struct FacePoint {
+  glm::dvec3 position;
+  uint32_t triangle;
+  double area = 0.0;
+};
+
+/// What a mesh is at a point of its surface.
+enum class Part : uint8_t {
+  Wall,    ///< Side of a plate, a rod or any body: another side lies opposite.
+  Edge,    ///< Side of a wedge or a spike, which runs out to an edge or a tip.
+  Solid,   ///< Surface of a solid, but its other sides are too oblique or too near to lie opposite.
+  Sheet,   ///< Face that bounds nothing: it is outside on both sides.
+  Buried,  ///< Face that is inside on both sides.
+};
+
+/// Thickness of a mesh at a point of its surface.
+///
+/// It is the local thickness: the diameter of the ball inside that touches the point and the side opposite. A
+/// side lies opposite if its normal and the reversed normal of the point are at most 40 degrees apart. So
+/// edges blunter than that are not thin, and a cube is as thick near its edges as in the middle.
+struct Thickness {
+  Part part = Part::Solid;
+  /// Diameter of the ball that touches the point and the side opposite, in the mesh's units. 0 for a sheet;
+  /// infinite where no side lies opposite.
+  float diameter = 0.0f;
+  glm::vec3 inward{0.0f};  ///< Unit vector into the solid; 0 for sheets and buried faces.
+};
+
+/// How to measure thickness.
+struct ThicknessOptions {
+  /// Largest thickness to find. Thicker parts count as infinitely thick. The smaller, the faster.
+  double most = std::numeric_limits<double>::infinity();
+  int threads = 0;                 ///< Number of threads; 0 = all.
+  ProgressCallback progress = {};  ///< Called every few milliseconds.
+};
+
+/// Thickness of a whole mesh. Lengths are in the mesh's units and NaN where there is nothing to measure.
+struct ThicknessSummary {
+  double thinnest;         ///< Thickness of the thinnest wall.
+  glm::dvec3 thinnestAt;   ///< Point of its surface.
+  double sharpest;         ///< Least thickness measured beside an edge or a tip that walls run out to.
+  glm::dvec3 sharpestAt;   ///< Where.
+  double low;              ///< Thickness that 1 % of the area of walls and edges does not exceed.
+  double median;           ///< Thickness that half of that area does not exceed.
+  double sheetShare = 0.0;   ///< Share of the mesh's area that is sheets.
+  double buriedShare = 0.0;  ///< Share of it that is buried.
+  size_t points = 0;         ///< Number of points measured.
+};
+
+/// Returns points spread evenly over the faces of a mesh. Each is the middle of a part of a face, whose sides
+/// are at most `step` long, and at least a 4096th of the face's. The points come in the order of the faces.
+RAYMAP_API std::vector<FacePoint> sampleFaces(const MeshView& mesh, double step);
+
+/// Returns the summary of what was measured at points.
+RAYMAP_API ThicknessSummary summarizeThickness(std::span<const FacePoint> points,
+                                               std::span<const Thickness> thickness);
+
+/// Measures the thickness at about a hundred thousand points of the mesh, or one for each face if it has
+/// more.
+RAYMAP_API ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options = {});
+
+}  // namespace raymap

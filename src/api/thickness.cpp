@@ -1,0 +1,130 @@
+#include <raymap/surface.h>
+#include <raymap/thickness.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/face_parts.h"
+#include "mesh/packed_mesh.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// About as many points as a summary measures.
+constexpr double kSummaryPoints = 1e5;
+
+double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return 0.5 * glm::length(glm::cross(b - a, c - a));
+}
+
+double countParts(const PackedMesh& mesh, double step) {
+  double count = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const double parts =
+        facePartsPerSide(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step);
+    count += parts * parts;
+  }
+  return count;
+}
+
+/// Returns a distance between samples of which there are about `wanted`, besides one for each face.
+double stepFor(const PackedMesh& mesh, double wanted) {
+  double area = 0.0;
+  for (const glm::uvec3& t : mesh.triangles)
+    area += areaOf(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+  if (!(area > 0.0)) return 1.0;
+  double step = std::sqrt(area / wanted);
+  // Slivers take more parts than their area tells.
+  while (countParts(mesh, step) > 4.0 * wanted + double(mesh.triangles.size())) step *= 1.5;
+  return step;
+}
+
+/// Thinnest point of one kind.
+struct Thinnest {
+  double diameter = INFINITY;
+  glm::dvec3 position{kNaN};
+
+  void take(double newDiameter, const glm::dvec3& p) {
+    if (newDiameter < diameter) diameter = newDiameter, position = p;
+  }
+  double value() const { return std::isinf(diameter) ? kNaN : diameter; }
+};
+
+/// Diameters and the area that each stands for.
+class AreaDistribution {
+ public:
+  void add(double diameter, double area) {
+    values_.emplace_back(diameter, area);
+    total_ += area;
+  }
+  void sort() { std::ranges::sort(values_); }
+  /// Returns the least diameter that this share of the area does not exceed.
+  double quantile(double share) const {
+    double sum = 0.0;
+    for (const auto& [diameter, area] : values_)
+      if (sum += area; sum >= share * total_) return diameter;
+    return kNaN;
+  }
+
+ private:
+  std::vector<std::pair<double, double>> values_;
+  double total_ = 0.0;
+};
+
+}  // namespace
+
+std::vector<FacePoint> sampleFaces(const MeshView& view, double step) {
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
+  std::vector<FacePoint> points;
+  points.reserve(size_t(countParts(mesh, step)));
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& face = mesh.triangles[t];
+    const glm::vec3 &a = mesh.vertices[face.x], &b = mesh.vertices[face.y], &c = mesh.vertices[face.z];
+    const int parts = facePartsPerSide(a, b, c, step);
+    const double area = areaOf(a, b, c) / (double(parts) * parts);
+    forEachFacePart(a, b, c, parts, [&](const glm::vec3& u, const glm::vec3& v, const glm::vec3& w) {
+      points.push_back({mesh.origin + (glm::dvec3(u) + glm::dvec3(v) + glm::dvec3(w)) / 3.0, t, area});
+    });
+  }
+  return points;
+}
+
+ThicknessSummary summarizeThickness(std::span<const FacePoint> points, std::span<const Thickness> thickness) {
+  Thinnest wall, edge;
+  AreaDistribution distribution;
+  double total = 0.0, sheets = 0.0, buried = 0.0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double diameter = thickness[i].diameter, area = points[i].area;
+    const Part part = thickness[i].part;
+    total += area;
+    if (part == Part::Sheet) sheets += area;
+    if (part == Part::Buried) buried += area;
+    if (part == Part::Wall) wall.take(diameter, points[i].position);
+    if (part == Part::Edge) edge.take(diameter, points[i].position);
+    if (part == Part::Wall || part == Part::Edge) distribution.add(diameter, area);
+  }
+  distribution.sort();
+  const auto share = [&](double area) { return total > 0.0 ? area / total : 0.0; };
+  return {wall.value(),
+          wall.position,
+          edge.value(),
+          edge.position,
+          distribution.quantile(0.01),
+          distribution.quantile(0.5),
+          share(sheets),
+          share(buried),
+          points.size()};
+}
+
+ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options) {
+  MeshPacker packer;
+  const std::vector<FacePoint> points =
+      sampleFaces(surface.mesh(), stepFor(packer.pack(surface.mesh()), kSummaryPoints));
+  return summarizeThickness(points, surface.thickness(points, options));
+}
+
+}  // namespace raymap

@@ -1,0 +1,177 @@
+// Ours: the local thickness of a mesh. See docs/decisions/local_thickness.md.
+//
+// A ray leaves the point inwards and ends where it leaves the solid. The plane of the face there and the
+// point define the ball: it is the largest that touches the point without passing that plane. The ball
+// counts if the solid is free of faces around its middle.
+
+#include "cpu/points/local_thickness.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "base/parallel.h"
+#include "cpu/points/near_surface.h"
+#include "cpu/points/ray_hits.h"
+#include "cpu/points/segment_crossings.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+/// Points are taken to either side of a face by this share of the mesh's diagonal to ask for the winding
+/// number. It is far above the rounding errors of the positions, and below all thickness that matters.
+constexpr double kBeside = 1e-5;
+
+/// Sides are opposite if the angle between one normal and the reverse of the other is at most 40 degrees.
+const double kLeastCosine = std::cos(glm::radians(40.0));
+
+/// Share of the ball's radius around its middle that must be free of faces. Rough surfaces reach into the
+/// rest, and faces of a convex body that are not opposite into this share.
+constexpr double kFree = 0.75;
+
+/// Walls that meet at less than this angle do not run out to an edge.
+const double kLeastEdgeSine = std::sin(glm::radians(5.0));
+
+constexpr size_t kPointsPerTask = 1024, kPointsPerQuery = size_t{1} << 18;
+
+class LocalThickness {
+ public:
+  LocalThickness(const PreparedSurface& surface, double most)
+      : surface_(surface), slack_(slackOf(surface.signTree(), surface.grid.dims)) {
+    const double diagonal = glm::length(bounds(surface.mesh).size());
+    beside_ = kBeside * diagonal;
+    reach_ = std::min(diagonal, most);
+    most_ = most;
+  }
+
+  double beside() const { return beside_; }
+
+  /// Returns the unit normal of a face, or 0 if the face has no area.
+  glm::dvec3 normal(uint32_t triangle) const {
+    const glm::uvec3& face = surface_.mesh.triangles[triangle];
+    const glm::dvec3 a(surface_.mesh.vertices[face.x]);
+    const glm::dvec3 n = glm::cross(glm::dvec3(surface_.mesh.vertices[face.y]) - a,
+                                    glm::dvec3(surface_.mesh.vertices[face.z]) - a);
+    const double length = glm::length(n);
+    return length > 0.0 ? n / length : glm::dvec3(0.0);
+  }
+
+  /// Measures a point between two winding numbers, in front of its face and behind it.
+  Thickness measure(const FacePoint& point, float front, float back) {
+    const bool isFrontInside = isInside(front), isBackInside = isInside(back);
+    if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
+    const glm::dvec3 n = normal(point.triangle);
+    if ((!isFrontInside && !isBackInside) || n == glm::dvec3(0.0)) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
+    const glm::dvec3 inward = isFrontInside ? n : -n;
+    const glm::dvec3 p = point.position - surface_.mesh.origin;
+    const RayHit* exit = findExit(p, inward, isFrontInside ? front : back);
+    Thickness result{Part::Solid, INFINITY, glm::vec3(inward)};
+    if (!exit) return result;
+    const double cosine = glm::dot(exit->normal, inward);
+    const double diameter = 2.0 * exit->distance * cosine / (1.0 + cosine);
+    if (cosine < kLeastCosine || diameter > most_) return result;
+    result.diameter = static_cast<float>(diameter);
+    if (isFree(p + 0.5 * diameter * inward, kFree * 0.5 * diameter))
+      result.part = runsOut(p, inward, *exit) ? Part::Edge : Part::Wall;
+    return result;
+  }
+
+ private:
+  bool isInside(double winding) const { return std::abs(winding) > surface_.threshold; }
+
+  glm::vec3 toCells(const glm::dvec3& p) const {
+    return glm::vec3((p + surface_.mesh.origin - surface_.grid.origin) / surface_.grid.spacing);
+  }
+
+  bool isFree(const glm::dvec3& centre, double radius) const {
+    return !isNearSurface(surface_.tree, toCells(centre), static_cast<float>(radius / surface_.grid.spacing));
+  }
+
+  /// Returns where a ray that begins inside leaves the solid, or null.
+  const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding) {
+    // A ball of diameter `reach_` touches planes that lie this much farther along the ray.
+    const double reach = reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_;
+    findTrianglesAlong(surface_.signTree(), toCells(p), toCells(p + reach * direction), slack_, faces_);
+    for (uint32_t& t : faces_) t = surface_.signTree().triangleId(t);
+    findRayHits(surface_.mesh, surface_.turns, faces_, p, direction, hits_);
+    for (size_t begin = 0; begin < hits_.size();) {
+      if (hits_[begin].distance <= beside_) {
+        ++begin;
+        continue;
+      }
+      size_t end = begin;
+      // Solids that touch are one.
+      for (; end < hits_.size() && hits_[end].distance <= hits_[begin].distance + beside_; ++end)
+        winding += hits_[end].change;
+      if (!isInside(winding)) return &hits_[begin];
+      begin = end;
+    }
+    return nullptr;
+  }
+
+  /// Returns whether two sides meet in an edge of the mesh. The exit's plane meets the tangent plane of the
+  /// point there, and beyond it nothing follows.
+  bool runsOut(const glm::dvec3& p, const glm::dvec3& inward, const RayHit& exit) const {
+    const double cosine = glm::dot(exit.normal, inward);
+    const glm::dvec3 across = exit.normal - cosine * inward;
+    const double sine = glm::length(across);
+    if (sine < kLeastEdgeSine) return false;
+    const glm::dvec3 way = across / sine, edge = p + way * (exit.distance * cosine / sine);
+    constexpr double kNear = 0.25, kBeyond = 1.0, kEmpty = 0.5;  // Shares of the thickness.
+    return !isFree(edge, kNear * exit.distance) &&
+           isFree(edge + kBeyond * exit.distance * way, kEmpty * exit.distance);
+  }
+
+  const PreparedSurface& surface_;
+  float slack_;
+  double beside_, reach_, most_;
+  std::vector<uint32_t> faces_;
+  std::vector<RayHit> hits_;
+};
+
+/// Winding numbers beside points, in front of the faces and behind them.
+class WindingBeside {
+ public:
+  void query(const PreparedSurface& surface, const LocalThickness& local, std::span<const FacePoint> points) {
+    places_.resizeUninitialized(2 * points.size());
+    parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const glm::dvec3 step = local.beside() * local.normal(points[i].triangle);
+        places_[2 * i] = points[i].position + step;
+        places_[2 * i + 1] = points[i].position - step;
+      }
+    });
+    Progress unheard;
+    queryPoints(surface, places_, {.distance = false, .winding = true}, unheard, result_);
+  }
+
+  float front(size_t i) const { return result_.winding[2 * i]; }
+  float back(size_t i) const { return result_.winding[2 * i + 1]; }
+
+ private:
+  Buffer<glm::dvec3> places_;
+  QueryResult result_;
+};
+
+}  // namespace
+
+void measureThickness(const PreparedSurface& surface, std::span<const FacePoint> points, double most,
+                      Progress& progress, std::span<Thickness> thickness) {
+  const LocalThickness prepared(surface, most);
+  WindingBeside winding;
+  for (size_t first = 0; first < points.size(); first += kPointsPerQuery) {
+    progress.report(double(first) / double(points.size()));
+    const std::span<const FacePoint> some =
+        points.subspan(first, std::min(kPointsPerQuery, points.size() - first));
+    winding.query(surface, prepared, some);
+    parallelFor(some.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      LocalThickness local = prepared;
+      for (size_t i = begin; i < end; ++i)
+        thickness[first + i] = local.measure(some[i], winding.front(i), winding.back(i));
+    });
+  }
+}
+
+}  // namespace raymap::cpu
