@@ -53,12 +53,12 @@ struct ThicknessOptions {
 
 /// Thickness of a whole mesh. Lengths are in the mesh's units and NaN where there is nothing to measure.
 struct ThicknessSummary {
-  double thinnest;         ///< Thickness of the thinnest wall.
-  glm::dvec3 thinnestAt;   ///< Point of its surface.
-  double sharpest;         ///< Least thickness measured beside an edge or a tip that walls run out to.
-  glm::dvec3 sharpestAt;   ///< Where.
-  double low;              ///< Thickness that 1 % of the area of walls and edges does not exceed.
-  double median;           ///< Thickness that half of that area does not exceed.
+  double thinnest;           ///< Thickness of the thinnest wall.
+  glm::dvec3 thinnestAt;     ///< Point of its surface.
+  double sharpest;           ///< Least thickness measured beside an edge or a tip that walls run out to.
+  glm::dvec3 sharpestAt;     ///< Where.
+  double low;                ///< Thickness that 1 % of the area of walls and edges does not exceed.
+  double median;             ///< Thickness that half of that area does not exceed.
   double sheetShare = 0.0;   ///< Share of the mesh's area that is sheets.
   double buriedShare = 0.0;  ///< Share of it that is buried.
   size_t points = 0;         ///< Number of points measured.

@@ -23,8 +23,7 @@ double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 double countParts(const PackedMesh& mesh, double step) {
   double count = 0.0;
   for (const glm::uvec3& t : mesh.triangles) {
-    const double parts =
-        facePartsPerSide(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step);
+    const double parts = facePartsPerSide(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step);
     count += parts * parts;
   }
   return count;

@@ -57,7 +57,8 @@ Mesh tube(double inner, double outer, double height, int n) {
   const auto m = static_cast<uint32_t>(n);
   for (const auto& [r, z] :
        {std::pair(outer, 0.0), std::pair(outer, height), std::pair(inner, height), std::pair(inner, 0.0)})
-    for (int i = 0; i < n; ++i) p.emplace_back(r * std::cos(2 * kPi * i / n), r * std::sin(2 * kPi * i / n), z);
+    for (int i = 0; i < n; ++i)
+      p.emplace_back(r * std::cos(2 * kPi * i / n), r * std::sin(2 * kPi * i / n), z);
   for (uint32_t ring = 0; ring < 4; ++ring)
     for (uint32_t i = 0; i < m; ++i) {
       const uint32_t a = ring * m + i, b = ring * m + (i + 1) % m, up = (ring + 1) % 4 * m;
@@ -71,9 +72,7 @@ struct Measured {
   std::vector<FacePoint> points;
   std::vector<Thickness> thickness;
 
-  size_t count(Part part) const {
-    return size_t(std::ranges::count(thickness, part, &Thickness::part));
-  }
+  size_t count(Part part) const { return size_t(std::ranges::count(thickness, part, &Thickness::part)); }
   ThicknessSummary summary() const { return summarizeThickness(points, thickness); }
 };
 
@@ -228,8 +227,8 @@ TEST(Thickness, TakesSolidsTogetherThatOverlapOrTouch) {
 }
 
 TEST(Thickness, IsZeroForASheet) {
-  const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}},
-                              {{0, 1, 2}, {0, 2, 3}});
+  const Mesh sheet =
+      makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1, 2}, {0, 2, 3}});
   const Mesh mesh = rotated(shapes::joined(shapes::sphere(1.0, 3, {2, 2, 3}), sheet));
   const Measured found = measure(mesh, 0.3);
   const size_t first = mesh.triangles.size() - 2;

@@ -58,8 +58,15 @@ TEST(RayHits, AreThoseOfEachFace) {
 TEST(RayHits, PassEdgesAndVerticesOnce) {
   const Mesh mesh = shapes::box({-1, -1, -1}, {1, 1, 1});
   // Through the middles of sides, which lie on diagonals, through corners and through edges.
-  for (const glm::dvec3 d : {glm::dvec3(1, 0, 0), {0, -1, 0}, {0, 0, 1}, {1, 1, 1}, {-1, 1, -1}, {1, 1, 0},
-                             {0, 1, -1}, {-1, 0, 1}, {1, 1, 0.5}}) {
+  for (const glm::dvec3 d : {glm::dvec3(1, 0, 0),
+                             {0, -1, 0},
+                             {0, 0, 1},
+                             {1, 1, 1},
+                             {-1, 1, -1},
+                             {1, 1, 0},
+                             {0, 1, -1},
+                             {-1, 0, 1},
+                             {1, 1, 0.5}}) {
     const std::vector<RayHit> hits = hitsOf(mesh, {0, 0, 0}, d);
     ASSERT_EQ(hits.size(), 1u) << d.x << " " << d.y << " " << d.z;
     EXPECT_EQ(hits[0].change, -1);
@@ -77,7 +84,9 @@ TEST(RayHits, PassEdgesAndVerticesOnce) {
 
 TEST(RayHits, TakeFacesAsTurned) {
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{-1, -1, 1}, {3, -1, 1}, {-1, 3, 1}}, {{0, 1, 2}});
-  const auto changeOf = [&](const Turns& turns) { return hitsOf(mesh, {0, 0, 0}, {0, 0, 1}, turns)[0].change; };
+  const auto changeOf = [&](const Turns& turns) {
+    return hitsOf(mesh, {0, 0, 0}, {0, 0, 1}, turns)[0].change;
+  };
   EXPECT_EQ(changeOf({}), -1);
   EXPECT_EQ(changeOf({kAsGiven}), -1);
   EXPECT_EQ(changeOf({kReversed}), 1);

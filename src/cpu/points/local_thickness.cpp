@@ -63,7 +63,8 @@ class LocalThickness {
     const bool isFrontInside = isInside(front), isBackInside = isInside(back);
     if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     const glm::dvec3 n = normal(point.triangle);
-    if ((!isFrontInside && !isBackInside) || n == glm::dvec3(0.0)) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
+    if ((!isFrontInside && !isBackInside) || n == glm::dvec3(0.0))
+      return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
     const glm::dvec3 inward = isFrontInside ? n : -n;
     const glm::dvec3 p = point.position - surface_.mesh.origin;
     const RayHit* exit = findExit(p, inward, isFrontInside ? front : back);

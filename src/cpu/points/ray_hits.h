@@ -11,10 +11,10 @@ namespace raymap::cpu {
 
 /// Where a ray passes a face.
 struct RayHit {
-  double distance;      ///< From the start of the ray, in the mesh's units.
-  glm::dvec3 normal;    ///< Unit normal of the face, in the direction of the ray or across it.
-  uint32_t triangle;    ///< The face.
-  int32_t change;       ///< By how much the winding number changes there.
+  double distance;    ///< From the start of the ray, in the mesh's units.
+  glm::dvec3 normal;  ///< Unit normal of the face, in the direction of the ray or across it.
+  uint32_t triangle;  ///< The face.
+  int32_t change;     ///< By how much the winding number changes there.
 };
 
 /// Finds where a ray passes some faces of a mesh, nearest first. The start is relative to the mesh's origin,

@@ -65,17 +65,18 @@ HWY_INLINE void forEachLeaf(const SurfaceTree& tree, const Capsule& capsule, std
   }
 }
 
-/// Crossings of eight triangles by a segment.
+/// Triangles of a packet that a segment may cross, those that it crosses for sure, and those whose front it
+/// begins at.
 struct PacketCrossings {
-  int32_t change = 0;
-  bool isSure = true;
+  uint32_t possible = 0, sure = 0, fromFront = 0;
 };
 
-HWY_INLINE void addCrossings(const TrianglePacket& packet, const glm::vec3& from, const glm::vec3& to,
-                             float slack, uint32_t lanes, PacketCrossings& crossings) {
+HWY_INLINE PacketCrossings crossingsOf(const TrianglePacket& packet, const glm::vec3& from,
+                                       const glm::vec3& to, float slack) {
   const Tag d;
   const auto set = [&](float v) { return hn::Set(d, v); };
   const float length = glm::distance(from, to);
+  PacketCrossings crossings;
   for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
     const Triangle<Each> t{packet, {i}};
     const Local a = toLocal(t, set(from.x), set(from.y), set(from.z)),
@@ -92,16 +93,19 @@ HWY_INLINE void addCrossings(const TrianglePacket& packet, const glm::vec3& from
     // Edge functions are distances times lengths of edges, and ab is the longest. The error of the crossing's
     // place grows as the segment runs along the plane.
     const Float error = hn::Mul(hn::Mul(bx, near), hn::Add(set(2.0f), hn::Div(set(2.0f * length), fall)));
-    const uint32_t possible = (bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i) & lanes;
-    if (!possible) continue;
     const Mask passesPlane =
         hn::And(hn::Lt(hn::Min(a.w, b.w), hn::Neg(near)), hn::Gt(hn::Max(a.w, b.w), near));
-    const uint32_t sure = bits(hn::And(passesPlane, hn::Gt(inside, error))) << i;
-    const uint32_t fromFront = bits(hn::Gt(a.w, zero)) << i;
-    if (possible & ~sure) crossings.isSure = false;
-    crossings.change +=
-        hwy::PopCount(possible & sure & fromFront) - hwy::PopCount(possible & sure & ~fromFront);
+    crossings.possible |= bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i;
+    crossings.sure |= bits(hn::And(passesPlane, hn::Gt(inside, error))) << i;
+    crossings.fromFront |= bits(hn::Gt(a.w, zero)) << i;
   }
+  return crossings;
+}
+
+/// Returns the lanes of a leaf's packet that are not filled up with a repeated triangle.
+HWY_INLINE uint32_t lanesOf(const SurfaceTree& tree, uint32_t leaf) {
+  const uint32_t left = tree.triangleCount() - leaf * kPacket;
+  return left >= kPacket ? 0xffu : (1u << left) - 1;
 }
 
 void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to, float slack,
@@ -114,13 +118,15 @@ void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const gl
   forEachLeaf(tree, {low + half, glm::vec3(0.0f), glm::length(half) + slack}, stack,
               [&](uint32_t leaf) { leaves.push_back(leaf); });
   for (size_t i = 0; i < to.size(); ++i) {
-    PacketCrossings crossings;
+    bool isSure = true;
+    change[i] = 0;
     for (const uint32_t leaf : leaves) {
-      const uint32_t left = tree.triangleCount() - leaf * kPacket;
-      const uint32_t lanes = left >= kPacket ? 0xffu : (1u << left) - 1;
-      addCrossings(tree.triangles(leaf), from, to[i], slack, lanes, crossings);
+      const PacketCrossings found = crossingsOf(tree.triangles(leaf), from, to[i], slack);
+      const uint32_t possible = found.possible & lanesOf(tree, leaf);
+      if (possible & ~found.sure) isSure = false;
+      change[i] += hwy::PopCount(possible & found.fromFront) - hwy::PopCount(possible & ~found.fromFront);
     }
-    change[i] = crossings.isSure ? crossings.change : kUnsure;
+    if (!isSure) change[i] = kUnsure;
   }
 }
 
@@ -129,8 +135,10 @@ void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& 
   triangles.clear();
   thread_local std::vector<uint32_t> stack;
   forEachLeaf(tree, {from, to - from, slack}, stack, [&](uint32_t leaf) {
-    const uint32_t end = std::min((leaf + 1) * kPacket, tree.triangleCount());
-    for (uint32_t t = leaf * kPacket; t < end; ++t) triangles.push_back(t);
+    const uint32_t possible =
+        crossingsOf(tree.triangles(leaf), from, to, slack).possible & lanesOf(tree, leaf);
+    forEachLane(possible,
+                [&](size_t lane) { triangles.push_back(leaf * kPacket + static_cast<uint32_t>(lane)); });
   });
 }
 

@@ -20,8 +20,8 @@ float slackOf(const SurfaceTree& tree, const glm::ivec3& dims);
 void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to,
                     float slack, std::span<int32_t> change);
 
-/// Finds the triangles of the tree that may be within `slack` of the segment between two points, and perhaps
-/// others.
+/// Finds all triangles of the tree that the segment between two points crosses if their coordinates change by
+/// at most `slack`, and perhaps a few others.
 void findTrianglesAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
                         std::vector<uint32_t>& triangles);
 
