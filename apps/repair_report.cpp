@@ -28,6 +28,10 @@ void print(const char* name, const Deviation& deviation, double spacing) {
               deviation.max / spacing, deviation.p99, deviation.mean);
 }
 
+void printShare(double share, const char* what) {
+  if (share > 0.0) std::printf("  %.3g %% %s\n", 100.0 * share, what);
+}
+
 }  // namespace
 
 bool isSound(const Diagnostics& found) {
@@ -48,8 +52,10 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"after", toJson(report.after, report.crossingAfter)},
           {"result_from_mesh", toJson(report.ofResult)},
           {"mesh_from_result", toJson(report.ofMesh)},
+          {"kept_from_result", toJson(report.ofKept)},
           {"buried_share", report.buriedShare},
           {"lost_share", report.lostShare},
+          {"trimmed_share", report.trimmedShare},
           {"hollows", report.hollows},
           {"drain_holes", report.holes},
           {"turned_faces", report.stats.turnedFaces.size()},
@@ -72,6 +78,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
               pairsText(report.crossingAfter).c_str());
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
+  if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);
   if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
     std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
   if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
@@ -80,12 +87,9 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
-  if (report.buriedShare > 0.0)
-    std::printf("  %.3g %% of the mesh lies inside the solid, and is no surface any more\n",
-                100.0 * report.buriedShare);
-  if (report.lostShare > 0.0)
-    std::printf("  %.3g %% of the mesh lies outside of it: open there, or thinner than the samples\n",
-                100.0 * report.lostShare);
+  printShare(report.buriedShare, "of the mesh lies inside the solid, and is no surface any more");
+  printShare(report.lostShare, "of the mesh is lost: open there, or thinner than the samples");
+  printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
                 counted(report.holes, "drain hole").c_str());

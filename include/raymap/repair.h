@@ -33,12 +33,15 @@ struct RepairReport {
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
   Deviation ofResult = {};   ///< From points of the result to the given surface, moved by the offset.
-  Deviation ofMesh = {};     ///< From points of the given mesh to the result, moved by the offset, but for
-                             ///< the buried and the lost ones.
-  double buriedShare = 0.0;  ///< Share of the mesh's points inside the solid, a sample or more deep.
-  double lostShare = 0.0;    ///< Share of them outside, as far: parts thinner than the samples, or open.
-  size_t hollows = 0;        ///< Number of hollows that the shell left.
-  size_t holes = 0;          ///< Number of drain holes.
+  Deviation ofMesh = {};     ///< From points of the given mesh, moved by the offset, to the result. Counts
+                             ///< the lost ones, not the buried ones.
+  Deviation ofKept = {};     ///< The same without the lost points.
+  double buriedShare = 0.0;  ///< Share of the mesh's points more than a sample inside the result.
+  double lostShare = 0.0;    ///< Share of them more than a sample outside: thinner than the samples, or open.
+  double trimmedShare = 0.0;  ///< Share of the mesh's points that the moved surface has no place for. The
+                              ///< other shares are of the rest.
+  size_t hollows = 0;         ///< Number of hollows that the shell left.
+  size_t holes = 0;           ///< Number of drain holes.
 };
 
 /// A repaired mesh and what was done.

@@ -105,11 +105,15 @@ class RepairReport(TypedDict):
     result_from_mesh: Deviation
     """From points of the result to the given surface, moved by the offset."""
     mesh_from_result: Deviation
-    """From visible points of the given mesh to the result, moved by the offset."""
+    """From points of the given mesh, moved by the offset, to the result; not from the buried ones."""
+    kept_from_result: Deviation
+    """The same without the lost points."""
     buried_share: float
-    """Share of the mesh's points inside the solid, a sample or more deep."""
+    """Share of the mesh's points more than a sample inside the result."""
     lost_share: float
-    """Share of them outside, as far: parts thinner than the samples, or open."""
+    """Share of them more than a sample outside: parts thinner than the samples, or open."""
+    trimmed_share: float
+    """Share of the mesh's points that the moved surface has no place for. The other shares are of the rest."""
     hollows: int
     drain_holes: int
 

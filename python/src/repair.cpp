@@ -24,8 +24,10 @@ nb::dict toDict(const RepairReport& report) {
   dict["after"] = describe(report.after, report.crossingAfter);
   dict["result_from_mesh"] = toDict(report.ofResult);
   dict["mesh_from_result"] = toDict(report.ofMesh);
+  dict["kept_from_result"] = toDict(report.ofKept);
   dict["buried_share"] = report.buriedShare;
   dict["lost_share"] = report.lostShare;
+  dict["trimmed_share"] = report.trimmedShare;
   dict["hollows"] = report.hollows;
   dict["drain_holes"] = report.holes;
   return dict;

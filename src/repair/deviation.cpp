@@ -45,7 +45,7 @@ void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
 
 }  // namespace
 
-std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, double step) {
+SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step) {
   CellMesh cells;
   toCellUnits(mesh, grid, cells);
   double count = countPoints(cells, step);
@@ -53,16 +53,17 @@ std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, d
     step *= 1.5;
     count = countPoints(cells, step);
   }
-  std::vector<glm::vec3> points;
-  points.reserve(size_t(count) + 3 * mesh.triangles.size());
+  SurfacePoints points;
+  points.positions.reserve(size_t(count) + 3 * mesh.triangles.size());
+  points.faces.reserve(points.positions.capacity());
   std::vector<bool> isTaken(mesh.vertices.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int c = 0; c < 3; ++c)
       if (const uint32_t v = mesh.triangles[t][c]; !isTaken[v]) {
         isTaken[v] = true;
-        points.push_back(cells.vertices[v]);
+        points.add(cells.vertices[v], t);
       }
-    forEachPart(cells, t, step, [&](const glm::vec3& p) { points.push_back(p); });
+    forEachPart(cells, t, step, [&](const glm::vec3& p) { points.add(p, t); });
   }
   return points;
 }

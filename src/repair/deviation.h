@@ -11,9 +11,33 @@
 
 namespace raymap {
 
-/// Returns points of a mesh, in samples of the grid: its vertices and points on its triangles. Every point of
-/// a triangle is within about `step` samples of one. The points are sparser if there would be too many.
-std::vector<glm::vec3> surfacePoints(const PackedMesh& mesh, const Grid& grid, double step);
+/// Points of a mesh, in samples of a grid.
+struct SurfacePoints {
+  std::vector<glm::vec3> positions;
+  std::vector<uint32_t> faces;  ///< For each point, a triangle that it lies on.
+
+  void add(const glm::vec3& position, size_t face) {
+    positions.push_back(position);
+    faces.push_back(static_cast<uint32_t>(face));
+  }
+
+  /// Removes the points whose number fulfils a condition. It is asked for every point once, in order.
+  template <class Condition>
+  void eraseIf(Condition&& isErased) {
+    size_t kept = 0;
+    for (size_t i = 0; i < positions.size(); ++i) {
+      if (isErased(i)) continue;
+      positions[kept] = positions[i];
+      faces[kept++] = faces[i];
+    }
+    positions.resize(kept);
+    faces.resize(kept);
+  }
+};
+
+/// Returns points of a mesh: its vertices and points on its triangles. Every point of a triangle is within
+/// about `step` samples of one. The points are sparser if there would be too many.
+SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step);
 
 /// Returns the exact distances of points to a mesh, all in samples of the grid.
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,

@@ -3,28 +3,29 @@
 #include <algorithm>
 #include <cmath>
 
-#include "repair/deviation.h"
+#include "field/field_sampler.h"
 
 namespace raymap {
 
 namespace {
 
 constexpr double kStep = 0.5;  // Of the points that are measured, in samples.
+// Farther from the result than this, in samples, a point of the mesh is no surface of it.
+constexpr double kFar = 1.0;
+// Largest value of the field at a point of the moved surface, in samples: what interpolation gets wrong.
+constexpr double kFieldError = 0.5;
 
-/// Leaves out what the drain holes made or took away.
-void dropDrilled(std::vector<glm::vec3>& points, const Grid& grid, const std::vector<DrainHole>& holes) {
-  std::erase_if(points, [&](const glm::vec3& p) {
-    return std::ranges::any_of(
-        holes, [&](const DrainHole& hole) { return hole.distance(grid.position(p)) < grid.spacing; });
-  });
+bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole>& holes) {
+  return std::ranges::any_of(
+      holes, [&](const DrainHole& hole) { return hole.distance(grid.position(p)) < grid.spacing; });
 }
 
 /// From the mesh's surface moved by the offset or of the hollow.
 Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
                         const RepairOptions& repair, const std::vector<DrainHole>& holes,
                         Progress& progress) {
-  std::vector<glm::vec3> points = surfacePoints(result, grid, kStep);
-  dropDrilled(points, grid, holes);
+  std::vector<glm::vec3> points = surfacePoints(result, grid, kStep).positions;
+  std::erase_if(points, [&](const glm::vec3& p) { return isDrilled(p, grid, holes); });
   std::vector<float> distances = distancesTo(mesh, grid, points, progress);
   const double outer = std::abs(repair.offset) / grid.spacing;
   const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
@@ -33,26 +34,39 @@ Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const 
   return summarize(distances, grid.spacing);
 }
 
-enum class Side : uint8_t { Surface, Inside, Outside };
-
-/// On which side of the mesh's solid all samples around a point lie, if they agree.
-Side sideOf(const Field& solid, double offset, const glm::vec3& p) {
-  const glm::ivec3 low = glm::clamp(glm::ivec3(glm::floor(p)), glm::ivec3(0), solid.grid.dims - 1);
-  const glm::ivec3 high = glm::min(low + 1, solid.grid.dims - 1);
-  int inside = 0;
-  for (int c = 0; c < 8; ++c) {
-    const glm::ivec3 s(c & 1 ? high.x : low.x, c & 2 ? high.y : low.y, c & 4 ? high.z : low.z);
-    inside += double(solid.distance[solid.grid.index(s)]) + offset < 0.0 ? 1 : 0;
-  }
-  return inside == 8 ? Side::Inside : inside == 0 ? Side::Outside : Side::Surface;
+glm::dvec3 normalOf(const PackedMesh& mesh, uint32_t face) {
+  const glm::uvec3 f = mesh.triangles[face];
+  const glm::dvec3 a(mesh.vertices[f.x]), b(mesh.vertices[f.y]), c(mesh.vertices[f.z]);
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  return length > 0.0 ? normal / length : glm::dvec3(0.0);
 }
 
-Deviation measureMesh(std::vector<glm::vec3> points, const PackedMesh& result, const Grid& grid,
-                      const RepairOptions& repair, const std::vector<DrainHole>& holes, Progress& progress) {
-  dropDrilled(points, grid, holes);
-  std::vector<float> distances = distancesTo(result, grid, points, progress);
-  for (float& d : distances) d = std::abs(d - static_cast<float>(std::abs(repair.offset) / grid.spacing));
-  return summarize(distances, grid.spacing);
+/// Moves a point of a face along the normal. Returns whether it is on the moved surface then. A face may
+/// point either way. Other parts of the surface may be closer to the moved point than the offset; then they
+/// took its place.
+bool moveToPlace(const FieldSampler& solid, const glm::dvec3& move, glm::vec3& p) {
+  const glm::dvec3 front = glm::dvec3(p) + move, back = glm::dvec3(p) - move;
+  const double atFront = std::abs(solid.value(front)), atBack = std::abs(solid.value(back));
+  p = atFront < atBack ? front : back;
+  return std::min(atFront, atBack) <= kFieldError;
+}
+
+/// Tells the buried points from the lost ones, and measures all but the buried ones.
+void measureMesh(const ExpectedPoints& expected, const PackedMesh& result, const Grid& grid,
+                 Progress& progress, RepairReport& report) {
+  const std::vector<float> deviations = distancesTo(result, grid, expected.points.positions, progress);
+  std::vector<float> visible, kept;
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    const bool isFar = deviations[i] > kFar;
+    if (!isFar || !expected.isInside[i]) visible.push_back(deviations[i]);
+    if (!isFar) kept.push_back(deviations[i]);
+  }
+  const auto count = double(std::max<size_t>(deviations.size(), 1));
+  report.buriedShare = double(deviations.size() - visible.size()) / count;
+  report.lostShare = double(visible.size() - kept.size()) / count;
+  report.ofMesh = summarize(visible, grid.spacing);
+  report.ofKept = summarize(kept, grid.spacing);
 }
 
 void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
@@ -60,32 +74,46 @@ void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& cros
   crossing = findSelfIntersections(mesh);
 }
 
+/// Leaves out what the drain holes took away.
+void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<DrainHole>& holes) {
+  if (holes.empty()) return;
+  size_t kept = 0;
+  expected.points.eraseIf([&](size_t i) {
+    const bool isErased = isDrilled(expected.points.positions[i], grid, holes);
+    if (!isErased) expected.isInside[kept++] = expected.isInside[i];
+    return isErased;
+  });
+  expected.isInside.resize(kept);
+}
+
 }  // namespace
 
-std::vector<glm::vec3> visiblePoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
-                                     RepairReport& report) {
-  std::vector<glm::vec3> points = surfacePoints(mesh, solid.grid, kStep);
-  const auto count = double(points.size());
-  size_t buried = 0, lost = 0;
-  std::erase_if(points, [&](const glm::vec3& p) {
-    const Side side = sideOf(solid, repair.offset, p);
-    buried += side == Side::Inside ? 1 : 0;
-    lost += side == Side::Outside ? 1 : 0;
-    return side != Side::Surface;
-  });
-  report.buriedShare = double(buried) / count;
-  report.lostShare = double(lost) / count;
-  return points;
+ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
+                              RepairReport& report) {
+  ExpectedPoints expected{surfacePoints(mesh, solid.grid, kStep), {}};
+  SurfacePoints& points = expected.points;
+  const auto count = double(points.positions.size());
+  const FieldSampler sampler(solid);
+  const double offset = repair.offset / solid.grid.spacing;
+  if (offset != 0.0)
+    points.eraseIf([&](size_t i) {
+      return !moveToPlace(sampler, offset * normalOf(mesh, points.faces[i]), points.positions[i]);
+    });
+  report.trimmedShare = (count - double(points.positions.size())) / count;
+  expected.isInside.reserve(points.positions.size());
+  for (const glm::vec3& p : points.positions) expected.isInside.push_back(sampler.value(p) < 0.0);
+  return expected;
 }
 
 void measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid, const RepairOptions& repair,
-             const std::vector<DrainHole>& holes, std::vector<glm::vec3> visible, Progress& progress,
+             const std::vector<DrainHole>& holes, ExpectedPoints expected, Progress& progress,
              RepairReport& report) {
   inspect(mesh, report.before, report.crossingBefore);
   progress.report(0.1);
   inspect(result, report.after, report.crossingAfter);
   progress.part(0.2, 0.6);
-  report.ofMesh = measureMesh(std::move(visible), result, grid, repair, holes, progress);
+  eraseDrilled(expected, grid, holes);
+  measureMesh(expected, result, grid, progress, report);
   progress.part(0.6, 1.0);
   report.ofResult = measureResult(result, mesh, grid, repair, holes, progress);
 }

@@ -6,19 +6,26 @@
 
 #include "base/progress.h"
 #include "mesh/packed_mesh.h"
+#include "repair/deviation.h"
 #include "repair/hollow.h"
 
 namespace raymap {
 
-/// Returns points of the mesh that the result should show, in samples, and reports the shares of the buried
-/// and the lost ones. `solid` is the field after the offset, before anything is hollowed out.
-std::vector<glm::vec3> visiblePoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
-                                     RepairReport& report);
+/// Points of a mesh, moved by the offset, that the result should show.
+struct ExpectedPoints {
+  SurfacePoints points;
+  std::vector<bool> isInside;  ///< For each point, whether the field has it inside the solid.
+};
 
-/// Fills in the report's figures of both meshes, and how far they deviate from each other. `visible` comes
-/// from `visiblePoints`.
+/// Returns points of a mesh on the surface moved by the offset, and reports the share of points that have no
+/// place there. `solid` is the field after the offset, before anything is hollowed out.
+ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
+                              RepairReport& report);
+
+/// Fills in the report's figures of both meshes, and how far they deviate from each other. `expected` comes
+/// from `expectedPoints`.
 void measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid, const RepairOptions& repair,
-             const std::vector<DrainHole>& holes, std::vector<glm::vec3> visible, Progress& progress,
+             const std::vector<DrainHole>& holes, ExpectedPoints expected, Progress& progress,
              RepairReport& report);
 
 }  // namespace raymap

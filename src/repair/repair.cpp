@@ -85,8 +85,8 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
                 "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
                 "more samples, or "
                 "for a sheet 'raymap mesh --thickness'");
-  std::vector<glm::vec3> points;
-  if (repair.measure) points = visiblePoints(mesh, solid, repair, report);
+  ExpectedPoints expected;
+  if (repair.measure) expected = expectedPoints(mesh, solid, repair, report);
   const std::vector<DrainHole> holes = hollow(solid, repair, report);
   Progress progress(options.progress);
   progress.stage("isosurface", [&] { result = makeSurface(solid, options); });
@@ -94,7 +94,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   solid = {};
   progress.stage("measure", [&] {
     withThreads(options.threads,
-                [&] { measure(mesh, result, grid, repair, holes, std::move(points), progress, report); });
+                [&] { measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
   });
   for (const Progress::Time& time : progress.times())
     report.stats.stages.push_back({time.stage, time.milliseconds});
