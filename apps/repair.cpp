@@ -68,6 +68,22 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
       ->group("Shape");
 }
 
+void addPartOptions(CLI::App& command, RepairArguments& arguments) {
+  RepairOptions& repair = arguments.repair;
+  command
+      .add_option("--drop-smaller", repair.dropSmaller,
+                  "Drop parts that enclose less than this volume, in the mesh's units cubed; 0 keeps all "
+                  "(default: a thousandth of the largest part's volume)")
+      ->check(numberFrom(0))
+      ->type_name("VOLUME")
+      ->group("Parts");
+  command.add_flag("--keep-cavities", repair.keepCavities, "Do not fill sealed cavities")->group("Parts");
+  command
+      .add_flag("--remesh", repair.remesh,
+                "Make the mesh anew even if nothing is wrong with it; without, its faces are then kept")
+      ->group("Parts");
+}
+
 void addRepairGridOptions(CLI::App& command, RepairArguments& arguments) {
   CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
                                                "Samples along the longest side (default 256)");
@@ -101,6 +117,7 @@ void addRepair(CLI::App& app) {
           "Do not measure distances to the surface that closes holes; they are still closed, but in steps")
       ->group("Method");
   addShapeOptions(*command, *arguments);
+  addPartOptions(*command, *arguments);
   addMachineOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

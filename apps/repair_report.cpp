@@ -2,6 +2,7 @@
 
 #include <raymap/version.h>
 
+#include <array>
 #include <cstdio>
 
 namespace raymap {
@@ -19,6 +20,10 @@ Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
   return json;
 }
 
+Json toJson(const Removed& removed) {
+  return {{"count", removed.count}, {"volume", removed.volume}, {"largest", removed.largest}};
+}
+
 std::string pairsText(const SelfIntersections& crossing) {
   return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
 }
@@ -30,6 +35,25 @@ void print(const char* name, const Deviation& deviation, double spacing) {
 
 void printShare(double share, const char* what) {
   if (share > 0.0) std::printf("  %.3g %% %s\n", 100.0 * share, what);
+}
+
+void print(const char* name, const std::string& counted, const Removed& removed, const std::string& rest) {
+  if (removed.count > 0)
+    std::printf("  %-22s %s, volume %.3g in all, %.3g the largest; %s\n", name, counted.c_str(),
+                removed.volume, removed.largest, rest.c_str());
+}
+
+std::string countedCavities(size_t count) {
+  return grouped(count) + (count == 1 ? " cavity" : " cavities");
+}
+
+/// Prints what became of small parts and of sealed cavities.
+void printRemoved(const RepairReport& report) {
+  std::array<char, 32> least{};
+  std::snprintf(least.data(), least.size(), "below %.3g", report.dropSmaller);
+  print("dropped", counted(report.dropped.count, "part"), report.dropped, least.data());
+  print("filled", countedCavities(report.filled.count), report.filled, "to keep them: --keep-cavities");
+  print("buried", counted(report.buried.count, "part"), report.buried, "they were in what was filled");
 }
 
 }  // namespace
@@ -47,7 +71,9 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"close_holes", arguments.options.closeHoles},
             {"offset", arguments.repair.offset},
             {"shell", arguments.repair.shell},
-            {"drain_hole", arguments.repair.drainHole}}},
+            {"drain_hole", arguments.repair.drainHole},
+            {"keep_cavities", arguments.repair.keepCavities},
+            {"remesh", arguments.repair.remesh}}},
           {"before", toJson(report.before, report.crossingBefore)},
           {"after", toJson(report.after, report.crossingAfter)},
           {"result_from_mesh", toJson(report.ofResult)},
@@ -58,6 +84,14 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"trimmed_share", report.trimmedShare},
           {"hollows", report.hollows},
           {"drain_holes", report.holes},
+          {"solids", report.solids},
+          {"cavities", report.cavities},
+          {"drop_smaller", report.dropSmaller},
+          {"dropped", toJson(report.dropped)},
+          {"filled", toJson(report.filled)},
+          {"buried", toJson(report.buried)},
+          {"parts_overlap", report.partsOverlap},
+          {"kept", report.isKept},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"left_out_faces", report.stats.leftOutFaces.size()},
           {"orientation_fits", report.stats.orientationFits},
@@ -68,14 +102,21 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
 void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
   std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
               counted(report.before.triangles, "triangle").c_str(), describeDefects(report.before).c_str());
-  std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
-  std::printf("result: %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
-              counted(report.after.components, "part").c_str(),
+  if (report.partsOverlap)
+    std::printf("  parts of it overlap, or lie in each other without being cavities\n");
+  if (report.isKept)
+    std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
+  else
+    std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
+  std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
+              counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
               isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
+  printRemoved(report);
   std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
               report.after.signedVolume);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
+  if (report.isKept) return;
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);

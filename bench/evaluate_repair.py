@@ -19,7 +19,7 @@ def repair(raymap, mesh, work, resolution):
     file = work / (mesh.name + ".json")
     before = cpu_seconds()
     run = subprocess.run([raymap, "repair", mesh, "-o", work / "result.stl", "--resolution", str(resolution), "--device", "cpu",
-                          "--stats", file], capture_output=True, text=True)
+                          "--remesh", "--stats", file], capture_output=True, text=True)
     if run.returncode != 0:
         return None, run.stderr.strip().removeprefix("raymap: error: ")
     return {**json.loads(file.read_text()), "cpu": cpu_seconds() - before}, ""

@@ -5,6 +5,7 @@
 #include <raymap/grid.h>
 
 #include <cstddef>
+#include <optional>
 
 namespace raymap {
 
@@ -14,7 +15,12 @@ struct RepairOptions {
   double shell = 0.0;      ///< Thickness of the walls of a hollow solid; 0 = not hollow.
   double drainHole = 0.0;  ///< Diameter of a hole down from the lowest point of each hollow; 0 = none.
   glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
-  bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
+  /// Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. Unset: a thousandth
+  /// of what the largest part encloses.
+  std::optional<double> dropSmaller = {};
+  bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
+  bool remesh = false;        ///< Whether to make a mesh anew that has nothing wrong and needs no change.
+  bool measure = true;        ///< Whether to measure both meshes and how far they deviate; takes longer.
 };
 
 /// How far points of one surface lie from where they should, in the mesh's units.
@@ -25,7 +31,16 @@ struct Deviation {
   size_t points = 0;  ///< Number of points measured.
 };
 
-/// Report of a repair. Without `RepairOptions::measure` only `stats`, `hollows` and `holes` are set.
+/// Parts or cavities that the result lacks. Volumes are what their surfaces enclose, in the mesh's units
+/// cubed.
+struct Removed {
+  size_t count = 0;
+  double volume = 0.0;   ///< Sum of the volumes.
+  double largest = 0.0;  ///< Volume of the largest one.
+};
+
+/// Report of a repair. Without `RepairOptions::measure`, nothing that compares the meshes or tells what is
+/// wrong with them is set.
 struct RepairReport {
   Stats stats = {};                       ///< Cost of the field, then of the stages after it.
   Diagnostics before = {};                ///< Diagnostics of the given mesh.
@@ -42,6 +57,14 @@ struct RepairReport {
                               ///< other shares are of the rest.
   size_t hollows = 0;         ///< Number of hollows that the shell left.
   size_t holes = 0;           ///< Number of drain holes.
+  size_t solids = 0;          ///< Number of parts of the result; those in cavities count, too.
+  size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell count, too.
+  double dropSmaller = 0.0;   ///< Volume below which parts were dropped.
+  Removed dropped = {};       ///< Parts that were too small.
+  Removed filled = {};        ///< Sealed cavities that were filled.
+  Removed buried = {};        ///< Parts in cavities that were filled.
+  bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
+  bool isKept = false;        ///< Whether nothing was wrong with the mesh, so that its faces were kept.
 };
 
 /// A repaired mesh and what was done.

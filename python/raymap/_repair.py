@@ -97,6 +97,15 @@ class Deviation(TypedDict):
     points: int
 
 
+class Removed(TypedDict):
+    """Parts or cavities that a result lacks. Volumes are what their surfaces enclose, in the mesh's units cubed."""
+
+    count: int
+    volume: float
+    """Sum of the volumes."""
+    largest: float
+
+
 class RepairReport(TypedDict):
     """What a repair did."""
 
@@ -116,6 +125,22 @@ class RepairReport(TypedDict):
     """Share of the mesh's points that the moved surface has no place for. The other shares are of the rest."""
     hollows: int
     drain_holes: int
+    solids: int
+    """Number of parts of the result; those in cavities count, too."""
+    cavities: int
+    """Number of sealed cavities of the result: those of the shell count, too."""
+    drop_smaller: float
+    """Volume below which parts were dropped."""
+    dropped: Removed
+    """Parts that were too small."""
+    filled: Removed
+    """Sealed cavities that were filled."""
+    buried: Removed
+    """Parts in cavities that were filled."""
+    parts_overlap: bool
+    """Whether parts of a mesh with no other defect overlap or face the wrong way."""
+    kept: bool
+    """Whether nothing was wrong with the mesh, so that its faces were kept."""
 
 
 class Repaired(NamedTuple):
@@ -139,6 +164,9 @@ def repair(
     shell: float = 0.0,
     drain_hole: float = 0.0,
     down: tuple[float, float, float] = (0.0, 0.0, -1.0),
+    drop_smaller: float | None = None,
+    keep_cavities: bool = False,
+    remesh: bool = False,
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -146,7 +174,8 @@ def repair(
 ) -> Repaired:
     """Returns a watertight solid in place of any mesh, for example to print it.
 
-    It is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
+    A mesh that has nothing wrong and needs no change is returned with its own faces. Else the result is the surface
+    of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
 
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
@@ -159,6 +188,10 @@ def repair(
         shell: Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
         drain_hole: Diameter of a hole down from the lowest point of each hollow; 0 = none.
         down: Direction of the drain holes.
+        drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
+            thousandth of what the largest part encloses.
+        keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
+        remesh: Whether to make a mesh anew that has nothing wrong and needs no change.
         device: Device that computes; see ``raymap.devices``.
         threads: Number of CPU threads; None = all.
         memory_limit: Most bytes that the field may take; None = what is available.
@@ -181,6 +214,8 @@ def repair(
     set_machine(options, device, threads, memory_limit)
     how = _raymap.RepairOptions()
     how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), _vector(down)
+    how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
+    how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
     with reporting(progress) as report:
         result, found, stats = _raymap.repair(
             mesh._core, operator.index(resolution), voxel_size or 0.0, options, how, report

@@ -18,6 +18,14 @@ nb::dict toDict(const Deviation& deviation) {
   return dict;
 }
 
+nb::dict toDict(const Removed& removed) {
+  nb::dict dict;
+  dict["count"] = removed.count;
+  dict["volume"] = removed.volume;
+  dict["largest"] = removed.largest;
+  return dict;
+}
+
 nb::dict toDict(const RepairReport& report) {
   nb::dict dict;
   dict["before"] = describe(report.before, report.crossingBefore);
@@ -30,6 +38,14 @@ nb::dict toDict(const RepairReport& report) {
   dict["trimmed_share"] = report.trimmedShare;
   dict["hollows"] = report.hollows;
   dict["drain_holes"] = report.holes;
+  dict["solids"] = report.solids;
+  dict["cavities"] = report.cavities;
+  dict["drop_smaller"] = report.dropSmaller;
+  dict["dropped"] = toDict(report.dropped);
+  dict["filled"] = toDict(report.filled);
+  dict["buried"] = toDict(report.buried);
+  dict["parts_overlap"] = report.partsOverlap;
+  dict["kept"] = report.isKept;
   return dict;
 }
 
@@ -58,6 +74,9 @@ void bindRepair(nb::module_& module) {
       .def_rw("offset", &RepairOptions::offset)
       .def_rw("shell", &RepairOptions::shell)
       .def_rw("drain_hole", &RepairOptions::drainHole)
+      .def_rw("drop_smaller", &RepairOptions::dropSmaller)
+      .def_rw("keep_cavities", &RepairOptions::keepCavities)
+      .def_rw("remesh", &RepairOptions::remesh)
       .def_prop_rw(
           "down", [](const RepairOptions& self) { return toTriple(self.down); },
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });

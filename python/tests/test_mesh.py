@@ -147,8 +147,25 @@ def test_repair_is_that_of_the_command_line(ball, run_raymap):
     assert stats.patch_area == written["patch"]["area"]
 
 
+def test_repair_keeps_what_is_right(ball):
+    kept = raymap.repair(ball)
+    assert kept.report["kept"] and kept.report["solids"] == 1 and kept.report["cavities"] == 0
+    np.testing.assert_array_equal(kept.mesh.faces, ball.faces)
+    crumb = 0.09 * ball.vertices + (2, 0, 0)
+    both = raymap.Mesh(np.vstack([ball.vertices, crumb]), np.vstack([ball.faces, ball.faces + len(ball.vertices)]))
+    with pytest.warns(UserWarning, match="kept 1 part"):
+        assert raymap.repair(both).report["solids"] == 2
+    dropped = raymap.repair(both, drop_smaller=0.01)
+    assert dropped.report["kept"] and len(dropped.mesh.faces) == len(ball.faces)
+    made = raymap.repair(both, remesh=True, keep_cavities=True, resolution=64)
+    assert not made.report["kept"] and made.report["solids"] == 1 and made.report["dropped"]["count"] == 1
+    assert raymap.repair(both, remesh=True, drop_smaller=0, resolution=64).report["solids"] == 2
+    with pytest.raises(raymap.UsageError):
+        raymap.repair(both, drop_smaller=-1)
+
+
 def test_repair_without_options(ball):
-    result = raymap.repair(ball, voxel_size=0.1, close_holes=False, orientation="keep", threads=1)
+    result = raymap.repair(ball, voxel_size=0.1, close_holes=False, orientation="keep", threads=1, remesh=True)
     found = raymap.info(result.mesh)
     assert found["watertight"] and found == result.report["after"]
     for options in (dict(voxel_size=-1), dict(shell=0.001), dict(drain_hole=1), dict(down=(0, 0, 0)),

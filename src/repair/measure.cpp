@@ -69,11 +69,6 @@ void measureMesh(const ExpectedPoints& expected, const PackedMesh& result, const
   report.ofKept = summarize(kept, grid.spacing);
 }
 
-void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
-  found = diagnose(mesh);
-  crossing = findSelfIntersections(mesh);
-}
-
 /// Leaves out what the drain holes took away.
 void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<DrainHole>& holes) {
   if (holes.empty()) return;
@@ -87,6 +82,11 @@ void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<
 }
 
 }  // namespace
+
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
+  found = diagnose(mesh);
+  crossing = findSelfIntersections(mesh);
+}
 
 ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
                               RepairReport& report) {
@@ -108,8 +108,6 @@ ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const 
 void measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid, const RepairOptions& repair,
              const std::vector<DrainHole>& holes, ExpectedPoints expected, Progress& progress,
              RepairReport& report) {
-  inspect(mesh, report.before, report.crossingBefore);
-  progress.report(0.1);
   inspect(result, report.after, report.crossingAfter);
   progress.part(0.2, 0.6);
   eraseDrilled(expected, grid, holes);

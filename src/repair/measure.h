@@ -17,13 +17,16 @@ struct ExpectedPoints {
   std::vector<bool> isInside;  ///< For each point, whether the field has it inside the solid.
 };
 
+/// Finds what is wrong with a mesh.
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing);
+
 /// Returns points of a mesh on the surface moved by the offset, and reports the share of points that have no
 /// place there. `solid` is the field after the offset, before anything is hollowed out.
 ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
                               RepairReport& report);
 
-/// Fills in the report's figures of both meshes, and how far they deviate from each other. `expected` comes
-/// from `expectedPoints`.
+/// Fills in the report's figures of the result, and how far the meshes deviate from each other. `expected`
+/// comes from `expectedPoints`.
 void measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid, const RepairOptions& repair,
              const std::vector<DrainHole>& holes, ExpectedPoints expected, Progress& progress,
              RepairReport& report);

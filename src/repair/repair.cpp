@@ -8,8 +8,12 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "field/field_sampler.h"
+#include "repair/drop_pieces.h"
 #include "repair/hollow.h"
+#include "repair/keep.h"
 #include "repair/measure.h"
+#include "repair/pieces.h"
 
 namespace raymap {
 
@@ -27,6 +31,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
   require(std::isfinite(repair.offset), "the offset must be finite");
   require(repair.shell >= 0.0 && repair.drainHole >= 0.0, "walls and holes must not be negative");
   require(repair.drainHole == 0.0 || repair.shell > 0.0, "a drain hole needs a shell: a solid has no hollow");
+  require(!repair.dropSmaller || (*repair.dropSmaller >= 0.0 && std::isfinite(*repair.dropSmaller)),
+          "the volume below which parts are dropped must be finite and not negative");
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
@@ -41,13 +47,61 @@ Field makeSolid(const PackedMesh& mesh, const Grid& grid, const Options& options
   return std::move(field);
 }
 
+/// Returns the field of what is left of a solid after parts of it were dropped or filled.
+Field remade(const Mesh& surface, const Grid& grid, Options options) {
+  options.orientation = Orientation::Keep;
+  options.closeHoles = false;
+  return generate(surface, grid, options).field;
+}
+
 Mesh makeSurface(const Field& solid, const Options& options) {
   return isosurface(solid, {.threads = options.threads, .warn = options.warn, .progress = options.progress});
 }
 
+void requireParts(const Mesh& surface) {
+  if (surface.triangles.empty())
+    throw Error(ErrorCode::Input,
+                "every part is smaller than the volume below which parts are dropped; use a smaller volume");
+}
+
+bool asksForChange(const RepairOptions& repair) {
+  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0;
+}
+
+/// Finds what is wrong with the given mesh, and keeps its faces if that is nothing.
+void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
+                  Repaired& repaired) {
+  RepairReport& report = repaired.report;
+  if (asksForChange(repair) && !repair.measure) return;
+  inspect(mesh, report.before, report.crossingBefore);
+  const SelfIntersections& crossing = report.crossingBefore;
+  if (asksForChange(repair) || !looksRight(report.before) || crossing.pairs > 0 || !crossing.isComplete)
+    return;
+  if (!keepFaces(mesh, repair, options.warn, repaired)) return;
+  requireParts(repaired.mesh);
+  countPieces(repaired.mesh, report);
+  inspect(repaired.mesh, report.after, report.crossingAfter);
+}
+
+bool isChanged(const RepairReport& report) {
+  return report.dropped.count > 0 || report.filled.count > 0;
+}
+
+/// Drops crumbs and bubbles from a solid and its surface.
+void dropPieces(Field& solid, Mesh& surface, const Options& options, const RepairOptions& repair,
+                RepairReport& report) {
+  Pieces found = findPieces(surface);
+  nestPieces(surface, 1, found);
+  const Choice choice = choosePieces(found, repair, repair.keepCavities, report);
+  warnOfFilled(report, options.warn);
+  if (choice.count == 0) return;
+  dropFrom(solid, surface, found, choice);
+  dropFrom(surface, found, choice);
+  requireParts(surface);
+}
+
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, RepairReport& report) {
-  if (repair.shell == 0.0) return {};
   const double radius = 0.5 * repair.drainHole;
   std::vector<DrainHole> holes;
   for (const Hollow& found : findHollows(solid, repair.shell, radius, repair.down)) {
@@ -73,29 +127,40 @@ Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const Repai
 }
 
 Repaired repair(const MeshView& view, const Grid& grid, const Options& options, const RepairOptions& repair) {
+  validateGrid(grid);
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
+  Progress progress(options.progress);
+  const auto stage = [&](const char* name, const auto& work) {
+    progress.stage(name, [&] { withThreads(options.threads, work); });
+  };
+  stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
+  if (report.isKept) return repaired;
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
                 "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
                 "more samples, or "
                 "for a sheet 'raymap mesh --thickness'");
+  stage("isosurface", [&] { result = makeSurface(solid, options); });
+  stage("pieces", [&] { dropPieces(solid, result, options, repair, report); });
   ExpectedPoints expected;
   if (repair.measure) expected = expectedPoints(mesh, solid, repair, report);
-  const std::vector<DrainHole> holes = hollow(solid, repair, report);
-  Progress progress(options.progress);
-  progress.stage("isosurface", [&] { result = makeSurface(solid, options); });
+  std::vector<DrainHole> holes;
+  if (repair.shell > 0.0) {
+    if (isChanged(report)) solid = remade(result, grid, options);
+    holes = hollow(solid, repair, report);
+    stage("hollow", [&] { result = makeSurface(solid, options); });
+  }
+  countPieces(result, report);
   if (!repair.measure) return repaired;
   solid = {};
-  progress.stage("measure", [&] {
-    withThreads(options.threads,
-                [&] { measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
-  });
+  stage("measure",
+        [&] { measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
   for (const Progress::Time& time : progress.times())
     report.stats.stages.push_back({time.stage, time.milliseconds});
   return repaired;

@@ -637,6 +637,58 @@ TEST_F(Cli, HollowsAMeshOut) {
                 "--drain-hole requires --shell");
 }
 
+TEST_F(Cli, KeepsAMeshThatIsRight) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  writeMesh(path("ball.stl"), ball);
+  const std::string text = succeed("repair ball.stl -o kept.stl --stats kept.json").out;
+  EXPECT_NE(text.find("\nkept as it is, because nothing is wrong with it; to make it anew: --remesh\n"
+                      "result: 5,120 triangles, 1 solid, 0 cavities, checked: watertight"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
+  EXPECT_EQ(json("kept.json")["kept"], true);
+  EXPECT_EQ(json("kept.json")["solids"], 1);
+  succeed("repair ball.stl -o made.stl --remesh --resolution 32 --stats made.json");
+  EXPECT_EQ(json("made.json")["kept"], false);
+  EXPECT_NE(json("made.json")["after"]["triangles"], 5120);
+  writeMesh(path("two.ply"), shapes::joined(ball, shapes::sphere(0.5, 3)));
+  const std::string overlap = succeed("repair two.ply -o one.ply --resolution 32 --stats one.json").out;
+  EXPECT_NE(overlap.find("parts of it overlap"), std::string::npos) << overlap;
+  EXPECT_EQ(json("one.json")["parts_overlap"], true);
+}
+
+TEST_F(Cli, DropsCrumbsAndFillsBubbles) {
+  Mesh bubble = shapes::sphere(0.5, 3);
+  for (glm::uvec3& t : bubble.triangles) std::swap(t.y, t.z);
+  Mesh mesh = shapes::joined(shapes::joined(shapes::sphere(1.0, 4), bubble), shapes::sphere(0.25, 3));
+  mesh = shapes::joined(mesh, shapes::sphere(0.08, 2, {1.3, 0, 0}));
+  writeMesh(path("ball.ply"), mesh);
+  const Result dropped =
+      run("repair ball.ply -o ball.stl --remesh --resolution 64 --drop-smaller 0.01 --stats ball.json");
+  EXPECT_EQ(dropped.code, 0);
+  const Json ball = json("ball.json");
+  EXPECT_EQ(ball["solids"], 1);
+  EXPECT_EQ(ball["cavities"], 0);
+  EXPECT_EQ(ball["drop_smaller"], 0.01);
+  EXPECT_EQ(ball["dropped"]["count"], 1);
+  EXPECT_NEAR(ball["dropped"]["largest"], 4.18879 * 0.000512, 0.0003);
+  EXPECT_NEAR(ball["filled"]["volume"], 4.18879 * 0.125, 0.01);
+  EXPECT_NEAR(ball["buried"]["volume"], 4.18879 * 0.015625, 0.005);
+  EXPECT_NE(dropped.out.find("1 part, volume 0.002"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.out.find("; below 0.01\n"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.out.find("1 cavity, volume 0.5"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.err.find("warning: filled a sealed cavity"), std::string::npos) << dropped.err;
+  succeed(
+      "repair ball.ply -o all.stl --remesh --resolution 64 --drop-smaller 0 --keep-cavities --stats "
+      "all.json");
+  EXPECT_EQ(json("all.json")["solids"], 3);
+  EXPECT_EQ(json("all.json")["cavities"], 1);
+  EXPECT_EQ(json("all.json")["dropped"]["count"], 0);
+  expectFailure("repair ball.ply -o none.stl --remesh --resolution 64 --drop-smaller 9", ErrorCode::Input,
+                "every part is smaller");
+  expectFailure("repair ball.ply -o none.stl --drop-smaller -1", ErrorCode::Usage, "--drop-smaller");
+}
+
 TEST_F(Cli, RefusesBadOptions) {
   writeTorus();
   const auto refuse = [&](const std::string& options, const std::string& message) {

@@ -111,8 +111,8 @@ TEST(MeshView, IsMeasuredAndRepairedLikeTheMesh) {
   EXPECT_EQ(diagnose(view).area, diagnose(mesh).area);
   EXPECT_EQ(findSelfIntersections(view).pairs, 0u);
   const Grid grid = fitGrid(mesh, {.resolution = 20});
-  EXPECT_EQ(repair(view, grid, {.device = "cpu"}, {.measure = false}).mesh.vertices,
-            repair(mesh, grid, {.device = "cpu"}, {.measure = false}).mesh.vertices);
+  EXPECT_EQ(repair(view, grid, {.device = "cpu"}, {.remesh = true, .measure = false}).mesh.vertices,
+            repair(mesh, grid, {.device = "cpu"}, {.remesh = true, .measure = false}).mesh.vertices);
 }
 
 void expectInputError(const MeshView& view, const std::string& text) {

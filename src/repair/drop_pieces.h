@@ -1,0 +1,37 @@
+#pragma once
+
+#include <raymap/field.h>
+#include <raymap/repair.h>
+
+#include "repair/pieces.h"
+
+namespace raymap {
+
+/// Faces that a result shall not have.
+struct Choice {
+  std::vector<bool> isDropped;  ///< For each piece.
+  size_t count = 0;             ///< Number of dropped pieces.
+};
+
+/// Chooses small parts, sealed cavities unless `keepsCavities`, and what lies in those. Fills in the report's
+/// figures of them.
+Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keepsCavities,
+                    RepairReport& report);
+
+/// Gives the samples in the dropped pieces the side of the space around them. Their distances are then far
+/// larger than all others.
+void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choice& choice);
+
+/// Removes the faces of the dropped pieces, and the vertices that only they use.
+void dropFrom(Mesh& surface, const Pieces& found, const Choice& choice);
+
+/// Warns of filled cavities that are larger than a part to drop, and of parts in filled cavities.
+void warnOfFilled(const RepairReport& report, const WarningCallback& warn);
+
+/// Warns of parts that were small enough to be dropped, but kept.
+void warnOfKept(const RepairReport& report, const WarningCallback& warn);
+
+/// Counts the solids and the cavities of a result.
+void countPieces(const Mesh& result, RepairReport& report);
+
+}  // namespace raymap

@@ -1,0 +1,68 @@
+#include "repair/keep.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mesh/weld.h"
+#include "repair/drop_pieces.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kRaysPerPiece = 64;
+
+/// Returns whether the winding number is 0 or 1 everywhere: outermost pieces are solids, and pieces in others
+/// are cavities in solids or solids in cavities.
+bool areNestedRight(const Pieces& found) {
+  return found.areApart && std::ranges::all_of(found.pieces, [&](const Piece& piece) {
+           const bool isInSolid = piece.around != Piece::kNone && !found.pieces[piece.around].isCavity();
+           return piece.isCavity() == isInSolid;
+         });
+}
+
+}  // namespace
+
+bool looksRight(const Diagnostics& found) {
+  return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0 &&
+         found.degenerateFaces == 0 && found.duplicateFaces == 0;
+}
+
+Mesh weldedCopy(const PackedMesh& mesh) {
+  const Welding welding = weldVertices(mesh.vertices);
+  constexpr uint32_t kNew = UINT32_MAX;
+  std::vector<uint32_t> numbers(welding.count, kNew);
+  Mesh result{.triangles = {mesh.triangles.begin(), mesh.triangles.end()}, .origin = mesh.origin};
+  result.vertices.reserve(welding.count);
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    uint32_t& number = numbers[welding.ids[v]];
+    if (number != kNew) continue;
+    number = uint32_t(result.vertices.size());
+    result.vertices.push_back(mesh.vertices[v]);
+  }
+  for (glm::uvec3& t : result.triangles)
+    for (int c = 0; c < 3; ++c) t[c] = numbers[welding.ids[t[c]]];
+  return result;
+}
+
+bool keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+               Repaired& repaired) {
+  Pieces found = findPieces(mesh);
+  nestPieces(mesh, kRaysPerPiece, found);
+  RepairReport& report = repaired.report;
+  report.partsOverlap = !areNestedRight(found);
+  if (report.partsOverlap) return false;
+  report.isKept = true;
+  repaired.mesh = weldedCopy(mesh);
+  const Choice choice = choosePieces(found, repair, true, report);
+  if (repair.dropSmaller) {
+    if (choice.count > 0) dropFrom(repaired.mesh, found, choice);
+  } else {
+    warnOfKept(report, warn);
+    report.dropped = {};
+    report.dropSmaller = 0.0;
+  }
+  return true;
+}
+
+}  // namespace raymap
