@@ -12,17 +12,19 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <random>
 
 #include "exchange.h"
 #include "meshes.h"
 #include "point_methods.h"
 #include "program.h"
+#include "random_points.h"
 #include "usage.h"
 
 namespace raymap::bench {
 
 namespace {
+
+constexpr double kNear = 2.5e-3;  // of the diagonal
 
 using Prepared = std::function<void()>;
 
@@ -74,36 +76,6 @@ std::vector<uint32_t> curveOrder(const std::vector<glm::vec3>& points) {
   std::vector<uint32_t> order;
   for (const auto& [unused, i] : codes) order.push_back(i);
   return order;
-}
-
-/// Returns points in the mesh's box, padded by 10 % of its longest side.
-std::vector<glm::vec3> uniformPoints(const Mesh& mesh, size_t count) {
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const Box box = bounds(mesh);
-  const double padding = 0.1 * std::max({box.size().x, box.size().y, box.size().z});
-  std::vector<glm::vec3> points(count);
-  for (glm::vec3& p : points)
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] = float(box.min[axis] - padding + unit(random) * (box.size()[axis] + 2.0 * padding));
-  return points;
-}
-
-/// Returns points within 0.25 % of the diagonal of a random point of a random triangle.
-std::vector<glm::vec3> nearPoints(const Mesh& mesh, size_t count) {
-  std::mt19937_64 random(2);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const double reach = 2.5e-3 * glm::length(bounds(mesh).size());
-  std::vector<glm::vec3> points(count);
-  for (glm::vec3& p : points) {
-    const glm::uvec3& t = mesh.triangles[random() % mesh.triangles.size()];
-    const double s = std::sqrt(unit(random)), r = unit(random);
-    const double height = 2.0 * unit(random) - 1.0, angle = 6.283185307179586 * unit(random);
-    const double flat = std::sqrt(1.0 - height * height), length = reach * unit(random);
-    p = (1.0 - s) * mesh.position(t.x) + s * (1.0 - r) * mesh.position(t.y) + s * r * mesh.position(t.z) +
-        length * glm::dvec3(flat * std::cos(angle), flat * std::sin(angle), height);
-  }
-  return points;
 }
 
 std::vector<glm::vec3> readPoints(const std::string& name) {
@@ -181,7 +153,9 @@ int run(int argc, char** argv) {
   nlohmann::json report = {{"triangles", input.mesh.triangles.size()}};
   if (method == "export") {
     exportMesh(input.mesh, output);
-    input.points = place == "near" ? nearPoints(input.mesh, count) : uniformPoints(input.mesh, count);
+    const std::vector<glm::dvec3> exported =
+        place == "near" ? nearPoints(input.mesh, count, kNear) : uniformPoints(input.mesh, count);
+    input.points.assign(exported.begin(), exported.end());
     writeRaw(output + ".points", input.points.data(), input.points.size());
   } else {
     input.points = readPoints(points);

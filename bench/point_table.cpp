@@ -9,13 +9,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "base/parallel.h"
 #include "mesh_folder.h"
 #include "program.h"
+#include "random_points.h"
 #include "reference.h"
 
 namespace {
@@ -23,41 +23,13 @@ namespace {
 using namespace raymap;
 
 constexpr size_t kMostPoints = 100000;
+constexpr double kNear = 1e-3;  // of the diagonal
 
 /// Returns the mesh as the surface takes it for signs.
 Mesh turnedMesh(Mesh mesh, const Stats& stats) {
   for (const uint32_t f : stats.turnedFaces) std::swap(mesh.triangles[f].y, mesh.triangles[f].z);
   for (const uint32_t f : stats.leftOutFaces) mesh.triangles[f] = glm::uvec3(mesh.triangles[f].x);
   return mesh;
-}
-
-std::vector<glm::dvec3> uniformPoints(const Mesh& mesh, size_t count) {
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const Box box = bounds(mesh);
-  const double padding = 0.1 * std::max({box.size().x, box.size().y, box.size().z});
-  std::vector<glm::dvec3> points(count);
-  for (glm::dvec3& p : points)
-    for (int axis = 0; axis < 3; ++axis)
-      p[axis] = box.min[axis] - padding + unit(random) * (box.size()[axis] + 2.0 * padding);
-  return points;
-}
-
-/// Returns points within 0.001 of the diagonal of the surface.
-std::vector<glm::dvec3> nearPoints(const Mesh& mesh, size_t count) {
-  std::mt19937_64 random(2);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const double reach = 1e-3 * glm::length(bounds(mesh).size());
-  std::vector<glm::dvec3> points(count);
-  for (glm::dvec3& p : points) {
-    const glm::uvec3& t = mesh.triangles[random() % mesh.triangles.size()];
-    const double s = std::sqrt(unit(random)), r = unit(random);
-    const double height = 2.0 * unit(random) - 1.0, angle = 6.283185307179586 * unit(random);
-    const double flat = std::sqrt(1.0 - height * height), length = reach * unit(random);
-    p = (1.0 - s) * mesh.position(t.x) + s * (1.0 - r) * mesh.position(t.y) + s * r * mesh.position(t.z) +
-        length * glm::dvec3(flat * std::cos(angle), flat * std::sin(angle), height);
-  }
-  return points;
 }
 
 struct Errors {
@@ -106,7 +78,7 @@ int run(int argc, char** argv) {
     const Surface surface(mesh);
     const Mesh turned = turnedMesh(mesh, surface.stats());
     const Errors anywhere = compare(surface, mesh, turned, uniformPoints(mesh, count));
-    const Errors near = compare(surface, mesh, turned, nearPoints(mesh, count));
+    const Errors near = compare(surface, mesh, turned, nearPoints(mesh, count, kNear));
     std::printf("| %s | %zu | %s | %zu | %zu | %zu | %.1e |\n",
                 std::filesystem::path(name).filename().string().c_str(), mesh.triangles.size(),
                 surface.stats().misfit == 0.0 && surface.stats().doubtfulShare == 0.0 ? "yes" : "no", count,
