@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import raymap
 from conftest import ROOT, make_ball
-from test_inputs import load
+from helpers import load
 
 PAGE = (ROOT / "docs/coming_from.md").read_text()
 BLOCKS = dict(re.findall(r"^## (\S+)\n\n```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))

@@ -23,8 +23,8 @@ import pytest
 import raymap
 from conftest import make_ball
 from dask_cluster import Cluster, children_of
+from helpers import load
 from raymap._dataset_files import buffer_hashes
-from test_inputs import load
 
 NAMES = ["ball.ply", "deep/tetrahedron.ply", "open.OBJ", "small.ply"]
 

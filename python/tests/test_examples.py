@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import raymap
 from conftest import ROOT
-from test_inputs import load
+from helpers import load
 
 PICTURES = ["dataset", "gradient", "isosurfaces", "points", "repair", "samples", "slices"]
 

@@ -6,7 +6,6 @@ import inspect
 import multiprocessing
 import os
 import pickle
-import signal
 import sys
 import threading
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import raymap
+from helpers import interrupted, right_in_threads
 from raymap import _progress
 
 
@@ -211,20 +211,12 @@ def test_a_generator_uses_memory_again(ball):
 def test_threads_of_python_may_share_everything(ball):
     generator = raymap.Generator()
     expected = [generate(ball, resolution=8 + k).distance for k in range(4)]
-    failures = []
 
-    def work(k: int) -> None:
-        for _ in range(5):
-            for maker in (generator.signed_distance, raymap.signed_distance):
-                if (maker(ball, resolution=8 + k, device="cpu").distance != expected[k]).any():
-                    failures.append(k)
+    def is_right(k: int) -> bool:
+        makers = (generator.signed_distance, raymap.signed_distance)
+        return all((make(ball, resolution=8 + k, device="cpu").distance == expected[k]).all() for make in makers)
 
-    workers = [threading.Thread(target=work, args=(k,)) for k in range(4)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    assert not failures
+    assert right_in_threads(is_right)
 
 
 def test_other_threads_run_meanwhile(large_ball):
@@ -316,22 +308,15 @@ def test_a_line_of_progress_appears_on_a_terminal_only(ball, monkeypatch, capsys
 
 @pytest.mark.parametrize("call", ["field", "generator", "info", "repair"])
 def test_ctrl_c_stops_the_work(large_ball, call):
-    """Another thread interrupts this one as soon as the work reports, long before its end."""
-    begun, reports = threading.Event(), []
+    """The interruption comes as soon as the work reports, long before its end."""
+    generator, reports = raymap.Generator(), []
+    with interrupted() as begun:
 
-    def progress(stage: str, done: float) -> None:
-        reports.append(stage)
-        begun.set()
+        def progress(stage: str, done: float) -> None:
+            reports.append(stage)
+            begun.set()
 
-    def interrupt() -> None:
-        begun.wait()
-        os.kill(os.getpid(), signal.SIGINT)
-
-    generator = raymap.Generator()
-    options = dict(resolution=300, device="cpu", threads=1, progress=progress)
-    interrupter = threading.Thread(target=interrupt)
-    interrupter.start()
-    with pytest.raises(KeyboardInterrupt):
+        options = dict(resolution=300, device="cpu", threads=1, progress=progress)
         if call == "field":
             raymap.signed_distance(large_ball, **options)
         elif call == "generator":
@@ -341,7 +326,6 @@ def test_ctrl_c_stops_the_work(large_ball, call):
                 raymap.info(large_ball, progress=progress)
         else:
             raymap.repair(large_ball, **options)
-    interrupter.join()
     assert "finish" not in reports  # The last stage.
     assert generator.signed_distance(large_ball, resolution=8, device="cpu").shape == (8, 8, 8)
 

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
-import os
 import sys
-from types import ModuleType
 
 import numpy as np
 import pytest
 import raymap
-
-
-def load(name: str) -> ModuleType:
-    """Imports a package. Skips the test without it, unless RAYMAP_REQUIRE_PYTHON_PACKAGES is set."""
-    if os.environ.get("RAYMAP_REQUIRE_PYTHON_PACKAGES"):
-        return importlib.import_module(name)
-    return pytest.importorskip(name, exc_type=ImportError)
+from helpers import Exporter, load
 
 
 def check(ball: raymap.Mesh, given, faces=None, atol: float = 0.0) -> None:
@@ -148,19 +139,6 @@ class Tensor:
     def cpu(self) -> HostTensor:
         assert not self.has_graph
         return HostTensor(self.array)
-
-
-class Exporter:
-    """An array that only knows DLPack."""
-
-    def __init__(self, array: np.ndarray) -> None:
-        self.array, self.shape = array, array.shape
-
-    def __dlpack__(self, **options) -> object:
-        return self.array.__dlpack__(**options)
-
-    def __dlpack_device__(self) -> tuple[int, int]:
-        return self.array.__dlpack_device__()
 
 
 class CuPyArray:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import copy
-import os
 import pickle
-import signal
-import threading
 
 import numpy as np
 import pytest
 import raymap
+from helpers import Exporter, interrupted, right_in_threads
 
 
 @pytest.fixture(scope="module")
@@ -317,59 +315,26 @@ def test_meshes_that_are_not_valid():
 def test_threads_may_share_one(surface):
     points = random_points(2000)
     expected = surface.signed_distance(points)
-    failures = []
-
-    def work(k: int) -> None:
-        for _ in range(5):
-            if (surface.signed_distance(points[k:]) != expected[k:]).any():
-                failures.append(k)
-
-    workers = [threading.Thread(target=work, args=(k,)) for k in range(4)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    assert not failures
+    assert right_in_threads(lambda k: (surface.signed_distance(points[k:]) == expected[k:]).all())
 
 
 @pytest.mark.parametrize("call", ["surface", "query"])
 def test_ctrl_c_stops_the_work(large_ball, call):
-    """Another thread interrupts this one as soon as the work reports, long before its end."""
-    begun = threading.Event()
-
-    def progress(stage: str, done: float) -> None:
-        assert done < 1 or stage != "query"
-        begun.set()
-
-    def interrupt() -> None:
-        begun.wait()
-        os.kill(os.getpid(), signal.SIGINT)
-
+    """The interruption comes as soon as the work reports, long before its end."""
     surface = raymap.Surface(large_ball)
     points = random_points(1 << 20).repeat(4, axis=0)
-    interrupter = threading.Thread(target=interrupt)
-    interrupter.start()
-    with pytest.raises(KeyboardInterrupt):
+    with interrupted() as begun:
+
+        def progress(stage: str, done: float) -> None:
+            assert done < 1 or stage != "query"
+            begun.set()
+
         while True:
             if call == "query":
                 surface.signed_distance(points, threads=1, progress=progress)
             else:  # It may end before the signal comes.
                 raymap.Surface(large_ball, threads=1, progress=progress)
-    interrupter.join()
     np.testing.assert_allclose(surface.signed_distance((0, 0, 2)), 1, atol=1e-6)
-
-
-class Exporter:
-    """An array that only knows DLPack."""
-
-    def __init__(self, array: np.ndarray) -> None:
-        self.array, self.shape = array, array.shape
-
-    def __dlpack__(self, **options) -> object:
-        return self.array.__dlpack__(**options)
-
-    def __dlpack_device__(self) -> tuple[int, int]:
-        return self.array.__dlpack_device__()
 
 
 def test_arrays_that_only_know_dlpack(surface):

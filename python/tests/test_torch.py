@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 import raymap
-from test_inputs import load
+from helpers import load
 
 
 @pytest.fixture(scope="module")
