@@ -40,7 +40,7 @@ struct Arguments : FieldArguments {
 struct AskedArray {
   const char* name;
   bool QueryOptions::*isAsked;
-  size_t bytes;  ///< Of a point's value.
+  size_t bytes;  ///< Size of a point's value.
 };
 
 constexpr std::array kArrays{AskedArray{"distance", &QueryOptions::distance, sizeof(double)},

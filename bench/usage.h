@@ -1,6 +1,6 @@
 #pragma once
 
-// What a process has used so far.
+// Time and memory that a process has used so far.
 
 #include <sys/resource.h>
 

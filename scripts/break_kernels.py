@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parent.parent
 STAGES = "src/vulkan/stages/"
 PRIMITIVES = "src/vulkan/primitives/"
 
-# What is wrong, the shader, its text, the text in its place, and the reason why this driver may hide the fault
+# Fault, shader, its text, the text in its place, and the reason why this driver may hide the fault
 # (empty: it may not).
 FAULTS = [
     ("missing barrier before the sums of the subgroups are read", PRIMITIVES + "scan_blocks.comp",

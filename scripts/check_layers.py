@@ -22,11 +22,11 @@ GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\
 
 
 class Layers:
-    """What layers.txt declares."""
+    """Layers as layers.txt declares them."""
 
     def __init__(self, path):
-        self.below = {}  # Of each layer, the layers that it may include.
-        self.headers = {}  # Of each public header, its layer.
+        self.below = {}  # Layers that each layer may include.
+        self.headers = {}  # Layer of each public header.
         self.problems = []
         for number, line in enumerate(path.read_text().splitlines(), 1):
             line = line.partition("#")[0].strip()

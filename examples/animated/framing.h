@@ -4,9 +4,9 @@
 #include <raymap/grid.h>
 #include <raymap/render.h>
 
-/// When a frame shows the animation: once around in all frames.
+/// Returns the time of the animation that a frame shows: once around in all frames.
 double secondsOf(int frame, int frames, const raymap::AnimatedMesh& mesh);
 
-/// What the mesh reaches in the whole animation: one grid and one camera serve all frames.
+/// Returns the bounds of the mesh in the whole animation: one grid and one camera serve all frames.
 raymap::Box reach(const raymap::AnimatedMesh& mesh, int frames);
 raymap::Grid gridOver(const raymap::AnimatedMesh& mesh, const raymap::Box& box, int resolution);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What any program that computes with Vulkan has already: a device, buffers, a command buffer, timestamps.
+// Parts that any program with Vulkan has already: a device, buffers, a command buffer, timestamps.
 // Only `makeDevice` in gpu.cpp knows that raymap is going to use the device.
 
 #include <raymap/vulkan.h>

@@ -48,7 +48,7 @@ struct PointsView {
   PointsView(const Points& points) : PointsView(&std::span(points).data()->x, std::span(points).size()) {}
 };
 
-/// What to compute for points. Only what is asked for takes memory.
+/// Options of a query: arrays to fill, and limits. Arrays that are not asked for take no memory.
 struct QueryOptions {
   bool distance = true;      ///< Whether to fill `QueryResult::distance`.
   bool closest = false;      ///< Whether to fill `QueryResult::closest`.

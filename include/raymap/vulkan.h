@@ -89,7 +89,7 @@ struct Room {
   ListSizes lists = {};  ///< Least lengths, as in `Status::lists`; by default a guess that suits fine meshes.
 };
 
-/// What the device found out while it made a field.
+/// Findings of the device while it made a field.
 struct Status {
   /// Reason why the field is not that of the whole mesh, if it is not. Input: triangles were left out or out
   /// of reach. Memory: lists outgrew their capacity. Unsupported: more than the device can number.

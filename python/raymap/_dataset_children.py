@@ -154,7 +154,7 @@ class Children:
             self._give_back(child)
             return answer["figures"], True
         failure = Failure(answer["reason"], child.log())
-        if answer["memory"]:  # What it holds is in the way of the next mesh.
+        if answer["memory"]:  # The memory that it holds would be missing for the next mesh.
             child.kill()
             self._end(child)
         else:

@@ -69,12 +69,12 @@ class Job:
 
     @property
     def limits(self) -> dict[str, float]:
-        """What may decide whether there is a result, but not which."""
+        """Limits that may decide whether there is a result, but not which."""
         return {"memory_limit": self.memory_limit, "time_limit": self.time_limit}
 
 
 class Outcome(NamedTuple):
-    """What became of a mesh."""
+    """State of a mesh after the work."""
 
     name: str
     state: State

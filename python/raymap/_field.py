@@ -27,7 +27,7 @@ def _no_faces() -> npt.NDArray[np.uint32]:
 
 @dataclass(frozen=True)
 class Stats:
-    """What making a field cost, and what it found out about the mesh. All 0 for a field from a file or an array."""
+    """Cost of a field, and findings about the mesh. All 0 for a field from a file or an array."""
 
     device: str = ""
     """Device that made it: ``"cpu"`` or ``"vulkan:K"``; empty if none did."""
@@ -166,7 +166,7 @@ class Field:
 
     @property
     def stats(self) -> Stats:
-        """What making the field cost, and what it found out about the mesh."""
+        """Cost of the field, and findings about the mesh."""
         return self._stats
 
     @property

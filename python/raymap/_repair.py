@@ -1,4 +1,4 @@
-"""What is wrong with a mesh, and watertight solids in its place."""
+"""Defects of meshes, and watertight solids in their place."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class Removed(TypedDict):
 
 
 class RepairReport(TypedDict):
-    """What a repair did."""
+    """Changes that a repair made, and how far the result is from the mesh."""
 
     before: Info
     after: Info

@@ -258,7 +258,7 @@ class Surface:
 
     @property
     def stats(self) -> Stats:
-        """What preparing the mesh cost, and what it found out about the mesh."""
+        """Cost of the preparation, and findings about the mesh."""
         return self._stats
 
     def __repr__(self) -> str:

@@ -51,7 +51,7 @@ class Options(FieldOptions, total=False):
 
 @dataclass(frozen=True)
 class Summary:
-    """What became of the meshes of a data set. Names are paths below the folder of the meshes."""
+    """States of the meshes of a data set after a run. Names are paths below the folder of the meshes."""
 
     done: list[str]
     """Names of the meshes that have a result."""

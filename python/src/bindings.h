@@ -1,7 +1,7 @@
 #pragma once
 
-// What the files of the Python bindings share. The package `raymap` (python/raymap/) wraps this module,
-// raymap._raymap, with names, defaults and documentation for users.
+// Declarations that the files of the Python bindings share. The package `raymap` (python/raymap/) wraps this
+// module, raymap._raymap, with names, defaults and documentation for users.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>

@@ -1,4 +1,4 @@
-"""What scripts/check_wheel.sh runs in a bare system: the programs and libraries of the wheel must be found there."""
+"""Runs in a bare system, by scripts/check_wheel.sh: the programs and libraries of the wheel must be found there."""
 
 import re
 import shlex

@@ -80,7 +80,7 @@ struct NearestOfLanes {
 /// Squared distance beyond which lie only the discs that fill up packets.
 constexpr float kFarthest = 1e29f;
 
-/// What a search takes where several triangles are equally close, but for rounding.
+/// Triangle that a search takes where several are equally close, but for rounding.
 enum class Ties {
   Any,    ///< Any of them: the fastest search.
   Lowest  ///< The lowest of those whose squared distances are least in single precision, whatever was

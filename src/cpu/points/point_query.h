@@ -9,17 +9,17 @@
 
 namespace raymap::cpu {
 
-/// What queries need of a mesh. Nothing in it changes between them.
+/// A mesh prepared for queries, which change nothing in it.
 struct PreparedSurface {
   PackedMesh mesh;
-  Grid grid;         ///< The trees are in its cells.
-  SurfaceTree tree;  ///< The faces as given. Of double-sided faces, only one.
+  Grid grid;         ///< Grid in whose cells the trees are.
+  SurfaceTree tree;  ///< Faces as given; only one of each pair of double-sided ones.
   bool isSigned = false;
 
   // Filled if `isSigned`.
-  Turns turns;                            ///< How the sign takes the faces; empty: all as given.
-  std::optional<SurfaceTree> turnedTree;  ///< The faces as the sign takes them; none: `tree`.
-  WindingDipoles dipoles;                 ///< Of the faces as the sign takes them.
+  Turns turns;                            ///< How the sign takes each face; empty: all as given.
+  std::optional<SurfaceTree> turnedTree;  ///< Faces as the sign takes them; none: those of `tree`.
+  WindingDipoles dipoles;                 ///< Dipoles of the faces as the sign takes them.
   WindingLattice lattice;
   double threshold = 0.5;
 

@@ -157,7 +157,7 @@ class BinarySource {
   bool swap_;
 };
 
-/// What to read from a file.
+/// Part of a file that is read.
 enum class PlyContent { Mesh, Points };
 
 /// Reads the elements. `Vec` is single precision if the file has no more.

@@ -1,4 +1,4 @@
-// What a query found, as CSV, NumPy arrays, or the vertices of a PLY.
+// Writes the results of a query as CSV, NumPy arrays, or the vertices of a PLY.
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// What a program does in each frame: skinning, a field in an image, a picture.
+// Checks of the work of a frame: skinning, a field in an image, a picture.
 
 #include <raymap/animation.h>
 
