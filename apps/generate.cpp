@@ -165,7 +165,7 @@ void print(const Arguments& arguments, const Report& report) {
   const glm::dvec3 size = report.found.bounds.size();
   std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", arguments.mesh.string().c_str(),
               counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
-              describeDefects(report.found).c_str());
+              describeDefects(report.found, std::nullopt).c_str());
   std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
   printTimes(report.steps(), report.elapsedMilliseconds);

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "report.h"
 #include "terminal.h"
+#include "verdict.h"
 #include "view_options.h"
 
 namespace raymap {
@@ -113,9 +114,15 @@ void addInfo(CLI::App& app) {
     if (!arguments->isFast) crossings = findSelfIntersections(mesh, line.callback());
     line.clear();
     if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
-    if (!arguments->isJson) return print(found, crossings);
+    const Verdict verdict = judge(found, crossings);
+    if (!arguments->isJson) {
+      print(found, crossings);
+      std::printf("\n%s", describe(verdict, found, crossings, arguments->mesh).c_str());
+      return;
+    }
     Json json = toJson(found);
     json["self_intersections"] = crossings ? toJson(*crossings) : Json{{"counted", false}};
+    json["verdict"] = {{"kind", name(verdict.kind)}, {"remedy", name(verdict.remedy)}};
     std::cout << json.dump(2) << "\n";
   });
 }

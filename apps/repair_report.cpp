@@ -101,7 +101,8 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
 
 void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
   std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
-              counted(report.before.triangles, "triangle").c_str(), describeDefects(report.before).c_str());
+              counted(report.before.triangles, "triangle").c_str(),
+              describeDefects(report.before, report.crossingBefore).c_str());
   if (report.partsOverlap)
     std::printf("  parts of it overlap, or lie in each other without being cavities\n");
   if (report.isKept)

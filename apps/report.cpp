@@ -22,6 +22,7 @@ Json listHoles(const std::vector<Hole>& holes) {
   for (const Hole& hole : std::span(holes).first(std::min(holes.size(), kMost)))
     list.push_back({{"edges", hole.edges},
                     {"length", hole.length},
+                    {"area", hole.area},
                     {"centre", toJson(hole.centre)},
                     {"diameter", hole.diameter}});
   return list;
@@ -41,6 +42,10 @@ Json toJson(const Diagnostics& found) {
           {"consistently_oriented", found.consistentlyOriented},
           {"balanced", found.balanced},
           {"components", found.components},
+          {"open_components", found.openComponents},
+          {"inward_components", found.inwardComponents},
+          {"sheets", found.sheets},
+          {"sheet_share", found.sheetShare},
           {"boundary_edges", found.boundaryEdges},
           {"hole_count", found.holes.size()},
           {"holes", listHoles(found.holes)},
@@ -63,7 +68,7 @@ Json toJson(const Stats& stats) {
   return stages;
 }
 
-std::string describeDefects(const Diagnostics& found) {
+std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
   const std::array<std::pair<size_t, const char*>, 6> defects{
       {{found.boundaryEdges, "boundary edge"},
        {found.nonManifoldEdges, "non-manifold edge"},
@@ -74,7 +79,11 @@ std::string describeDefects(const Diagnostics& found) {
   std::string text;
   for (const auto& [count, name] : defects)
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, name);
-  return text.empty() ? "nothing" : text;
+  if (crossings && crossings->pairs > 0)
+    text += (text.empty() ? "" : ", ") + std::string(crossings->isComplete ? "" : "at least ") +
+            counted(crossings->pairs, "crossing pair") + " of faces";
+  if (text.empty()) return crossings ? "nothing" : "nothing (faces that cross were not counted)";
+  return text;
 }
 
 std::string grouped(size_t number) {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +20,9 @@ Json toJson(const Diagnostics& found);
 Json toJson(const SelfIntersections& found);
 Json toJson(const Stats& stats);
 
-/// Returns, for example, "418 boundary edges, 2 duplicate faces"; "nothing" if there is none.
-std::string describeDefects(const Diagnostics& found);
+/// Returns, for example, "418 boundary edges, 2 crossing pairs of faces"; "nothing" if there is none, and
+/// that crossings were not counted if so.
+std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings);
 
 /// Returns a number as "1,234,567".
 std::string grouped(size_t number);

@@ -14,6 +14,7 @@ struct Hole {
   size_t edges = 0;
   double length = 0.0;     ///< Length of the loop.
   glm::dvec3 centre{0.0};  ///< Mean of the edges' ends.
+  double area = 0.0;       ///< Least area of a surface that closes it: that of its vector area.
   double diameter = 0.0;   ///< Twice the distance from the centre to the farthest vertex.
 };
 
@@ -28,7 +29,11 @@ struct Diagnostics {
   size_t flippedFaces = 0;       ///< Least number of faces to reverse so that neighbours agree.
   std::vector<Hole> holes = {};  ///< Boundary loops, the longest first.
   size_t components = 0;         ///< Number of parts connected through shared vertices.
-  size_t degenerateFaces = 0;    ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
+  size_t openComponents = 0;     ///< Number of them with boundary edges. See `isDoubleSided`.
+  size_t inwardComponents = 0;   ///< Number of closed ones with a negative volume: cavities, or inside out.
+  size_t sheets = 0;  ///< Number of open ones whose holes make up 30 % of the area or more, once closed.
+  double sheetShare = 0.0;     ///< Share of the area that is in sheets.
+  size_t degenerateFaces = 0;  ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
   /// Number of faces in groups on the same three corners, as many in one winding order as in the other.
   size_t doubleSidedFaces = 0;
   size_t duplicateFaces = 0;  ///< Number of further faces on the same three corners, either orientation.
@@ -40,9 +45,15 @@ struct Diagnostics {
   Box bounds = {};            ///< Bounds of the vertices that faces use.
 };
 
+/// Returns whether at least half of the faces are double-sided. Open components, inward ones and sheets are
+/// then those of one side.
+inline bool isDoubleSided(const Diagnostics& found) {
+  return found.doubleSidedFaces > 0 && 2 * found.doubleSidedFaces >= found.triangles;
+}
+
 /// Options of `diagnose`.
 struct DiagnoseOptions {
-  bool isBrief = false;            ///< Leaves out holes, components and flipped faces, which take longest.
+  bool isBrief = false;  ///< Leaves out holes, components, sheets and flipped faces: they take longest.
   ProgressCallback progress = {};  ///< Receives the stage "diagnose".
 };
 

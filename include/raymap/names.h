@@ -3,6 +3,7 @@
 #include <raymap/devices.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/verdict.h>
 
 #include <span>
 #include <string_view>
@@ -20,6 +21,8 @@ RAYMAP_API std::string_view name(FieldArray value);
 RAYMAP_API std::string_view name(DeviceType value);
 RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
+RAYMAP_API std::string_view name(MeshKind value);
+RAYMAP_API std::string_view name(Remedy value);
 
 /// Returns the value with a name. Throws `Error(Usage)` that lists the accepted names. `Enum` is one of the
 /// types above.
@@ -43,6 +46,8 @@ RAYMAP_DECLARE_NAMES(FieldArray)
 RAYMAP_DECLARE_NAMES(DeviceType)
 RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)
+RAYMAP_DECLARE_NAMES(MeshKind)
+RAYMAP_DECLARE_NAMES(Remedy)
 #undef RAYMAP_DECLARE_NAMES
 
 }  // namespace raymap

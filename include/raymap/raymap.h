@@ -20,4 +20,5 @@
 #include <raymap/sample.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>
+#include <raymap/verdict.h>
 #include <raymap/version.h>

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, NamedTuple, TypedDict
+from typing import Any, Literal, NamedTuple, TypedDict
 
 from . import _inputs, _raymap
 from ._errors import UsageError
@@ -13,11 +13,29 @@ from ._mesh import Mesh
 from ._progress import Progress, reporting
 
 
+MeshKind = Literal[
+    "no_surface",
+    "double_sided",
+    "soup",
+    "sheet",
+    "open_solid",
+    "turned_faces",
+    "overlapping_solids",
+    "crossing_solid",
+    "flawed_solid",
+    "inside_out",
+    "several_solids",
+    "clean_solid",
+]
+
+
 class Hole(TypedDict):
     """A boundary loop. Lengths are in the mesh's units."""
 
     edges: int
     length: float
+    area: float
+    """Least area of a surface that closes it."""
     centre: list[float]
     """Mean of the edges' ends."""
     diameter: float
@@ -35,7 +53,14 @@ class SelfIntersections(TypedDict, total=False):
     """False, and nothing else, if they were not counted."""
 
 
-class Info(TypedDict):
+class Verdict(TypedDict):
+    """What kind of thing a mesh is, and what makes a clean solid of it."""
+
+    kind: MeshKind
+    remedy: Literal["none", "repair", "thicken"]
+
+
+class Diagnostics(TypedDict):
     """Size, topology and defects of a mesh, measured after welding vertices at exactly equal positions."""
 
     vertices: int
@@ -48,6 +73,14 @@ class Info(TypedDict):
     balanced: bool
     """Whether every edge is used equally often both ways: the inside is definite."""
     components: int
+    open_components: int
+    """Components with boundary edges. Of a double-sided mesh, those of one side; so are the next three."""
+    inward_components: int
+    """Closed components with a negative volume: cavities, or turned inside out."""
+    sheets: int
+    """Open components whose holes make up 30 % of their area or more, once closed."""
+    sheet_share: float
+    """Share of the area that is in sheets."""
     boundary_edges: int
     hole_count: int
     holes: list[Hole]
@@ -66,6 +99,12 @@ class Info(TypedDict):
     self_intersections: SelfIntersections
 
 
+class Info(Diagnostics):
+    """Diagnostics of a mesh, and a verdict."""
+
+    verdict: Verdict
+
+
 def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progress: Progress = None) -> Info:
     """Returns size, topology and defects of a mesh: what ``raymap info --json`` prints.
 
@@ -82,6 +121,8 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     >>> found = raymap.info("ball.ply")
     >>> found["triangles"], found["watertight"], found["boundary_edges"]
     (1280, True, 0)
+    >>> found["verdict"]
+    {'kind': 'clean_solid', 'remedy': 'none'}
     """
     mesh = _inputs.to_mesh(mesh_or_vertices, faces)
     with reporting(progress) as report:
@@ -109,8 +150,8 @@ class Removed(TypedDict):
 class RepairReport(TypedDict):
     """Changes that a repair made, and how far the result is from the mesh."""
 
-    before: Info
-    after: Info
+    before: Diagnostics
+    after: Diagnostics
     result_from_mesh: Deviation
     """From points of the result to the given surface, moved by the offset."""
     mesh_from_result: Deviation

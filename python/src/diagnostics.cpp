@@ -1,6 +1,9 @@
 #include <raymap/diagnostics.h>
+#include <raymap/names.h>
+#include <raymap/verdict.h>
 
 #include <optional>
+#include <string>
 
 #include "call.h"
 #include "diagnostics.h"
@@ -21,6 +24,7 @@ nb::list toList(const std::vector<Hole>& holes) {
     nb::dict entry;
     entry["edges"] = hole.edges;
     entry["length"] = hole.length;
+    entry["area"] = hole.area;
     entry["centre"] = toList(hole.centre);
     entry["diameter"] = hole.diameter;
     list.append(entry);
@@ -37,6 +41,10 @@ nb::dict toDict(const Diagnostics& found) {
   dict["consistently_oriented"] = found.consistentlyOriented;
   dict["balanced"] = found.balanced;
   dict["components"] = found.components;
+  dict["open_components"] = found.openComponents;
+  dict["inward_components"] = found.inwardComponents;
+  dict["sheets"] = found.sheets;
+  dict["sheet_share"] = found.sheetShare;
   dict["boundary_edges"] = found.boundaryEdges;
   dict["hole_count"] = found.holes.size();
   dict["holes"] = toList(found.holes);
@@ -61,6 +69,13 @@ nb::dict toDict(const SelfIntersections& crossings) {
   return dict;
 }
 
+nb::dict toDict(const Verdict& verdict) {
+  nb::dict dict;
+  dict["kind"] = std::string(name(verdict.kind));
+  dict["remedy"] = std::string(name(verdict.remedy));
+  return dict;
+}
+
 nb::dict info(const MeshHandle& mesh, bool isFast, nb::object progress) {
   Call call(std::move(progress));
   Diagnostics found;
@@ -69,11 +84,11 @@ nb::dict info(const MeshHandle& mesh, bool isFast, nb::object progress) {
     found = diagnose(mesh.view, {.progress = call.progress()});
     if (!isFast) crossings = findSelfIntersections(mesh.view, call.progress());
   });
-  if (crossings) return describe(found, *crossings);
   nb::dict dict = toDict(found);
   nb::dict uncounted;
   uncounted["counted"] = false;
-  dict["self_intersections"] = uncounted;
+  dict["self_intersections"] = crossings ? toDict(*crossings) : uncounted;
+  dict["verdict"] = toDict(judge(found, crossings));
   return dict;
 }
 

@@ -6,7 +6,7 @@
 
 namespace raymap::python {
 
-/// Returns what `raymap info --json` prints, and all holes.
+/// Returns what `raymap info --json` prints but the verdict, and all holes.
 nb::dict describe(const Diagnostics& found, const SelfIntersections& crossings);
 
 }  // namespace raymap::python

@@ -80,6 +80,33 @@ struct Names<ErrorCode> {
                                                           "cancelled", "unsupported", "device_lost"};
 };
 
+template <>
+struct Names<MeshKind> {
+  static constexpr std::string_view kKind = "kind of mesh";
+  static constexpr std::array kValues{MeshKind::NoSurface,
+                                      MeshKind::DoubleSided,
+                                      MeshKind::Soup,
+                                      MeshKind::Sheet,
+                                      MeshKind::OpenSolid,
+                                      MeshKind::TurnedFaces,
+                                      MeshKind::OverlappingSolids,
+                                      MeshKind::CrossingSolid,
+                                      MeshKind::FlawedSolid,
+                                      MeshKind::InsideOut,
+                                      MeshKind::SeveralSolids,
+                                      MeshKind::CleanSolid};
+  static constexpr std::array<std::string_view, 12> kNames{
+      "no_surface",         "double_sided",   "soup",         "sheet",      "open_solid",     "turned_faces",
+      "overlapping_solids", "crossing_solid", "flawed_solid", "inside_out", "several_solids", "clean_solid"};
+};
+
+template <>
+struct Names<Remedy> {
+  static constexpr std::string_view kKind = "remedy";
+  static constexpr std::array kValues{Remedy::None, Remedy::Repair, Remedy::Thicken};
+  static constexpr std::array<std::string_view, 3> kNames{"none", "repair", "thicken"};
+};
+
 template <class Enum>
 std::string_view nameOf(Enum value) {
   using N = Names<Enum>;
@@ -124,5 +151,7 @@ RAYMAP_DEFINE_NAMES(FieldArray)
 RAYMAP_DEFINE_NAMES(DeviceType)
 RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
+RAYMAP_DEFINE_NAMES(MeshKind)
+RAYMAP_DEFINE_NAMES(Remedy)
 
 }  // namespace raymap

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 
 #include "base/parallel_sort.h"
 #include "base/progress.h"
+#include "mesh/components.h"
 #include "mesh/defects.h"
-#include "mesh/disjoint_sets.h"
 #include "mesh/double_sided.h"
+#include "mesh/face_measures.h"
 #include "mesh/half_edges.h"
 #include "mesh/holes.h"
 #include "mesh/weld.h"
@@ -17,76 +17,23 @@ namespace raymap {
 
 namespace {
 
-constexpr double kDegenerateHeight = 1e-6;  // Share of the longest edge.
 constexpr size_t kKeysPerTask = size_t{1} << 16;
-constexpr size_t kFacesPerTask = size_t{1} << 13, kFacesPerRound = size_t{1} << 17;
-
-bool hasRepeatedCorner(const glm::uvec3& face) {
-  return face.x == face.y || face.y == face.z || face.z == face.x;
-}
-
-glm::dvec3 normalOf(const PackedMesh& mesh, const glm::uvec3& face) {
-  const glm::dvec3 a(mesh.vertices[face.x]);
-  return glm::cross(glm::dvec3(mesh.vertices[face.y]) - a, glm::dvec3(mesh.vertices[face.z]) - a);
-}
-
-/// Returns whether the triangle's height is below `kDegenerateHeight`. The height over the longest edge is
-/// twice the area over that edge's length.
-bool isFlat(const PackedMesh& mesh, const glm::uvec3& face, double doubleArea) {
-  double longest2 = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    const glm::dvec3 edge = glm::dvec3(mesh.vertices[face[c]]) - glm::dvec3(mesh.vertices[face[(c + 1) % 3]]);
-    longest2 = std::max(longest2, glm::dot(edge, edge));
-  }
-  return doubleArea < kDegenerateHeight * longest2;
-}
-
-/// Area and volume of a face, and what is wrong with it.
-struct FaceMeasure {
-  double area = 0.0, volume = 0.0;
-  bool isDegenerate = false, isSurface = false;
-};
-
-FaceMeasure measureFace(const PackedMesh& mesh, const glm::uvec3& face, const glm::uvec3& welded,
-                        const glm::dvec3& centre) {
-  if (hasRepeatedCorner(welded)) return {.isDegenerate = true};
-  const glm::dvec3 normal = normalOf(mesh, face);
-  const double doubleArea = glm::length(normal);
-  return {.area = doubleArea / 2.0,
-          .volume = glm::dot(glm::dvec3(mesh.vertices[face.x]) - centre, normal) / 6.0,
-          .isDegenerate = isFlat(mesh, face, doubleArea),
-          .isSurface = true};
-}
-
-glm::uvec3 weldedFace(const PackedMesh& mesh, const Welding& welding, size_t face) {
-  const glm::uvec3& t = mesh.triangles[face];
-  return {welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
-}
 
 /// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
-/// so that an open mesh's volume does not depend on its position. Faces with a repeated corner belong to no
-/// surface. Sums are taken in the order of the faces, so that they do not depend on the number of threads.
+/// so that an open mesh's volume does not depend on its position.
 void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
   const glm::dvec3 centre = found.bounds.centre() - mesh.origin;
-  Buffer<FaceMeasure> measures(std::min(kFacesPerRound, mesh.triangles.size()));
-  for (size_t first = 0; first < mesh.triangles.size(); first += kFacesPerRound) {
-    const size_t count = std::min(kFacesPerRound, mesh.triangles.size() - first);
-    parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
-      for (size_t f = begin; f < end; ++f)
-        measures[f] =
-            measureFace(mesh, mesh.triangles[first + f], weldedFace(mesh, welding, first + f), centre);
-    });
-    for (const FaceMeasure& measure : std::span(measures.data(), count)) {
-      found.degenerateFaces += measure.isDegenerate ? 1 : 0;
-      if (!measure.isSurface) continue;
-      found.area += measure.area;
-      found.signedVolume += measure.volume;
-    }
-  }
+  forEachFaceMeasure(mesh, welding, centre, [&](size_t, const FaceMeasure& measure) {
+    found.degenerateFaces += measure.isDegenerate ? 1 : 0;
+    if (!measure.isSurface) return;
+    found.area += measure.area;
+    found.signedVolume += measure.volume;
+  });
 }
 
-std::vector<Hole> findHoles(const PackedMesh& mesh, const Welding& welding,
-                            std::span<const std::pair<uint32_t, uint32_t>> boundary) {
+std::vector<TracedHole> findHoles(const PackedMesh& mesh, const Welding& welding,
+                                  std::span<const std::pair<uint32_t, uint32_t>> boundary) {
+  if (boundary.empty()) return {};
   std::vector<uint32_t> vertexOf(welding.count);
   for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
   return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
@@ -139,9 +86,10 @@ EdgeCounts countEdges(std::span<const SortKey> halfEdges) {
   return all;
 }
 
-/// Counts duplicate and double-sided faces among those that may have the same corners as another one.
-void countLayers(const PackedMesh& mesh, const Welding& welding, std::vector<uint32_t>& layers,
-                 Diagnostics& found) {
+/// Counts duplicate and double-sided faces among those that may have the same corners as another one. Returns
+/// the other sides of double-sided ones.
+std::vector<uint32_t> countLayers(const PackedMesh& mesh, const Welding& welding,
+                                  std::vector<uint32_t>& layers, Diagnostics& found) {
   parallelSort(layers.begin(), layers.end());
   layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
   std::vector<glm::uvec3> faces(layers.size());
@@ -154,25 +102,40 @@ void countLayers(const PackedMesh& mesh, const Welding& welding, std::vector<uin
   }
   parallelSort(corners.begin(), corners.end());
   found.duplicateFaces = size_t(corners.end() - std::unique(corners.begin(), corners.end()));
-  if (found.duplicateFaces > 0)
-    found.doubleSidedFaces = findDoubleSidedFaces({mesh.vertices, faces, mesh.origin}).count();
+  if (found.duplicateFaces == 0) return {};
+  DoubleSidedFaces doubled = findDoubleSidedFaces({mesh.vertices, faces, mesh.origin});
+  found.doubleSidedFaces = doubled.count();
+  for (uint32_t& face : doubled.others) face = layers[face];
+  return std::move(doubled.others);
 }
 
-/// Counts the parts of the surface that half edges connect.
-size_t countComponents(std::span<const SortKey> halfEdges, size_t positions) {
-  DisjointSets sets(positions);
-  std::vector<uint8_t> isLinked(positions, 0);  // Whether another position was linked to this one.
-  parallelFor(halfEdges.size(), kKeysPerTask, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      if (k > 0 && halfEdges[k].high == halfEdges[k - 1].high) continue;
-      const HalfEdge edge = halfEdgeOf(halfEdges[k]);
-      if (const auto root = sets.link(edge.low, edge.high))
-        std::atomic_ref(isLinked[*root]).store(1, std::memory_order_relaxed);
-    }
-  });
-  size_t count = 0;
-  for (uint32_t p = 0; p < positions; ++p) count += isLinked[p] != 0 && sets.root(p) == p ? 1 : 0;
-  return count;
+void setShapes(const Diagnostics& from, Diagnostics& to) {
+  to.openComponents = from.openComponents;
+  to.inwardComponents = from.inwardComponents;
+  to.sheets = from.sheets;
+  to.sheetShare = from.sheetShare;
+}
+
+/// Diagnoses the mesh without some of its faces.
+Diagnostics diagnoseWithout(const PackedMesh& mesh, const std::vector<uint32_t>& leftOut) {
+  std::vector<bool> isLeftOut(mesh.triangles.size());
+  for (const uint32_t face : leftOut) isLeftOut[face] = true;
+  std::vector<glm::uvec3> faces;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f)
+    if (!isLeftOut[f]) faces.push_back(mesh.triangles[f]);
+  return diagnose(PackedMesh(mesh.vertices, faces, mesh.origin));
+}
+
+/// Finds the components and their shapes. Of a double-sided mesh, the shapes are those of one side.
+void findComponents(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges,
+                    std::span<const TracedHole> holes, const std::vector<uint32_t>& otherSides,
+                    Diagnostics& found) {
+  Components components(halfEdges, welding.count);
+  found.components = components.count();
+  if (isDoubleSided(found))
+    setShapes(diagnoseWithout(mesh, otherSides), found);
+  else
+    measureComponents(mesh, welding, components, holes, found);
 }
 
 }  // namespace
@@ -202,12 +165,14 @@ Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options) {
     found.balanced = !halfEdges.empty() && edges.isBalanced;
     found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
     found.consistentlyOriented = found.flippedEdges == 0;
-    countLayers(mesh, welding, edges.layers, found);
+    const std::vector<uint32_t> otherSides = countLayers(mesh, welding, edges.layers, found);
     if (options.isBrief) return;
     progress.report(0.8);
-    found.components = countComponents(halfEdges, welding.count);
+    const std::vector<TracedHole> holes = findHoles(mesh, welding, edges.boundary);
+    for (const TracedHole& hole : holes) found.holes.push_back(hole.hole);
+    progress.report(0.85);
+    findComponents(mesh, welding, halfEdges, holes, otherSides, found);
     progress.report(0.9);
-    if (!edges.boundary.empty()) found.holes = findHoles(mesh, welding, edges.boundary);
     if (!found.consistentlyOriented)
       found.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges)).size();
   });

@@ -66,6 +66,10 @@ Hole measure(std::span<const glm::dvec3> corners) {
     hole.centre += 0.5 * length * (corners[c] + corners[c + 1]);
   }
   hole.centre = hole.length > 0.0 ? hole.centre / hole.length : corners[0];
+  glm::dvec3 twiceArea(0.0);
+  for (size_t c = 0; c < corners.size(); ++c)  // A chain that does not close is closed by a straight line.
+    twiceArea += glm::cross(corners[c] - hole.centre, corners[(c + 1) % corners.size()] - hole.centre);
+  hole.area = glm::length(twiceArea) / 2.0;
   for (const glm::dvec3& corner : corners)
     hole.diameter = std::max(hole.diameter, 2.0 * glm::distance(corner, hole.centre));
   return hole;
@@ -73,15 +77,15 @@ Hole measure(std::span<const glm::dvec3> corners) {
 
 }  // namespace
 
-std::vector<Hole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>> edges,
-                             const std::function<glm::dvec3(uint32_t)>& position) {
+std::vector<TracedHole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>> edges,
+                                   const std::function<glm::dvec3(uint32_t)>& position) {
   Network network(edges);
-  std::vector<Hole> holes;
+  std::vector<TracedHole> holes;
   std::vector<size_t> path, placeOnPath(network.positions.size(), kNotOnPath);
   const auto cutFrom = [&](size_t first) {  // Makes a hole of the end of the path.
     std::vector<glm::dvec3> corners;
     for (size_t p = first; p < path.size(); ++p) corners.push_back(position(network.positions[path[p]]));
-    if (corners.size() > 1) holes.push_back(measure(corners));
+    if (corners.size() > 1) holes.push_back({measure(corners), network.positions[path[first]]});
     for (size_t p = first; p + 1 < path.size(); ++p) placeOnPath[path[p]] = kNotOnPath;
     path.resize(first);
   };
@@ -100,7 +104,7 @@ std::vector<Hole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>> edge
     cutFrom(0);
   }
   std::stable_sort(holes.begin(), holes.end(),
-                   [](const Hole& a, const Hole& b) { return a.length > b.length; });
+                   [](const TracedHole& a, const TracedHole& b) { return a.hole.length > b.hole.length; });
   return holes;
 }
 

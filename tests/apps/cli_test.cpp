@@ -237,6 +237,7 @@ TEST_F(Cli, ReportsStatistics) {
   EXPECT_EQ(info["holes"][0]["edges"], 3);
   EXPECT_EQ(info["self_intersections"]["pairs"], 0);
   info.erase("self_intersections");
+  info.erase("verdict");
   EXPECT_EQ(stats["diagnostics"], info);
   EXPECT_EQ(stats["options"]["threads"], 2);
   EXPECT_GT(stats["doubtful_share"], 0.0);
@@ -284,10 +285,49 @@ TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
   EXPECT_EQ(fast["self_intersections"], Json({{"counted", false}}));
   EXPECT_GT(full["self_intersections"]["pairs"], 100);
   EXPECT_FALSE(full["self_intersections"].contains("counted"));
-  fast.erase("self_intersections");
-  full.erase("self_intersections");
+  EXPECT_EQ(fast["verdict"]["kind"], "several_solids");
+  EXPECT_EQ(full["verdict"]["kind"], "overlapping_solids");
+  for (const char* key : {"self_intersections", "verdict"}) {
+    fast.erase(key);
+    full.erase(key);
+  }
   EXPECT_EQ(fast, full);
   expectFailure("info two.ply --fast --picture two.png", ErrorCode::Usage, "leave out --fast");
+}
+
+TEST_F(Cli, EndsInformationWithAVerdict) {
+  const auto verdict = [&](const Mesh& mesh, const std::string& arguments) {
+    writeMesh(path("a mesh.ply"), mesh);
+    const std::string text = succeed("info 'a mesh.ply'" + arguments).out;
+    return text.substr(text.find("\n\n") + 2);
+  };
+  const Mesh torus = shapes::torus(2.0, 0.7, 40, 24), ball = shapes::sphere(1.5, 3);
+  const Mesh two = shapes::joined(torus, ball);
+  const std::string pairs = std::to_string(findSelfIntersections(two).pairs);
+  EXPECT_EQ(verdict(torus, ""), "This is a clean solid, with nothing wrong.\n");
+  EXPECT_EQ(verdict(two, ""), "This is 2 closed parts that overlap: " + pairs +
+                                  " pairs of faces cross.\nTo make it a clean solid: raymap repair "
+                                  "'a mesh.ply' -o 'a mesh.solid.ply'\n");
+  EXPECT_EQ(verdict(two, " --fast"),
+            "This is 2 clean, separate solids, with nothing wrong. Faces that cross were not counted "
+            "(--fast).\n");
+  Mesh torn = torus;
+  torn.triangles.pop_back();
+  std::swap(torn.triangles[9].x, torn.triangles[9].y);
+  EXPECT_TRUE(verdict(torn, "").starts_with(
+      "This is a solid with holes, as scans have: 1 hole, 0.507 wide. It also has "))
+      << verdict(torn, "");
+  EXPECT_NE(verdict(torn, "").find("It also has 1 turned face.\n"), std::string::npos);
+  Mesh square;
+  square.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const std::string sheet = verdict(square, "");
+  const size_t command = sheet.find("raymap mesh ");
+  ASSERT_NE(command, std::string::npos) << sheet;
+  EXPECT_EQ(sheet.substr(command),
+            "raymap mesh 'a mesh.ply' -o 'a mesh.solid.ply' --thickness 0.2 --voxel-size 0.05\n");
+  succeed(sheet.substr(command + 7, sheet.size() - command - 8) + " --device cpu");
+  EXPECT_NEAR(diagnose(readMesh(path("a mesh.solid.ply"))).signedVolume, 20.0, 2.0);
 }
 
 TEST_F(Cli, SamplesCurvesAsAsked) {

@@ -132,11 +132,13 @@ TEST(Diagnostics, TracesHoles) {
   const std::vector<Hole> holes = diagnose(makeMesh(p, t)).holes;
   ASSERT_EQ(holes.size(), 3u);
   const size_t edges[] = {40, 10, 4};
+  const double areas[] = {100.0, 6.0, 1.0};
   const double diameters[] = {std::sqrt(200.0), std::sqrt(13.0), std::sqrt(2.0)};
   const glm::dvec3 centres[] = {{5, 5, 5}, {3, 3.5, 5}, {4.5, 5.5, 5}};
   for (size_t h = 0; h < 3; ++h) {
     EXPECT_EQ(holes[h].edges, edges[h]);
     EXPECT_DOUBLE_EQ(holes[h].length, double(edges[h]));
+    EXPECT_NEAR(holes[h].area, areas[h], 1e-9);
     EXPECT_NEAR(holes[h].diameter, diameters[h], 1e-6);
     EXPECT_LT(glm::distance(holes[h].centre, centres[h]), 1e-6);
   }

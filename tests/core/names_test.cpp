@@ -9,7 +9,7 @@ namespace {
 template <class Enum>
 class NamesOf : public testing::Test {};
 using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
-                             DeviceTestState, ErrorCode>;
+                             DeviceTestState, ErrorCode, MeshKind, Remedy>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {

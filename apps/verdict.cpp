@@ -1,0 +1,166 @@
+#include "verdict.h"
+
+#include <raymap/io.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "report.h"
+
+namespace raymap {
+
+namespace {
+
+/// Returns a number in three digits, or a whole one from a thousand on.
+std::string text(double number) {
+  if (number >= 1000.0 && number < 1e9) return grouped(size_t(std::llround(number)));
+  std::array<char, 32> digits{};
+  std::snprintf(digits.data(), digits.size(), "%.3g", number);
+  return digits.data();
+}
+
+std::string verb(size_t count, const char* one, const char* many) {
+  return count == 1 ? one : many;
+}
+
+/// Returns "a clean solid" or "3 clean, separate solids", with the closed parts that face inwards.
+std::string nameSolids(const Diagnostics& found) {
+  const size_t inward = found.inwardComponents, outward = found.components - inward;
+  std::string words = outward == 1 ? "a clean solid" : grouped(outward) + " clean, separate solids";
+  if (inward > 0)
+    words += " and " + (inward == 1 ? "a cavity" : grouped(inward) + " cavities") + " (" +
+             counted(inward, "closed part") + verb(inward, " that faces", " that face") + " inwards)";
+  return words;
+}
+
+std::string pairsOf(const SelfIntersections& crossings) {
+  return (crossings.isComplete ? "" : "at least ") + counted(crossings.pairs, "pair") + " of faces";
+}
+
+std::string describeHoles(const Diagnostics& found) {
+  const auto widest = std::max_element(found.holes.begin(), found.holes.end(),
+                                       [](const Hole& a, const Hole& b) { return a.diameter < b.diameter; });
+  return counted(found.holes.size(), "hole") + (found.holes.size() == 1 ? ", " : "; the widest is ") +
+         text(widest->diameter) + " wide";
+}
+
+/// Returns what is open besides solids: holes in them, and sheets that lie loose.
+std::string describeOpen(const Diagnostics& found) {
+  const std::string sheets = found.sheets == 0
+                                 ? ""
+                                 : grouped(found.sheets) + " of its " + counted(found.components, "part") +
+                                       verb(found.sheets, " is a sheet", " are sheets");
+  if (found.sheets == found.openComponents) return "a solid with loose sheets: " + sheets;
+  return "a solid with holes, as scans have: " + describeHoles(found) + (sheets.empty() ? "" : "; " + sheets);
+}
+
+/// Returns the end of "This is …".
+std::string nameKind(MeshKind kind, const Diagnostics& found,
+                     const std::optional<SelfIntersections>& crossings) {
+  const std::string parts = counted(found.components, "closed part");
+  switch (kind) {
+    case MeshKind::NoSurface:
+      return "no surface: all faces are degenerate";
+    case MeshKind::DoubleSided:
+      return "a double-sided model: " + grouped(found.doubleSidedFaces) + " of its " +
+             counted(found.triangles, "face") + " lie back to back" +
+             (found.sheetShare > 0.5 ? ", and bound nothing" : "");
+    case MeshKind::Soup:
+      return "a soup of faces: most of them share no edge with another one";
+    case MeshKind::Sheet:
+      return "a sheet: an open surface without a definite inside";
+    case MeshKind::OpenSolid:
+      return describeOpen(found);
+    case MeshKind::TurnedFaces:
+      return "a closed surface, but " + counted(found.flippedFaces, "face") +
+             verb(found.flippedFaces, " points", " point") + " the wrong way";
+    case MeshKind::OverlappingSolids:
+      return parts + " that overlap: " + pairsOf(*crossings) + " cross";
+    case MeshKind::CrossingSolid:
+      return "a closed solid that crosses itself: " + pairsOf(*crossings);
+    case MeshKind::FlawedSolid:
+      return (found.components == 1 ? "a closed solid" : parts) +
+             " with small faults: " + describeDefects(found, crossings);
+    case MeshKind::InsideOut:
+      return (found.components == 1 ? "a solid" : parts) + " turned inside out";
+    case MeshKind::SeveralSolids:
+    case MeshKind::CleanSolid:
+      return nameSolids(found) + ", with nothing wrong";
+  }
+  return {};
+}
+
+/// Returns what else is wrong with a mesh of a kind.
+std::string describeRest(MeshKind kind, const Diagnostics& found,
+                         const std::optional<SelfIntersections>& crossings) {
+  if (kind == MeshKind::FlawedSolid) return {};
+  std::vector<std::string> rest;
+  if (found.flippedFaces > 0 && kind != MeshKind::TurnedFaces)
+    rest.push_back(counted(found.flippedFaces, "turned face"));
+  if (crossings && crossings->pairs > 0 && kind != MeshKind::OverlappingSolids &&
+      kind != MeshKind::CrossingSolid)
+    rest.push_back(pairsOf(*crossings) + " that cross");
+  if (found.nonManifoldEdges > 0 && kind != MeshKind::DoubleSided)
+    rest.push_back(counted(found.nonManifoldEdges, "edge") + " with more than two faces");
+  std::string words;
+  for (size_t r = 0; r < rest.size(); ++r)
+    words += (r == 0 ? "It also has " : r + 1 < rest.size() ? ", " : " and ") + rest[r];
+  return words.empty() ? "" : words + ".";
+}
+
+/// Returns an argument as a shell takes it.
+std::string quoted(const std::string& argument) {
+  const auto isPlain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
+  };
+  if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
+  std::string words = "'";
+  for (const char c : argument) words += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return words + "'";
+}
+
+std::filesystem::path resultFor(const std::filesystem::path& mesh) {
+  const std::vector<std::string> writable = writableMeshExtensions();
+  const std::string extension = mesh.extension().string();
+  const bool canWrite = std::ranges::find(writable, extension) != writable.end();
+  std::filesystem::path result = mesh.filename();
+  return result.replace_extension(canWrite ? ".solid" + extension : ".solid.stl");
+}
+
+/// Returns a thickness for a sheet: a fiftieth of its longest side, in one digit.
+double thicknessFor(const Diagnostics& found) {
+  const glm::dvec3 size = found.bounds.size();
+  const double thickness = std::max({size.x, size.y, size.z}) / 50.0;
+  const double digit = std::pow(10.0, std::floor(std::log10(thickness)));
+  return std::round(thickness / digit) * digit;
+}
+
+}  // namespace
+
+std::string commandFor(const Verdict& verdict, const Diagnostics& found, const std::filesystem::path& mesh) {
+  const std::string files = quoted(mesh.string()) + " -o " + quoted(resultFor(mesh).string());
+  if (verdict.remedy == Remedy::Repair) return "raymap repair " + files;
+  if (verdict.remedy == Remedy::None) return {};
+  const double thickness = thicknessFor(found);
+  return "raymap mesh " + files + " --thickness " + text(thickness) + " --voxel-size " +
+         text(thickness / 4.0);
+}
+
+std::string describe(const Verdict& verdict, const Diagnostics& found,
+                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
+  std::string words = "This is " + nameKind(verdict.kind, found, crossings) + ".";
+  if (const std::string rest = describeRest(verdict.kind, found, crossings); !rest.empty())
+    words += " " + rest;
+  if (!crossings) words += " Faces that cross were not counted (--fast).";
+  words += "\n";
+  const std::string command = commandFor(verdict, found, mesh);
+  if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
+  if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";
+  return words;
+}
+
+}  // namespace raymap

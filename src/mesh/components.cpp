@@ -1,0 +1,80 @@
+#include "mesh/components.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "mesh/face_measures.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kKeysPerTask = size_t{1} << 16;
+constexpr double kSheetShare =
+    0.3;  // Least share of the holes in the area of a sheet closed. A half sphere: 1/3.
+constexpr double kNoVolume = 1e-9;  // Share of the area to the power of 3/2: less may be rounding.
+
+/// A component's area and volume, and the area that closes its holes.
+struct Measure {
+  double area = 0.0, volume = 0.0, holeArea = 0.0;
+  bool isOpen = false;
+
+  bool isSheet() const { return isOpen && holeArea >= kSheetShare * (area + holeArea); }
+  bool isInward() const { return !isOpen && volume < -kNoVolume * std::pow(area, 1.5); }
+};
+
+/// Adds each face to its component.
+void addFaces(const PackedMesh& mesh, const Welding& welding, const glm::dvec3& centre,
+              Components& components, std::span<Measure> measures) {
+  forEachFaceMeasure(mesh, welding, centre, [&](size_t face, const FaceMeasure& measure) {
+    if (!measure.isSurface) return;
+    Measure& m = measures[components.componentOf(welding.ids[mesh.triangles[face].x])];
+    m.area += measure.area;
+    m.volume += measure.volume;
+  });
+}
+
+}  // namespace
+
+Components::Components(std::span<const SortKey> halfEdges, size_t positions) : sets_(positions) {
+  std::vector<uint8_t> isLinked(positions, 0);  // Whether another position was linked to this one.
+  parallelFor(halfEdges.size(), kKeysPerTask, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      if (k > 0 && halfEdges[k].high == halfEdges[k - 1].high) continue;
+      const HalfEdge edge = halfEdgeOf(halfEdges[k]);
+      if (const auto root = sets_.link(edge.low, edge.high))
+        std::atomic_ref(isLinked[*root]).store(1, std::memory_order_relaxed);
+    }
+  });
+  for (uint32_t p = 0; p < positions; ++p)
+    if (isLinked[p] != 0 && sets_.root(p) == p) roots_.push_back(p);
+}
+
+uint32_t Components::componentOf(uint32_t position) {
+  return uint32_t(std::lower_bound(roots_.begin(), roots_.end(), sets_.root(position)) - roots_.begin());
+}
+
+void measureComponents(const PackedMesh& mesh, const Welding& welding, Components& components,
+                       std::span<const TracedHole> holes, Diagnostics& found) {
+  std::vector<Measure> measures(components.count());
+  if (measures.size() == 1)
+    measures[0] = {.area = found.area, .volume = found.signedVolume};
+  else
+    addFaces(mesh, welding, found.bounds.centre() - mesh.origin, components, measures);
+  for (const TracedHole& hole : holes) {
+    Measure& m = measures[components.componentOf(hole.position)];
+    m.holeArea += hole.hole.area;
+    m.isOpen = true;
+  }
+  double sheetArea = 0.0;
+  for (const Measure& m : measures) {
+    found.openComponents += m.isOpen ? 1 : 0;
+    found.inwardComponents += m.isInward() ? 1 : 0;
+    found.sheets += m.isSheet() ? 1 : 0;
+    sheetArea += m.isSheet() ? m.area : 0.0;
+  }
+  found.sheetShare = found.area > 0.0 ? sheetArea / found.area : 0.0;
+}
+
+}  // namespace raymap

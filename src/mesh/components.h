@@ -1,0 +1,35 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesh/disjoint_sets.h"
+#include "mesh/half_edges.h"
+#include "mesh/holes.h"
+
+namespace raymap {
+
+/// Parts of a surface that are connected through shared vertices.
+class Components {
+ public:
+  /// Finds the components among the positions that half edges link.
+  Components(std::span<const SortKey> halfEdges, size_t positions);
+
+  size_t count() const { return roots_.size(); }
+  /// Returns the component of a position that a half edge has.
+  uint32_t componentOf(uint32_t position);
+
+ private:
+  DisjointSets sets_;
+  std::vector<uint32_t> roots_;  ///< Lowest position of each component, ascending.
+};
+
+/// Sets the counts of components that are open, inward or sheets. The area, the volume and the bounds must be
+/// known.
+void measureComponents(const PackedMesh& mesh, const Welding& welding, Components& components,
+                       std::span<const TracedHole> holes, Diagnostics& found);
+
+}  // namespace raymap

@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <string>
+
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+Verdict judged(const Mesh& mesh) {
+  return judge(diagnose(mesh), findSelfIntersections(mesh));
+}
+
+MeshKind kindOf(const Mesh& mesh) {
+  return judged(mesh).kind;
+}
+
+Mesh turned(Mesh mesh) {
+  for (glm::uvec3& t : mesh.triangles) std::swap(t.x, t.y);
+  return mesh;
+}
+
+/// A square box without its lid. The hole's share of the closed box is 1 / (2 + 4 depth).
+Mesh tray(double depth) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, depth});
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
+    return mesh.position(t.x).z > 0.0 && mesh.position(t.y).z > 0.0 && mesh.position(t.z).z > 0.0;
+  });
+  return mesh;
+}
+
+/// A square of area 1.
+Mesh plate() {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+Mesh doubled(const Mesh& mesh) {
+  return shapes::joined(mesh, turned(mesh));
+}
+
+TEST(Verdict, NamesCleanSolids) {
+  const Verdict one = judged(shapes::sphere(1.0, 2));
+  EXPECT_EQ(one.kind, MeshKind::CleanSolid);
+  EXPECT_EQ(one.remedy, Remedy::None);
+  const Verdict two = judged(shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2, {5, 0, 0})));
+  EXPECT_EQ(two.kind, MeshKind::SeveralSolids);
+  EXPECT_EQ(two.remedy, Remedy::None);
+}
+
+TEST(Verdict, TellsCavitiesFromSolidsInsideOut) {
+  const Mesh ball = shapes::sphere(1.0, 2), cavity = turned(shapes::sphere(0.5, 2));
+  const Diagnostics hollow = diagnose(shapes::joined(ball, cavity));
+  EXPECT_EQ(hollow.inwardComponents, 1u);
+  EXPECT_EQ(hollow.openComponents, 0u);
+  EXPECT_EQ(kindOf(shapes::joined(ball, cavity)), MeshKind::CleanSolid);
+  EXPECT_EQ(judged(turned(ball)).kind, MeshKind::InsideOut);
+  EXPECT_EQ(judged(turned(ball)).remedy, Remedy::Repair);
+  EXPECT_EQ(kindOf(turned(shapes::joined(ball, shapes::sphere(1.0, 2, {5, 0, 0})))), MeshKind::InsideOut);
+}
+
+TEST(Verdict, CountsCrossings) {
+  const Mesh two = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2, {1, 0.1, 0.2}));
+  EXPECT_EQ(judged(two).kind, MeshKind::OverlappingSolids);
+  EXPECT_EQ(judged(two).remedy, Remedy::Repair);
+  EXPECT_EQ(judge(diagnose(two), std::nullopt).kind, MeshKind::SeveralSolids);
+  Mesh dented = shapes::sphere(1.0, 2);
+  dented.vertices[0] = dented.vertices[0] * -1.5f;  // Through the other side.
+  EXPECT_EQ(kindOf(dented), MeshKind::CrossingSolid);
+}
+
+TEST(Verdict, NamesSmallFaults) {
+  // Two boxes that share an edge.
+  const Mesh boxes = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({1, 1, 0}, {2, 2, 1}));
+  EXPECT_EQ(kindOf(boxes), MeshKind::FlawedSolid);
+  EXPECT_EQ(judged(boxes).remedy, Remedy::Repair);
+  Mesh repeated = shapes::box({0, 0, 0}, {1, 1, 1});
+  repeated.triangles.push_back({0, 0, 1});
+  EXPECT_EQ(kindOf(repeated), MeshKind::FlawedSolid);
+}
+
+TEST(Verdict, FindsTurnedFacesOfClosedSurfacesOnly) {
+  Mesh mesh = shapes::sphere(1.0, 2);
+  std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
+  EXPECT_EQ(judged(mesh).kind, MeshKind::TurnedFaces);
+  EXPECT_EQ(judged(mesh).remedy, Remedy::Repair);
+  mesh.triangles.pop_back();
+  EXPECT_EQ(kindOf(mesh), MeshKind::OpenSolid);
+}
+
+TEST(Verdict, TellsSheetsFromSolidsWithHoles) {
+  EXPECT_EQ(kindOf(tray(0.34)), MeshKind::OpenSolid);
+  EXPECT_EQ(judged(tray(0.34)).remedy, Remedy::Repair);
+  EXPECT_EQ(kindOf(tray(0.33)), MeshKind::Sheet);
+  EXPECT_EQ(judged(plate()).kind, MeshKind::Sheet);
+  EXPECT_EQ(judged(plate()).remedy, Remedy::Thicken);
+}
+
+TEST(Verdict, JudgesByTheLargerPart) {
+  const auto boxed = [](double side) { return shapes::box({5, 5, 5}, glm::dvec3(5.0 + side)); };
+  const Diagnostics found = diagnose(shapes::joined(boxed(1.0), plate()));
+  EXPECT_EQ(found.components, 2u);
+  EXPECT_EQ(found.openComponents, 1u);
+  EXPECT_EQ(found.sheets, 1u);
+  EXPECT_NEAR(found.sheetShare, 1.0 / 7.0, 1e-12);
+  EXPECT_EQ(kindOf(shapes::joined(boxed(0.42), plate())), MeshKind::OpenSolid);  // Its area is 1.06.
+  EXPECT_EQ(kindOf(shapes::joined(boxed(0.40), plate())), MeshKind::Sheet);      // Its area is 0.96.
+}
+
+TEST(Verdict, JudgesDoubleSidedModelsByOneSide) {
+  const Verdict ball = judged(doubled(shapes::sphere(1.0, 2)));
+  EXPECT_EQ(ball.kind, MeshKind::DoubleSided);
+  EXPECT_EQ(ball.remedy, Remedy::Repair);
+  EXPECT_EQ(judged(doubled(plate())).kind, MeshKind::DoubleSided);
+  EXPECT_EQ(judged(doubled(plate())).remedy, Remedy::Thicken);
+  EXPECT_EQ(diagnose(doubled(plate())).openComponents, 1u);
+  EXPECT_EQ(diagnose(doubled(shapes::sphere(1.0, 2))).openComponents, 0u);
+}
+
+TEST(Verdict, NeedsHalfOfTheFacesToBeDoubleSided) {
+  Diagnostics found{.triangles = 100, .doubleSidedFaces = 50};
+  EXPECT_TRUE(isDoubleSided(found));
+  found.doubleSidedFaces = 49;
+  EXPECT_FALSE(isDoubleSided(found));
+  EXPECT_FALSE(isDoubleSided({}));
+}
+
+TEST(Verdict, NamesSoups) {
+  EXPECT_EQ(judged(shapes::soup(100, 1)).kind, MeshKind::Soup);
+  EXPECT_EQ(judged(shapes::soup(100, 1)).remedy, Remedy::Repair);
+  EXPECT_EQ(kindOf(shapes::soup(1, 1)), MeshKind::Sheet);
+  Diagnostics found{.triangles = 100, .boundaryEdges = 101, .components = 25, .area = 1.0};
+  EXPECT_EQ(judge(found, std::nullopt).kind, MeshKind::Soup);
+  found.components = 24;
+  EXPECT_EQ(judge(found, std::nullopt).kind, MeshKind::OpenSolid);
+  found.components = 25;
+  found.boundaryEdges = 100;
+  EXPECT_EQ(judge(found, std::nullopt).kind, MeshKind::OpenSolid);
+}
+
+TEST(Verdict, KnowsThatThereIsNoSurface) {
+  Mesh mesh = plate();
+  mesh.triangles = {{0, 0, 1}};
+  EXPECT_EQ(judged(mesh).kind, MeshKind::NoSurface);
+  EXPECT_EQ(judged(mesh).remedy, Remedy::None);
+}
+
+TEST(Verdict, HasNames) {
+  EXPECT_EQ(name(MeshKind::NoSurface), "no_surface");
+  EXPECT_EQ(name(MeshKind::OpenSolid), "open_solid");
+  EXPECT_EQ(name(MeshKind::CleanSolid), "clean_solid");
+  EXPECT_EQ(name(Remedy::Thicken), "thicken");
+}
+
+}  // namespace
+}  // namespace raymap
