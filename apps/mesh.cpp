@@ -5,6 +5,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
+#include "mesh_output.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -22,6 +23,7 @@ the grid's box.)";
 
 struct Arguments : FieldArguments {
   std::filesystem::path input, mesh;
+  bool recenter = false;
   IsosurfaceOptions surface;
 };
 
@@ -37,11 +39,14 @@ Mesh makeSurface(const Field& field, const Arguments& arguments) {
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
   checkOutputs({{"--output", arguments.mesh, writableMeshExtensions()}});
-  const Mesh mesh = makeSurface(loadField(arguments.input, arguments), arguments);
-  writeMesh(arguments.mesh, mesh);
+  const StoredMesh stored = storeMesh(
+      arguments.mesh, makeSurface(loadField(arguments.input, arguments), arguments), arguments.recenter);
+  checkStored(stored);
+  const Mesh& mesh = stored.exact;
+  writeMesh(stored.path, mesh, stored.options);
   std::printf("%s, %s\n", counted(mesh.triangles.size(), "triangle").c_str(),
               mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str());
-  printWritten(arguments.mesh);
+  printStored(stored);
 }
 
 }  // namespace
@@ -58,6 +63,7 @@ void addMesh(CLI::App& app) {
       ->required();
   command->add_option("--iso", arguments->surface.iso,
                       "Distance at which the surface lies, in the mesh's units (default 0)");
+  addRecenterOption(*command, arguments->recenter);
   addFieldOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
+#include "mesh_output.h"
 #include "repair_report.h"
 #include "terminal.h"
 
@@ -22,12 +23,21 @@ constexpr const char* kFooter = R"(Examples:
 All lengths are in the mesh's units. The deviation of the result from the mesh is measured and printed.)";
 
 /// Repairs with progress and warnings on stderr.
-Repaired makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments) {
+RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments,
+                       StoredMesh& stored) {
   ProgressLine line;
   Options options = arguments.options;
   options.progress = line.callback();
   options.warn = warn;
-  return repair(mesh, grid, options, arguments.repair);
+  RepairOptions how = arguments.repair;
+  how.finish = [&](Mesh& result) {
+    stored = storeMesh(arguments.result, std::move(result), arguments.recenter);
+    checkStored(stored);
+    result = std::move(stored.stored);
+  };
+  Repaired repaired = repair(mesh, grid, options, how);
+  stored.stored = std::move(repaired.mesh);
+  return std::move(repaired.report);
 }
 
 void run(RepairArguments& arguments) {
@@ -38,15 +48,17 @@ void run(RepairArguments& arguments) {
   const Mesh mesh = loadMesh(arguments.mesh);
   testBeforeFirstUse(arguments.options.device);
   const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
-  const auto [result, report] = makeSolid(mesh, grid, arguments);
+  StoredMesh stored;
+  const RepairReport report = makeSolid(mesh, grid, arguments, stored);
+  checkCrossing(stored, report.crossingAfter.pairs);
   if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");
-  writeMesh(arguments.result, result);
+  writeMesh(stored.path, stored.exact, stored.options);
   if (!arguments.stats.empty())
-    writeAtomically(arguments.stats, [&, &found = report](std::ostream& out) {
-      out << describe(arguments, grid, found).dump(2) << "\n";
+    writeAtomically(arguments.stats, [&](std::ostream& out) {
+      out << describe(arguments, grid, report, stored.options).dump(2) << "\n";
     });
   print(arguments, grid, report);
-  printWritten(arguments.result);
+  printStored(stored);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
@@ -108,6 +120,7 @@ void addRepair(CLI::App& app) {
   command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl or .glb")
       ->type_name("FILE")
       ->required();
+  addRecenterOption(*command, arguments->recenter);
   command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
   addRepairGridOptions(*command, *arguments);
   addOrientationOption(*command, *arguments);

@@ -62,7 +62,8 @@ bool isSound(const Diagnostics& found) {
   return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0;
 }
 
-Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
+Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report,
+              const MeshWriteOptions& written) {
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
           {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
@@ -74,6 +75,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"drain_hole", arguments.repair.drainHole},
             {"keep_cavities", arguments.repair.keepCavities},
             {"remesh", arguments.repair.remesh}}},
+          {"file_offset", toJson(written.offset)},
           {"before", toJson(report.before, report.crossingBefore)},
           {"after", toJson(report.after, report.crossingAfter)},
           {"result_from_mesh", toJson(report.ofResult)},
@@ -111,7 +113,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
-              isSound(report.after) ? "checked: watertight, faces outwards" : "NOT watertight");
+              isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT watertight");
   printRemoved(report);
   std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
               report.after.signedVolume);

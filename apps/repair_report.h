@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "field_options.h"
+#include "mesh_output.h"
 #include "report.h"
 
 namespace raymap {
@@ -18,13 +19,15 @@ struct RepairArguments : FieldArguments {
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;
+  bool recenter = false;
 };
 
 /// Returns whether a result is what `raymap repair` promises: watertight, with its faces outwards.
 bool isSound(const Diagnostics& found);
 
 /// Returns all figures of a repair, as `--stats` writes them.
-Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report);
+Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report,
+              const MeshWriteOptions& written);
 
 /// Prints what a repair did, for people.
 void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report);

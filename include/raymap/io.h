@@ -25,11 +25,23 @@ RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const WarningCallbac
 RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
                                          const WarningCallback& warn = {});
 
+/// How to write a mesh.
+struct MeshWriteOptions {
+  glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
+};
+
 /// Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all. An
 /// STL has single precision and no shared vertices; the other formats keep every position and index. Throws
-/// `Error`: Usage for another extension, Input (see `validate`), File, Unsupported if the format cannot hold
-/// so many triangles.
-RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh);
+/// `Error`: Usage for another extension or an offset that is not finite, Input (see `validate`), File,
+/// Unsupported if the format cannot hold so many triangles.
+RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh,
+                          const MeshWriteOptions& options = {});
+
+/// Returns a mesh as `writeMesh` would round it for this extension, moved back by the offset. Far from 0,
+/// rounding can make faces degenerate. Throws `Error(Usage)` for another extension or an offset that is not
+/// finite, Input (see `validate`).
+RAYMAP_API Mesh asStored(const std::filesystem::path& path, const MeshView& mesh,
+                         const MeshWriteOptions& options = {});
 
 /// Returns the file name extensions that `readMesh` knows, with the dot and in lower case.
 RAYMAP_API std::vector<std::string> meshExtensions();

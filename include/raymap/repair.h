@@ -5,6 +5,7 @@
 #include <raymap/grid.h>
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 namespace raymap {
@@ -20,7 +21,9 @@ struct RepairOptions {
   std::optional<double> dropSmaller = {};
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
   bool remesh = false;        ///< Whether to make a mesh anew that has nothing wrong and needs no change.
-  bool measure = true;        ///< Whether to measure both meshes and how far they deviate; takes longer.
+  /// Called with the result before it is measured, for example to round it as a file does.
+  std::function<void(Mesh&)> finish = {};
+  bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
 };
 
 /// How far points of one surface lie from where they should, in the mesh's units.

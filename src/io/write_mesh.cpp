@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "io/mesh/mesh_file.h"
 #include "io/mesh/mesh_formats.h"
@@ -14,30 +15,52 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  void (*write)(std::ostream& out, const PackedMesh& mesh);
+  void (*write)(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
+  Precision precision;
 };
 
-constexpr std::array kFormats{Format{".ply", writePly}, Format{".obj", writeObj}, Format{".stl", writeStl},
-                              Format{".glb", writeGlb}};
+constexpr std::array kFormats{
+    Format{".ply", writePly, Precision::Double}, Format{".obj", writeObj, Precision::Double},
+    Format{".stl", writeStl, Precision::Single}, Format{".glb", writeGlb, Precision::Origin}};
+
+const Format& formatOf(const std::filesystem::path& path) {
+  const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
+  if (format != kFormats.end()) return *format;
+  std::string known;
+  for (const Format& f : kFormats) known.append(" ").append(f.extension);
+  throw Error(ErrorCode::Usage, path.string() + ": meshes are written as" + known);
+}
+
+/// Returns the mesh moved by -offset. It refers to the arrays of the packer or the view.
+PackedMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& packer) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!std::isfinite(offset[axis])) throw Error(ErrorCode::Usage, "the offset of a mesh must be finite");
+  validate(view);
+  PackedMesh mesh = packer.pack(view);
+  mesh.origin -= offset;
+  return mesh;
+}
 
 }  // namespace
 
-void writeMesh(const std::filesystem::path& path, const MeshView& view) {
-  const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
-  if (format == kFormats.end()) {
-    std::string known;
-    for (const Format& f : kFormats) known.append(" ").append(f.extension);
-    throw Error(ErrorCode::Usage, path.string() + ": meshes are written as" + known);
-  }
-  validate(view);
+void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
+  const Format& format = formatOf(path);
   MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const PackedMesh mesh = moved(view, options.offset, packer);
   try {
-    writeAtomically(path, [&](std::ostream& out) { format->write(out, mesh); });
+    writeAtomically(path, [&](std::ostream& out) { format.write(out, mesh, options.offset); });
   } catch (const Error& error) {
     if (error.code() != ErrorCode::Unsupported) throw;
     throw Error(error.code(), path.string() + ": " + error.what());
   }
+}
+
+Mesh asStored(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
+  const Format& format = formatOf(path);
+  MeshPacker packer;
+  Mesh mesh = rounded(moved(view, options.offset, packer), format.precision);
+  mesh.origin += options.offset;
+  return mesh;
 }
 
 std::vector<std::string> writableMeshExtensions() {

@@ -80,6 +80,7 @@ void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOp
   if (!keepFaces(mesh, repair, options.warn, repaired)) return;
   requireParts(repaired.mesh);
   countPieces(repaired.mesh, report);
+  if (repair.finish) repair.finish(repaired.mesh);
   inspect(repaired.mesh, report.after, report.crossingAfter);
 }
 
@@ -157,6 +158,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     stage("hollow", [&] { result = makeSurface(solid, options); });
   }
   countPieces(result, report);
+  if (repair.finish) repair.finish(result);
   if (!repair.measure) return repaired;
   solid = {};
   stage("measure",

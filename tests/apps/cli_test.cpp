@@ -587,6 +587,43 @@ TEST_F(Cli, RepairsAMesh) {
                 "bounds nothing");
 }
 
+TEST_F(Cli, RefusesAFormatThatBreaksTheResult) {
+  writeMesh(path("far.obj"), shapes::box({5e5, 5.5e6, 300.0}, {5e5 + 10.0, 5.5e6 + 8.0, 306.0}));
+  for (const char* command : {"repair", "mesh"}) {
+    const std::string run = std::string(command) + " far.obj --resolution 64 -o far";
+    expectFailure(run + ".stl", ErrorCode::Unsupported, "write a .ply, .obj or .glb, or add --recenter");
+    EXPECT_FALSE(fs::exists(path("far.stl")));
+    const std::string text = succeed(run + ".stl --recenter").out;
+    EXPECT_NE(text.find("recentered: add 500005 5500004 303 to the positions"), std::string::npos) << text;
+    const Diagnostics found = diagnose(readMesh(path("far.stl")));
+    EXPECT_TRUE(found.watertight);
+    EXPECT_EQ(found.degenerateFaces, 0);
+    EXPECT_NEAR(found.signedVolume, 480.0, 1.0);
+    EXPECT_NEAR(found.bounds.min.y, -4.0, 0.01);
+    fs::remove(path("far.stl"));
+    for (const char* format : {".ply", ".obj", ".glb"}) {
+      EXPECT_EQ(succeed(run + format).out.find("recentered"), std::string::npos);
+      const Diagnostics kept = diagnose(readMesh(path(std::string("far") + format)));
+      EXPECT_TRUE(kept.watertight);
+      EXPECT_NEAR(kept.bounds.min.y, 5.5e6, 0.01);
+    }
+  }
+  succeed("repair far.obj --resolution 64 -o far.ply --recenter --stats far.json");
+  EXPECT_EQ(json("far.json")["file_offset"], Json({500005.0, 5500004.0, 303.0}));
+  EXPECT_LT(json("far.json")["mesh_from_result"]["max"], 0.02);
+}
+
+TEST_F(Cli, MeasuresTheMeshAsStored) {
+  // Steps of 2^-6 are small enough to keep the box whole, but larger than the result's other deviations.
+  writeMesh(path("far.obj"), shapes::box({2e5, 0.0, 0.0}, {2e5 + 10.003, 8.0, 6.0}));
+  const auto deviation = [&](const std::string& file) {
+    succeed("repair far.obj --resolution 64 --stats s.json -o " + file);
+    return json("s.json")["result_from_mesh"]["mean"].get<double>();
+  };
+  EXPECT_GT(deviation("far.stl"), 2.0 * deviation("far.ply"));
+  EXPECT_LT(deviation("far.stl --recenter"), 1.01 * deviation("far.ply"));
+}
+
 TEST_F(Cli, LeavesHolesAndFacesAsTheyAreOnRequest) {
   Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
   for (size_t f = 0; f < mesh.triangles.size(); f += 5) turnFaces(mesh, std::vector<uint32_t>{uint32_t(f)});

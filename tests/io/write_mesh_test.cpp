@@ -50,6 +50,41 @@ TEST_P(WriteMesh, LosesNothingFarAway) {
   expectSame(readMesh(path()), mesh, hasShared() ? 1e-7 : 0.25);  // An STL holds seven digits.
 }
 
+TEST_P(WriteMesh, HoldsWhatAsStoredSays) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  mesh.origin = {1e6, -3e6, 0.1};
+  for (const glm::dvec3& offset : {glm::dvec3(0.0), glm::dvec3(1e6, -3e6, 0.0)}) {
+    writeMesh(path(), mesh, {offset});
+    Mesh read = readMesh(path());
+    read.origin += offset;
+    expectSame(read, asStored(path(), mesh, {offset}), 1e-8);
+    // Only what is far from 0 in an STL loses digits.
+    const bool isCoarse = !hasShared() && offset.x == 0.0;
+    double largest = 0.0;
+    for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+      largest =
+          std::max(largest, glm::distance(asStored(path(), mesh, {offset}).position(v), mesh.position(v)));
+    EXPECT_EQ(largest > 0.03, isCoarse) << largest;
+    EXPECT_EQ(largest > 1e-6, isCoarse) << largest;
+  }
+}
+
+TEST_P(WriteMesh, NotesTheOffset) {
+  const Mesh mesh = shapes::box({10.5, 20.0, -30.25}, {11.5, 21.0, -29.25});
+  const auto written = [&](const glm::dvec3& offset) {
+    writeMesh(path(), mesh, {offset});
+    return readBytes(path());
+  };
+  EXPECT_EQ(written(glm::dvec3(0.0)).find("offset "), std::string::npos);
+  const char* note = GetParam() == std::string(".glb") ? "\"extras\":{\"offset\":[11.0,20.0,-30.25]}"
+                                                       : "offset 11 20 -30.25";
+  EXPECT_NE(written({11.0, 20.0, -30.25}).find(note), std::string::npos);
+  const Box box = bounds(readMesh(path()));
+  EXPECT_EQ(box.min, glm::dvec3(-0.5, 0.0, 0.0));
+  EXPECT_EQ(box.max, glm::dvec3(0.5, 1.0, 1.0));
+  EXPECT_THROW(writeMesh(path(), mesh, {glm::dvec3(0.0, NAN, 0.0)}), Error);
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, WriteMesh, testing::Values(".ply", ".obj", ".stl", ".glb"),
                          [](const auto& test) { return std::string(test.param).substr(1); });
 

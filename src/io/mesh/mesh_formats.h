@@ -1,18 +1,38 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
 #include <iosfwd>
+#include <string>
 
 #include "mesh/packed_mesh.h"
 
 namespace raymap {
 
-// One writer per format, for `writeMesh`.
-void writePly(std::ostream& out, const PackedMesh& mesh);
-void writeObj(std::ostream& out, const PackedMesh& mesh);
-void writeStl(std::ostream& out, const PackedMesh& mesh);
-void writeGlb(std::ostream& out, const PackedMesh& mesh);
+/// How a format rounds positions.
+enum class Precision : uint8_t {
+  Single,  ///< To single precision.
+  Double,  ///< To double precision.
+  Origin,  ///< Not at all: it keeps single precision about a double-precision origin.
+};
+
+/// Returns the position of a vertex in a file of single precision.
+inline glm::vec3 singlePosition(const PackedMesh& mesh, uint32_t vertex) {
+  return glm::vec3(mesh.position(vertex));
+}
+
+/// Returns the mesh as a file holds it.
+Mesh rounded(const PackedMesh& mesh, Precision precision);
+
+/// Returns a line for the file that says how to move the mesh back; empty for no offset.
+std::string offsetNote(const glm::dvec3& offset);
+
+// One writer per format, for `writeMesh`. The mesh is moved already; `offset` is only noted.
+void writePly(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
+void writeObj(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
+void writeStl(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
+void writeGlb(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
 
 static_assert(std::endian::native == std::endian::little, "files are written in the machine's byte order");
 

@@ -23,10 +23,12 @@ Json vector(const glm::dvec3& v) {
 
 /// Returns the JSON chunk. Vertices are stored relative to the mesh's origin. The node's translation holds
 /// the origin in double precision.
-Json describe(const PackedMesh& mesh, size_t vertexBytes, size_t triangleBytes) {
+Json describe(const PackedMesh& mesh, const glm::dvec3& offset, size_t vertexBytes, size_t triangleBytes) {
   glm::vec3 low(INFINITY), high(-INFINITY);
   for (const glm::vec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
-  return {{"asset", {{"version", "2.0"}, {"generator", "raymap"}}},
+  Json asset = {{"version", "2.0"}, {"generator", "raymap"}};
+  if (offset != glm::dvec3(0.0)) asset["extras"] = {{"offset", vector(offset)}};
+  return {{"asset", std::move(asset)},
           {"scene", 0},
           {"scenes", {{{"nodes", {0}}}}},
           {"nodes", {{{"mesh", 0}, {"translation", vector(mesh.origin)}}}},
@@ -59,12 +61,12 @@ void writeNumbers(std::ostream& out, const std::array<uint32_t, 2>& numbers) {
 
 }  // namespace
 
-void writeGlb(std::ostream& out, const PackedMesh& mesh) {
+void writeGlb(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
   constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBinary = 0x004e4942;
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   const size_t vertexBytes = mesh.vertices.size() * sizeof(glm::vec3);
   const size_t triangleBytes = mesh.triangles.size() * sizeof(glm::uvec3);
-  std::string json = describe(mesh, vertexBytes, triangleBytes).dump();
+  std::string json = describe(mesh, offset, vertexBytes, triangleBytes).dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const size_t binary = vertexBytes + triangleBytes;
   const size_t total = kHeader + kChunkHeader + json.size() + kChunkHeader + binary;

@@ -4,9 +4,11 @@
 
 namespace raymap {
 
-void writePly(std::ostream& out, const PackedMesh& mesh) {
+void writePly(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
   // Double precision, because a vertex is a float relative to a double-precision origin.
-  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.vertices.size()
+  out << "ply\nformat binary_little_endian 1.0\n";
+  if (const std::string note = offsetNote(offset); !note.empty()) out << "comment " << note << "\n";
+  out << "element vertex " << mesh.vertices.size()
       << "\nproperty double x\nproperty double y\nproperty double z\nelement face " << mesh.triangles.size()
       << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {

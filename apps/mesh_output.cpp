@@ -1,0 +1,108 @@
+#include "mesh_output.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "repair_report.h"
+
+namespace raymap {
+
+namespace {
+
+std::string text(const glm::dvec3& v) {
+  std::string result;
+  for (int axis = 0; axis < 3; ++axis) {
+    char digits[32];
+    result.append(axis > 0 ? " " : "").append(digits, std::to_chars(digits, digits + 32, v[axis]).ptr);
+  }
+  return result;
+}
+
+/// Returns the centre of the bounds as multiples of the power of ten that is a tenth of the size or less.
+glm::dvec3 roundCentre(const Box& box) {
+  const glm::dvec3 size = box.size(), centre = box.centre();
+  const double exponent = std::floor(std::log10(0.1 * std::max({size.x, size.y, size.z})));
+  // Divides by a whole number: a step below 1 has no exact value.
+  const double whole = std::pow(10.0, std::abs(exponent));
+  return exponent < 0.0 ? glm::round(centre * whole) / whole : glm::round(centre / whole) * whole;
+}
+
+bool isRounded(const StoredMesh& mesh) {
+  if (mesh.exact.origin == mesh.stored.origin) return mesh.exact.vertices != mesh.stored.vertices;
+  for (uint32_t v = 0; v < mesh.exact.vertices.size(); ++v)
+    if (mesh.exact.position(v) != mesh.stored.position(v)) return true;
+  return false;
+}
+
+/// Returns whether a mesh is a solid if the exact one is, with as many positions.
+bool holds(const Diagnostics& found, const Diagnostics& exact) {
+  return (isSound(found) || !isSound(exact)) && found.weldedVertices >= exact.weldedVertices;
+}
+
+/// Returns other formats that hold the mesh, as "a .ply, .obj or .glb".
+std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact) {
+  std::vector<std::string> fit;
+  for (const std::string& extension : writableMeshExtensions()) {
+    const Mesh stored = asStored("mesh" + extension, mesh.exact, mesh.options);
+    if (holds(diagnose(stored, {.isBrief = true}), exact)) fit.push_back(extension);
+  }
+  std::string list;
+  for (size_t i = 0; i < fit.size(); ++i) list += (i == 0 ? "" : i + 1 < fit.size() ? ", " : " or ") + fit[i];
+  return list;
+}
+
+[[noreturn]] void fail(const StoredMesh& mesh, const Diagnostics& exact, const std::string& what) {
+  const std::string formats = formatsThatHold(mesh, exact);
+  throw Error(ErrorCode::Unsupported,
+              mesh.path.string() + ": the precision of this format breaks the mesh so far from (0, 0, 0): " +
+                  what + "; " + (formats.empty() ? "no format holds it there" : "write a " + formats) +
+                  (mesh.options.offset == glm::dvec3(0.0) ? ", or add --recenter" : ""));
+}
+
+}  // namespace
+
+void addRecenterOption(CLI::App& command, bool& recenter) {
+  command.add_flag("--recenter", recenter,
+                   "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; "
+                   "the offset is printed, and noted in the file");
+}
+
+StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, bool recenter) {
+  StoredMesh result{path, {}, std::move(mesh), {}};
+  if (recenter) result.options.offset = roundCentre(bounds(result.exact));
+  result.stored = asStored(path, result.exact, result.options);
+  return result;
+}
+
+void checkStored(const StoredMesh& mesh) {
+  if (!isRounded(mesh)) return;
+  const Diagnostics found = diagnose(mesh.stored, {.isBrief = true});
+  if (isSound(found) && found.weldedVertices == found.vertices) return;
+  const Diagnostics exact = diagnose(mesh.exact, {.isBrief = true});
+  if (holds(found, exact)) return;
+  fail(mesh, exact,
+       grouped(exact.weldedVertices - found.weldedVertices) + " of " +
+           counted(exact.weldedVertices, "position") + " coincide with others and " +
+           counted(found.degenerateFaces, "face") + " of " + grouped(found.triangles) + " have no area");
+}
+
+void checkCrossing(const StoredMesh& mesh, size_t crossing) {
+  if (crossing == 0 || !isRounded(mesh)) return;
+  const size_t before = findSelfIntersections(mesh.exact).pairs;
+  if (crossing > before)
+    fail(mesh, diagnose(mesh.exact, {.isBrief = true}),
+         counted(crossing, "pair") + " of faces cross instead of " + grouped(before));
+}
+
+void printStored(const StoredMesh& mesh) {
+  printWritten(mesh.path);
+  const glm::dvec3& offset = mesh.options.offset;
+  if (offset != glm::dvec3(0.0))
+    std::printf("recentered: add %s to the positions in the file\n", text(offset).c_str());
+}
+
+}  // namespace raymap

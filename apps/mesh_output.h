@@ -1,0 +1,36 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+#include <raymap/io.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+namespace raymap {
+
+/// A mesh, and how its file will hold it.
+struct StoredMesh {
+  std::filesystem::path path;
+  MeshWriteOptions options;
+  Mesh exact;   ///< The mesh before it is rounded.
+  Mesh stored;  ///< The mesh as the file holds it, moved back by the offset.
+};
+
+/// Adds the option `--recenter`.
+void addRecenterOption(CLI::App& command, bool& recenter);
+
+/// Rounds a mesh as the file will. Moves its centre to about 0 if `recenter` is set: by whole multiples of a
+/// power of ten, so that people can type the offset.
+StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, bool recenter);
+
+/// Diagnoses the stored mesh if it differs from the exact one. Throws `Error(Unsupported)` if rounding broke
+/// it. The message names formats that hold it.
+void checkStored(const StoredMesh& mesh);
+
+/// Throws as above if rounding made faces cross. `crossing` is the number of pairs in the stored mesh.
+void checkCrossing(const StoredMesh& mesh, size_t crossing);
+
+/// Prints the file that was written, and its offset.
+void printStored(const StoredMesh& mesh);
+
+}  // namespace raymap
