@@ -158,7 +158,24 @@ TEST(Surface, FollowsTheWindingNumberOfOpenMeshes) {
   EXPECT_LT(sum, 1e-3 * double(points.size()));
 }
 
-// docs/points.md: beside open meshes, single precision decides on which side a point lies.
+TEST(Surface, HasNoWrongSignCloseToOpenSurfacesAwayFromRims) {
+  const Mesh whole = shapes::sphere(1.0, 3);
+  const Mesh open = keepTriangles(whole, [&](const glm::uvec3& t) { return whole.position(t.x).z < 0.8; });
+  const Surface surface(open);
+  for (const double reach : {1e-6, 1e-8, 1e-10}) {
+    std::vector<glm::dvec3> points = nearPoints(open, 1000, reach);
+    std::erase_if(points, [](const glm::dvec3& p) { return p.z > 0.4; });
+    const QueryResult plain = surface.query(points), closely = surface.query(points, {.winding = true});
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double winding = reference::windingNumber(open, points[i]);
+      ASSERT_EQ(std::signbit(plain.distance[i]), winding > 0.5) << i;
+      ASSERT_EQ(closely.distance[i], plain.distance[i]) << i;
+      ASSERT_NEAR(closely.winding[i], winding, 0.01) << i;
+    }
+  }
+}
+
+// docs/points.md: beside rims, single precision decides on which side a point lies.
 TEST(Surface, KnowsTheSidesOfOpenMeshesDownToRounding) {
   const Mesh mesh = withHoles(shapes::sphere(1.0, 3), 3, 0.1, 2);
   for (const double reach : {1e-4, 1e-6}) {

@@ -83,12 +83,20 @@ void PointWinding::crossFrom(uint32_t sample, const WindingPoints& points, std::
         changes_[k] == kUnsure ? NAN : source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
 }
 
-/// Computes a whole number in double precision. Tries all samples around the point, and at last the lattice's
-/// first, which lies outside. Returns false if the point lies on the surface.
+/// Returns whether crossings in double precision may decide. They always may if all numbers are whole. Else
+/// only away from rims, for points that single precision cannot tell from the surface.
+bool PointWinding::mayCrossExactly(const glm::vec3& p, float distance) const {
+  return source_.lattice.isWhole() || (distance <= slack_ && !isOutside(p) && !isNearRim(p));
+}
+
+/// Computes a number by crossings in double precision, from a sample around the point. If all numbers are
+/// whole, tries all of these, and at last the lattice's first, which lies outside. Returns false if it stays
+/// unsure: then perhaps the point lies on the surface.
 bool PointWinding::crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding) {
   const Grid& grid = source_.lattice.grid;
   const glm::ivec3 low = glm::clamp(glm::ivec3(cells), glm::ivec3(0), glm::max(dims_ - 2, 0));
-  for (uint32_t c = 0; c <= kCorners; ++c) {
+  const bool isWhole = source_.lattice.isWhole();
+  for (uint32_t c = 0; c < kCorners + uint32_t{isWhole}; ++c) {
     const glm::ivec3 corner =
         c < kCorners ? glm::min(low + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), dims_ - 1) : glm::ivec3(0);
     const size_t sample = grid.index(corner);
@@ -98,9 +106,11 @@ bool PointWinding::crossExactly(const glm::dvec3& p, const glm::vec3& cells, flo
     for (uint32_t& t : faces_) t = source_.tree.triangleId(t);
     const glm::dvec3 exactFrom = grid.position(from) - source_.mesh.origin;
     const int32_t change = countCrossingsExactly(source_.mesh, source_.turns, faces_, exactFrom, p);
-    if (change == kUnsure) continue;
-    winding = source_.lattice.winding[sample] + static_cast<float>(change);
-    return true;
+    if (change != kUnsure) {
+      winding = source_.lattice.winding[sample] + static_cast<float>(change);
+      return true;
+    }
+    if (!isWhole) return false;
   }
   return false;
 }
@@ -131,8 +141,8 @@ void PointWinding::compute(const WindingPoints& points, std::span<float> winding
   asked_.clear();
   ends_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i) {
-    if (isWhole && std::isnan(winding[i]) && crossExactly(points.exact[i], points.cells[i], winding[i]))
-      continue;
+    if (std::isnan(winding[i]) && mayCrossExactly(points.cells[i], points.distance[i]))
+      crossExactly(points.exact[i], points.cells[i], winding[i]);
     if (!std::isnan(winding[i]) && isSettled(winding[i], points.distance[i])) continue;
     asked_.push_back(i);
     ends_.push_back(points.cells[i]);
@@ -143,10 +153,17 @@ void PointWinding::compute(const WindingPoints& points, std::span<float> winding
 }
 
 void PointWinding::computeClosely(const WindingPoints& points, std::span<float> winding) {
-  if (source_.lattice.isWhole())
+  if (source_.lattice.isWhole()) {
     compute(points, winding);
-  else
-    source_.dipoles.settleAt(source_.tree, points.cells, source_.threshold, 1, winding);
+    return;
+  }
+  source_.dipoles.settleAt(source_.tree, points.cells, source_.threshold, 1, winding);
+  for (size_t i = 0; i < points.cells.size(); ++i) {
+    if (!mayCrossExactly(points.cells[i], points.distance[i])) continue;
+    float crossed = NAN;
+    if (crossExactly(points.exact[i], points.cells[i], crossed) && isSettled(crossed, points.distance[i]))
+      winding[i] += std::round(crossed - winding[i]);
+  }
 }
 
 }  // namespace raymap::cpu

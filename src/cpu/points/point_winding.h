@@ -71,6 +71,7 @@ class PointWinding {
   bool isOutside(const glm::vec3& p) const;
   bool isNearRim(const glm::vec3& p) const;
   bool isSettled(float winding, float distance) const;
+  bool mayCrossExactly(const glm::vec3& p, float distance) const;
   void crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                  std::span<float> winding);
   bool crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding);
