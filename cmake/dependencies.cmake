@@ -10,6 +10,7 @@ find_package(hwy REQUIRED)
 if(RAYMAP_IO)
   find_package(nlohmann_json REQUIRED)
   find_package(ZLIB REQUIRED)
+  find_package(EXPAT REQUIRED)
   # Linked by name, as OpenVDB is: Debian's packages of minizip and OpenVDB have no CMake configuration.
   find_path(MINIZIP_INCLUDE minizip/unzip.h REQUIRED)
   find_path(PUGIXML_INCLUDE pugixml.hpp REQUIRED)

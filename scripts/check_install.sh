@@ -24,7 +24,7 @@ if [[ -n $unknown ]]; then
 fi
 
 mkdir -p build/install
-python3 tests/consumer/make_3mf.py "$work/tetrahedron.3mf"
+cp tests/consumer/tetrahedron.dae "$work"
 cp -r tests/consumer "$work/consumer"
 
 install_library() { # kind, options of CMake
@@ -46,10 +46,10 @@ check() {
   checks+=("$! $*")
 }
 
-run() { # program: in a folder that holds the 3MF and nothing else
+run() { # program: in a folder that holds the DAE and nothing else
   local folder
   folder=$(mktemp -d -p "$work")
-  cp "$work/tetrahedron.3mf" "$folder"
+  cp "$work/tetrahedron.dae" "$folder"
   (cd "$folder" && "$@")
 }
 
@@ -64,13 +64,13 @@ c_compiler() { sed 's/clang++/clang/; s/g++/gcc/' <<<"$1"; }
 
 check_program() { # kind
   "$work/$1/bin/raymap" --version
-  run "$work/$1/bin/raymap" info tetrahedron.3mf
+  run "$work/$1/bin/raymap" info tetrahedron.dae
 }
 
 check_cmake() { # kind, compiler, project in tests/consumer
   local kind=$1 compiler=$2 project=$3 build="$work/$1-$2-$3"
   local forbidden=()
-  if [[ $project == core || $project == refused ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
+  if [[ $project == core || $project == refused ]]; then forbidden=(-DCMAKE_DISABLE_FIND_PACKAGE_{PNG,ZLIB,EXPAT,Imath,Vulkan,nlohmann_json,assimp}=ON); fi
   set -x
   cmake -S "$work/consumer/$project" -B "$build" -G Ninja -DCMAKE_PREFIX_PATH="$work/$kind" \
     -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_C_COMPILER="$(c_compiler "$compiler")" \

@@ -16,7 +16,7 @@ folder=$work/system/trial
 mkdir "$folder"
 cp build/wheels/*.whl python/tests/{use_wheel,pages}.py "$folder"
 cp --parents README.md python/README.md docs/{python,datasets}.md "$folder"
-"$python" tests/consumer/make_3mf.py "$folder/tetrahedron.3mf"
+cp tests/consumer/tetrahedron.dae "$folder"
 build/wheel-env/bin/python -m pip download --quiet --disable-pip-version-check --only-binary=:all: --dest "$folder" numpy
 
 # /proc vanishes with the namespace.

@@ -10,10 +10,10 @@ packages=(
   libtbb-dev                     # threads
   libhwy-dev                     # SIMD
   libglm-dev                     # vectors
-  libassimp-dev                  # FBX, DAE and 3MF
+  libassimp-dev                  # FBX and DAE
   nlohmann-json3-dev             # glTF, statistics
   libpng-dev zlib1g-dev          # pictures, compressed fields
-  libpugixml-dev libminizip-dev  # .vti, .npz
+  libpugixml-dev libminizip-dev libexpat1-dev  # .vti, .npz and .3mf
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
   libvulkan-dev libvulkan-volk-dev glslc  # GPUs: headers, the loader's loader, the shader compiler;

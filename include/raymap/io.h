@@ -16,7 +16,8 @@ namespace raymap {
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
 /// differ by content. Applies node transforms and instances, cuts polygons into triangles, joins all meshes
-/// of the file. Throws `Error`: File, or Input that names the file, the element and the value.
+/// of the file. Positions are as the file has them; those of a 3MF are in millimetres. Throws `Error`: File,
+/// Memory, or Input that names the file, the element and the value; Unsupported.
 RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn = {});
 
 /// Reads a glTF or GLB file with its skins and one of its animations; a mesh without any stands still. Keeps

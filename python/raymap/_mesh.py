@@ -105,8 +105,8 @@ def _restore(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origi
 def load_mesh(path: str | os.PathLike[str]) -> Mesh:
     """Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE by extension.
 
-    Positions are those of the file, in its units, with the transforms of its nodes. Polygons are cut into triangles;
-    all meshes of the file are joined. Odd things in the file are warnings (``RaymapWarning``).
+    Positions are those of the file, in its units (of a 3MF, in millimetres), with the transforms of its nodes. Polygons
+    are cut into triangles; all meshes of the file are joined. Odd things in the file are warnings (``RaymapWarning``).
 
     Raises:
         FileError: The file cannot be read.

@@ -11,7 +11,7 @@ import numpy as np
 import raymap
 from pages import run_page
 
-field = raymap.signed_distance("tetrahedron.3mf", resolution=32)  # Read by the child process, which needs Assimp.
+field = raymap.signed_distance("tetrahedron.dae", resolution=32)  # Read by the child process, which needs Assimp.
 field.save("field.vdb")  # Written by OpenVDB, and read by the child process.
 again = raymap.load_field("field.vdb")
 np.testing.assert_array_equal(again.distance, field.distance)

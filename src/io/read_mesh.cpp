@@ -21,7 +21,7 @@ struct Format {
 
 constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly},   Format{".stl", readStl},
                               Format{".off", readOff}, Format{".gltf", readGltf}, Format{".glb", readGltf},
-                              Format{".3mf", nullptr}, Format{".fbx", nullptr},   Format{".dae", nullptr}};
+                              Format{".3mf", read3mf}, Format{".fbx", nullptr},   Format{".dae", nullptr}};
 
 #ifdef RAYMAP_ASSIMP
 constexpr bool kHasAssimp = true;

@@ -1,5 +1,5 @@
-// The first program of a new user: README's lines, then a 3MF in and a .vdb out. Runs in a folder that holds
-// tetrahedron.3mf.
+// The first program of a new user: README's lines, then a DAE in and a .vdb out. Runs in a folder that holds
+// tetrahedron.dae.
 
 #include <raymap/raymap.h>
 
@@ -31,8 +31,8 @@ void measureScan() {
 }
 
 void useFiles() {
-  const raymap::Mesh mesh = raymap::readMesh("tetrahedron.3mf");
-  require(mesh.triangles.size() == 4, "the 3MF has four triangles");
+  const raymap::Mesh mesh = raymap::readMesh("tetrahedron.dae");
+  require(mesh.triangles.size() == 4, "the DAE has four triangles");
   raymap::writeMesh("scan.ply", mesh);
   measureScan();
 

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "import_samples.h"
+#include "mesh_samples.h"
 
 namespace raymap {
 namespace {
@@ -29,26 +30,9 @@ std::string errorAs(const std::string& extension, const std::string& bytes) {
 }
 
 TEST(ImportMesh, ReadsEachFormat) {
-  EXPECT_TRUE(isSquare(readAs(".3mf", samples::threeMf())));
   EXPECT_TRUE(isSquare(readAs(".dae", samples::dae())));
   EXPECT_TRUE(isSquare(readAs(".fbx", samples::fbx())));
   EXPECT_TRUE(isSquare(readAs(".DAE", samples::dae())));
-}
-
-TEST(ImportMesh, AppliesComponentsOf3mf) {
-  const std::string resources =
-      R"(<object id="2" type="model"><components>)"
-      R"(<component objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/>)"
-      R"(<component objectid="1" transform="0 1 0 -1 0 0 0 0 1 0 0 0"/></components></object>)"
-      R"(<object id="3" type="model"><components><component objectid="2" transform="2 0 0 0 2 0 0 0 2 0 0 0"/>)"
-      R"(</components></object>)";
-  const Mesh mesh = readAs(
-      ".3mf",
-      samples::threeMf(resources,
-                       R"(<item objectid="3" transform="1 0 0 0 1 0 0 0 1 0 0 100"/><item objectid="1"/>)"));
-  EXPECT_EQ(mesh.triangles.size(), 6u);
-  EXPECT_EQ(bounds(mesh).min, glm::dvec3(-2, 0, 0));
-  EXPECT_EQ(bounds(mesh).max, glm::dvec3(22, 2, 100));
 }
 
 TEST(ImportMesh, AppliesNodesAndInstancesOfDae) {
@@ -86,7 +70,6 @@ TEST(ImportMesh, ReadsBinaryFbxInItsOwnUnitsAndAxes) {
 }
 
 TEST(ImportMesh, PassesOnTheImportersMessages) {
-  EXPECT_TRUE(contains(errorAs(".3mf", "no archive"), "import.3mf: "));
   EXPECT_TRUE(contains(errorAs(".dae", "<COLLADA"), "import.dae: "));
   EXPECT_TRUE(
       contains(errorAs(".fbx", std::string("Kaydara FBX Binary  \0\x1a\0\x4c\x1d\0\0\xff\xff\xff\xff", 31)),

@@ -1,37 +1,10 @@
 #pragma once
 
-// The square of mesh_samples.h as 3MF, DAE and FBX.
+// The square of mesh_samples.h as DAE and FBX.
 
-#include "zip_file.h"
+#include <string>
 
 namespace raymap::samples {
-
-/// Returns a 3MF file. `resources` are further objects beside object 1, the square; `build` places objects.
-inline std::string threeMf(const std::string& resources, const std::string& build) {
-  const std::string square =
-      R"(<object id="1" type="model"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/>)"
-      R"(<vertex x="1" y="1" z="0"/><vertex x="0" y="1" z="0"/></vertices><triangles><triangle v1="0" v2="1" v3="2"/>)"
-      R"(<triangle v1="0" v2="2" v3="3"/></triangles></mesh></object>)";
-  const std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>)";
-  return zipFile(
-      {{"[Content_Types].xml",
-        xml +
-            R"(<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" )"
-            R"(ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" )"
-            R"(ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>)"},
-       {"_rels/.rels",
-        xml +
-            R"(<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship )"
-            R"(Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>)"
-            R"(</Relationships>)"},
-       {"3D/3dmodel.model",
-        xml +
-            R"(<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>)" +
-            square + resources + "</resources><build>" + build + "</build></model>"}});
-}
-inline std::string threeMf() {
-  return threeMf("", R"(<item objectid="1"/>)");
-}
 
 /// Returns a DAE file: one polygon with four corners, under `nodes`.
 inline std::string dae(const std::string& nodes = R"(<node><instance_geometry url="#g"/></node>)") {

@@ -1,7 +1,6 @@
 #include "io/gltf/gltf_uri.h"
 
 #include <array>
-#include <charconv>
 
 namespace raymap {
 
@@ -48,14 +47,7 @@ Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri) {
 }
 
 std::filesystem::path relativeFile(const MeshFile& file, std::string_view uri) {
-  std::string name;
-  for (size_t i = 0; i < uri.size(); ++i) {
-    unsigned char code = 0;
-    const bool isEscape = uri[i] == '%' && i + 3 <= uri.size() &&
-                          std::from_chars(&uri[i + 1], &uri[i] + 3, code, 16).ptr == &uri[i] + 3;
-    name += isEscape ? static_cast<char>(code) : uri[i];
-    if (isEscape) i += 2;
-  }
+  const std::string name = unescapedUri(uri);
   if (uri.find(':') != uri.npos || std::filesystem::path(name).is_absolute() || name.find('\0') != name.npos)
     file.fail("it refers to '" + std::string(uri.substr(0, 80)) + "'; only files beside it are read");
   return file.path.parent_path() / name;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cfloat>
+#include <charconv>
 #include <cstdio>
 #include <memory>
 #include <system_error>
@@ -139,6 +140,18 @@ Buffer<std::byte> loadFile(const std::filesystem::path& path) {
 
 void checkMemory(const MeshFile& file, uint64_t bytes) {
   if (bytes > memoryLimit()) failTooLarge(file.path, bytes);
+}
+
+std::string unescapedUri(std::string_view uri) {
+  std::string text;
+  for (size_t i = 0; i < uri.size(); ++i) {
+    unsigned char code = 0;
+    const bool isEscape = uri[i] == '%' && i + 3 <= uri.size() &&
+                          std::from_chars(&uri[i + 1], &uri[i] + 3, code, 16).ptr == &uri[i] + 3;
+    text += isEscape ? static_cast<char>(code) : uri[i];
+    if (isEscape) i += 2;
+  }
+  return text;
 }
 
 void appendFan(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles) {

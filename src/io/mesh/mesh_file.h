@@ -33,6 +33,7 @@ Mesh readStl(const MeshFile& file);
 Mesh readOff(const MeshFile& file);
 Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
+Mesh read3mf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 
 /// Reads the positions of a PLY's vertices alone, whether there are faces or not.
@@ -50,6 +51,9 @@ Buffer<std::byte> loadFile(const std::filesystem::path& path);
 /// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory. Used for sizes that a small
 /// file can make large (instances).
 void checkMemory(const MeshFile& file, uint64_t bytes);
+
+/// Returns a URI with its escapes (%20) replaced by the bytes that they mean.
+std::string unescapedUri(std::string_view uri);
 
 /// Appends a polygon as a fan of triangles around its first corner.
 void appendFan(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles);

@@ -1,5 +1,5 @@
 /* Reads a mesh, makes its field, samples it and writes it, and queries the mesh itself: the interface for C.
- * Runs in a folder that holds tetrahedron.3mf. */
+ * Runs in a folder that holds tetrahedron.dae. */
 
 #include <raymap/c.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ int main(void) {
   raymap_grid_options options = raymap_grid_options_default();
   options.resolution = 21;
 
-  raymap_mesh* mesh = raymap_mesh_load("tetrahedron.3mf", NULL);
+  raymap_mesh* mesh = raymap_mesh_load("tetrahedron.dae", NULL);
   if (!mesh || raymap_fit_grid(mesh, &options, &grid) != RAYMAP_OK) return fail();
   raymap_field* field = raymap_generate(mesh, &grid, NULL);
   if (!field || raymap_field_sample(field, middle, 1, &distance, NULL) != RAYMAP_OK) return fail();

@@ -37,9 +37,9 @@ int main() {
   const bool works = std::ranges::equal(raymap::readField("field.nrrd").distance, field.distance);
   const bool refuses = isRefused("RAYMAP_OPENVDB", [&] { raymap::writeField("field.vdb", field); }) &&
                        isRefused("RAYMAP_OPENVDB", [] { raymap::readField("field.vdb"); }) &&
-                       isRefused("RAYMAP_ASSIMP", [] { raymap::readMesh("tetrahedron.3mf"); });
+                       isRefused("RAYMAP_ASSIMP", [] { raymap::readMesh("tetrahedron.dae"); });
   const bool lists =
       isListed(raymap::fieldExtensions(), ".nrrd") && !isListed(raymap::fieldExtensions(), ".vdb") &&
-      isListed(raymap::meshExtensions(), ".ply") && !isListed(raymap::meshExtensions(), ".3mf");
+      isListed(raymap::meshExtensions(), ".3mf") && !isListed(raymap::meshExtensions(), ".dae");
   return works && refuses && lists ? 0 : 1;
 }

@@ -1,0 +1,24 @@
+// Checks that any XML in a whole 3MF gives a valid mesh or an Error. Damaged archives are for read_3mf_fuzz.
+// A byte 0xFF, which XML cannot hold, ends the root part and begins the part 3D/b.model.
+
+#include <raymap/error.h>
+#include <raymap/mesh_view.h>
+
+#include <cstdlib>
+
+#include "samples_3mf.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace raymap;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const size_t end = text.find('\xff');
+  const std::string bytes = samples::package3mf(
+      {{"3D/3dmodel.model", text.substr(0, end)}, {"3D/b.model", end == text.npos ? "" : text.substr(end + 1)}},
+      samples::Zip::Stored);
+  try {
+    validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](std::string_view) {}}));
+  } catch (const Error& error) {
+    if (std::string_view(error.what()).empty()) std::abort();
+  }
+  return 0;
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/3mf/zip_parts.h"
+
+namespace raymap {
+
+/// An object at a place: a component of another object, or an item of the build.
+struct Placement3mf {
+  std::string part;  ///< Which part has the object.
+  uint32_t object = 0;
+  glm::dmat4x3 transform{1.0};  ///< In millimetres.
+  uint64_t line = 0;            ///< Where the part that places it says so.
+};
+
+struct Object3mf {
+  std::string type = "model";
+  std::vector<glm::dvec3> vertices;  ///< In millimetres.
+  std::vector<glm::uvec3> triangles;
+  std::vector<Placement3mf> components;
+};
+
+/// What a model part holds of geometry.
+struct ModelPart3mf {
+  std::string unit = "millimeter";
+  std::map<uint32_t, Object3mf> objects;
+  std::vector<Placement3mf> items;
+  size_t unprintedItems = 0;  ///< Number of items with printable="0", which are left out.
+};
+
+/// Reads a model part. Fails with the part, the line, the element and the value if it is not valid. Throws
+/// `Error(Unsupported)` if it requires an extension that changes shapes.
+ModelPart3mf readModelPart(ZipParts& parts, const std::string& name);
+
+/// Returns a part's name as a path of a relationship or a component gives it, without its first slash.
+std::string partName(const ZipParts& parts, std::string_view path);
+
+}  // namespace raymap
