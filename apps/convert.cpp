@@ -36,8 +36,7 @@ void addConvert(CLI::App& app) {
   command
       ->add_option("output", arguments->output,
                    "File to write; a field as .vdb, .nrrd, .npz, .vti or .npy (without its grid), a mesh as "
-                   ".ply, .obj, "
-                   ".stl or .glb")
+                   ".ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
   command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");

@@ -58,7 +58,7 @@ void addMesh(CLI::App& app) {
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
-  command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl or .glb")
+  command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
   command->add_option("--iso", arguments->surface.iso,

@@ -117,7 +117,7 @@ void addRepair(CLI::App& app) {
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
-  command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl or .glb")
+  command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
   addRecenterOption(*command, arguments->recenter);

@@ -12,9 +12,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace raymap;
   const std::string text(reinterpret_cast<const char*>(data), size);
   const size_t end = text.find('\xff');
-  const std::string bytes = samples::package3mf(
-      {{"3D/3dmodel.model", text.substr(0, end)}, {"3D/b.model", end == text.npos ? "" : text.substr(end + 1)}},
-      samples::Zip::Stored);
+  const std::string bytes =
+      samples::package3mf({{"3D/3dmodel.model", text.substr(0, end)},
+                           {"3D/b.model", end == text.npos ? "" : text.substr(end + 1)}},
+                          samples::Zip::Stored);
   try {
     validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](std::string_view) {}}));
   } catch (const Error& error) {

@@ -145,8 +145,8 @@ RAYMAP_API raymap_result raymap_mesh_copy_triangles(const raymap_mesh* mesh, uin
  * triangle, an index out of range or a vertex that is not finite. */
 RAYMAP_API raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double low[3], double high[3]);
 
-/* Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all. Not
- * in builds without files. */
+/* Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension. The file appears
+ * whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path);
 
 /* ---- Grids ---- */

@@ -5,8 +5,10 @@
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
 #include <raymap/surface.h>
+#include <raymap/units.h>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,12 +31,14 @@ RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size
 /// How to write a mesh.
 struct MeshWriteOptions {
   glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
+  LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states for the mesh's lengths.
 };
 
-/// Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all. An
-/// STL has single precision and no shared vertices; the other formats keep every position and index. Throws
-/// `Error`: Usage for another extension or an offset that is not finite, Input (see `validate`), File,
-/// Unsupported if the format cannot hold so many triangles.
+/// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
+/// all. An STL has single precision and no shared vertices; the other formats keep every position and index.
+/// A .3mf leaves out triangles that name a vertex twice, as its standard demands; its title is the file's
+/// name. Throws `Error`: Usage for another extension or an offset that is not finite, Input (see `validate`),
+/// File, Unsupported if the format cannot hold so many triangles.
 RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh,
                           const MeshWriteOptions& options = {});
 
@@ -43,6 +47,10 @@ RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mes
 /// finite, Input (see `validate`).
 RAYMAP_API Mesh asStored(const std::filesystem::path& path, const MeshView& mesh,
                          const MeshWriteOptions& options = {});
+
+/// Returns the unit of the lengths that `readMesh` gives for a file of this extension: millimetres for .3mf,
+/// metres for .gltf, .glb and .dae. The other formats state none.
+RAYMAP_API std::optional<LengthUnit> meshUnit(const std::filesystem::path& path);
 
 /// Returns the file name extensions that `readMesh` knows, with the dot and in lower case.
 RAYMAP_API std::vector<std::string> meshExtensions();

@@ -73,7 +73,9 @@ class Mesh:
         return np.array(self._core.bounds())
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes .ply (binary), .obj, .stl (binary) or .glb by extension. The file appears whole or not at all.
+        """Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension.
+
+        The file appears whole or not at all.
 
         Raises:
             UsageError: Another extension.

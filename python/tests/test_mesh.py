@@ -11,7 +11,7 @@ import pytest
 import raymap
 
 
-@pytest.mark.parametrize("extension", ["ply", "obj", "glb", "stl"])
+@pytest.mark.parametrize("extension", ["ply", "obj", "glb", "stl", "3mf"])
 def test_files_give_back_the_mesh(ball, extension):
     ball.save(f"mesh.{extension}")
     read = raymap.load_mesh(f"mesh.{extension}")

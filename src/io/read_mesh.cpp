@@ -58,6 +58,13 @@ AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animatio
   return readAnimatedGltf({bytes, path, warn}, animation);
 }
 
+std::optional<LengthUnit> meshUnit(const std::filesystem::path& path) {
+  const std::string extension = lowerExtension(path);
+  if (extension == ".3mf") return LengthUnit::Millimetre;
+  if (extension == ".gltf" || extension == ".glb" || extension == ".dae") return LengthUnit::Metre;
+  return std::nullopt;
+}
+
 std::vector<std::string> meshExtensions() {
   std::vector<std::string> extensions;
   extensions.reserve(kFormats.size());

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "io/3mf/write_3mf.h"
 #include "io/mesh/mesh_file.h"
 #include "io/mesh/mesh_formats.h"
 
@@ -15,13 +16,15 @@ namespace {
 
 struct Format {
   std::string_view extension;
+  /// Null for 3MF, which has a unit and a title.
   void (*write)(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
   Precision precision;
 };
 
 constexpr std::array kFormats{
     Format{".ply", writePly, Precision::Double}, Format{".obj", writeObj, Precision::Double},
-    Format{".stl", writeStl, Precision::Single}, Format{".glb", writeGlb, Precision::Origin}};
+    Format{".stl", writeStl, Precision::Single}, Format{".glb", writeGlb, Precision::Origin},
+    Format{".3mf", nullptr, Precision::Double}};
 
 const Format& formatOf(const std::filesystem::path& path) {
   const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
@@ -48,7 +51,12 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
   MeshPacker packer;
   const PackedMesh mesh = moved(view, options.offset, packer);
   try {
-    writeAtomically(path, [&](std::ostream& out) { format.write(out, mesh, options.offset); });
+    writeAtomically(path, [&](std::ostream& out) {
+      if (format.write)
+        format.write(out, mesh, options.offset);
+      else
+        write3mf(out, mesh, {options.unit, path.stem().string(), offsetNote(options.offset)});
+    });
   } catch (const Error& error) {
     if (error.code() != ErrorCode::Unsupported) throw;
     throw Error(error.code(), path.string() + ": " + error.what());
@@ -59,6 +67,7 @@ Mesh asStored(const std::filesystem::path& path, const MeshView& view, const Mes
   const Format& format = formatOf(path);
   MeshPacker packer;
   Mesh mesh = rounded(moved(view, options.offset, packer), format.precision);
+  if (!format.write) std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return !isIn3mf(t); });
   mesh.origin += options.offset;
   return mesh;
 }

@@ -524,7 +524,7 @@ TEST_F(Cli, MakesAClosedMesh) {
   mesh.triangles.pop_back();
   writeMesh(path("torn.ply"), mesh);
   succeed("generate torn.ply -o torn.vdb --resolution 40");
-  for (const char* name : {"a.ply", "a.obj", "a.stl", "a.glb"}) {
+  for (const char* name : {"a.ply", "a.obj", "a.stl", "a.glb", "a.3mf"}) {
     const std::string text = succeed(std::string("mesh torn.vdb -o ") + name).out;
     EXPECT_NE(text.find(std::string("wrote ") + name), std::string::npos) << text;
     const Diagnostics found = diagnose(readMesh(path(name)));

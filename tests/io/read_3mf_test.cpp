@@ -19,7 +19,8 @@ struct Read {
 Read read(const std::string& bytes) {
   Read result;
   const MeshFile file{std::as_bytes(std::span(bytes)), "a.3mf", [&](std::string_view text) {
-                        result.warnings += std::string(text.substr(std::string_view("a.3mf: ").size())) + "\n";
+                        result.warnings +=
+                            std::string(text.substr(std::string_view("a.3mf: ").size())) + "\n";
                       }};
   result.mesh = read3mf(file);
   return result;
@@ -50,26 +51,26 @@ TEST(Read3mf, ReadsASquare) {
   const Read found = read(threeMf());
   EXPECT_TRUE(isSquare(found.mesh));
   EXPECT_EQ(found.warnings, "");
-  EXPECT_TRUE(isSquare(read(package3mf({{kModel, model3mf(square3mf(1), {R"(objectid="1")"})}}, Zip::Stored)).mesh));
+  EXPECT_TRUE(
+      isSquare(read(package3mf({{kModel, model3mf(square3mf(1), {R"(objectid="1")"})}}, Zip::Stored)).mesh));
 }
 
 TEST(Read3mf, AppliesTransformsFromTheInsideOut) {
   // Object 3 doubles object 2, which has one square at x = 10 and one that is turned by 90 degrees about z.
-  const std::string objects =
-      square3mf(1) +
-      joined3mf(2, {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0")",
-                    R"(objectid="1" transform="0 1 0 -1 0 0 0 0 1 0 0 0")"}) +
-      joined3mf(3, {R"(objectid="2" transform="2 0 0 0 2 0 0 0 2 0 0 0")"});
-  const Mesh mesh =
-      read(threeMf(model3mf(objects, {R"(objectid="3" transform="1 0 0 0 1 0 0 0 1 0 0 100")",
-                                      R"(objectid="1")"})))
-          .mesh;
+  const std::string objects = square3mf(1) +
+                              joined3mf(2, {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0")",
+                                            R"(objectid="1" transform="0 1 0 -1 0 0 0 0 1 0 0 0")"}) +
+                              joined3mf(3, {R"(objectid="2" transform="2 0 0 0 2 0 0 0 2 0 0 0")"});
+  const Mesh mesh = read(threeMf(model3mf(objects, {R"(objectid="3" transform="1 0 0 0 1 0 0 0 1 0 0 100")",
+                                                    R"(objectid="1")"})))
+                        .mesh;
   const std::vector<glm::dvec3> expected{{20, 0, 100}, {22, 0, 100}, {22, 2, 100}, {20, 2, 100},
                                          {0, 0, 100},  {0, 2, 100},  {-2, 2, 100}, {-2, 0, 100},
                                          {0, 0, 0},    {1, 0, 0},    {1, 1, 0},    {0, 1, 0}};
   ASSERT_EQ(mesh.vertices.size(), expected.size());
   for (uint32_t v = 0; v < expected.size(); ++v) EXPECT_EQ(mesh.position(v), expected[v]) << v;
-  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}, {8, 9, 10}, {8, 10, 11}};
+  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 2, 3},  {4, 5, 6},
+                                          {4, 6, 7}, {8, 9, 10}, {8, 10, 11}};
   EXPECT_EQ(mesh.triangles, triangles);
 }
 
@@ -78,7 +79,8 @@ TEST(Read3mf, TakesEachNumberOfATransformForItsPlace) {
   const std::string object =
       replaced(square3mf(1), R"(<vertex x="1" y="1" z="0"/>)", R"(<vertex x="3" y="5" z="7"/>)");
   const Mesh mesh =
-      read(threeMf(model3mf(object, {R"(objectid="1" transform=" 2 3 5  7 11 13 17 19 29 31 37 41 ")"}))).mesh;
+      read(threeMf(model3mf(object, {R"(objectid="1" transform=" 2 3 5  7 11 13 17 19 29 31 37 41 ")"})))
+          .mesh;
   EXPECT_EQ(mesh.position(2), glm::dvec3(3 * 2 + 5 * 7 + 7 * 17 + 31, 3 * 3 + 5 * 11 + 7 * 19 + 37,
                                          3 * 5 + 5 * 13 + 7 * 29 + 41));
 }
@@ -95,13 +97,15 @@ TEST(Read3mf, KeepsTheOutsideOfMirroredObjects) {
 
 TEST(Read3mf, FollowsPathsOfTheProductionExtension) {
   const std::string root = model3mf(
-      square3mf(7) + joined3mf(2, {R"(p:path="/3D/Objects/part.model" objectid="7" transform="1 0 0 0 1 0 0 0 1 10 0 0")",
-                                   R"(objectid="7")"}),
+      square3mf(7) +
+          joined3mf(2,
+                    {R"(p:path="/3D/Objects/part.model" objectid="7" transform="1 0 0 0 1 0 0 0 1 10 0 0")",
+                     R"(objectid="7")"}),
       {R"(objectid="2")", R"(objectid="1" p:path="/3D/Objects/part.model")"}, R"( requiredextensions="p")");
-  const std::string part = model3mf(
-      replaced(square3mf(7), R"(<vertex x="1" y="1" z="0"/>)", R"(<vertex x="1" y="1" z="5"/>)") +
-          joined3mf(1, {R"(objectid="7" transform="1 0 0 0 1 0 0 0 1 0 20 0")"}),
-      {});
+  const std::string part =
+      model3mf(replaced(square3mf(7), R"(<vertex x="1" y="1" z="0"/>)", R"(<vertex x="1" y="1" z="5"/>)") +
+                   joined3mf(1, {R"(objectid="7" transform="1 0 0 0 1 0 0 0 1 0 20 0")"}),
+               {});
   const Mesh mesh = read(package3mf({{kModel, root}, {"3D/Objects/part.model", part}})).mesh;
   EXPECT_EQ(mesh.triangles.size(), 6u);
   EXPECT_EQ(mesh.position(2), glm::dvec3(11, 1, 5));
@@ -114,43 +118,49 @@ TEST(Read3mf, FindsPartsByTheNamesOfPackages) {
     return model3mf("", {"objectid=\"1\" p:path=\"" + path + "\""});
   };
   const std::string part = model3mf(square3mf(1), {});
-  EXPECT_TRUE(isSquare(read(package3mf({{kModel, withPath("/3d/OBJECTS/a b.model")}, {"3D/Objects/a b.model", part}})).mesh));
-  EXPECT_TRUE(isSquare(read(package3mf({{kModel, withPath("/3D/a%20b.model")}, {"3D/a b.model", part}})).mesh));
-  EXPECT_TRUE(isSquare(read(package3mf({{kModel, withPath("/3D/a%20b.model")}, {"3D/a%20b.model", part}})).mesh));
+  EXPECT_TRUE(isSquare(
+      read(package3mf({{kModel, withPath("/3d/OBJECTS/a b.model")}, {"3D/Objects/a b.model", part}})).mesh));
+  EXPECT_TRUE(
+      isSquare(read(package3mf({{kModel, withPath("/3D/a%20b.model")}, {"3D/a b.model", part}})).mesh));
+  EXPECT_TRUE(
+      isSquare(read(package3mf({{kModel, withPath("/3D/a%20b.model")}, {"3D/a%20b.model", part}})).mesh));
 }
 
 TEST(Read3mf, ConvertsEachUnitToMillimetres) {
-  const std::vector<std::pair<std::string, double>> units{{"micron", 0.001}, {"centimeter", 10}, {"inch", 25.4},
-                                                          {"foot", 304.8},   {"meter", 1000}};
+  const std::vector<std::pair<std::string, double>> units{
+      {"micron", 0.001}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}};
   for (const auto& [unit, factor] : units) {
-    const Read found = read(threeMf(model3mf(square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 2")"},
-                                             " unit=\"" + unit + "\"")));
+    const Read found = read(threeMf(model3mf(
+        square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 2")"}, " unit=\"" + unit + "\"")));
     const Box box = bounds(found.mesh);
     EXPECT_NEAR(box.max.x - box.min.x, factor, 1e-6 * factor) << unit;
     EXPECT_NEAR(box.min.z, 2 * factor, 1e-6 * factor) << unit;
     EXPECT_EQ(found.warnings, "3D/3dmodel.model is in the unit " + unit + "; converted to millimetres\n");
   }
-  EXPECT_TRUE(isSquare(read(threeMf(model3mf(square3mf(1), {R"(objectid="1")"}, ""))).mesh)) << "the default unit";
+  EXPECT_TRUE(isSquare(read(threeMf(model3mf(square3mf(1), {R"(objectid="1")"}, ""))).mesh))
+      << "the default unit";
 }
 
 TEST(Read3mf, ConvertsEachPartFromItsOwnUnit) {
-  const std::string root = model3mf("", {R"(objectid="1" p:path="/b.model" transform="1 0 0 0 1 0 0 0 1 0 0 3")"},
-                                    R"( unit="meter")");
+  const std::string root = model3mf(
+      "", {R"(objectid="1" p:path="/b.model" transform="1 0 0 0 1 0 0 0 1 0 0 3")"}, R"( unit="meter")");
   const Mesh mesh =
-      read(package3mf({{kModel, root}, {"b.model", model3mf(square3mf(1), {}, R"( unit="centimeter")")}})).mesh;
+      read(package3mf({{kModel, root}, {"b.model", model3mf(square3mf(1), {}, R"( unit="centimeter")")}}))
+          .mesh;
   EXPECT_EQ(mesh.position(2), glm::dvec3(10, 10, 3000));
 }
 
 TEST(Read3mf, LeavesOutWhatIsNotPrinted) {
   const std::string at = R"( transform="1 0 0 0 1 0 0 0 1 0 0 9")";
-  const Read items = read(threeMf(model3mf(
-      square3mf(1), {R"(objectid="1" printable="1")", R"(objectid="1" printable="0")" + at})));
+  const Read items = read(threeMf(
+      model3mf(square3mf(1), {R"(objectid="1" printable="1")", R"(objectid="1" printable="0")" + at})));
   EXPECT_TRUE(isSquare(items.mesh));
   EXPECT_EQ(items.warnings, "1 item of the build left out, for printable is 0\n");
-  const Read types = read(threeMf(model3mf(
-      square3mf(1, R"( type="surface")") + square3mf(2, R"( type="support")") + square3mf(3, R"( type="other")") +
-          square3mf(4, R"( type="solidsupport")") + joined3mf(5, {R"(objectid="1")", R"(objectid="3")" + at}),
-      {R"(objectid="5")", R"(objectid="2")" + at, R"(objectid="2")" + at, R"(objectid="4")" + at})));
+  const Read types = read(threeMf(
+      model3mf(square3mf(1, R"( type="surface")") + square3mf(2, R"( type="support")") +
+                   square3mf(3, R"( type="other")") + square3mf(4, R"( type="solidsupport")") +
+                   joined3mf(5, {R"(objectid="1")", R"(objectid="3")" + at}),
+               {R"(objectid="5")", R"(objectid="2")" + at, R"(objectid="2")" + at, R"(objectid="4")" + at})));
   EXPECT_TRUE(isSquare(types.mesh));
   EXPECT_EQ(types.warnings, "3 objects of type support, solidsupport or other left out\n");
 }
@@ -158,7 +168,9 @@ TEST(Read3mf, LeavesOutWhatIsNotPrinted) {
 TEST(Read3mf, KeepsFarPositionsInDoublePrecision) {
   const Mesh mesh = read(changedSquare(R"(</vertices>)", R"(<vertex x="0" y="0" z="0"/></vertices>)")).mesh;
   EXPECT_EQ(mesh.vertices.size(), 5u) << "vertices that no triangle uses stay";
-  const Mesh far = read(threeMf(model3mf(square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 1e9 .5 +2.5E-1")"}))).mesh;
+  const Mesh far =
+      read(threeMf(model3mf(square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 1e9 .5 +2.5E-1")"})))
+          .mesh;
   EXPECT_EQ(far.position(2), glm::dvec3(1e9 + 1, 1.5, 0.25));
 }
 
@@ -166,8 +178,10 @@ TEST(Read3mf, IgnoresWhatHoldsNoGeometry) {
   const std::string foreign =
       R"(<metadata name="Title">A &amp; B</metadata><m:x xmlns:m="http://m"><vertex x="9"/><m:object id="1"/></m:x>)";
   EXPECT_TRUE(isSquare(read(changedSquare("<resources>", foreign + "<resources>" + foreign)).mesh));
-  EXPECT_TRUE(isSquare(read(changedSquare("<triangles>", "<q:triangles xmlns:q=\"http://q\"><q:triangle/></q:triangles>"
-                                                         "<!-- more --><triangles>")).mesh));
+  EXPECT_TRUE(isSquare(read(changedSquare("<triangles>",
+                                          "<q:triangles xmlns:q=\"http://q\"><q:triangle/></q:triangles>"
+                                          "<!-- more --><triangles>"))
+                           .mesh));
   const std::string deep = [] {
     std::string xml;
     for (int i = 0; i < 100000; ++i) xml += "<a>";
@@ -184,7 +198,8 @@ TEST(Read3mf, TellsWhichElementIsDamaged) {
   for (const std::string value : {"", "nan", "inf", "1e999", "0x1", "1,5"})
     EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1")", "x=\"1\" y=\"" + value + "\"")),
               at + "vertex 2 of object 1: y is '" + value + "', which is no finite number");
-  EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1" z="0")", R"(x="1" y="1")")), at + "vertex 2 of object 1: has no z");
+  EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1" z="0")", R"(x="1" y="1")")),
+            at + "vertex 2 of object 1: has no z");
   EXPECT_EQ(refusal(changedSquare(R"(v3="3")", R"(v3="4")")),
             at + "triangle 1 of object 1: v3 is 4, but the object has 4 vertices");
   EXPECT_EQ(refusal(changedSquare(R"(v3="3")", R"(v3="-1")")),
@@ -193,7 +208,8 @@ TEST(Read3mf, TellsWhichElementIsDamaged) {
             at + "triangle 1 of object 1: v3 is '4294967296', which is no vertex index");
   EXPECT_EQ(refusal(changedSquare(R"(v2="2")", "")), at + "triangle 1 of object 1: has no v2");
   EXPECT_EQ(refusal(changedSquare(R"(unit="millimeter")", R"(unit="mm")")),
-            "3D/3dmodel.model, line 2: its unit is 'mm'; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
+            "3D/3dmodel.model, line 2: its unit is 'mm'; 3MF knows micron, millimeter, centimeter, inch, "
+            "foot and meter");
   EXPECT_EQ(refusal(changedSquare(R"(id="1")", R"(id="1" type="part")")),
             at + "the type of object 1 is 'part'; 3MF knows model, surface, support, solidsupport and other");
   EXPECT_EQ(refusal(changedSquare(R"(id="1")", R"(id="x")")),
@@ -201,8 +217,9 @@ TEST(Read3mf, TellsWhichElementIsDamaged) {
   EXPECT_EQ(refusal(changedSquare(R"(<object id="1")", "<object")), at + "an element 'object' has no id");
   EXPECT_EQ(refusalOfModel(square3mf(1) + square3mf(1), {}), at + "there are two objects with the id 1");
   EXPECT_EQ(refusalOfModel(square3mf(1), {""}), at + "an element 'item' has no objectid");
-  EXPECT_EQ(refusalOfModel(square3mf(1), {R"(objectid="1")", R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0")"}),
-            at + "item 1: has a transform of 11 numbers; 3MF wants 12");
+  EXPECT_EQ(
+      refusalOfModel(square3mf(1), {R"(objectid="1")", R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0")"}),
+      at + "item 1: has a transform of 11 numbers; 3MF wants 12");
   EXPECT_EQ(refusalOfModel(square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 inf")"}),
             at + "item 0: transform is 'inf', which is no finite number");
 }
@@ -221,7 +238,8 @@ TEST(Read3mf, TellsWhatIsMissing) {
   EXPECT_EQ(refusal(zipFile({{"_rels/.rels", "<Relationships/>"}})), "_rels/.rels: it names no 3D model");
   EXPECT_EQ(refusal("no archive"), "it is no whole zip file, as a 3MF must be");
   EXPECT_EQ(refusal(threeMf("<html/>")), "3D/3dmodel.model, line 1: its root is 'html', not 'model'");
-  EXPECT_EQ(refusal(package3mf({{kModel, ""}, {"3d/3DMODEL.model", ""}})), "it has the part '3d/3DMODEL.model' twice");
+  EXPECT_EQ(refusal(package3mf({{kModel, ""}, {"3d/3DMODEL.model", ""}})),
+            "it has the part '3d/3DMODEL.model' twice");
 }
 
 TEST(Read3mf, RefusesExtensionsThatChangeShapes) {
@@ -229,19 +247,25 @@ TEST(Read3mf, RefusesExtensionsThatChangeShapes) {
     return threeMf(model3mf(square3mf(1), {R"(objectid="1")"}, attributes));
   };
   EXPECT_EQ(refusal(requiring(R"( requiredextensions="p b" xmlns:b="http://beams")"), ErrorCode::Unsupported),
-            "3D/3dmodel.model: it requires the extension http://beams, which raymap does not read; export it as plain triangles");
+            "3D/3dmodel.model: it requires the extension http://beams, which raymap does not read; export it "
+            "as plain triangles");
   EXPECT_EQ(refusal(requiring(R"( requiredextensions="b")")),
             "3D/3dmodel.model, line 2: it requires the extension 'b', which it does not declare");
-  EXPECT_TRUE(isSquare(read(requiring(R"( requiredextensions=" m  p " xmlns:b="http://beams" )"
-                                      R"(xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02")")).mesh));
+  EXPECT_TRUE(
+      isSquare(read(requiring(R"( requiredextensions=" m  p " xmlns:b="http://beams" )"
+                              R"(xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02")"))
+                   .mesh));
 }
 
 TEST(Read3mf, RefusesObjectsThatContainThemselves) {
   const std::string at = "3D/3dmodel.model, line 3: ";
-  EXPECT_EQ(refusalOfModel(joined3mf(2, {R"(objectid="2")"}), {R"(objectid="2")"}), at + "object 2 contains itself");
-  EXPECT_EQ(refusalOfModel(joined3mf(2, {R"(objectid="3")"}) + joined3mf(3, {R"(objectid="2")"}), {R"(objectid="3")"}),
+  EXPECT_EQ(refusalOfModel(joined3mf(2, {R"(objectid="2")"}), {R"(objectid="2")"}),
+            at + "object 2 contains itself");
+  EXPECT_EQ(refusalOfModel(joined3mf(2, {R"(objectid="3")"}) + joined3mf(3, {R"(objectid="2")"}),
+                           {R"(objectid="3")"}),
             at + "object 3 contains itself");
-  EXPECT_TRUE(isSquare(read(threeMf(model3mf(square3mf(1) + joined3mf(2, {R"(objectid="2")"}), {R"(objectid="1")"}))).mesh))
+  EXPECT_TRUE(isSquare(
+      read(threeMf(model3mf(square3mf(1) + joined3mf(2, {R"(objectid="2")"}), {R"(objectid="1")"}))).mesh))
       << "nothing places object 2";
 }
 
@@ -258,7 +282,8 @@ TEST(Read3mf, LimitsTheDepthOfComponents) {
   EXPECT_TRUE(isSquare(read(threeMf(model3mf(tower(65, 1), {R"(objectid="65")"}))).mesh));
   const std::string tooDeep = "3D/3dmodel.model, line 3: components are nested more than 64 deep";
   EXPECT_EQ(refusalOfModel(tower(66, 1), {R"(objectid="66")"}), tooDeep);
-  EXPECT_EQ(refusalOfModel(tower(66, 1), {R"(objectid="30")", R"(objectid="65")", R"(objectid="66")"}), tooDeep);
+  EXPECT_EQ(refusalOfModel(tower(66, 1), {R"(objectid="30")", R"(objectid="65")", R"(objectid="66")"}),
+            tooDeep);
   EXPECT_EQ(refusalOfModel(tower(100000, 1), {R"(objectid="100000")"}), tooDeep);
 }
 
@@ -276,19 +301,23 @@ TEST(Read3mf, RefusesDamagedArchives) {
             "the checksum of its part '3D/3dmodel.model' is wrong");
   EXPECT_EQ(refusal(whole.substr(0, whole.size() - 30)), "it is no whole zip file, as a 3MF must be");
   std::string encrypted = whole;
-  const size_t entry = whole.find(raw(uint32_t{0x02014b50}), whole.find(raw(uint32_t{0x02014b50}), whole.find("PK\1\2") + 1) + 1);
+  const size_t entry = whole.find(raw(uint32_t{0x02014b50}),
+                                  whole.find(raw(uint32_t{0x02014b50}), whole.find("PK\1\2") + 1) + 1);
   encrypted[entry + 8] = 1;
   EXPECT_EQ(refusal(encrypted, ErrorCode::Unsupported), "its part '3D/3dmodel.model' is encrypted");
   std::string packed = whole;
   packed[entry + 10] = 12;
-  EXPECT_EQ(refusal(packed), "its part '3D/3dmodel.model' is damaged, or compressed by another method than deflate");
+  EXPECT_EQ(refusal(packed),
+            "its part '3D/3dmodel.model' is damaged, or compressed by another method than deflate");
 }
 
 TEST(Read3mf, LimitsWhatAFileInflatesTo) {
   const std::string blanks(size_t{64} << 20, ' ');
-  EXPECT_EQ(refusal(changedSquare("<resources>", blanks + "<resources>")),
-            "its part '3D/3dmodel.model' inflates to more than 200 times the size of the file, as no model does");
-  EXPECT_TRUE(isSquare(read(changedSquare("<resources>", std::string(size_t{1} << 19, ' ') + "<resources>")).mesh));
+  EXPECT_EQ(
+      refusal(changedSquare("<resources>", blanks + "<resources>")),
+      "its part '3D/3dmodel.model' inflates to more than 200 times the size of the file, as no model does");
+  EXPECT_TRUE(
+      isSquare(read(changedSquare("<resources>", std::string(size_t{1} << 19, ' ') + "<resources>")).mesh));
 }
 
 TEST(Read3mf, RefusesDamagedXml) {
@@ -297,10 +326,12 @@ TEST(Read3mf, RefusesDamagedXml) {
   EXPECT_EQ(refusal(changedSquare("<model", "<!DOCTYPE m [<!ENTITY a \"b\">]><model")),
             "3D/3dmodel.model, line 2: it has a DOCTYPE, which 3MF forbids");
   EXPECT_EQ(refusal(changedSquare("x=\"1\"", "x=\"&a;\"")), "3D/3dmodel.model, line 3: undefined entity");
-  EXPECT_EQ(refusal(changedSquare("x=\"1\"", "x=\"1\" x=\"2\"")), "3D/3dmodel.model, line 3: duplicate attribute");
+  EXPECT_EQ(refusal(changedSquare("x=\"1\"", "x=\"1\" x=\"2\"")),
+            "3D/3dmodel.model, line 3: duplicate attribute");
   std::string noise;
   uint32_t state = 1;
-  for (int i = 0; i < 3 << 20; ++i) noise += static_cast<char>('a' + (state = state * 1664525 + 1013904223) % 26);
+  for (int i = 0; i < 3 << 20; ++i)
+    noise += static_cast<char>('a' + (state = state * 1664525 + 1013904223) % 26);
   EXPECT_EQ(refusal(changedSquare("<resources>", "<!-- " + noise + " --><resources>")),
             "3D/3dmodel.model, line 3: a tag or comment is longer than 1 MiB");
 }

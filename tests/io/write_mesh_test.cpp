@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include "contains.h"
 #include "files.h"
+#include "io/3mf/zip_parts.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -69,11 +71,21 @@ TEST_P(WriteMesh, HoldsWhatAsStoredSays) {
   }
 }
 
+/// Returns the content of a part of a 3MF.
+std::string partOf(const std::filesystem::path& path, const std::string& name) {
+  const std::string bytes = readBytes(path);
+  std::string content;
+  ZipParts({std::as_bytes(std::span(bytes)), path, {}}).read(name, [&](std::string_view piece) {
+    content += piece;
+  });
+  return content;
+}
+
 TEST_P(WriteMesh, NotesTheOffset) {
   const Mesh mesh = shapes::box({10.5, 20.0, -30.25}, {11.5, 21.0, -29.25});
   const auto written = [&](const glm::dvec3& offset) {
     writeMesh(path(), mesh, {offset});
-    return readBytes(path());
+    return GetParam() == std::string(".3mf") ? partOf(path(), "3D/3dmodel.model") : readBytes(path());
   };
   EXPECT_EQ(written(glm::dvec3(0.0)).find("offset "), std::string::npos);
   const char* note = GetParam() == std::string(".glb") ? "\"extras\":{\"offset\":[11.0,20.0,-30.25]}"
@@ -85,7 +97,7 @@ TEST_P(WriteMesh, NotesTheOffset) {
   EXPECT_THROW(writeMesh(path(), mesh, {glm::dvec3(0.0, NAN, 0.0)}), Error);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, WriteMesh, testing::Values(".ply", ".obj", ".stl", ".glb"),
+INSTANTIATE_TEST_SUITE_P(Formats, WriteMesh, testing::Values(".ply", ".obj", ".stl", ".glb", ".3mf"),
                          [](const auto& test) { return std::string(test.param).substr(1); });
 
 TEST(WriteMeshNames, AreChecked) {
@@ -104,6 +116,71 @@ TEST(WriteMeshNames, AreChecked) {
   EXPECT_EQ(codeOf("none/mesh.ply", mesh), ErrorCode::File);
   EXPECT_EQ(codeOf("empty.ply", Mesh()), ErrorCode::Input);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "empty.ply"));
+}
+
+TEST(Write3mf, HoldsUnitMetadataAndAllDigits) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "a <b> & \xc3\xa9\xff\x01.3mf";
+  const Mesh mesh{
+      {{0.1F, 0, -2}, {1, 0, 0}, {0, 1, 0}, {NAN, 0, INFINITY}}, {{0, 1, 2}, {1, 1, 2}}, {1e6, 0, 1e-3}};
+  writeMesh(path, mesh, {.unit = LengthUnit::Inch});
+  EXPECT_EQ(partOf(path, "3D/3dmodel.model"),
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+            "<model unit=\"inch\" xml:lang=\"en-US\" "
+            "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
+            "<metadata name=\"Title\">a &lt;b&gt; &amp; \xc3\xa9?"
+            "?</metadata>\n"
+            "<metadata name=\"Application\">raymap " +
+                std::string(version().text) +
+                "</metadata>\n<resources>\n<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n"
+                "<vertex x=\"1000000.1000000015\" y=\"0\" z=\"-1.999\"/>\n<vertex x=\"1000001\" y=\"0\" "
+                "z=\"0.001\"/>\n"
+                "<vertex x=\"1e+06\" y=\"1\" z=\"0.001\"/>\n<vertex x=\"0\" y=\"0\" z=\"0\"/>\n"
+                "</vertices>\n<triangles>\n<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>\n</triangles>\n"
+                "</mesh>\n</object>\n</resources>\n<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n");
+  std::string warnings;
+  const Mesh read = readMesh(path, [&](std::string_view text) { warnings += text; });
+  EXPECT_TRUE(contains(warnings, "is in the unit inch; converted to millimetres"));
+  EXPECT_NEAR(read.position(1).x, 1000001 * 25.4, 1e-6);
+}
+
+TEST(Write3mf, StatesEachUnit) {
+  const TemporaryFolder folder;
+  const Mesh mesh = shapes::box(glm::dvec3(0.0), glm::dvec3(1.0));
+  for (const LengthUnit unit : {LengthUnit::Micron, LengthUnit::Millimetre, LengthUnit::Centimetre,
+                                LengthUnit::Inch, LengthUnit::Foot, LengthUnit::Metre}) {
+    writeMesh(folder.path() / "box.3mf", mesh, {.unit = unit});
+    EXPECT_NEAR(bounds(readMesh(folder.path() / "box.3mf")).max.y, millimetres(unit),
+                1e-6 * millimetres(unit));
+  }
+}
+
+TEST(Write3mf, WritesTheSameBytesAgain) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "torus.3mf";
+  writeMesh(path, shapes::torus(2.0, 0.7, 40, 24));
+  const std::string first = readBytes(path);
+  writeMesh(path, shapes::torus(2.0, 0.7, 40, 24));
+  EXPECT_EQ(readBytes(path), first);
+}
+
+TEST(Write3mf, RefusesAMeshWithoutAnyTriangleThatItCanHold) {
+  const TemporaryFolder folder;
+  const Mesh mesh{{{0, 0, 0}, {1, 0, 0}}, {{0, 1, 1}, {0, 1, 0}, {1, 1, 0}}, {}};
+  try {
+    writeMesh(folder.path() / "line.3mf", mesh);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Unsupported);
+    EXPECT_TRUE(contains(error.what(), "line.3mf: a 3MF holds triangles of three different vertices"));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(MeshUnit, IsThatOfTheFormat) {
+  EXPECT_EQ(meshUnit("a.3MF"), LengthUnit::Millimetre);
+  for (const char* name : {"a.gltf", "a.glb", "a.dae"}) EXPECT_EQ(meshUnit(name), LengthUnit::Metre);
+  for (const char* name : {"a.stl", "a.fbx", "a"}) EXPECT_EQ(meshUnit(name), std::nullopt);
 }
 
 TEST(WriteMeshView, IsWrittenLikeTheMesh) {

@@ -94,9 +94,8 @@ class Reader : public XmlHandler {
       if (name.local != "model") fail("its root is '" + std::string(name.local) + "', not 'model'");
       space_ = name.space;
     }
-    const auto rule = std::ranges::find_if(kRules, [&](const Rule& each) {
-      return each.parent == stack_.back() && each.name == name.local;
-    });
+    const auto rule = std::ranges::find_if(
+        kRules, [&](const Rule& each) { return each.parent == stack_.back() && each.name == name.local; });
     if (skipped_ > 0 || rule == kRules.end() || name.space != space_) {
       ++skipped_;
       return;
@@ -119,28 +118,38 @@ class Reader : public XmlHandler {
 
   void read(Element element, const XmlAttributes& attributes) {
     switch (element) {
-      case Element::Vertex: return readVertex(attributes);
-      case Element::Triangle: return readTriangle(attributes);
-      case Element::Model: return readModel(attributes);
-      case Element::Object: return readObject(attributes);
+      case Element::Vertex:
+        return readVertex(attributes);
+      case Element::Triangle:
+        return readTriangle(attributes);
+      case Element::Model:
+        return readModel(attributes);
+      case Element::Object:
+        return readObject(attributes);
       case Element::Component:
         object_->components.push_back(placement("component", object_->components.size(), attributes));
         return;
-      case Element::Item: return readItem(attributes);
-      default: return;
+      case Element::Item:
+        return readItem(attributes);
+      default:
+        return;
     }
   }
 
   void readModel(const XmlAttributes& attributes) {
     if (const auto unit = attributes.find("unit")) model_.unit = trimmed(*unit);
     const std::optional<LengthUnit> unit = unitOf3mf(model_.unit);
-    if (!unit) fail("its unit is '" + model_.unit + "'; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
+    if (!unit)
+      fail("its unit is '" + model_.unit +
+           "'; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
     scale_ = millimetres(*unit);
     for (const std::string_view prefix : words(attributes.find("requiredextensions").value_or(""))) {
       const auto space = namespaces.find(std::string(prefix));
-      if (space == namespaces.end()) fail("it requires the extension '" + std::string(prefix) + "', which it does not declare");
+      if (space == namespaces.end())
+        fail("it requires the extension '" + std::string(prefix) + "', which it does not declare");
       if (std::ranges::find(kKnownExtensions, space->second) == kKnownExtensions.end())
-        throw Error(ErrorCode::Unsupported, parts_.file().path.string() + ": " + name_ + ": it requires the extension " + space->second +
+        throw Error(ErrorCode::Unsupported, parts_.file().path.string() + ": " + name_ +
+                                                ": it requires the extension " + space->second +
                                                 ", which raymap does not read; export it as plain triangles");
     }
   }
@@ -165,7 +174,8 @@ class Reader : public XmlHandler {
       if (!text) failElement("vertex", object_->vertices.size(), "has no " + std::string(kAxes[axis]));
       position[axis] = real("vertex", object_->vertices.size(), kAxes[axis], *text);
     }
-    if (object_->vertices.size() == object_->vertices.capacity()) checkGrowth(sizeof(glm::dvec3), object_->vertices.size());
+    if (object_->vertices.size() == object_->vertices.capacity())
+      checkGrowth(sizeof(glm::dvec3), object_->vertices.size());
     object_->vertices.push_back(scale_ * position);
   }
 
@@ -178,13 +188,17 @@ class Reader : public XmlHandler {
       const size_t index = object_->triangles.size();
       if (!text) failElement("triangle", index, "has no " + std::string(name));
       const auto vertex = parsed<uint32_t>(*text);
-      if (!vertex) failElement("triangle", index, std::string(name) + " is '" + shortened(*text) + "', which is no vertex index");
+      if (!vertex)
+        failElement("triangle", index,
+                    std::string(name) + " is '" + shortened(*text) + "', which is no vertex index");
       if (*vertex >= object_->vertices.size())
-        failElement("triangle", index, std::string(name) + " is " + std::to_string(*vertex) + ", but the object has " +
-                                           counted(object_->vertices.size(), "vertex"));
+        failElement("triangle", index,
+                    std::string(name) + " is " + std::to_string(*vertex) + ", but the object has " +
+                        counted(object_->vertices.size(), "vertex"));
       triangle[corner] = *vertex;
     }
-    if (object_->triangles.size() == object_->triangles.capacity()) checkGrowth(sizeof(glm::uvec3), object_->triangles.size());
+    if (object_->triangles.size() == object_->triangles.capacity())
+      checkGrowth(sizeof(glm::uvec3), object_->triangles.size());
     object_->triangles.push_back(triangle);
   }
 
@@ -205,9 +219,11 @@ class Reader : public XmlHandler {
     if (const auto text = attributes.find("transform")) {
       const std::vector<std::string_view> numbers = words(*text);
       if (numbers.size() != 12)
-        failElement(element, index, "has a transform of " + counted(numbers.size(), "number") + "; 3MF wants 12");
+        failElement(element, index,
+                    "has a transform of " + counted(numbers.size(), "number") + "; 3MF wants 12");
       // Each row of the file is the image of an axis, the last one the translation: a column of ours.
-      for (int n = 0; n < 12; ++n) placed.transform[n / 3][n % 3] = real(element, index, "transform", numbers[n]);
+      for (int n = 0; n < 12; ++n)
+        placed.transform[n / 3][n % 3] = real(element, index, "transform", numbers[n]);
       placed.transform[3] *= scale_;
     }
     return placed;
@@ -217,14 +233,17 @@ class Reader : public XmlHandler {
     const auto text = attributes.find(name);
     if (!text) fail("an element '" + std::string(element) + "' has no " + std::string(name));
     const auto value = parsed<uint32_t>(*text);
-    if (!value) fail("the " + std::string(name) + " of an element '" + std::string(element) + "' is '" + shortened(*text) + "', which is no object's number");
+    if (!value)
+      fail("the " + std::string(name) + " of an element '" + std::string(element) + "' is '" +
+           shortened(*text) + "', which is no object's number");
     return *value;
   }
 
   double real(std::string_view element, size_t index, std::string_view name, std::string_view text) const {
     const auto value = parsed<double>(text);
     if (!value || !std::isfinite(*value))
-      failElement(element, index, std::string(name) + " is '" + shortened(text) + "', which is no finite number");
+      failElement(element, index,
+                  std::string(name) + " is '" + shortened(text) + "', which is no finite number");
     return *value;
   }
 
@@ -235,7 +254,9 @@ class Reader : public XmlHandler {
   }
 
   /// Checks the memory before an array doubles.
-  void checkGrowth(size_t elementBytes, size_t count) const { checkMemory(parts_.file(), 3 * elementBytes * count); }
+  void checkGrowth(size_t elementBytes, size_t count) const {
+    checkMemory(parts_.file(), 3 * elementBytes * count);
+  }
 
   static std::string shortened(std::string_view text) { return std::string(text.substr(0, 40)); }
 

@@ -121,7 +121,8 @@ void ZipParts::read(std::string_view name, const std::function<void(std::string_
                  " times the size of the file, as no model does");
     take({piece.data(), static_cast<size_t>(got)});
   }
-  if (unzCloseCurrentFile(zip_.get()) != UNZ_OK) file_.fail("the checksum of its part '" + shown + "' is wrong");
+  if (unzCloseCurrentFile(zip_.get()) != UNZ_OK)
+    file_.fail("the checksum of its part '" + shown + "' is wrong");
 }
 
 }  // namespace raymap

@@ -3,7 +3,6 @@
 #include <minizip/zip.h>
 #include <raymap/error.h>
 
-#include <algorithm>
 #include <exception>
 #include <ostream>
 #include <utility>
@@ -83,17 +82,35 @@ ZipWriter::~ZipWriter() {
   if (zip_) zipClose(zip_, nullptr);
 }
 
-void ZipWriter::add(const std::string& name, const std::string& header, std::span<const std::byte> bytes) {
+void ZipWriter::begin(const std::string& name, int level, Size size) {
   zip_fileinfo info{};
-  info.dosDate = (1U << 21) | (1U << 16);  // 1 January 1980: equal contents make equal files.
-  check(zipOpenNewFileInZip64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr, 0, 0, 1) == ZIP_OK);
-  check(zipWriteInFileInZip(zip_, header.data(), static_cast<unsigned>(header.size())) == ZIP_OK);
+  info.dosDate = (1U << 21) | (1U << 16);  // 1 January 1980.
+  check(zipOpenNewFileInZip64(zip_, name.c_str(), &info, nullptr, 0, nullptr, 0, nullptr,
+                              level > 0 ? Z_DEFLATED : 0, level, size == Size::Any ? 1 : 0) == ZIP_OK);
+}
+
+void ZipWriter::beginDeflated(const std::string& name, Size size) {
+  constexpr int kLevel = 6;  // zlib's own default.
+  begin(name, kLevel, size);
+}
+
+void ZipWriter::write(std::string_view bytes) {
   constexpr size_t kPiece = size_t{1} << 24;  // minizip counts in 32 bits.
   for (size_t begin = 0; begin < bytes.size(); begin += kPiece) {
-    const auto count = static_cast<unsigned>(std::min(kPiece, bytes.size() - begin));
-    check(zipWriteInFileInZip(zip_, bytes.data() + begin, count) == ZIP_OK);
+    const std::string_view piece = bytes.substr(begin, kPiece);
+    check(zipWriteInFileInZip(zip_, piece.data(), static_cast<unsigned>(piece.size())) == ZIP_OK);
   }
+}
+
+void ZipWriter::endFile() {
   check(zipCloseFileInZip(zip_) == ZIP_OK);
+}
+
+void ZipWriter::add(const std::string& name, const std::string& header, std::span<const std::byte> bytes) {
+  begin(name, 0, Size::Any);
+  write(header);
+  write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  endFile();
 }
 
 void ZipWriter::finish() {
@@ -102,7 +119,8 @@ void ZipWriter::finish() {
 
 void ZipWriter::check(bool good) const {
   if (stream_->problem) std::rethrow_exception(stream_->problem);
-  if (!good) throw Error(ErrorCode::File, "cannot write a .npz here: it needs a regular file");
+  if (!good)
+    throw Error(ErrorCode::File, "cannot write a zip file (.npz, .3mf) here: it needs a regular file");
 }
 
 }  // namespace raymap

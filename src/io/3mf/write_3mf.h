@@ -1,0 +1,27 @@
+#pragma once
+
+#include <raymap/units.h>
+
+#include <iosfwd>
+#include <string>
+
+#include "mesh/packed_mesh.h"
+
+namespace raymap {
+
+/// What a 3MF says of its mesh. Bytes of texts that are no text of XML become '?'. Empty texts are left out.
+struct About3mf {
+  LengthUnit unit;
+  std::string title, description;
+};
+
+/// Returns whether a triangle has three different vertices, as 3MF demands. Others are not written.
+inline bool isIn3mf(const glm::uvec3& t) {
+  return t.x != t.y && t.y != t.z && t.z != t.x;
+}
+
+/// Writes a mesh as a 3MF: one object and one item. Throws `Error(Unsupported)` if no triangle has three
+/// different vertices.
+void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about);
+
+}  // namespace raymap
