@@ -72,8 +72,7 @@ RAYMAP_API std::vector<FacePoint> sampleFaces(const MeshView& mesh, double step)
 RAYMAP_API ThicknessSummary summarizeThickness(std::span<const FacePoint> points,
                                                std::span<const Thickness> thickness);
 
-/// Measures the thickness at about a hundred thousand points of the mesh, or one for each face if it has
-/// more.
+/// Measures the thickness at 100,000 points that are spread evenly over the area of the mesh.
 RAYMAP_API ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options = {});
 
 }  // namespace raymap

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// About as many points as a summary measures.
-constexpr double kSummaryPoints = 1e5;
+/// Number of points that a summary measures.
+constexpr size_t kSummaryPoints = 100'000;
 
 double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   return 0.5 * glm::length(glm::cross(b - a, c - a));
@@ -29,16 +29,28 @@ double countParts(const PackedMesh& mesh, double step) {
   return count;
 }
 
-/// Returns a distance between samples of which there are about `wanted`, besides one for each face.
-double stepFor(const PackedMesh& mesh, double wanted) {
-  double area = 0.0;
+/// Returns points spread evenly over the area of a mesh, in the order of the faces.
+std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
+  // The plastic sequence (Roberts 2018) fills a triangle evenly.
+  constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
+  double total = 0.0;
   for (const glm::uvec3& t : mesh.triangles)
-    area += areaOf(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
-  if (!(area > 0.0)) return 1.0;
-  double step = std::sqrt(area / wanted);
-  // Slivers take more parts than their area tells.
-  while (countParts(mesh, step) > 4.0 * wanted + double(mesh.triangles.size())) step *= 1.5;
-  return step;
+    total += areaOf(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z]);
+  std::vector<FacePoint> points;
+  points.reserve(count);
+  double sum = 0.0;
+  for (uint32_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    const glm::dvec3 a(mesh.vertices[t.x]), b(mesh.vertices[t.y]), c(mesh.vertices[t.z]);
+    sum += areaOf(a, b, c);
+    while (points.size() < count && (double(points.size()) + 0.5) * total < sum * double(count)) {
+      const auto k = double(points.size() + 1);
+      double u = k * kFirst - std::floor(k * kFirst), v = k * kSecond - std::floor(k * kSecond);
+      if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+      points.push_back({mesh.origin + a + u * (b - a) + v * (c - a), f, total / double(count)});
+    }
+  }
+  return points;
 }
 
 /// Thinnest point of one kind.
@@ -121,8 +133,7 @@ ThicknessSummary summarizeThickness(std::span<const FacePoint> points, std::span
 
 ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options) {
   MeshPacker packer;
-  const std::vector<FacePoint> points =
-      sampleFaces(surface.mesh(), stepFor(packer.pack(surface.mesh()), kSummaryPoints));
+  const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kSummaryPoints);
   return summarizeThickness(points, surface.thickness(points, options));
 }
 

@@ -261,6 +261,24 @@ TEST(Thickness, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(std::memcmp(one.data(), many.data(), one.size() * sizeof(Thickness)), 0);
 }
 
+TEST(Thickness, IsSummarizedOverTheArea) {
+  // A thick plate with a thin one beside it, which has a tenth of the area.
+  const Mesh mesh =
+      rotated(shapes::joined(shapes::box({0, 0, 0}, {9, 10, 1}), shapes::box({20, 0, 0}, {21, 10, 0.1})));
+  const ThicknessSummary found = summarizeThickness(Surface(mesh));
+  EXPECT_EQ(found.points, 100'000u);
+  EXPECT_NEAR(found.thinnest, 0.1, 1e-5);
+  EXPECT_NEAR(found.low, 0.1, 1e-5);
+  EXPECT_NEAR(found.median, 1.0, 1e-5);
+  const glm::dvec3 corner = mesh.position(8), across = mesh.position(9) - corner;
+  EXPECT_GE(glm::dot(found.thinnestAt - corner, across), -1e-6);
+
+  const ThicknessSummary none = summarizeThickness(
+      Surface(makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}, {{0, 1, 2}})));
+  EXPECT_TRUE(std::isnan(none.thinnest) && std::isnan(none.sharpest) && std::isnan(none.low));
+  EXPECT_EQ(none.sheetShare, 1.0);
+}
+
 TEST(Thickness, RefusesWhatMakesNoSense) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const std::vector<FacePoint> points = sampleFaces(mesh, 1.0), wrong{{{0, 0, 0}, 12}};

@@ -34,6 +34,9 @@ constexpr double kFree = 0.75;
 /// Walls that meet at less than this angle do not run out to an edge.
 const double kLeastEdgeSine = std::sin(glm::radians(5.0));
 
+/// Share of the longest ray that is searched first. It grows to the whole by factors of 4.
+constexpr double kFirstReach = 1.0 / 64.0;
+
 constexpr size_t kPointsPerTask = 1024, kPointsPerQuery = size_t{1} << 18;
 
 class LocalThickness {
@@ -90,14 +93,22 @@ class LocalThickness {
     return !isNearSurface(surface_.tree, toCells(centre), static_cast<float>(radius / surface_.grid.spacing));
   }
 
-  /// Returns where a ray that begins inside leaves the solid, or null.
+  /// Returns where a ray that begins inside leaves the solid, or null. Most rays are short.
   const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding) {
     // A ball of diameter `reach_` touches planes that lie this much farther along the ray.
     const double reach = reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_;
-    findTrianglesAlong(surface_.signTree(), toCells(p), toCells(p + reach * direction), slack_, faces_);
+    for (double length = reach * kFirstReach; length < reach; length *= 4.0)
+      if (const RayHit* exit = findExitWithin(p, direction, winding, length)) return exit;
+    return findExitWithin(p, direction, winding, reach);
+  }
+
+  const RayHit* findExitWithin(const glm::dvec3& p, const glm::dvec3& direction, double winding,
+                               double length) {
+    findTrianglesAlong(surface_.signTree(), toCells(p), toCells(p + (length + beside_) * direction), slack_,
+                       faces_);
     for (uint32_t& t : faces_) t = surface_.signTree().triangleId(t);
     findRayHits(surface_.mesh, surface_.turns, faces_, p, direction, hits_);
-    for (size_t begin = 0; begin < hits_.size();) {
+    for (size_t begin = 0; begin < hits_.size() && hits_[begin].distance <= length;) {
       if (hits_[begin].distance <= beside_) {
         ++begin;
         continue;

@@ -22,27 +22,37 @@ struct Capsule {
   float radius;
 };
 
-/// Returns the nodes of a packet whose balls meet the capsule. Discs that fill up the packet never do.
+/// Returns the nodes of a packet whose discs the capsule may meet: the part of its axis that is near the
+/// plane of the disc comes close to the centre. Discs that fill up the packet never do.
 HWY_INLINE uint32_t nodesAt(const DiscPacket& discs, const Capsule& capsule) {
   const Tag d;
   const auto set = [&](float v) { return hn::Set(d, v); };
+  const auto dot = [](Float ax, Float ay, Float az, Float bx, Float by, Float bz) {
+    return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
+  };
   const float length2 = glm::dot(capsule.along, capsule.along);
-  const Float inverse = set(length2 > 0.0f ? 1.0f / length2 : 0.0f);
+  const Float inverse = set(length2 > 0.0f ? 1.0f / length2 : 0.0f), radius = set(capsule.radius);
+  const Float ux = set(capsule.along.x), uy = set(capsule.along.y), uz = set(capsule.along.z);
   uint32_t nodes = 0;
   for (size_t i = 0; i < kPacket; i += hn::Lanes(d)) {
     const Each read{i};
     const Float x = hn::Sub(read(discs.cx), set(capsule.from.x)),
                 y = hn::Sub(read(discs.cy), set(capsule.from.y)),
                 z = hn::Sub(read(discs.cz), set(capsule.from.z));
-    const Float dot = hn::MulAdd(x, set(capsule.along.x),
-                                 hn::MulAdd(y, set(capsule.along.y), hn::Mul(z, set(capsule.along.z))));
-    const Float t = hn::Min(hn::Max(hn::Mul(dot, inverse), hn::Zero(d)), set(1.0f));
-    const Float dx = hn::NegMulAdd(t, set(capsule.along.x), x),
-                dy = hn::NegMulAdd(t, set(capsule.along.y), y),
-                dz = hn::NegMulAdd(t, set(capsule.along.z), z);
-    const Float square = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-    const Float reach = hn::Add(hn::Add(read(discs.radius), read(discs.halfThickness)), set(capsule.radius));
-    nodes |= bits(hn::Le(square, hn::Mul(reach, reach))) << i;
+    const Float nx = read(discs.nx), ny = read(discs.ny), nz = read(discs.nz);
+    const Float half = hn::Add(read(discs.halfThickness), radius);
+    // Where the axis enters and leaves the slab of the disc, 0 at its start and 1 at its end. Along the slab
+    // the axis is in it everywhere or nowhere.
+    const Float height = dot(x, y, z, nx, ny, nz), rise = dot(ux, uy, uz, nx, ny, nz);
+    const Float steep = hn::CopySign(hn::Max(hn::Abs(rise), set(1e-20f)), rise);
+    const Float s = hn::Div(hn::Sub(height, half), steep), e = hn::Div(hn::Add(height, half), steep);
+    const Float low = hn::Max(hn::Min(s, e), hn::Zero(d)), high = hn::Min(hn::Max(s, e), set(1.0f));
+    const Float closest = hn::Mul(dot(x, y, z, ux, uy, uz), inverse);
+    const Float t = hn::Min(hn::Max(closest, low), high);
+    const Float dx = hn::NegMulAdd(t, ux, x), dy = hn::NegMulAdd(t, uy, y), dz = hn::NegMulAdd(t, uz, z);
+    const Float reach = hn::Add(read(discs.radius), half);
+    const Mask isNear = hn::Le(dot(dx, dy, dz, dx, dy, dz), hn::Mul(reach, reach));
+    nodes |= bits(hn::And(hn::Le(low, high), isNear)) << i;
   }
   return nodes;
 }
