@@ -34,6 +34,18 @@ void checkOutput(const Output& output) {
 
 }  // namespace
 
+CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite) {
+  return command.add_flag("--overwrite", mayOverwrite, "Allow an output to replace an input");
+}
+
+void checkInputs(const std::vector<Output>& outputs, const std::vector<fs::path>& inputs) {
+  for (const Output& output : outputs)
+    for (const fs::path& input : inputs)
+      if (std::error_code none; fs::equivalent(output.path, input, none))
+        throw Error(ErrorCode::Usage, output.option + " " + output.path.string() + ": is the input " +
+                                          input.string() + "; to replace it: --overwrite");
+}
+
 CLI::Validator numberFrom(double low, bool isOpen) {
   const std::string limit = (isOpen ? "above " : "at least ") + CLI::detail::to_string(low);
   return {[=](const std::string& text) -> std::string {

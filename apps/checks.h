@@ -24,6 +24,12 @@ struct Output {
 /// file named twice. Throws `Error(Usage)` or `Error(File)`.
 void checkOutputs(const std::vector<Output>& outputs);
 
+/// Adds `--overwrite`, which allows outputs that are inputs.
+CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite);
+
+/// Throws `Error(Usage)` if an output is the same file as an input, also through links.
+void checkInputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);
+
 /// Returns whether a path has one of these extensions, in upper or lower case.
 bool hasExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 

@@ -12,16 +12,23 @@ namespace {
 
 struct Arguments {
   std::filesystem::path input, output;
+  bool mayOverwrite = false;
 };
 
+void check(const Arguments& arguments, const std::vector<std::string>& extensions) {
+  const Output output{"output", arguments.output, extensions};
+  checkOutputs({output});
+  if (!arguments.mayOverwrite) checkInputs({output}, {arguments.input});
+}
+
 void convertField(const Arguments& arguments) {
-  checkOutputs({{"output", arguments.output, fieldExtensions()}});
+  check(arguments, fieldExtensions());
   const Field field = readField(arguments.input);
   writeField(arguments.output, field, name(heldArray(field)));
 }
 
 void convertMesh(const Arguments& arguments) {
-  checkOutputs({{"output", arguments.output, writableMeshExtensions()}});
+  check(arguments, writableMeshExtensions());
   writeMesh(arguments.output, loadMesh(arguments.input));
 }
 
@@ -39,6 +46,7 @@ void addConvert(CLI::App& app) {
                    ".ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
+  addOverwriteOption(*command, arguments->mayOverwrite);
   command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");
   command->callback([arguments] {
     if (hasExtension(arguments->input, meshExtensions()))

@@ -31,6 +31,7 @@ constexpr const char* kFooter = R"(Examples:
 
 struct Arguments : FieldArguments {
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
+  bool mayOverwrite = false;
 };
 
 /// Results of one run, for the summary and the statistics.
@@ -194,6 +195,7 @@ void run(Arguments& arguments) {
   const Clock::time_point start = Clock::now();
   finishOptions(arguments);
   checkOutputs(outputs(arguments));
+  if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.options.device);
   Report report;
   Mesh mesh;
@@ -238,6 +240,7 @@ void addGenerate(CLI::App& app) {
       ->type_name("MESH")
       ->required();
   addOutputOptions(*command, *arguments);
+  addOverwriteOption(*command, arguments->mayOverwrite)->group("Files");
   addFieldOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -24,6 +24,7 @@ the grid's box.)";
 struct Arguments : FieldArguments {
   std::filesystem::path input, mesh;
   bool recenter = false;
+  bool mayOverwrite = false;
   IsosurfaceOptions surface;
 };
 
@@ -38,7 +39,9 @@ Mesh makeSurface(const Field& field, const Arguments& arguments) {
 
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
-  checkOutputs({{"--output", arguments.mesh, writableMeshExtensions()}});
+  const Output output{"--output", arguments.mesh, writableMeshExtensions()};
+  checkOutputs({output});
+  if (!arguments.mayOverwrite) checkInputs({output}, {arguments.input});
   const StoredMesh stored = storeMesh(
       arguments.mesh, makeSurface(loadField(arguments.input, arguments), arguments), arguments.recenter);
   checkStored(stored);
@@ -61,6 +64,7 @@ void addMesh(CLI::App& app) {
   command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
+  addOverwriteOption(*command, arguments->mayOverwrite);
   command->add_option("--iso", arguments->surface.iso,
                       "Distance at which the surface lies, in the mesh's units (default 0)");
   addRecenterOption(*command, arguments->recenter);

@@ -33,7 +33,7 @@ struct Arguments : FieldArguments {
   fs::path mesh, points, results, stats;
   std::vector<std::string> arrays{"distance"};
   double maxDistance = std::numeric_limits<double>::infinity();
-  bool isUnsigned = false, colour = false;
+  bool isUnsigned = false, colour = false, mayOverwrite = false;
 };
 
 /// An array that may be asked for: its name and its member of the options.
@@ -78,7 +78,10 @@ QueryOptions askedFor(const Arguments& arguments) {
 }
 
 void check(const Arguments& arguments, const QueryOptions& asked) {
-  checkOutputs({{"--output", arguments.results, queryExtensions()}, {"--stats", arguments.stats, {".json"}}});
+  const std::vector<Output> outputs{{"--output", arguments.results, queryExtensions()},
+                                    {"--stats", arguments.stats, {".json"}}};
+  checkOutputs(outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh, arguments.points});
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
   };
@@ -237,6 +240,7 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
                   "Also write figures of the mesh, the points and every step, as .json")
       ->type_name("FILE")
       ->group("Files");
+  addOverwriteOption(command, arguments.mayOverwrite)->group("Files");
   command.add_option("--arrays", arguments.arrays, "What to compute, parted by commas (default distance)")
       ->delimiter(',')
       ->check(CLI::IsMember(names))

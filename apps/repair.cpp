@@ -19,6 +19,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap repair scan.ply -o scan.stl                             (a watertight solid)
   raymap repair part.stl -o part.3.stl --voxel-size 0.1 --offset 0.2
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
+  raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4 --drain-holes 2    (a vent, too)
 
 All lengths are in the mesh's units. The deviation of the result from the mesh is measured and printed.)";
 
@@ -43,8 +44,10 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
 void run(RepairArguments& arguments) {
   finishFieldArguments(arguments);
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
-  checkOutputs(
-      {{"--output", arguments.result, writableMeshExtensions()}, {"--stats", arguments.stats, {".json"}}});
+  const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
+                                    {"--stats", arguments.stats, {".json"}}};
+  checkOutputs(outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
   const Mesh mesh = loadMesh(arguments.mesh);
   testBeforeFirstUse(arguments.options.device);
   const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
@@ -74,6 +77,14 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
       "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too "
       "small for it stay solid");
   hole->check(numberFrom(0, true))->needs(shell)->group("Shape");
+  command
+      .add_option("--drain-holes", repair.drainHoles,
+                  "Number of holes of each hollow: the second is a vent up from the highest point, more go "
+                  "down from level floors (default 1)")
+      ->check(wholeNumberFrom(1))
+      ->needs(hole)
+      ->type_name("N")
+      ->group("Shape");
   command.add_option("--down", arguments.down, "Direction of down (default 0 0 -1)")
       ->expected(3)
       ->needs(hole)
@@ -122,6 +133,7 @@ void addRepair(CLI::App& app) {
       ->required();
   addRecenterOption(*command, arguments->recenter);
   command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
+  addOverwriteOption(*command, arguments->mayOverwrite);
   addRepairGridOptions(*command, *arguments);
   addOrientationOption(*command, *arguments);
   command

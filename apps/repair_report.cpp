@@ -24,6 +24,14 @@ Json toJson(const Removed& removed) {
   return {{"count", removed.count}, {"volume", removed.volume}, {"largest", removed.largest}};
 }
 
+Json toJson(const std::vector<HolePlace>& places) {
+  Json json = Json::array();
+  for (const auto& [position, direction] : places)
+    json.push_back({{"position", {position.x, position.y, position.z}},
+                    {"direction", {direction.x, direction.y, direction.z}}});
+  return json;
+}
+
 std::string pairsText(const SelfIntersections& crossing) {
   return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
 }
@@ -73,6 +81,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"offset", arguments.repair.offset},
             {"shell", arguments.repair.shell},
             {"drain_hole", arguments.repair.drainHole},
+            {"drain_holes", arguments.repair.drainHoles},
             {"keep_cavities", arguments.repair.keepCavities},
             {"remesh", arguments.repair.remesh}}},
           {"file_offset", toJson(written.offset)},
@@ -86,6 +95,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"trimmed_share", report.trimmedShare},
           {"hollows", report.hollows},
           {"drain_holes", report.holes},
+          {"drain_hole_places", toJson(report.holePlaces)},
           {"solids", report.solids},
           {"cavities", report.cavities},
           {"drop_smaller", report.dropSmaller},
@@ -137,6 +147,9 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
                 counted(report.holes, "drain hole").c_str());
+  for (const auto& [p, d] : report.holePlaces)
+    std::printf("  %-22s at %.5g %.5g %.5g, direction %.3g %.3g %.3g\n", "drain hole", p.x, p.y, p.z, d.x,
+                d.y, d.z);
 }
 
 }  // namespace raymap

@@ -20,6 +20,7 @@ struct RepairArguments : FieldArguments {
   RepairOptions repair;
   std::vector<double> down;
   bool recenter = false;
+  bool mayOverwrite = false;
 };
 
 /// Returns whether a result is what `raymap repair` promises: watertight, with its faces outwards.

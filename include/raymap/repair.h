@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <vector>
 
 namespace raymap {
 
@@ -14,7 +15,10 @@ namespace raymap {
 struct RepairOptions {
   double offset = 0.0;     ///< Distance to move the surface outwards; negative: inwards.
   double shell = 0.0;      ///< Thickness of the walls of a hollow solid; 0 = not hollow.
-  double drainHole = 0.0;  ///< Diameter of a hole down from the lowest point of each hollow; 0 = none.
+  double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
+  /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
+  /// one, then down from level floors as far from the others as there are.
+  int drainHoles = 1;
   glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
   /// Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. Unset: a thousandth
   /// of what the largest part encloses.
@@ -32,6 +36,11 @@ struct Deviation {
   double mean = 0.0;
   double p99 = 0.0;   ///< 99th percentile.
   size_t points = 0;  ///< Number of points measured.
+};
+
+/// A drain hole: where its axis leaves the solid, in the mesh's units, and its direction of length 1 there.
+struct HolePlace {
+  glm::dvec3 position{0.0}, direction{0.0};
 };
 
 /// Parts or cavities that the result lacks. Volumes are what their surfaces enclose, in the mesh's units
@@ -60,7 +69,8 @@ struct RepairReport {
                               ///< other shares are of the rest.
   size_t hollows = 0;         ///< Number of hollows that the shell left.
   size_t holes = 0;           ///< Number of drain holes.
-  size_t solids = 0;          ///< Number of parts of the result; those in cavities count, too.
+  std::vector<HolePlace> holePlaces = {};  ///< Where they are, hollow by hollow.
+  size_t solids = 0;                       ///< Number of parts of the result; those in cavities count, too.
   size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell count, too.
   double dropSmaller = 0.0;   ///< Volume below which parts were dropped.
   Removed dropped = {};       ///< Parts that were too small.

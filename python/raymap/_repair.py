@@ -147,6 +147,13 @@ class Removed(TypedDict):
     largest: float
 
 
+class HolePlace(TypedDict):
+    """A drain hole: where its axis leaves the solid, and its direction of length 1 there."""
+
+    position: list[float]
+    direction: list[float]
+
+
 class RepairReport(TypedDict):
     """Changes that a repair made, and how far the result is from the mesh."""
 
@@ -166,6 +173,8 @@ class RepairReport(TypedDict):
     """Share of the mesh's points that the moved surface has no place for. The other shares are of the rest."""
     hollows: int
     drain_holes: int
+    drain_hole_places: list[HolePlace]
+    """Where they are, hollow by hollow."""
     solids: int
     """Number of parts of the result; those in cavities count, too."""
     cavities: int
@@ -204,6 +213,7 @@ def repair(
     offset: float = 0.0,
     shell: float = 0.0,
     drain_hole: float = 0.0,
+    drain_holes: int = 1,
     down: tuple[float, float, float] = (0.0, 0.0, -1.0),
     drop_smaller: float | None = None,
     keep_cavities: bool = False,
@@ -227,7 +237,9 @@ def repair(
         close_holes: Whether distances count the surface that closes holes. Without it, holes are closed in steps.
         offset: Distance to move the surface outwards, in the mesh's units; negative: inwards.
         shell: Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
-        drain_hole: Diameter of a hole down from the lowest point of each hollow; 0 = none.
+        drain_hole: Diameter of the drain holes; 0 = none.
+        drain_holes: Number of drain holes of each hollow: down from its lowest point, then as a vent up from its
+            highest one, then down from level floors as far from the others as there are.
         down: Direction of the drain holes.
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
             thousandth of what the largest part encloses.
@@ -255,6 +267,7 @@ def repair(
     set_machine(options, device, threads, memory_limit)
     how = _raymap.RepairOptions()
     how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), _vector(down)
+    how.drain_holes = operator.index(drain_holes)
     how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
     with reporting(progress) as report:

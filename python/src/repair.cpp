@@ -38,6 +38,14 @@ nb::dict toDict(const RepairReport& report) {
   dict["trimmed_share"] = report.trimmedShare;
   dict["hollows"] = report.hollows;
   dict["drain_holes"] = report.holes;
+  nb::list places;
+  for (const auto& [position, direction] : report.holePlaces) {
+    nb::dict place;
+    place["position"] = toList(position);
+    place["direction"] = toList(direction);
+    places.append(place);
+  }
+  dict["drain_hole_places"] = places;
   dict["solids"] = report.solids;
   dict["cavities"] = report.cavities;
   dict["drop_smaller"] = report.dropSmaller;
@@ -74,6 +82,7 @@ void bindRepair(nb::module_& module) {
       .def_rw("offset", &RepairOptions::offset)
       .def_rw("shell", &RepairOptions::shell)
       .def_rw("drain_hole", &RepairOptions::drainHole)
+      .def_rw("drain_holes", &RepairOptions::drainHoles)
       .def_rw("drop_smaller", &RepairOptions::dropSmaller)
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
       .def_rw("remesh", &RepairOptions::remesh)

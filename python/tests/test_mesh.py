@@ -134,8 +134,8 @@ def test_info_is_that_of_the_command_line(ball, run_raymap):
 def test_repair_is_that_of_the_command_line(ball, run_raymap):
     broken = raymap.Mesh(ball.vertices, ball.faces[60:])
     broken.save("broken.ply")
-    options = dict(resolution=40, offset=0.1, shell=0.3, drain_hole=0.4, down=(0, -1, 0))
-    arguments = "--resolution 40 --offset 0.1 --shell 0.3 --drain-hole 0.4 --down 0 -1 0".split()
+    options = dict(resolution=40, offset=0.1, shell=0.3, drain_hole=0.4, drain_holes=2, down=(0, -1, 0))
+    arguments = "--resolution 40 --offset 0.1 --shell 0.3 --drain-hole 0.4 --drain-holes 2 --down 0 -1 0".split()
     run_raymap("repair", "broken.ply", "-o", "solid.ply", "--device", "cpu", "--stats", "stats.json", *arguments)
     mesh, report, stats = raymap.repair("broken.ply", device="cpu", **options)
     mesh.save("mine.ply")
@@ -143,7 +143,8 @@ def test_repair_is_that_of_the_command_line(ball, run_raymap):
     written = json.load(open("stats.json"))
     assert report == {key: written[key] for key in report}
     assert set(report) == set(raymap.RepairReport.__annotations__)
-    assert report["hollows"] == 1 and report["drain_holes"] == 1
+    assert report["hollows"] == 1 and report["drain_holes"] == 2
+    assert [place["direction"] for place in report["drain_hole_places"]] == [[0, -1, 0], [0, 1, 0]]
     assert stats.patch_area == written["patch"]["area"]
 
 

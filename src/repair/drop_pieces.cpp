@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kShareOfLargest = 1e-3;  // Smaller parts are crumbs if no volume is given.
 
+constexpr double kSimilar =
+    0.1;  // Share of a part that stays from which on a dropped one is worth a warning.
+
 enum class Fate : uint8_t { Kept, Dropped, Filled, Buried };
 
 double leastVolume(const Pieces& found, const RepairOptions& repair) {
@@ -56,6 +59,14 @@ std::string text(double volume) {
   std::array<char, 32> digits{};
   std::snprintf(digits.data(), digits.size(), "%.3g", volume);
   return digits.data();
+}
+
+double smallestKept(const Pieces& found, const Choice& choice) {
+  double smallest = INFINITY;
+  for (size_t p = 0; p < found.pieces.size(); ++p)
+    if (!choice.isDropped[p] && !found.pieces[p].isCavity())
+      smallest = std::min(smallest, found.pieces[p].volume);
+  return smallest;
 }
 
 std::string parts(const Removed& removed) {
@@ -141,8 +152,13 @@ void dropFrom(Mesh& surface, const Pieces& found, const Choice& choice) {
   for (glm::uvec3& t : surface.triangles) t = {numbers[t.x], numbers[t.y], numbers[t.z]};
 }
 
-void warnOfFilled(const RepairReport& report, const WarningCallback& warn) {
+void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport& report,
+                   const WarningCallback& warn) {
   if (!warn) return;
+  const double smallest = smallestKept(found, choice);
+  if (report.dropped.count > 0 && report.dropped.largest >= kSimilar * smallest)
+    warn("dropped " + parts(report.dropped) + ", while a part of volume " + text(smallest) +
+         " stays; to keep all: --drop-smaller 0");
   if (report.filled.count > 0 && report.filled.largest >= report.dropSmaller)
     warn("filled a sealed cavity of volume " + text(report.filled.largest) +
          "; to keep cavities: --keep-cavities");

@@ -25,8 +25,10 @@ void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choi
 /// Removes the faces of the dropped pieces, and the vertices that only they use.
 void dropFrom(Mesh& surface, const Pieces& found, const Choice& choice);
 
-/// Warns of filled cavities that are larger than a part to drop, and of parts in filled cavities.
-void warnOfFilled(const RepairReport& report, const WarningCallback& warn);
+/// Warns of what may be more than crumbs and bubbles: dropped parts nearly as large as those that stay,
+/// filled cavities larger than a part to drop, and parts in filled cavities.
+void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport& report,
+                   const WarningCallback& warn);
 
 /// Warns of parts that were small enough to be dropped, but kept.
 void warnOfKept(const RepairReport& report, const WarningCallback& warn);

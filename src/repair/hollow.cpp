@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/parallel.h"
 #include "field/field_sampler.h"
@@ -11,6 +12,7 @@ namespace raymap {
 namespace {
 
 constexpr size_t kSamplesPerTask = size_t{1} << 16;
+constexpr double kLevel = 0.8;  // Cosine of the steepest slope of a floor.
 
 glm::ivec3 placeOf(const Grid& grid, size_t sample) {
   const size_t x = size_t(grid.dims.x), y = size_t(grid.dims.y);
@@ -21,13 +23,17 @@ glm::ivec3 placeOf(const Grid& grid, size_t sample) {
 class Flood {
  public:
   Flood(const Field& solid, double wall, const glm::dvec3& down)
-      : solid_(solid), wall_(wall), down_(glm::normalize(down)), isSeen_(solid.distance.size()) {}
+      : solid_(solid),
+        sampler_(solid),
+        wall_(wall),
+        down_(glm::normalize(down)),
+        isSeen_(solid.distance.size()) {}
 
   bool isNew(size_t sample) const { return !isSeen_[sample] && solid_.distance[sample] < -wall_; }
 
   Hollow follow(size_t first) {
-    Hollow hollow{glm::dvec3(0.0), 0.0};
-    double depth = -INFINITY;
+    Hollow hollow;
+    double low = -INFINITY, high = -INFINITY;
     samples_.clear();
     push(first);
     size_t next = 0;
@@ -37,8 +43,11 @@ class Flood {
       const double room = -wall_ - double(solid_.distance[sample]);
       hollow.deepest = std::max(hollow.deepest, room);
       // A ball of radius `room` around the sample is free.
-      const glm::dvec3 lowest = glm::dvec3(place) + room / solid_.grid.spacing * down_;
-      if (const double d = glm::dot(lowest, down_); d > depth) depth = d, hollow.lowest = lowest;
+      const glm::dvec3 step = room / solid_.grid.spacing * down_;
+      const glm::dvec3 lowest = glm::dvec3(place) + step, highest = glm::dvec3(place) - step;
+      if (const double d = glm::dot(lowest, down_); d > low) low = d, hollow.lowest = lowest;
+      if (const double d = -glm::dot(highest, down_); d > high) high = d, hollow.highest = highest;
+      if (room < solid_.grid.spacing && isLevel(place)) hollow.floors.push_back(lowest);
       visitNeighbours(place);
     }
     return hollow;
@@ -55,6 +64,12 @@ class Flood {
     samples_.push_back(static_cast<uint32_t>(sample));
   }
 
+  /// Returns whether the nearest wall is below a sample.
+  bool isLevel(const glm::ivec3& place) const {
+    const glm::dvec3 outwards = sampler_.gradient(glm::dvec3(place));
+    return glm::dot(outwards, down_) > kLevel * glm::length(outwards);
+  }
+
   void visitNeighbours(const glm::ivec3& place) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
@@ -66,6 +81,7 @@ class Flood {
   }
 
   const Field& solid_;
+  FieldSampler sampler_;
   double wall_;
   glm::dvec3 down_;
   std::vector<bool> isSeen_;
@@ -81,16 +97,19 @@ double DrainHole::distance(const glm::dvec3& p) const {
   return std::max({glm::length(p - start - along * axis) - radius, -along, along - length});
 }
 
-std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down) {
+std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down,
+                                size_t& filled) {
   std::vector<Hollow> hollows;
   Flood flood(solid, wall, down);
   for (size_t sample = 0; sample < solid.distance.size(); ++sample) {
     if (!flood.isNew(sample)) continue;
-    const Hollow hollow = flood.follow(sample);
-    if (hollow.deepest < least)
+    Hollow hollow = flood.follow(sample);
+    if (hollow.deepest < least) {
       flood.fill(solid);
-    else
-      hollows.push_back(hollow);
+      ++filled;
+    } else {
+      hollows.push_back(std::move(hollow));
+    }
   }
   return hollows;
 }
@@ -104,19 +123,49 @@ void hollowOut(Field& solid, double wall) {
   });
 }
 
-DrainHole placeHole(const Field& solid, const Hollow& hollow, double radius, const glm::dvec3& down) {
+DrainHole placeHole(const Field& solid, const glm::dvec3& start, double radius, const glm::dvec3& direction) {
   const Grid& grid = solid.grid;
   const FieldSampler sampler(solid);
   const double reach = radius / grid.spacing;
-  const glm::dvec3 direction = glm::normalize(down), &lowest = hollow.lowest;
+  const glm::dvec3 step = glm::normalize(direction);
   // The hole ends where the solid is farther than its radius, so the whole of its end is free. It is at most
   // as long as the grid's diagonal.
-  glm::dvec3 end = lowest;
-  for (const double last = glm::length(sampler.last()); glm::distance(end, lowest) <= last;) {
-    end += 0.5 * direction;
+  glm::dvec3 end = start;
+  for (const double last = glm::length(sampler.last()); glm::distance(end, start) <= last;) {
+    end += 0.5 * step;
     if (sampler.value(end) > reach) break;
   }
-  return {grid.position(lowest - reach * direction), grid.position(end), radius};
+  return {grid.position(start - reach * step), grid.position(end), radius};
+}
+
+std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int count, double radius,
+                                  const glm::dvec3& down) {
+  std::vector<DrainHole> holes{placeHole(solid, hollow.lowest, radius, down)};
+  if (count > 1) holes.push_back(placeHole(solid, hollow.highest, radius, -down));
+  std::vector<glm::dvec3> starts{hollow.lowest, hollow.highest};
+  const auto apart = [&](const glm::dvec3& p) {
+    double least = INFINITY;
+    for (const glm::dvec3& start : starts) least = std::min(least, glm::distance(p, start));
+    return least;
+  };
+  while (holes.size() < size_t(count) && !hollow.floors.empty()) {
+    const glm::dvec3 farthest = *std::ranges::max_element(hollow.floors, {}, apart);
+    if (apart(farthest) * solid.grid.spacing < 4.0 * radius) break;
+    holes.push_back(placeHole(solid, farthest, radius, down));
+    starts.push_back(farthest);
+  }
+  return holes;
+}
+
+HolePlace exitOf(const Field& solid, const DrainHole& hole) {
+  const FieldSampler sampler(solid);
+  const glm::dvec3 direction = glm::normalize(hole.end - hole.start);
+  const auto place = [&](const glm::dvec3& p) { return (p - solid.grid.origin) / solid.grid.spacing; };
+  // Back from the end, which is free, to the solid.
+  glm::dvec3 p = place(hole.end);
+  const double length = glm::distance(p, place(hole.start));
+  for (double back = 0.0; back < length && sampler.value(p) > 0.0; back += 0.125) p -= 0.125 * direction;
+  return {solid.grid.position(p), direction};
 }
 
 void drill(Field& solid, const DrainHole& hole) {

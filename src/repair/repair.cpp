@@ -33,6 +33,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
   require(repair.drainHole == 0.0 || repair.shell > 0.0, "a drain hole needs a shell: a solid has no hollow");
   require(!repair.dropSmaller || (*repair.dropSmaller >= 0.0 && std::isfinite(*repair.dropSmaller)),
           "the volume below which parts are dropped must be finite and not negative");
+  require(repair.drainHoles >= 1, "a hollow needs at least one drain hole, not " +
+                                      std::to_string(repair.drainHoles) + "; use a drain hole of 0 for none");
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
@@ -94,24 +96,45 @@ void dropPieces(Field& solid, Mesh& surface, const Options& options, const Repai
   Pieces found = findPieces(surface);
   nestPieces(surface, 1, found);
   const Choice choice = choosePieces(found, repair, repair.keepCavities, report);
-  warnOfFilled(report, options.warn);
+  warnOfRemoved(found, choice, report, options.warn);
   if (choice.count == 0) return;
   dropFrom(solid, surface, found, choice);
   dropFrom(surface, found, choice);
   requireParts(surface);
 }
 
+/// Warns of drain holes that were asked for but not made.
+void warnOfHoles(const RepairReport& report, const RepairOptions& repair, size_t filled,
+                 const WarningCallback& warn) {
+  if (repair.drainHole == 0.0 || !warn) return;
+  if (filled > 0)
+    warn(std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
+         " too small for the drain hole and stayed solid; use a smaller --drain-hole");
+  else if (report.hollows == 0)
+    warn("no drain hole was made, because walls this thick leave no hollow; use a smaller --shell");
+  if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.holes < asked)
+    warn("only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
+         " drain holes were made, because the level floors of the hollows have no place for more");
+}
+
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
-std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, RepairReport& report) {
+std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const WarningCallback& warn,
+                              RepairReport& report) {
   const double radius = 0.5 * repair.drainHole;
   std::vector<DrainHole> holes;
-  for (const Hollow& found : findHollows(solid, repair.shell, radius, repair.down)) {
+  size_t filled = 0;
+  for (const Hollow& found : findHollows(solid, repair.shell, radius, repair.down, filled)) {
     ++report.hollows;
-    if (radius > 0.0) holes.push_back(placeHole(solid, found, radius, repair.down));
+    if (radius == 0.0) continue;
+    for (const DrainHole& hole : placeHoles(solid, found, repair.drainHoles, radius, repair.down)) {
+      holes.push_back(hole);
+      report.holePlaces.push_back(exitOf(solid, hole));
+    }
   }
   hollowOut(solid, repair.shell);
   for (const DrainHole& hole : holes) drill(solid, hole);
   report.holes = holes.size();
+  warnOfHoles(report, repair, filled, warn);
   return holes;
 }
 
@@ -154,7 +177,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   std::vector<DrainHole> holes;
   if (repair.shell > 0.0) {
     if (isChanged(report)) solid = remade(result, grid, options);
-    holes = hollow(solid, repair, report);
+    holes = hollow(solid, repair, options.warn, report);
     stage("hollow", [&] { result = makeSurface(solid, options); });
   }
   countPieces(result, report);

@@ -714,6 +714,51 @@ TEST_F(Cli, HollowsAMeshOut) {
                 "--drain-hole requires --shell");
 }
 
+TEST_F(Cli, DrillsVents) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  const std::string repair = "repair ball.ply -o ball.stl --resolution 48 --shell 0.25 --stats ball.json ";
+  const std::string text = succeed(repair + "--drain-hole 0.3 --drain-holes 2").out;
+  EXPECT_NE(text.find("  1 hollow, 2 drain holes\n  drain hole "), std::string::npos) << text;
+  EXPECT_NE(text.find(", direction 0 0 -1\n"), std::string::npos) << text;
+  const Json ball = json("ball.json");
+  ASSERT_EQ(ball["drain_hole_places"].size(), 2u);
+  EXPECT_NEAR(ball["drain_hole_places"][0]["position"][2], -1.0, 0.1);
+  EXPECT_NEAR(ball["drain_hole_places"][1]["position"][2], 1.0, 0.1);
+  EXPECT_EQ(ball["drain_hole_places"][1]["direction"][2], 1.0);
+  EXPECT_EQ(ball["cavities"], 0);
+  const Result crowded = run(repair + "--drain-hole 0.7 --drain-holes 9");
+  EXPECT_EQ(crowded.code, 0);
+  EXPECT_NE(crowded.err.find("of 9 drain holes were made"), std::string::npos) << crowded.err;
+  const Result none = run(repair + "--drain-hole 1.7");
+  EXPECT_NE(none.err.find("1 hollow is too small for the drain hole"), std::string::npos) << none.err;
+  EXPECT_EQ(json("ball.json")["drain_holes"], 0);
+  expectFailure(repair + "--drain-hole 0.3 --drain-holes 0", ErrorCode::Usage, "--drain-holes");
+  expectFailure(repair + "--drain-holes 2", ErrorCode::Usage, "--drain-holes requires --drain-hole");
+}
+
+TEST_F(Cli, ReplacesAnInputOnlyOnRequest) {
+  writeTorus();
+  const std::string before = readBytes(path("torus.ply"));
+  fs::create_symlink("torus.ply", path("link.ply"));
+  fs::create_hard_link(path("torus.ply"), path("twin.ply"));
+  for (const char* command :
+       {"repair torus.ply -o torus.ply", "repair torus.ply -o ./torus.ply", "repair torus.ply -o link.ply",
+        "repair link.ply -o torus.ply", "repair torus.ply -o twin.ply", "mesh torus.ply -o torus.ply",
+        "convert torus.ply torus.ply", "query torus.ply torus.ply -o link.ply"})
+    expectFailure(command, ErrorCode::Usage, "to replace it: --overwrite");
+  EXPECT_EQ(readBytes(path("torus.ply")), before);
+  succeed("generate torus.ply -o torus.npy --resolution 8 --device cpu");
+  expectFailure("convert torus.npy torus.npy", ErrorCode::Usage, "output torus.npy: is the input torus.npy");
+  fs::create_hard_link(path("torus.ply"), path("field.nrrd"));
+  expectFailure("generate torus.ply -o field.nrrd", ErrorCode::Usage, "to replace it: --overwrite");
+  succeed("generate torus.ply -o field.nrrd --resolution 8 --device cpu --overwrite");
+  succeed("convert torus.ply torus.ply --overwrite");
+  succeed("mesh torus.ply -o torus.ply --resolution 32 --device cpu --overwrite");
+  succeed("repair torus.ply -o torus.ply --overwrite");
+  succeed("query torus.ply torus.ply -o link.ply --overwrite");
+  EXPECT_NE(readBytes(path("torus.ply")), before);
+}
+
 TEST_F(Cli, KeepsAMeshThatIsRight) {
   const Mesh ball = shapes::sphere(1.0, 4);
   writeMesh(path("ball.stl"), ball);

@@ -243,9 +243,10 @@ TEST(DropPieces, WarnsOfWhatMayBeMissed) {
   std::vector<std::string> warnings;
   const auto warn = [&](std::string_view text) { warnings.emplace_back(text); };
   RepairReport report;
-  chosen(nestedCubes(), {}, report);
-  warnOfFilled(report, warn);
-  warnOfFilled(report, {});
+  const Pieces found = nested(nestedCubes());
+  const Choice choice = choosePieces(found, {}, false, report);
+  warnOfRemoved(found, choice, report, warn);
+  warnOfRemoved(found, choice, report, {});
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_EQ(warnings[0], "filled a sealed cavity of volume 64; to keep cavities: --keep-cavities");
   EXPECT_EQ(warnings[1],
@@ -253,13 +254,30 @@ TEST(DropPieces, WarnsOfWhatMayBeMissed) {
   warnings.clear();
   report.buried = {};
   report.filled.largest = 0.99 * report.dropSmaller;
-  warnOfFilled(report, warn);
+  warnOfRemoved(found, choice, report, warn);
   EXPECT_TRUE(warnings.empty());
   warnOfKept(report, warn);
   report.dropped = {};
   warnOfKept(report, warn);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0].find("kept 1 part, the largest of volume 0.5, less than a thousandth"), 0u);
+}
+
+TEST(DropPieces, WarnsOfDroppedPartsThatAreSimilarToOthers) {
+  const auto warningOf = [](double side) {
+    const Pieces found =
+        nested(joined(joined(cube(0, 10), box({12, 0, 0}, {14, 1, 1})), box({16, 0, 0}, {16 + side, 1, 1})));
+    RepairReport report;
+    std::string warning;
+    warnOfRemoved(found, choosePieces(found, {}, false, report), report,
+                  [&](std::string_view text) { warning = text; });
+    EXPECT_EQ(report.dropped.count, 1u);
+    return warning;
+  };
+  EXPECT_EQ(warningOf(0.199), "");
+  EXPECT_EQ(warningOf(0.201),
+            "dropped 1 part, the largest of volume 0.201, while a part of volume 2 stays; to keep all: "
+            "--drop-smaller 0");
 }
 
 }  // namespace
