@@ -8,21 +8,48 @@
 #include <cmath>
 #include <limits>
 
+#include "terminal.h"
+
 namespace raymap {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-std::string endings(const std::vector<std::string>& extensions) {
-  std::string text = extensions.size() > 1 ? "one of" : "";
+constexpr const char* kStdin = "/dev/stdin";
+constexpr const char* kStdout = "/dev/stdout";
+
+std::string listOf(const std::vector<std::string>& extensions) {
+  std::string text;
   for (const std::string& extension : extensions) text += (text.empty() ? "" : " ") + extension;
   return text;
 }
 
-void checkOutput(const Output& output) {
+/// Returns "one of .ply .stl", or ".png".
+std::string endings(const std::vector<std::string>& extensions) {
+  return (extensions.size() > 1 ? "one of " : "") + listOf(extensions);
+}
+
+/// Returns whether a path leads to a pipe, a device, or a descriptor such as /dev/stdout.
+bool isStream(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return path == kStdout || path.string().starts_with("/dev/fd/") ||
+         (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
+/// Returns whether --format must say the format of a file.
+bool needsFormat(const fs::path& path, const std::vector<std::string>& extensions) {
+  return !path.empty() && extensions.size() > 1 && !hasExtension(path, extensions);
+}
+
+void checkOutput(const Output& output, const std::string& format) {
   const std::string start = output.option + " " + output.path.string() + ": ";
-  if (!hasExtension(output.path, output.extensions))
+  if (needsFormat(output.path, output.extensions) && format.empty())
+    throw Error(ErrorCode::Usage, start + "the name must end in " + endings(output.extensions) +
+                                      ", or --format must name one of them");
+  if (isStream(output.path)) return;
+  if (output.extensions.size() == 1 && !hasExtension(output.path, output.extensions))
     throw Error(ErrorCode::Usage, start + "the name must end in " + endings(output.extensions));
   if (fs::is_directory(output.path)) throw Error(ErrorCode::File, start + "is a folder");
   const fs::path folder = output.path.has_parent_path() ? output.path.parent_path() : ".";
@@ -30,6 +57,59 @@ void checkOutput(const Output& output) {
     throw Error(ErrorCode::File, start + "there is no folder " + folder.string() + "; create it first");
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw Error(ErrorCode::File, start + "the folder " + folder.string() + " is not writable");
+}
+
+void checkOutputs(const std::vector<Output>& outputs, const std::string& format) {
+  std::vector<fs::path> seen;
+  for (const Output& output : outputs) {
+    if (output.path.empty()) continue;
+    checkOutput(output, format);
+    const fs::path path = isStream(output.path) ? output.path : fs::weakly_canonical(output.path);
+    if (std::find(seen.begin(), seen.end(), path) != seen.end())
+      throw Error(ErrorCode::Usage, output.option + " " + output.path.string() +
+                                        ": another option already writes this file; give each its own");
+    seen.push_back(path);
+  }
+}
+
+void nameStandardInput(const std::vector<Input>& inputs) {
+  size_t count = 0;
+  for (const Input& input : inputs) {
+    if (input.path == "-") input.path = kStdin;
+    count += input.path == kStdin ? 1 : 0;
+  }
+  if (count > 1)
+    throw Error(ErrorCode::Usage, "-: standard input can be read once only; give the other file by its name");
+}
+
+void nameStandardOutput(const std::vector<Output>& outputs) {
+  for (const Output& output : outputs)
+    if (output.path == "-" || output.path == "/dev/fd/1" || output.path == "/proc/self/fd/1")
+      output.path = kStdout;
+}
+
+/// Decides which files --format is about.
+void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
+                  const std::vector<Output>& outputs) {
+  if (format.given.empty()) return;
+  std::string name = (format.given.starts_with('.') ? "" : ".") + format.given;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::vector<std::string> asked;
+  const auto assign = [&](const auto& files, std::string& to) {
+    if (!asked.empty()) return;
+    for (const auto& file : files)
+      if (needsFormat(file.path, file.extensions))
+        asked.insert(asked.end(), file.extensions.begin(), file.extensions.end());
+    if (!asked.empty()) to = name;
+  };
+  assign(outputs, format.output);
+  assign(inputs, format.input);
+  const std::string start = "--format " + format.given + ": ";
+  if (asked.empty())
+    throw Error(ErrorCode::Usage, start + "the names of all files tell their formats; leave it out");
+  if (std::find(asked.begin(), asked.end(), name) == asked.end())
+    throw Error(ErrorCode::Usage, start + "must be " + endings(asked));
 }
 
 }  // namespace
@@ -41,7 +121,7 @@ CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite) {
 void checkInputs(const std::vector<Output>& outputs, const std::vector<fs::path>& inputs) {
   for (const Output& output : outputs)
     for (const fs::path& input : inputs)
-      if (std::error_code none; fs::equivalent(output.path, input, none))
+      if (std::error_code none; !isStream(input) && fs::equivalent(output.path, input, none))
         throw Error(ErrorCode::Usage, output.option + " " + output.path.string() + ": is the input " +
                                           input.string() + "; to replace it: --overwrite");
 }
@@ -74,17 +154,22 @@ bool hasExtension(const fs::path& path, const std::vector<std::string>& extensio
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
 
-void checkOutputs(const std::vector<Output>& outputs) {
-  std::vector<fs::path> seen;
-  for (const Output& output : outputs) {
-    if (output.path.empty()) continue;
-    checkOutput(output);
-    const fs::path path = fs::weakly_canonical(output.path);
-    if (std::find(seen.begin(), seen.end(), path) != seen.end())
-      throw Error(ErrorCode::Usage, output.option + " " + output.path.string() +
-                                        ": another option already writes this file; give each its own");
-    seen.push_back(path);
-  }
+void addFormatOption(CLI::App& command, StreamFormat& format) {
+  command
+      .add_option("--format", format.given,
+                  "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if "
+                  "that is such a file. An input without it is recognised by its first bytes")
+      ->type_name("FORMAT");
+}
+
+void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs,
+                  const std::vector<Output>& outputs) {
+  nameStandardInput(inputs);
+  nameStandardOutput(outputs);
+  assignFormat(format, inputs, outputs);
+  checkOutputs(outputs, format.output);
+  for (const Output& output : outputs)
+    if (output.path == kStdout) output.path = keepStdoutForData();
 }
 
 }  // namespace raymap

@@ -13,16 +13,37 @@ CLI::Validator numberFrom(double low, bool isOpen = false);
 /// Accepts a whole number of at least `low` that fits into an int.
 CLI::Validator wholeNumberFrom(int low);
 
-/// A file to write, the option that names it and its accepted extensions. An empty path: not wanted.
-struct Output {
-  std::string option;
-  std::filesystem::path path;
+/// A file to read, and the extensions of the formats that it may have.
+struct Input {
+  std::filesystem::path& path;
   std::vector<std::string> extensions;
 };
 
-/// Finds what would fail at the end of a long run: an unknown extension, a missing or read-only folder, a
-/// file named twice. Throws `Error(Usage)` or `Error(File)`.
-void checkOutputs(const std::vector<Output>& outputs);
+/// A file to write, the option that names it and its accepted extensions. An empty path: not wanted.
+struct Output {
+  std::string option;
+  std::filesystem::path& path;
+  std::vector<std::string> extensions;
+};
+
+/// Option --format as given, and the extensions that it stands for; "": the names or the bytes tell.
+struct StreamFormat {
+  std::string given;
+  std::string input, output;
+};
+
+/// Adds the option --format to a command.
+void addFormatOption(CLI::App& command, StreamFormat& format);
+
+/// Prepares the files of a command:
+/// - Replaces - by standard input or output. If data goes there, all text goes to stderr from now on.
+/// - Finds which files --format is about: those to write whose names do not tell their format, or else those
+///   to read.
+/// - Finds what would fail at the end of a long run: an unknown extension, a missing or read-only folder, a
+///   file named twice.
+///
+/// Throws `Error(Usage)` or `Error(File)`.
+void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs, const std::vector<Output>& outputs);
 
 /// Adds `--overwrite`, which allows outputs that are inputs.
 CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite);

@@ -25,6 +25,7 @@ sign differs, it shows the slice with the largest difference, from white (equal)
 Files of generate --winding, --confidence and --triangle-ids are compared too.)";
 
 struct Arguments {
+  StreamFormat format;
   fs::path a, b, picture;
   std::string as;
   bool isJson = false;
@@ -75,9 +76,11 @@ FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
   return ofA;
 }
 
-void run(const Arguments& arguments) {
-  checkOutputs({{"--output", arguments.picture, {".png"}}});
-  Field a = readField(arguments.a), b = readField(arguments.b);
+void run(Arguments& arguments) {
+  prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
+               {{"--output", arguments.picture, {".png"}}});
+  Field a = readField(arguments.a, arguments.format.input),
+        b = readField(arguments.b, arguments.format.input);
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;
@@ -99,6 +102,7 @@ void addCompare(CLI::App& app) {
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
   command->add_option("-o,--output", arguments->picture, "Picture of the differences, .png")
       ->type_name("FILE");
+  addFormatOption(*command, arguments->format);
   addArrayOption(*command, arguments->as);
   command->add_flag("--json", arguments->isJson, "Print JSON");
   command->footer(kFooter);

@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
+#include "field_options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -11,25 +12,30 @@ namespace raymap {
 namespace {
 
 struct Arguments {
+  StreamFormat format;
   std::filesystem::path input, output;
   bool mayOverwrite = false;
 };
 
-void check(const Arguments& arguments, const std::vector<std::string>& extensions) {
-  const Output output{"output", arguments.output, extensions};
-  checkOutputs({output});
-  if (!arguments.mayOverwrite) checkInputs({output}, {arguments.input});
+/// Returns the formats in which the input can be written, as far as its name tells.
+std::vector<std::string> outputExtensions(const Arguments& arguments) {
+  if (hasExtension(arguments.input, meshExtensions())) return writableMeshExtensions();
+  std::vector<std::string> extensions = fieldExtensions();
+  if (hasExtension(arguments.input, extensions)) return extensions;
+  for (const std::string& extension : writableMeshExtensions()) extensions.push_back(extension);
+  return extensions;
 }
 
-void convertField(const Arguments& arguments) {
-  check(arguments, fieldExtensions());
-  const Field field = readField(arguments.input);
-  writeField(arguments.output, field, name(heldArray(field)));
-}
-
-void convertMesh(const Arguments& arguments) {
-  check(arguments, writableMeshExtensions());
-  writeMesh(arguments.output, loadMesh(arguments.input));
+void run(Arguments& arguments) {
+  const std::vector<Output> outputs{{"output", arguments.output, outputExtensions(arguments)}};
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  const std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
+  if (const Mesh* mesh = std::get_if<Mesh>(&read))
+    writeMesh(arguments.output, *mesh, {.format = arguments.format.output});
+  else if (const Field* field = std::get_if<Field>(&read))
+    writeField(arguments.output, *field, name(heldArray(*field)), arguments.format.output);
+  printWritten(arguments.output);
 }
 
 }  // namespace
@@ -47,14 +53,9 @@ void addConvert(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   addOverwriteOption(*command, arguments->mayOverwrite);
+  addFormatOption(*command, arguments->format);
   command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");
-  command->callback([arguments] {
-    if (hasExtension(arguments->input, meshExtensions()))
-      convertMesh(*arguments);
-    else
-      convertField(*arguments);
-    printWritten(arguments->output);
-  });
+  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace raymap

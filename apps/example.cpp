@@ -18,8 +18,9 @@ void addExample(CLI::App& app) {
   command->add_flag("--holes", arguments->holes, "Tear holes into the mesh");
   command->footer("Example:\n  raymap example -o torn.ply --holes");
   command->callback([arguments] {
-    checkOutputs({{"--output", arguments->mesh, {".ply"}}});
-    writeMesh(arguments->mesh, makeExampleMesh(arguments->holes));
+    StreamFormat format;
+    prepareFiles(format, {}, {{"--output", arguments->mesh, {".ply"}}});
+    writeMesh(arguments->mesh, makeExampleMesh(arguments->holes), {.format = ".ply"});
     printWritten(arguments->mesh);
   });
 }

@@ -154,21 +154,21 @@ Options withProgress(Options options, ProgressLine& line) {
   return options;
 }
 
-Field loadField(const std::filesystem::path& path, const FieldArguments& arguments) {
-  if (hasExtension(path, fieldExtensions())) return readField(path);
-  if (hasExtension(path, meshExtensions())) {
-    const Mesh mesh = loadMesh(path);
-    Options options = arguments.options;
-    testBeforeFirstUse(options.device);
-    ProgressLine line;
-    return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
-  }
-  std::string known;
-  for (const auto& extensions : {meshExtensions(), fieldExtensions()})
-    for (const std::string& extension : extensions) known += " " + extension;
-  throw Error(
-      ErrorCode::Unsupported,
-      path.string() + ": cannot tell by its name whether this is a mesh or a field; known are" + known);
+std::vector<std::string> meshAndFieldExtensions() {
+  std::vector<std::string> extensions = meshExtensions();
+  for (const std::string& extension : fieldExtensions()) extensions.push_back(extension);
+  return extensions;
+}
+
+Field loadField(const std::filesystem::path& path, const FieldArguments& arguments,
+                const std::string& format) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
+  const Mesh& mesh = std::get<Mesh>(read);
+  Options options = arguments.options;
+  testBeforeFirstUse(options.device);
+  ProgressLine line;
+  return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
 }
 
 }  // namespace raymap

@@ -37,7 +37,11 @@ void finishFieldArguments(FieldArguments& arguments);
 /// Returns the options with progress on `line`, which must outlive them, and warnings on stderr.
 Options withProgress(Options options, ProgressLine& line);
 
-/// Reads a field, or reads a mesh and makes its field. The file's extension decides.
-Field loadField(const std::filesystem::path& path, const FieldArguments& arguments);
+/// Returns the extensions of meshes and fields that can be read.
+std::vector<std::string> meshAndFieldExtensions();
+
+/// Reads a field, or reads a mesh and makes its field. `format` counts if the file's name does not tell.
+Field loadField(const std::filesystem::path& path, const FieldArguments& arguments,
+                const std::string& format);
 
 }  // namespace raymap

@@ -30,6 +30,7 @@ constexpr const char* kFooter = R"(Examples:
       also the winding number, the confidence in the sign and figures of the mesh)";
 
 struct Arguments : FieldArguments {
+  StreamFormat format;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
   bool mayOverwrite = false;
 };
@@ -51,7 +52,7 @@ struct Report {
   }
 };
 
-std::vector<Output> outputs(const Arguments& arguments) {
+std::vector<Output> outputs(Arguments& arguments) {
   return {{"--output", arguments.field, fieldExtensions()},
           {"--triangle-ids", arguments.triangleIds, fieldExtensions()},
           {"--winding", arguments.winding, fieldExtensions()},
@@ -78,7 +79,7 @@ void finishOptions(Arguments& arguments) {
 void writeAll(const Arguments& arguments, const Field& field, Report& report) {
   const auto write = [&](const fs::path& path, const char* name) {
     if (path.empty()) return;
-    writeField(path, field, name);
+    writeField(path, field, name, arguments.format.output);
     report.written.push_back(path);
   };
   write(arguments.field, "distance");
@@ -194,13 +195,13 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
 void run(Arguments& arguments) {
   const Clock::time_point start = Clock::now();
   finishOptions(arguments);
-  checkOutputs(outputs(arguments));
+  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.options.device);
   Report report;
   Mesh mesh;
   Field field;
-  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
+  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
   {
     ProgressLine line;
     // The summary line needs no more. The files list everything.
@@ -225,6 +226,7 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
       ->required();
   add("--triangle-ids", arguments.triangleIds, "Also write the index of each sample's closest triangle");
   add("--winding", arguments.winding, "Also write the winding number");
+  addFormatOption(command, arguments.format);
   add("--confidence", arguments.confidence, "Also write the confidence in the sign, 0 to 1");
   add("--stats", arguments.stats, "Also write figures of the mesh, the grid and every stage, as .json");
   add("--report", arguments.report, "Also write the mesh's defects and the uncertain signs, as .json");

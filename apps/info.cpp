@@ -83,6 +83,7 @@ void addInfo(CLI::App& app) {
   struct Arguments {
     std::filesystem::path mesh, picture;
     bool isJson = false, isFast = false;
+    StreamFormat format;
     ViewArguments view;
   };
   CLI::App* command = app.add_subcommand("info", "Report a mesh's size, topology and defects");
@@ -90,6 +91,7 @@ void addInfo(CLI::App& app) {
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
+  addFormatOption(*command, arguments->format);
   command->add_flag("--json", arguments->isJson, "Print JSON");
   command->add_flag("--fast", arguments->isFast,
                     "Do not count crossing pairs of faces, which takes about half of the time");
@@ -102,12 +104,13 @@ void addInfo(CLI::App& app) {
   addViewOptions(*command, arguments->view);
   command->footer(kFooter);
   command->callback([arguments] {
-    checkOutputs({{"--picture", arguments->picture, {".png"}}});
+    prepareFiles(arguments->format, {{arguments->mesh, meshExtensions()}},
+                 {{"--picture", arguments->picture, {".png"}}});
     RenderOptions view;
     setView(arguments->view, view);
     if (arguments->isFast && !arguments->picture.empty())
       throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
-    const Mesh mesh = loadMesh(arguments->mesh);
+    const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input);
     ProgressLine line;
     const Diagnostics found = diagnose(mesh, {.progress = line.callback()});
     std::optional<SelfIntersections> crossings;

@@ -26,7 +26,7 @@ Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file c
 9 a GPU failed its test, 1 a bug in raymap, 130 or 143 stopped by Ctrl-C or SIGTERM.)";
 
 int fail(int code, const std::string& message) {
-  std::fprintf(stderr, "raymap: error: %s\n", message.c_str());
+  std::fprintf(stderr, "raymap: error: %s\n", withDisplayNames(message).c_str());
   return code;
 }
 
@@ -81,6 +81,7 @@ int run(int argc, char** argv) {
   addDevices(app);
   try {
     app.parse(readArguments(argc, argv));
+    finishText();
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version

@@ -22,6 +22,7 @@ Every edge of the result has exactly two faces, which point outwards. The result
 the grid's box.)";
 
 struct Arguments : FieldArguments {
+  StreamFormat format;
   std::filesystem::path input, mesh;
   bool recenter = false;
   bool mayOverwrite = false;
@@ -39,11 +40,12 @@ Mesh makeSurface(const Field& field, const Arguments& arguments) {
 
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
-  const Output output{"--output", arguments.mesh, writableMeshExtensions()};
-  checkOutputs({output});
-  if (!arguments.mayOverwrite) checkInputs({output}, {arguments.input});
+  const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()}};
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   const StoredMesh stored = storeMesh(
-      arguments.mesh, makeSurface(loadField(arguments.input, arguments), arguments), arguments.recenter);
+      arguments.mesh, makeSurface(loadField(arguments.input, arguments, arguments.format.input), arguments),
+      {.recenter = arguments.recenter, .format = arguments.format.output});
   checkStored(stored);
   const Mesh& mesh = stored.exact;
   writeMesh(stored.path, mesh, stored.options);
@@ -65,6 +67,7 @@ void addMesh(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   addOverwriteOption(*command, arguments->mayOverwrite);
+  addFormatOption(*command, arguments->format);
   command->add_option("--iso", arguments->surface.iso,
                       "Distance at which the surface lies, in the mesh's units (default 0)");
   addRecenterOption(*command, arguments->recenter);

@@ -71,9 +71,9 @@ void addRecenterOption(CLI::App& command, bool& recenter) {
                    "the offset is printed, and noted in the file");
 }
 
-StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, bool recenter) {
-  StoredMesh result{path, {}, std::move(mesh), {}};
-  if (recenter) result.options.offset = roundCentre(bounds(result.exact));
+StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options) {
+  StoredMesh result{path, {.format = options.format}, std::move(mesh), {}};
+  if (options.recenter) result.options.offset = roundCentre(bounds(result.exact));
   result.stored = asStored(path, result.exact, result.options);
   return result;
 }

@@ -19,9 +19,15 @@ struct StoredMesh {
 /// Adds the option `--recenter`.
 void addRecenterOption(CLI::App& command, bool& recenter);
 
-/// Rounds a mesh as the file will. Moves its centre to about 0 if `recenter` is set: by whole multiples of a
-/// power of ten, so that people can type the offset.
-StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, bool recenter);
+/// How to store a mesh.
+struct StoreOptions {
+  bool recenter = false;         ///< Whether to move its centre to about 0.
+  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+};
+
+/// Rounds a mesh as the file will. Moves it by whole multiples of a power of ten, so that people can type the
+/// offset.
+StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options);
 
 /// Diagnoses the stored mesh if it differs from the exact one. Throws `Error(Unsupported)` if rounding broke
 /// it. The message names formats that hold it.

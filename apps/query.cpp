@@ -30,6 +30,7 @@ constexpr const char* kFooter = R"(Examples:
 Points and results are in the mesh's units. A point that is not finite gets NaN.)";
 
 struct Arguments : FieldArguments {
+  StreamFormat format;
   fs::path mesh, points, results, stats;
   std::vector<std::string> arrays{"distance"};
   double maxDistance = std::numeric_limits<double>::infinity();
@@ -77,27 +78,34 @@ QueryOptions askedFor(const Arguments& arguments) {
   return options;
 }
 
-void check(const Arguments& arguments, const QueryOptions& asked) {
+/// Returns whether the results are written in this format.
+bool isWritten(const Arguments& arguments, const std::string& format) {
+  if (hasExtension(arguments.results, queryExtensions())) return hasExtension(arguments.results, {format});
+  return arguments.format.output == format;
+}
+
+void check(Arguments& arguments, const QueryOptions& asked) {
   const std::vector<Output> outputs{{"--output", arguments.results, queryExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
-  checkOutputs(outputs);
+  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}, {arguments.points, pointExtensions()}},
+               outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh, arguments.points});
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
   };
   require(!arguments.isUnsigned || !(asked.winding || asked.confidence),
           "the arrays winding and confidence need a sign; leave out --unsigned");
-  require(!arguments.colour || (asked.distance && hasExtension(arguments.results, {".ply"})),
+  require(!arguments.colour || (asked.distance && isWritten(arguments, ".ply")),
           "--colour needs the array distance and an output .ply");
   const auto count =
       std::ranges::count_if(kArrays, [&](const AskedArray& array) { return asked.*array.isAsked; });
-  require(count == 1 || !hasExtension(arguments.results, {".npy"}),
+  require(count == 1 || !isWritten(arguments, ".npy"),
           "a .npy holds one array; name one with --arrays, or write a .npz");
 }
 
-std::vector<glm::dvec3> loadPoints(const fs::path& path) {
+std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& format) {
   const WaitingLine line("reading " + path.filename().string());
-  return readPoints(path, warn);
+  return readPoints(path, warn, format);
 }
 
 /// Returns how much of the limit is left for the surface when points and results are held too; 0: no limit.
@@ -196,11 +204,12 @@ void print(const Arguments& arguments, const Report& report, double elapsedMilli
 }
 
 void writeResults(const Arguments& arguments, std::span<const glm::dvec3> points, const QueryResult& result) {
-  const WaitingLine line("writing " + arguments.results.filename().string());
-  writeQuery(arguments.results, points, result, {.colour = arguments.colour});
+  const WaitingLine line("writing " + displayName(arguments.results));
+  writeQuery(arguments.results, points, result,
+             {.colour = arguments.colour, .format = arguments.format.output});
 }
 
-void run(const Arguments& arguments) {
+void run(Arguments& arguments) {
   const Clock::time_point start = Clock::now();
   QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
@@ -208,8 +217,9 @@ void run(const Arguments& arguments) {
   Mesh mesh;
   std::vector<glm::dvec3> points;
   QueryResult result;
-  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh); });
-  timeStep(report.before, "load points", [&] { points = loadPoints(arguments.points); });
+  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
+  timeStep(report.before, "load points",
+           [&] { points = loadPoints(arguments.points, arguments.format.input); });
   report.triangles = mesh.triangles.size();
   {
     ProgressLine line;
@@ -235,6 +245,7 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
       ->type_name("FILE")
       ->required()
       ->group("Files");
+  addFormatOption(command, arguments.format);
   command
       .add_option("--stats", arguments.stats,
                   "Also write figures of the mesh, the points and every step, as .json")

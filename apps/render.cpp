@@ -24,6 +24,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (z points up))";
 
 struct Arguments {
+  StreamFormat format;
   fs::path input, picture;
   std::string slice, as;
   int index = -1;
@@ -42,7 +43,7 @@ Field loadField(const Arguments& arguments) {
   field.options.winding = arguments.as == "winding";
   field.options.confidence = arguments.as == "confidence";
   field.options.triangleIds = arguments.as == "triangle";
-  return loadField(arguments.input, field);
+  return loadField(arguments.input, field, arguments.format.input);
 }
 
 Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
@@ -60,7 +61,8 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
 }
 
 void run(Arguments& arguments) {
-  checkOutputs({{"--output", arguments.picture, {".png"}}});
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}},
+               {{"--output", arguments.picture, {".png"}}});
   setView(arguments.view, arguments.options);
   Field field = loadField(arguments);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
@@ -96,6 +98,7 @@ void addRender(CLI::App& app) {
   command->add_option("-o,--output", arguments->picture, "Picture to write, .png")
       ->type_name("FILE")
       ->required();
+  addFormatOption(*command, arguments->format);
   command
       ->add_option("--resolution", arguments->resolution,
                    "Samples along the longest side of a mesh's field (default 256)")

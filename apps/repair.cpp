@@ -32,7 +32,8 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
   options.warn = warn;
   RepairOptions how = arguments.repair;
   how.finish = [&](Mesh& result) {
-    stored = storeMesh(arguments.result, std::move(result), arguments.recenter);
+    stored = storeMesh(arguments.result, std::move(result),
+                       {.recenter = arguments.recenter, .format = arguments.format.output});
     checkStored(stored);
     result = std::move(stored.stored);
   };
@@ -46,9 +47,9 @@ void run(RepairArguments& arguments) {
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
-  checkOutputs(outputs);
+  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
-  const Mesh mesh = loadMesh(arguments.mesh);
+  const Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
   testBeforeFirstUse(arguments.options.device);
   const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
   StoredMesh stored;
@@ -132,6 +133,7 @@ void addRepair(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   addRecenterOption(*command, arguments->recenter);
+  addFormatOption(*command, arguments->format);
   command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
   addOverwriteOption(*command, arguments->mayOverwrite);
   addRepairGridOptions(*command, *arguments);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "checks.h"
 #include "field_options.h"
 #include "mesh_output.h"
 #include "report.h"
@@ -16,6 +17,7 @@ struct RepairArguments : FieldArguments {
     grid.resolution = 256;
     options.closeHoles = true;
   }
+  StreamFormat format;
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;

@@ -8,6 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "terminal.h"
+
 namespace raymap {
 
 Json toJson(const glm::dvec3& v) {
@@ -141,7 +143,9 @@ void printOrientation(const Stats& stats) {
 }
 
 void printWritten(const std::filesystem::path& path) {
-  std::printf("wrote %s, %s\n", path.string().c_str(), sizeText(std::filesystem::file_size(path)).c_str());
+  const bool hasSize = std::filesystem::is_regular_file(path) && !path.string().starts_with("/dev/");
+  const std::string size = hasSize ? ", " + sizeText(std::filesystem::file_size(path)) : "";
+  std::printf("wrote %s%s\n", displayName(path).c_str(), size.c_str());
 }
 
 size_t peakMemory() {

@@ -1,12 +1,16 @@
 #include "terminal.h"
 
+#include <fcntl.h>
 #include <raymap/atomic_file.h>
+#include <raymap/error.h>
 #include <raymap/io.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <initializer_list>
 #include <string>
 
@@ -34,6 +38,8 @@ extern "C" void onSignal(int signal) {
   _exit(128 + signal);
 }
 
+std::string dataPath;  // Of stdout, if that is kept for data.
+
 std::mutex waitingMutex;
 bool isWaitingShown = false;
 
@@ -52,6 +58,7 @@ void warn(std::string_view message) {
 
 void catchSignals() {
   for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, onSignal);
+  std::signal(SIGPIPE, SIG_IGN);  // Writing to a closed pipe fails, with a message.
 }
 
 int caughtSignal() {
@@ -106,9 +113,41 @@ void WaitingLine::show(const std::string& task) {
   }
 }
 
-Mesh loadMesh(const std::filesystem::path& path) {
+std::filesystem::path keepStdoutForData() {
+  std::fflush(stdout);
+  constexpr int kFirst = 10;  // Above the descriptors that shells use.
+  const int data = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, kFirst);
+  if (data < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+    throw Error(ErrorCode::File, "standard output: cannot write: it is closed");
+  dataPath = "/dev/fd/" + std::to_string(data);
+  return dataPath;
+}
+
+std::string displayName(const std::filesystem::path& path) {
+  return dataPath.empty() || path != dataPath ? path.string() : "standard output";
+}
+
+std::string withDisplayNames(std::string message) {
+  if (!dataPath.empty() && message.starts_with(dataPath + ":"))
+    message.replace(0, dataPath.size(), "standard output");
+  return message;
+}
+
+void finishText() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw Error(ErrorCode::File,
+              std::string("standard output: cannot write the text: ") +
+                  (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
+}
+
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
   const WaitingLine line("reading " + path.filename().string());
-  return readMesh(path, warn);
+  return readMesh(path, warn, format);
+}
+
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
+  const WaitingLine line("reading " + path.filename().string());
+  return readMeshOrField(path, warn, format);
 }
 
 }  // namespace raymap

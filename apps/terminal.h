@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/callbacks.h>
+#include <raymap/field.h>
 #include <raymap/mesh.h>
 
 #include <chrono>
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <variant>
 
 namespace raymap {
 
@@ -65,7 +67,23 @@ class WaitingLine {
   std::thread thread_;
 };
 
-/// Reads a mesh. Prints its warnings and, after a second, how long it takes.
-Mesh loadMesh(const std::filesystem::path& path);
+/// Keeps stdout for data: text that is printed from now on goes to stderr. Returns the path that leads to
+/// stdout. Throws `Error(File)` if it is closed.
+std::filesystem::path keepStdoutForData();
+
+/// Returns "standard output" for the path that `keepStdoutForData` returned, any other path as it is.
+std::string displayName(const std::filesystem::path& path);
+
+/// Returns a message with that path replaced by its name.
+std::string withDisplayNames(std::string message);
+
+/// Throws `Error(File)` unless all text has reached stdout.
+void finishText();
+
+/// Reads a mesh. Prints its warnings and, after a second, how long it takes. `format` counts if the name does
+/// not tell.
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
+/// Reads a mesh or a field in the same way.
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "");
 
 }  // namespace raymap

@@ -15,8 +15,8 @@ namespace raymap {
 /// system's reason, for example a full disk. If anything throws, the temporary is removed and an existing
 /// file is untouched.
 ///
-/// Symbolic links are followed, and an existing file keeps its permissions. Devices and pipes are written in
-/// place, and are not seekable.
+/// Symbolic links are followed, and an existing file keeps its permissions. Devices, pipes and descriptors
+/// such as /dev/stdout are written in place, and are not seekable.
 RAYMAP_API void writeAtomically(const std::filesystem::path& path,
                                 const std::function<void(std::ostream&)>& write);
 

@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/source_file.h"
+
 namespace raymap {
 
 namespace fs = std::filesystem;
@@ -25,6 +27,7 @@ namespace {
 [[noreturn]] void throwFileError(const fs::path& path, int error) {
   std::string message = path.string() + ": cannot write: " + std::generic_category().message(error);
   if (error == ENOSPC || error == EDQUOT) message += "; free some space or choose another folder";
+  if (error == EPIPE) message += "; the program that reads it has ended";
   if (error == ENOENT) message += "; create the folder first";
   throw Error(ErrorCode::File, message);
 }
@@ -59,7 +62,8 @@ class RegisteredName {
 /// Stream buffer over a file descriptor. Throws `Error(File)` with the system's reason if a write fails.
 class DescriptorBuffer : public std::streambuf {
  public:
-  DescriptorBuffer(int descriptor, const fs::path& path) : descriptor_(descriptor), path_(path) {
+  DescriptorBuffer(int descriptor, const fs::path& path, bool isSeekable)
+      : descriptor_(descriptor), path_(path), isSeekable_(isSeekable) {
     setp(buffer_.data(), buffer_.data() + buffer_.size());
   }
 
@@ -93,6 +97,7 @@ class DescriptorBuffer : public std::streambuf {
     return 0;
   }
   pos_type seekoff(off_type offset, std::ios_base::seekdir direction, std::ios_base::openmode) override {
+    if (!isSeekable_) return {off_type(-1)};
     flush();
     const int whence = direction == std::ios_base::beg   ? SEEK_SET
                        : direction == std::ios_base::cur ? SEEK_CUR
@@ -116,13 +121,14 @@ class DescriptorBuffer : public std::streambuf {
 
   int descriptor_;
   const fs::path& path_;
+  bool isSeekable_;
   std::vector<char> buffer_ = std::vector<char>(size_t{1} << 16);
 };
 
 class Descriptor {
  public:
-  Descriptor(const char* name, int flags, const fs::path& path)
-      : value_(open(name, flags | O_CLOEXEC, 0666)) {
+  /// Takes what `open` or `fcntl` returned. Throws `Error(File)` if that failed.
+  Descriptor(int value, const fs::path& path) : value_(value) {
     if (value_ < 0) throwFileError(path, errno);
   }
   ~Descriptor() {
@@ -141,26 +147,32 @@ class Descriptor {
   int value_;
 };
 
-void writeThrough(int descriptor, const fs::path& path, const std::function<void(std::ostream&)>& write) {
-  DescriptorBuffer buffer(descriptor, path);
+void writeThrough(int descriptor, const fs::path& path, bool isSeekable,
+                  const std::function<void(std::ostream&)>& write) {
+  DescriptorBuffer buffer(descriptor, path, isSeekable);
   std::ostream stream(&buffer);
   stream.exceptions(std::ios_base::badbit);  // Lets the buffer's own exception through.
   write(stream);
   buffer.flush();
 }
 
-/// Appends to a device, a pipe or the target of /dev/stdout. They belong to other programs, so they are
-/// neither replaced nor truncated.
+/// Writes to a device, a pipe or the target of /dev/stdout. They belong to other programs, so they are
+/// neither replaced nor truncated. A descriptor such as /dev/stdout is used itself, and so is its position in
+/// a file: what other programs wrote there before stays, and what they write next comes after it.
 void writeInPlace(const fs::path& path, const std::function<void(std::ostream&)>& write) {
-  Descriptor file(path.c_str(), O_WRONLY | O_APPEND, path);
-  writeThrough(file.get(), path, write);
+  const int named = namedDescriptor(path);
+  Descriptor file(
+      named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC),
+      path);
+  writeThrough(file.get(), path, false, write);
   file.finish(path);
 }
 
-bool isInPlace(const fs::path& path, const fs::file_status& status) {
-  const std::string name = path.string();
-  return (fs::exists(status) && !fs::is_regular_file(status)) || name.starts_with("/dev/") ||
-         name.starts_with("/proc/");
+bool isInPlace(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return namedDescriptor(path) >= 0 || path.string().starts_with("/proc/") ||
+         (fs::exists(status) && !fs::is_regular_file(status));
 }
 
 /// Returns a hidden name in the target's folder. The time makes it unique: a process id may equal that of a
@@ -174,12 +186,14 @@ std::string temporaryName(const fs::path& target) {
   return (target.parent_path() / ("." + name + ".tmp" + unique)).string();
 }
 
-/// Follows symbolic links and returns the file to replace, which need not exist.
+/// Follows symbolic links and returns the file to write, which need not exist. Stops at names of descriptors.
 fs::path resolveLinks(fs::path path) {
   constexpr int kMostLinks = 40;  // The kernel's own limit.
   std::error_code error;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++i)
-    path = path.parent_path() / fs::read_symlink(path, error);
+  const auto isLink = [&] {
+    return namedDescriptor(path) < 0 && fs::is_symlink(fs::symlink_status(path, error));
+  };
+  for (int i = 0; i < kMostLinks && isLink(); ++i) path = path.parent_path() / fs::read_symlink(path, error);
   return path;
 }
 
@@ -189,9 +203,9 @@ void replace(const fs::path& target, const fs::path& path, const std::function<v
   if (replaces && access(target.c_str(), W_OK) != 0) throwFileError(path, errno);
 
   const RegisteredName temporary(temporaryName(target));
-  Descriptor file(temporary.get(), O_WRONLY | O_CREAT | O_EXCL, path);
+  Descriptor file(open(temporary.get(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666), path);
   try {
-    writeThrough(file.get(), path, write);
+    writeThrough(file.get(), path, true, write);
     if (replaces && fchmod(file.get(), existing.st_mode & 07777) != 0) throwFileError(path, errno);
     if (fsync(file.get()) != 0) throwFileError(path, errno);
     file.finish(path);
@@ -206,12 +220,11 @@ void replace(const fs::path& target, const fs::path& path, const std::function<v
 
 void writeAtomically(const fs::path& path, const std::function<void(std::ostream&)>& write) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) throwFileError(path, EISDIR);
-  if (isInPlace(path, status))
-    writeInPlace(path, write);
+  if (fs::is_directory(path, error)) throwFileError(path, EISDIR);
+  if (const fs::path target = resolveLinks(path); isInPlace(target))
+    writeInPlace(target, write);
   else
-    replace(resolveLinks(path), path, write);
+    replace(target, path, write);
 }
 
 void removeTemporaries() noexcept {

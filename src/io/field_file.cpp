@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ostream>
 
 #include "field/field_sampler.h"
 #include "io/field/field_formats.h"
+#include "io/file_format.h"
 
 namespace raymap {
 
@@ -17,32 +17,29 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Field (*read)(const fs::path& path);  ///< Null if this build lacks the library for the format.
+  Field (*read)(const SourceFile& source);  ///< Null if this build lacks the library for the format.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
+  bool goesBack = false;  ///< Whether the writer goes back in its stream.
 };
 
 constexpr std::array kFormats{
-    Format{".nrrd", readNrrd, writeNrrd}, Format{".npy", readNpy, writeNpy},
-    Format{".npz", readNpz, writeNpz},    Format{".vti", readVti, writeVti},
+    Format{".nrrd", readNrrd, writeNrrd},    Format{".npy", readNpy, writeNpy},
+    Format{".npz", readNpz, writeNpz, true}, Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", readVdb, writeVdb},
+    Format{".vdb", readVdb, writeVdb, true},
 #else
     Format{".vdb", nullptr, nullptr},
 #endif
 };
 
-const Format& formatOf(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+const Format& findFormat(const fs::path& path, std::string_view extension) {
   const auto found = std::ranges::find(kFormats, extension, &Format::extension);
   if (found != kFormats.end() && !found->read)
     throw Error(ErrorCode::Unsupported,
                 path.string() + ": raymap was built without OpenVDB; build it with RAYMAP_OPENVDB=ON");
   if (found != kFormats.end()) return *found;
-  std::string known;
-  for (const std::string& each : fieldExtensions()) known.append(" ").append(each);
-  throw Error(ErrorCode::Usage,
-              path.string() + ": '" + extension + "' is no kind of field; use one of" + known);
+  throw Error(ErrorCode::Usage, path.string() + ": '" + path.extension().string() +
+                                    "' is no kind of field; use one of " + listOf(fieldExtensions()));
 }
 
 NamedArray arrayOf(const Field& field, std::string_view name) {
@@ -62,19 +59,25 @@ std::vector<std::string> fieldExtensions() {
   return extensions;
 }
 
-Field readField(const fs::path& path) {
-  return formatOf(path).read(path);
+Field readFieldAs(const SourceFile& source, std::string_view format) {
+  return findFormat(source.path(), format).read(source);
 }
 
-void writeField(const fs::path& path, const Field& field, std::string_view name) {
-  const Format& format = formatOf(path);
+Field readField(const fs::path& path, std::string_view given) {
+  const SourceFile source(path);
+  return readFieldAs(source, formatOf(source, given, fieldExtensions()));
+}
+
+void writeField(const fs::path& path, const Field& field, std::string_view name, std::string_view given) {
+  const Format& format = findFormat(path, formatOf(path, given, fieldExtensions()));
   const NamedArray array = arrayOf(field, name);
   validateGrid(field.grid);
   for (const NamedArray& each : arraysOf(field))
     if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))
       throw Error(ErrorCode::Usage,
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
-  writeAtomically(path, [&](std::ostream& out) { format.write(out, field, array); });
+  const auto write = [&](std::ostream& out) { format.write(out, field, array); };
+  writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }
 
 }  // namespace raymap

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "io/file_format.h"
 #include "io/points/point_formats.h"
 #include "scene/colour.h"
 
@@ -21,31 +22,30 @@ constexpr std::array<std::string_view, 5> kPointExtensions{".csv", ".npy", ".ply
 struct Format {
   std::string_view extension;
   void (*write)(std::ostream& out, const PointTable& table);
+  bool goesBack = false;  ///< Whether the writer goes back in its stream.
 };
 
 constexpr std::array kFormats{Format{".csv", writePointCsv}, Format{".npy", writePointNpy},
-                              Format{".npz", writePointNpz}, Format{".ply", writePointPly}};
+                              Format{".npz", writePointNpz, true}, Format{".ply", writePointPly}};
 
 [[noreturn]] void failExtension(const fs::path& path, const std::string& what,
                                 const std::vector<std::string>& known) {
-  std::string text =
-      path.string() + ": '" + path.extension().string() + "' is no kind of " + what + "; use one of";
-  for (const std::string& each : known) text += " " + each;
-  throw Error(ErrorCode::Usage, text);
+  throw Error(ErrorCode::Usage, path.string() + ": '" + path.extension().string() + "' is no kind of " +
+                                    what + "; use one of " + listOf(known));
 }
 
-const Format& formatOf(const fs::path& path) {
-  const auto* found = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
+const Format& findFormat(const fs::path& path, std::string_view extension) {
+  const auto* found = std::ranges::find(kFormats, extension, &Format::extension);
   if (found == kFormats.end()) failExtension(path, "file for the results of a query", queryExtensions());
   return *found;
 }
 
-void check(const fs::path& path, const PointTable& table) {
+void check(const fs::path& path, const Format& format, const PointTable& table) {
   const auto require = [&](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
   };
   require(!table.arrays.empty(), "there are no results to write");
-  require(lowerExtension(path) != ".npy" || table.arrays.size() == 1,
+  require(format.extension != ".npy" || table.arrays.size() == 1,
           "a .npy holds one array; ask for one, or write a .npz");
   for (const PointArray& array : table.arrays)
     require(std::visit([](const auto& values) { return values.size(); }, array.values) == table.points.size(),
@@ -85,14 +85,15 @@ std::vector<std::string> queryExtensions() {
   return extensions;
 }
 
-std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& warn) {
-  const std::string extension = lowerExtension(path);
-  if (std::ranges::find(kPointExtensions, extension) == kPointExtensions.end())
-    failExtension(path, "file of points", pointExtensions());
-  if (extension == ".npy") return readPointNpy(path);
-  const Buffer<std::byte> bytes = loadFile(path);
+std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& warn,
+                                   std::string_view given) {
+  const SourceFile source(path);
+  const std::string format = formatOf(source, given, pointExtensions());
+  if (!contains(pointExtensions(), format)) failExtension(path, "file of points", pointExtensions());
+  if (format == ".npy") return readPointNpy(source);
+  const Buffer<std::byte> bytes = loadFile(source);
   const MeshFile file{bytes, path, warn};
-  if (extension != ".ply") return readPointText(file);
+  if (format != ".ply") return readPointText(file, format);
   std::vector<glm::dvec3> points = readPlyPoints(file);
   if (points.empty()) file.fail("it holds no points");
   return points;
@@ -100,15 +101,16 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& 
 
 void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
                 const WriteQueryOptions& options) {
-  const Format& format = formatOf(path);
+  const Format& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
   PointTable table{points, arraysOf(result), {}};
-  check(path, table);
+  check(path, format, table);
   if (options.colour) {
     if (format.extension != ".ply" || result.distance.empty())
       throw Error(ErrorCode::Usage, path.string() + ": colours need distances and a .ply");
     table.colours = coloursOf(result.distance);
   }
-  writeAtomically(path, [&](std::ostream& out) { format.write(out, table); });
+  const auto write = [&](std::ostream& out) { format.write(out, table); };
+  writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }
 
 }  // namespace raymap

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/file_format.h"
 #include "io/mesh/mesh_file.h"
 #ifdef RAYMAP_ASSIMP
 #include "io/import/import_mesh.h"
@@ -27,34 +28,53 @@ constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, 
 constexpr bool kHasAssimp = true;
 #else
 constexpr bool kHasAssimp = false;
-Mesh importMesh(const std::filesystem::path& path, const WarningCallback&) {
+Mesh importMesh(const SourceFile& source, std::string_view, const WarningCallback&) {
   throw Error(ErrorCode::Unsupported,
-              path.string() + ": raymap was built without Assimp; build it with RAYMAP_ASSIMP=ON");
+              source.path().string() + ": raymap was built without Assimp; build it with RAYMAP_ASSIMP=ON");
 }
 #endif
 
-[[noreturn]] void failExtension(const std::filesystem::path& path) {
-  std::string known;
-  for (const std::string& each : meshExtensions()) known.append(" ").append(each);
+[[noreturn]] void failFormat(const std::filesystem::path& path) {
   throw Error(ErrorCode::Unsupported,
-              path.string() + ": cannot tell the format of this file by its name; known are" + known);
+              path.string() +
+                  ": neither its name nor its bytes tell the format of this mesh; say which it is: " +
+                  listOf(meshExtensions()));
 }
 
 }  // namespace
 
-Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn) {
-  const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
-  if (format == kFormats.end()) failExtension(path);
-  if (!format->read) return importMesh(path, warn);
-  const Buffer<std::byte> bytes = loadFile(path);
-  return format->read({bytes, path, warn});
+Mesh readMeshAs(const SourceFile& source, std::string_view name, const WarningCallback& warn) {
+  const auto* format = std::ranges::find(kFormats, name, &Format::extension);
+  if (format == kFormats.end()) failFormat(source.path());
+  if (!format->read) return importMesh(source, format->extension, warn);
+  const Buffer<std::byte> bytes = loadFile(source);
+  return format->read({bytes, source.path(), warn, source.folder()});
+}
+
+Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn, std::string_view format) {
+  const SourceFile source(path);
+  return readMeshAs(source, formatOf(source, format, meshExtensions()), warn);
+}
+
+std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const WarningCallback& warn,
+                                          std::string_view format) {
+  const SourceFile source(path);
+  Formats known = meshExtensions();
+  const Formats fields = fieldExtensions();
+  known.insert(known.end(), fields.begin(), fields.end());
+  const std::string found = formatOf(source, format, known);
+  if (contains(fields, found)) return readFieldAs(source, found);
+  if (contains(known, found)) return readMeshAs(source, found, warn);
+  throw Error(ErrorCode::Unsupported,
+              path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
+                  "known are " + listOf(known));
 }
 
 AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation,
                               const WarningCallback& warn) {
   if (const std::string extension = lowerExtension(path); extension != ".gltf" && extension != ".glb")
     throw Error(ErrorCode::Unsupported, path.string() + ": animations are read from .gltf and .glb only");
-  const Buffer<std::byte> bytes = loadFile(path);
+  const Buffer<std::byte> bytes = loadFile(SourceFile(path));
   return readAnimatedGltf({bytes, path, warn}, animation);
 }
 

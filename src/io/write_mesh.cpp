@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "io/3mf/write_3mf.h"
-#include "io/mesh/mesh_file.h"
+#include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
 
 namespace raymap {
@@ -26,12 +26,13 @@ constexpr std::array kFormats{
     Format{".stl", writeStl, Precision::Single}, Format{".glb", writeGlb, Precision::Origin},
     Format{".3mf", nullptr, Precision::Double}};
 
-const Format& formatOf(const std::filesystem::path& path) {
-  const auto* format = std::ranges::find(kFormats, lowerExtension(path), &Format::extension);
-  if (format != kFormats.end()) return *format;
-  std::string known;
-  for (const Format& f : kFormats) known.append(" ").append(f.extension);
-  throw Error(ErrorCode::Usage, path.string() + ": meshes are written as" + known);
+const Format& formatFor(const std::filesystem::path& path, std::string_view given) {
+  const auto* format =
+      std::ranges::find(kFormats, formatOf(path, given, writableMeshExtensions()), &Format::extension);
+  if (format == kFormats.end())
+    throw Error(ErrorCode::Usage,
+                path.string() + ": meshes are written as " + listOf(writableMeshExtensions()));
+  return *format;
 }
 
 /// Returns the mesh moved by -offset. It refers to the arrays of the packer or the view.
@@ -47,7 +48,7 @@ PackedMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& pac
 }  // namespace
 
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
-  const Format& format = formatOf(path);
+  const Format& format = formatFor(path, options.format);
   MeshPacker packer;
   const PackedMesh mesh = moved(view, options.offset, packer);
   try {
@@ -64,7 +65,7 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
 }
 
 Mesh asStored(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
-  const Format& format = formatOf(path);
+  const Format& format = formatFor(path, options.format);
   MeshPacker packer;
   Mesh mesh = rounded(moved(view, options.offset, packer), format.precision);
   if (!format.write) std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return !isIn3mf(t); });

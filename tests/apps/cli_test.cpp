@@ -44,6 +44,15 @@ class Cli : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readBytes(path(".out")), readBytes(path(".err"))};
   }
 
+  /// Runs a line of a shell in the folder. $R is the program.
+  Result shell(const std::string& line) const {
+    std::ofstream(path(".line")) << "R='" RAYMAP_BINARY "'\n" << line << "\n";
+    const std::string command =
+        "cd '" + folder_.path().string() + "' && bash .line >.out 2>.err </dev/null; e=$?; rm .line; exit $e";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readBytes(path(".out")), readBytes(path(".err"))};
+  }
+
   Result succeed(const std::string& arguments) const {
     const Result result = run(arguments);
     EXPECT_EQ(result.code, 0) << arguments << "\n" << result.err;
@@ -843,8 +852,11 @@ TEST_F(Cli, RefusesBadOptions) {
                 "name a command: generate info query mesh render repair compare convert example devices;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
                 "convert example devices; paint is none; see raymap --help");
-  expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
-  expectFailure("render torus.txt -o f.png", ErrorCode::Unsupported, ".npz");
+  expectFailure("render torus.txt -o f.png", ErrorCode::File, "torus.txt: no such file");
+  std::ofstream(path("text.txt")) << "text\n";
+  expectFailure("render text.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
+  expectFailure("render text.txt -o f.png", ErrorCode::Unsupported, ".npz");
+  fs::remove(path("text.txt"));
   expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");
   expectFailure("render torus.ply -o f.png --direction 0 1 0", ErrorCode::Usage, "--direction and --up");
   EXPECT_EQ(fileCount(), 1u);
@@ -860,6 +872,111 @@ TEST_F(Cli, NamesTheFileThatIsWrong) {
   expectFailure("generate torus.ply -o no/f.nrrd", ErrorCode::File, "there is no folder no");
   expectFailure("generate torus.ply -o f.nrrd --memory-limit 1MB --resolution 200", ErrorCode::Memory, "");
   EXPECT_FALSE(fs::exists(path("f.nrrd")));
+}
+
+TEST_F(Cli, ReadsMeshesFromPipes) {
+  writeTorus();
+  for (const std::string format : {"ply", "obj", "stl", "glb"}) {
+    SCOPED_TRACE(format);
+    succeed("convert torus.ply m." + format);
+    const std::string alone = succeed("info m." + format + " --json").out;
+    for (const char* line :
+         {"cat m.FORMAT | $R info - --json", "cat m.FORMAT | $R info - --json --format FORMAT",
+          "$R info /dev/stdin --json < m.FORMAT", "$R info <(cat m.FORMAT) --json",
+          "cp m.FORMAT unnamed; $R info unnamed --json --format .FORMAT"}) {
+      std::string command = line;
+      for (size_t at = 0; (at = command.find("FORMAT")) != std::string::npos;) command.replace(at, 6, format);
+      const Result piped = shell(command);
+      EXPECT_EQ(piped.code, 0) << command << "\n" << piped.err;
+      EXPECT_EQ(piped.out, alone) << command;
+    }
+  }
+}
+
+TEST_F(Cli, WritesFieldsToPipes) {
+  writeTorus();
+  for (const std::string& extension : fieldExtensions()) {
+    SCOPED_TRACE(extension);
+    const std::string options = "generate torus.ply --resolution 16 ";
+    succeed(options + "-o whole" + extension);
+    const Result piped = shell("$R " + options + "-o - --format " + extension.substr(1) + " | cat");
+    EXPECT_EQ(piped.out, readBytes(path("whole" + extension)));
+    EXPECT_NE(piped.err.find("grid: "), std::string::npos) << piped.err;
+    EXPECT_NE(piped.err.find("wrote standard output\n"), std::string::npos) << piped.err;
+    const Result filed = shell("(echo before; $R " + options + "-o /dev/stdout --format " + extension +
+                               "; echo after) 2>.text");
+    EXPECT_EQ(filed.out, "before\n" + piped.out + "after\n");
+    const Result read = shell("cat whole" + extension + " | $R convert - - --format nrrd 2>.text");
+    succeed("convert whole" + extension + " converted.nrrd");
+    EXPECT_EQ(read.out, readBytes(path("converted.nrrd")));
+  }
+  succeed("mesh whole.nrrd -o whole.stl");
+  EXPECT_EQ(shell("$R mesh - -o - --format stl < whole.nrrd 2>.text").out, readBytes(path("whole.stl")));
+  EXPECT_EQ(shell("$R repair - -o - --format ply --resolution 32 < torus.ply 2>.text | $R info - --json | "
+                  "grep watertight")
+                .out,
+            "  \"watertight\": true,\n");
+  EXPECT_EQ(shell("$R render - -o - --resolution 16 --size 8 8 < torus.ply 2>.text | head -c 4").out,
+            "\x89PNG");
+  EXPECT_EQ(shell("$R compare <(cat whole.nrrd) whole.npz --json | grep max").out, "  \"max\": 0.0,\n");
+  const Result both = shell("$R generate torus.ply --resolution 16 -o f.nrrd --stats - 2>.text");
+  EXPECT_EQ(Json::parse(both.out)["mesh"]["file"], "torus.ply");
+}
+
+TEST_F(Cli, MeasuresPointsFromPipes) {
+  writeTorus();
+  succeed("query torus.ply torus.ply -o whole.csv");
+  EXPECT_EQ(shell("$R query torus.ply - -o - --format csv < torus.ply 2>.text").out,
+            readBytes(path("whole.csv")));
+  EXPECT_EQ(shell("printf '2,0,0\\n' | $R query torus.ply - -o - --format csv 2>.text")
+                .out.rfind("x,y,z,distance\n2,0,0,-0.6", 0),
+            0u);
+  EXPECT_EQ(shell("printf '2 0 0 9 9\\n' | $R query torus.ply - -o - --format npy 2>.text | head -c 6").out,
+            "\x93NUMPY");
+  EXPECT_EQ(shell("cat torus.ply | $R query - torus.ply -o r.csv && cat r.csv").code, 0);
+  EXPECT_EQ(readBytes(path("r.csv")), readBytes(path("whole.csv")));
+}
+
+TEST_F(Cli, KeepsPipesAndEndsWithThem) {
+  writeTorus();
+  EXPECT_EQ(shell("mkfifo pipe; cat pipe > got.ply & $R convert torus.ply pipe --format ply; wait").code, 0);
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+  succeed("convert torus.ply whole.ply");
+  EXPECT_EQ(readBytes(path("got.ply")), readBytes(path("whole.ply")));
+
+  const Result closed =
+      shell("($R generate torus.ply --resolution 100 -o - --format nrrd; echo $? >code) | true");
+  EXPECT_EQ(readBytes(path("code")), "4\n");
+  EXPECT_NE(
+      closed.err.find("raymap: error: standard output: cannot write: Broken pipe; the program that reads it "
+                      "has ended\n"),
+      std::string::npos)
+      << closed.err;
+  EXPECT_EQ(shell("$R info torus.ply > /dev/full").err,
+            "raymap: error: standard output: cannot write the text: No space left on device\n");
+  EXPECT_EQ(shell("$R generate torus.ply -o - --format nrrd >&-").code, 4);
+
+  // A file on stdout stays empty if the work fails.
+  const Result failed = shell("$R generate torus.ply -o - --format nrrd --memory-limit 1MB --resolution 200");
+  EXPECT_EQ(failed.code, 5);
+  EXPECT_EQ(failed.out, "");
+}
+
+TEST_F(Cli, NamesTheFormatsOfPipes) {
+  writeTorus();
+  const auto usage = ErrorCode::Usage;
+  expectFailure(
+      "generate torus.ply -o -", usage,
+      "--output /dev/stdout: the name must end in one of .nrrd .npy .npz .vti .vdb, or --format must name");
+  expectFailure("generate torus.ply -o f.nrrd --format npy", usage,
+                "--format npy: the names of all files tell");
+  expectFailure("generate torus.ply -o - --format stl", usage, "--format stl: must be one of .nrrd .npy");
+  expectFailure("generate torus.ply -o - --format nrrd --winding -", usage,
+                "another option already writes this");
+  expectFailure("generate torus.ply -o f --format nrrd --stats f.txt", usage, "must end in .json");
+  expectFailure("compare - -", usage, "standard input can be read once only");
+  expectFailure("info -", ErrorCode::Unsupported, "/dev/stdin: neither its name nor its bytes tell");
+  EXPECT_EQ(fileCount(), 1u);
 }
 
 TEST_F(Cli, LeavesNothingBehindWhenStopped) {
@@ -922,7 +1039,9 @@ TEST_F(Cli, RefusesQueriesThatMakeNoSense) {
   expectFailure("query torus.ply p.csv -o r.csv", ErrorCode::Input,
                 "p.csv: line 2: 2 columns, but line 1 has 3");
   expectFailure("query torus.ply p.csv -o r.txt", usage, "the name must end in one of .csv .npy .npz .ply");
+  succeed("convert torus.ply torus.stl");
   expectFailure("query torus.ply torus.stl -o r.csv", usage, "'.stl' is no kind of file of points");
+  fs::remove(path("torus.stl"));
   expectFailure("query torus.ply p.csv -o r.npy --arrays distance,closest", usage, "a .npy holds one array");
   expectFailure("query torus.ply p.csv -o r.csv --colour", usage, "--colour needs");
   expectFailure("query torus.ply p.csv -o r.ply --colour --arrays winding", usage, "--colour needs");

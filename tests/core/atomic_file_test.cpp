@@ -1,5 +1,6 @@
 #include <raymap/atomic_file.h>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 #include <sys/resource.h>
@@ -118,6 +119,52 @@ TEST_F(AtomicFile, WritesDevicesInPlace) {
     EXPECT_EQ(e.code(), ErrorCode::File);
     EXPECT_NE(std::string(e.what()).find("No space left"), std::string::npos) << e.what();
   }
+}
+
+TEST_F(AtomicFile, WritesDescriptorsWhereTheyStand) {
+  std::ofstream(file("a")) << "0123456789";
+  const int descriptor = open(file("a").c_str(), O_RDWR);
+  ASSERT_GE(descriptor, 0);
+  ASSERT_EQ(lseek(descriptor, 4, SEEK_SET), 4);
+  const std::string name = "/dev/fd/" + std::to_string(descriptor);
+  writeAtomically(name, [](std::ostream& out) {
+    EXPECT_EQ(out.tellp(), std::ostream::pos_type(-1));
+    out.clear();
+    out << "ab";
+  });
+  EXPECT_EQ(lseek(descriptor, 0, SEEK_CUR), 6);
+  fs::create_symlink(name, file("link"));
+  writeText(file("link"), "cd");
+  close(descriptor);
+  EXPECT_EQ(readBytes(file("a")), "0123abcd89");
+  EXPECT_TRUE(fs::is_symlink(file("link")));
+  EXPECT_EQ(entries(), 2U);
+}
+
+TEST_F(AtomicFile, SaysThatTheReaderOfAPipeHasEnded) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  close(ends[0]);
+  const auto handler = std::signal(SIGPIPE, SIG_IGN);
+  try {
+    writeText("/dev/fd/" + std::to_string(ends[1]), "x");
+    ADD_FAILURE() << "wrote without a reader";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::File);
+    EXPECT_NE(std::string(e.what()).find("the program that reads it has ended"), std::string::npos)
+        << e.what();
+  }
+  std::signal(SIGPIPE, handler);
+  close(ends[1]);
+}
+
+TEST_F(AtomicFile, ReplacesFilesInMemory) {
+  const fs::path path = "/dev/shm/raymap_test_" + std::to_string(getpid());
+  if (!fs::exists("/dev/shm")) GTEST_SKIP() << "no /dev/shm";
+  writeText(path, "first, longer");
+  writeText(path, "second");
+  EXPECT_EQ(readBytes(path), "second");
+  fs::remove(path);
 }
 
 TEST_F(AtomicFile, AFullDiskLeavesNothing) {

@@ -93,15 +93,16 @@ void throwUnsupported(const std::filesystem::path& path, const std::string& what
   throw Error(ErrorCode::Unsupported, path.string() + ": " + what);
 }
 
-InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+InputFile::InputFile(const SourceFile& source) : path_(source.path()) {
+  const std::filesystem::path& path = source.path();
   std::error_code error;
-  const auto status = std::filesystem::status(path, error);
+  const auto status = std::filesystem::status(source.place(), error);
   if (!std::filesystem::exists(status))
     throw Error(ErrorCode::File, path.string() + ": no such file; check the path");
   if (!std::filesystem::is_regular_file(status))
     throw Error(ErrorCode::File, path.string() + ": not a regular file; arrays cannot be read from it");
-  stream_.open(path, std::ios::binary);
-  remaining_ = std::filesystem::file_size(path, error);
+  stream_.open(source.place(), std::ios::binary);
+  remaining_ = std::filesystem::file_size(source.place(), error);
   if (!stream_ || error)
     throw Error(ErrorCode::File, path.string() + ": cannot be opened; check its permissions");
 }

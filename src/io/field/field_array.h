@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/source_file.h"
+
 namespace raymap {
 
 /// Type of an array's elements. Distances are written as Float32, triangle indices as UInt32.
@@ -37,7 +39,7 @@ std::vector<NamedArray> arraysOf(const Field& field);
 /// A regular file. Its size is known before anything is read.
 class InputFile {
  public:
-  explicit InputFile(const std::filesystem::path& path);
+  explicit InputFile(const SourceFile& source);
 
   const std::filesystem::path& path() const { return path_; }
   uint64_t remaining() const { return remaining_; }

@@ -9,19 +9,19 @@
 
 namespace raymap {
 
-Field readNrrd(const std::filesystem::path& path);
+Field readNrrd(const SourceFile& source);
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readNpy(const std::filesystem::path& path);
+Field readNpy(const SourceFile& source);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readNpz(const std::filesystem::path& path);
+Field readNpz(const SourceFile& source);
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readVti(const std::filesystem::path& path);
+Field readVti(const SourceFile& source);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readVdb(const std::filesystem::path& path);
+Field readVdb(const SourceFile& source);
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array);
 
 }  // namespace raymap

@@ -121,8 +121,9 @@ void readNpyArray(const std::filesystem::path& path, Field& field, std::string_v
   readArray(path, field, name, layout, read);
 }
 
-Field readNpy(const std::filesystem::path& path) {
-  InputFile file(path);
+Field readNpy(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
+  InputFile file(source);
   const ReadBytes read = [&](void* to, size_t count) { file.read(to, count); };
   Field field;
   field.grid.spacing = 1.0;

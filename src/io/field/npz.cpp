@@ -103,9 +103,10 @@ bool isKnown(std::string_view name) {
 
 }  // namespace
 
-Field readNpz(const std::filesystem::path& path) {
-  const uint64_t fileBytes = InputFile(path).remaining();
-  const UnzipFile zip(unzOpen64(path.c_str()), &unzClose);
+Field readNpz(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
+  const uint64_t fileBytes = InputFile(source).remaining();
+  const UnzipFile zip(unzOpen64(source.place().c_str()), &unzClose);
   if (!zip) throwInvalid(path, "is no whole zip file");
   Field field;
   field.grid.spacing = 1.0;

@@ -97,8 +97,9 @@ void readPlacement(const std::filesystem::path& path, const Header& header, Grid
 
 }  // namespace
 
-Field readNrrd(const std::filesystem::path& path) {
-  auto file = std::make_shared<InputFile>(path);
+Field readNrrd(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
+  auto file = std::make_shared<InputFile>(source);
   const Header header = readHeader(*file);
   if (header.contains("data file") || header.contains("datafile"))
     throwUnsupported(path, "its samples are in another file; join them (unu save, or pynrrd)");

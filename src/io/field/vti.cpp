@@ -28,8 +28,8 @@ struct VtiFile {
   bool isDeflated = false;
 };
 
-void load(VtiFile& file) {
-  InputFile input(file.path);
+void load(VtiFile& file, const SourceFile& source) {
+  InputFile input(source);
   file.bytes.resizeUninitialized(input.remaining());
   input.read(file.bytes.data(), file.bytes.size());
   const std::string_view text(file.bytes.data(), file.bytes.size());
@@ -170,10 +170,11 @@ void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::ar
 
 }  // namespace
 
-Field readVti(const fs::path& path) {
+Field readVti(const SourceFile& source) {
+  const fs::path& path = source.path();
   VtiFile file;
   file.path = path;
-  load(file);
+  load(file, source);
   const pugi::xml_node root = file.xml.child("VTKFile"), image = root.child("ImageData");
   if (!image || std::string_view(root.attribute("type").as_string()) != "ImageData")
     throwInvalid(path, "it holds no ImageData");
@@ -194,7 +195,7 @@ Field readVti(const fs::path& path) {
     field.band = (*width)[0];
   }
   checkPlacement(path, field);
-  readSamples(file, findArray(file, image), dims, field);
+  for (const pugi::xml_node& array : findArrays(file, image)) readSamples(file, array, dims, field);
   return field;
 }
 

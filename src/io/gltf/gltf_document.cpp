@@ -132,7 +132,8 @@ void GltfDocument::openBuffers() {
 }
 
 void GltfDocument::openExternal(const std::string& uri) {
-  owned_.push_back(isDataUri(uri) ? decodeDataUri(file_, uri) : loadFile(relativeFile(file_, uri)));
+  owned_.push_back(isDataUri(uri) ? decodeDataUri(file_, uri)
+                                  : loadFile(SourceFile(relativeFile(file_, uri))));
   buffers_.emplace_back(owned_.back());
 }
 

@@ -50,7 +50,7 @@ std::filesystem::path relativeFile(const MeshFile& file, std::string_view uri) {
   const std::string name = unescapedUri(uri);
   if (uri.find(':') != uri.npos || std::filesystem::path(name).is_absolute() || name.find('\0') != name.npos)
     file.fail("it refers to '" + std::string(uri.substr(0, 80)) + "'; only files beside it are read");
-  return file.path.parent_path() / name;
+  return file.folder / name;
 }
 
 }  // namespace raymap

@@ -4,7 +4,11 @@
 #include <raymap/error.h>
 
 #include <assimp/Importer.hpp>
+#include <filesystem>
+#include <fstream>
 #include <glm/glm.hpp>
+#include <iterator>
+#include <string>
 #include <vector>
 
 #include "io/import/import_stream.h"
@@ -62,11 +66,20 @@ void appendNodes(const aiScene& scene, Result& result) {
   }
 }
 
+/// Reads the file, or its bytes if its name has another extension than the format: Assimp goes by that.
+const aiScene* readScene(Assimp::Importer& importer, const std::filesystem::path& path,
+                         const std::string& format) {
+  if (path.extension() == format) return importer.ReadFile(path, 0);
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str() + 1);
+}
+
 }  // namespace
 
-void sendMesh(const char* path) {
+void sendMesh(const char* path, const std::string& format) {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path, 0);
+  const aiScene* scene = readScene(importer, path, format);
   if (!scene || !scene->mRootNode) throw Error(ErrorCode::Input, importer.GetErrorString());
   Result result;
   appendNodes(*scene, result);

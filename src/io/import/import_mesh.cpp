@@ -7,9 +7,10 @@
 
 namespace raymap {
 
-Mesh importMesh(const std::filesystem::path& path, const WarningCallback& warn) {
+Mesh importMesh(const SourceFile& source, std::string_view format, const WarningCallback& warn) {
+  const std::filesystem::path& path = source.path();
   const MeshFile file{{}, path, warn};
-  Importer importer(path, regularFileSize(path), Importer::Kind::Mesh);
+  Importer importer(source, format, regularFileSize(source));
   if (!importer.warning().empty()) file.warnThat(importer.warning());
   MeshHeader header;
   importer.receive(&header, sizeof header);

@@ -3,11 +3,13 @@
 #include <raymap/callbacks.h>
 #include <raymap/mesh.h>
 
-#include <filesystem>
+#include <string_view>
+
+#include "base/source_file.h"
 
 namespace raymap {
 
 /// Reads a mesh with Assimp, in a child process (see Importer).
-Mesh importMesh(const std::filesystem::path& path, const WarningCallback& warn);
+Mesh importMesh(const SourceFile& source, std::string_view format, const WarningCallback& warn);
 
 }  // namespace raymap

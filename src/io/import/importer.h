@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
+#include "base/source_file.h"
 #include "io/import/child_process.h"
 
 namespace raymap {
@@ -14,9 +16,9 @@ namespace raymap {
 /// program or library, from the run path, or by the prefix that the build was configured with.
 class Importer {
  public:
-  enum class Kind { Mesh, Vdb };
-  /// Starts the program and reads its header. Throws the error that the program reports.
-  Importer(const std::filesystem::path& file, uint64_t fileBytes, Kind kind);
+  /// Starts the program and reads its header. `format` is an extension: ".vdb", or one of Assimp's. Throws
+  /// the error that the program reports.
+  Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes);
 
   const std::string& warning() const { return message_; }
   /// Reads the next `bytes` bytes of its output. Throws `Error(Input)` if there are fewer.

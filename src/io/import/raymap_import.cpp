@@ -1,5 +1,5 @@
-// raymap-import mesh|vdb FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it in the format
-// of import_stream.h. MEMORY is in bytes.
+// raymap-import FORMAT FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it in the format
+// of import_stream.h. FORMAT is an extension: .vdb, or one that Assimp knows. MEMORY is in bytes.
 //
 // It is a process of its own, because these libraries crash on some damaged files and take any amount of
 // memory on others.
@@ -12,7 +12,7 @@
 #include <cstdlib>
 #include <exception>
 #include <fstream>
-#include <string_view>
+#include <string>
 
 #include "io/import/import_stream.h"
 
@@ -51,12 +51,12 @@ void limitOutput() {
   setrlimit(RLIMIT_FSIZE, &none);
 }
 
-void send([[maybe_unused]] std::string_view kind, [[maybe_unused]] const char* path) {
+void send(const std::string& format, [[maybe_unused]] const char* path) {
 #ifdef RAYMAP_OPENVDB
-  if (kind == "vdb") return sendVdb(path);
+  if (format == ".vdb") return sendVdb(path);
 #endif
 #ifdef RAYMAP_ASSIMP
-  if (kind == "mesh") return sendMesh(path);
+  if (format != ".vdb") return sendMesh(path, format);
 #endif
   throw Error(ErrorCode::Unsupported,
               "this raymap-import was built without the library for it; build raymap with RAYMAP_OPENVDB=ON "

@@ -11,7 +11,7 @@ namespace raymap {
 
 // Each reads a file and writes it to standard output in the format of import_stream.h. Each throws on
 // failure.
-void sendMesh(const char* path);
+void sendMesh(const char* path, const std::string& format);
 void sendVdb(const char* path);
 
 /// Writes the header of a success, with a warning or an empty text. A later exception only ends the program.

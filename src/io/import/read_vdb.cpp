@@ -7,15 +7,16 @@
 
 namespace raymap {
 
-Field readVdb(const std::filesystem::path& path) {
+Field readVdb(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
   constexpr std::array<char, 4> kMagic{' ', 'B', 'D', 'V'};
-  InputFile file(path);
+  InputFile file(source);
   const uint64_t fileBytes = file.remaining();
   std::array<char, kMagic.size()> magic{};
   file.read(magic.data(), magic.size());
   if (magic != kMagic) throwInvalid(path, "does not begin as a VDB");
 
-  Importer importer(path, fileBytes, Importer::Kind::Vdb);
+  Importer importer(source, ".vdb", fileBytes);
   VdbHeader header;
   importer.receive(&header, sizeof header);
   // Bytes of samples per byte of the file: enough for a thin band in a large box, with a margin.

@@ -1,7 +1,6 @@
 #include "io/mesh/mesh_file.h"
 
 #include <raymap/error.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -18,10 +17,6 @@ namespace raymap {
 
 namespace {
 
-uint64_t memoryLimit() {
-  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
-}
-
 [[noreturn]] void failRead(const std::filesystem::path& path, const std::string& why) {
   throw Error(ErrorCode::File, path.string() + ": cannot read it: " + why);
 }
@@ -29,7 +24,7 @@ uint64_t memoryLimit() {
 [[noreturn]] void failTooLarge(const std::filesystem::path& path, uint64_t bytes) {
   throw Error(ErrorCode::Memory, path.string() + ": reading it needs " + std::to_string(bytes >> 20) +
                                      " MiB, more than half of this machine's memory (" +
-                                     std::to_string(memoryLimit() >> 20) + " MiB)");
+                                     std::to_string(mostFileBytes() >> 20) + " MiB)");
 }
 
 template <class Vec>
@@ -114,21 +109,24 @@ std::string lowerExtension(const std::filesystem::path& path) {
   return extension;
 }
 
-uint64_t regularFileSize(const std::filesystem::path& path) {
+uint64_t regularFileSize(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
   std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  const std::filesystem::file_status status = std::filesystem::status(source.place(), error);
   if (error) failRead(path, error.message());
   if (std::filesystem::is_directory(status)) failRead(path, "it is a folder");
   if (!std::filesystem::is_regular_file(status)) failRead(path, "it is not a regular file");
-  const uint64_t size = std::filesystem::file_size(path, error);
+  const uint64_t size = std::filesystem::file_size(source.place(), error);
   if (error) failRead(path, error.message());
-  if (size > memoryLimit()) failTooLarge(path, size);
+  if (size > mostFileBytes()) failTooLarge(path, size);
   return size;
 }
 
-Buffer<std::byte> loadFile(const std::filesystem::path& path) {
-  const uint64_t size = regularFileSize(path);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+Buffer<std::byte> loadFile(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
+  const uint64_t size = regularFileSize(source);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(source.place().c_str(), "rb"),
+                                                             &std::fclose);
   if (!file) failRead(path, std::generic_category().message(errno));
   std::setvbuf(file.get(), nullptr, _IONBF, 0);
   Buffer<std::byte> bytes(size);
@@ -139,7 +137,7 @@ Buffer<std::byte> loadFile(const std::filesystem::path& path) {
 }
 
 void checkMemory(const MeshFile& file, uint64_t bytes) {
-  if (bytes > memoryLimit()) failTooLarge(file.path, bytes);
+  if (bytes > mostFileBytes()) failTooLarge(file.path, bytes);
 }
 
 std::string unescapedUri(std::string_view uri) {

@@ -14,13 +14,16 @@
 #include <string_view>
 #include <vector>
 
+#include "base/source_file.h"
+
 namespace raymap {
 
-/// A mesh file in memory. The path is used in messages and to find the files that the mesh file refers to.
+/// A mesh file in memory. The path is used in messages.
 struct MeshFile {
   std::span<const std::byte> bytes;
   std::filesystem::path path;
   WarningCallback warn;
+  std::filesystem::path folder = path.parent_path();  ///< Of the files that the mesh file refers to.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;
@@ -42,11 +45,11 @@ std::vector<glm::dvec3> readPlyPoints(const MeshFile& file);
 /// Returns a file name's extension in lower case, with the dot.
 std::string lowerExtension(const std::filesystem::path& path);
 
-/// Returns the size of a regular file, in bytes. Throws `Error(File)` if the path is no regular file,
-/// `Error(Memory)` if the file is too large to read.
-uint64_t regularFileSize(const std::filesystem::path& path);
-/// Reads a whole regular file. Throws `Error(File)` or `Error(Memory)`.
-Buffer<std::byte> loadFile(const std::filesystem::path& path);
+/// Returns the size of a file, in bytes. Throws `Error(File)` if it is neither a regular file nor came
+/// through a pipe, `Error(Memory)` if it is too large to read.
+uint64_t regularFileSize(const SourceFile& source);
+/// Reads a whole file. Throws `Error(File)` or `Error(Memory)`.
+Buffer<std::byte> loadFile(const SourceFile& source);
 
 /// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory. Used for sizes that a small
 /// file can make large (instances).

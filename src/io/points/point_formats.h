@@ -17,9 +17,9 @@ namespace raymap {
 
 /// Reads columns x, y and z of a .csv, or the first three of any other text file. Throws `Error(Input)` that
 /// names the line, the column and the value.
-std::vector<glm::dvec3> readPointText(const MeshFile& file);
+std::vector<glm::dvec3> readPointText(const MeshFile& file, std::string_view format = ".csv");
 /// Reads an array whose last axis has length 3.
-std::vector<glm::dvec3> readPointNpy(const std::filesystem::path& path);
+std::vector<glm::dvec3> readPointNpy(const SourceFile& source);
 
 /// One quantity of a query, with a value per point.
 struct PointArray {

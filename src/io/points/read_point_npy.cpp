@@ -39,8 +39,9 @@ size_t checkedPointCount(const std::filesystem::path& path, const NpyHeader& hea
 
 }  // namespace
 
-std::vector<glm::dvec3> readPointNpy(const std::filesystem::path& path) {
-  InputFile file(path);
+std::vector<glm::dvec3> readPointNpy(const SourceFile& source) {
+  const std::filesystem::path& path = source.path();
+  InputFile file(source);
   const ReadBytes read = [&](void* to, size_t count) { file.read(to, count); };
   const NpyHeader header = readNpyHeader(path, read);
   const ArrayLayout layout = layoutOf(path, header);

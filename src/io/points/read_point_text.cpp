@@ -98,7 +98,7 @@ std::string listOf(const Fields& fields) {
 
 class TextReader {
  public:
-  explicit TextReader(const MeshFile& file) : file_(file), rows_(file.text()) {}
+  TextReader(const MeshFile& file, bool isCsv) : file_(file), rows_(file.text()), isCsv_(isCsv) {}
 
   std::vector<glm::dvec3> read() {
     if (!rows_.next()) file_.fail("it holds no points");
@@ -135,10 +135,9 @@ class TextReader {
   /// Columns of a file without a header. Other programs write normals or colours after the position, but not
   /// into a .csv.
   Columns firstColumns() const {
-    const bool isCsv = lowerExtension(file_.path) == ".csv";
-    if (columnCount_ < 3 || (isCsv && columnCount_ > 3))
+    if (columnCount_ < 3 || (isCsv_ && columnCount_ > 3))
       fail(counted(columnCount_, "column") + "; a row without a header holds x, y and z" +
-           (isCsv ? "; add a header row that names the columns" : ""));
+           (isCsv_ ? "; add a header row that names the columns" : ""));
     return {0, 1, 2};
   }
 
@@ -165,6 +164,7 @@ class TextReader {
 
   const MeshFile& file_;
   Rows rows_;
+  bool isCsv_ = false;
   Fields fields_;
   char separator_ = ',';
   size_t firstLine_ = 0, columnCount_ = 0;
@@ -172,8 +172,8 @@ class TextReader {
 
 }  // namespace
 
-std::vector<glm::dvec3> readPointText(const MeshFile& file) {
-  return TextReader(file).read();
+std::vector<glm::dvec3> readPointText(const MeshFile& file, std::string_view format) {
+  return TextReader(file, format == ".csv").read();
 }
 
 }  // namespace raymap

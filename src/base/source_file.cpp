@@ -1,0 +1,126 @@
+#include "base/source_file.h"
+
+#include <fcntl.h>
+#include <raymap/error.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "base/memory.h"
+
+namespace raymap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void failRead(const fs::path& path, int error) {
+  throw Error(ErrorCode::File, path.string() + ": cannot read it: " + std::generic_category().message(error));
+}
+
+/// Returns whether bytes come one after the other, and once only.
+bool isStream(const fs::path& path) {
+  std::error_code error;
+  const fs::file_type type = fs::status(path, error).type();
+  return type == fs::file_type::fifo || type == fs::file_type::socket ||
+         (type == fs::file_type::character && namedDescriptor(path) >= 0);
+}
+
+/// A descriptor that is closed at the end.
+struct Opened {
+  explicit Opened(const fs::path& path) {
+    const int named = namedDescriptor(path);  // A socket cannot be opened by its name in /dev.
+    value = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (value < 0) failRead(path, errno);
+  }
+  ~Opened() { close(value); }
+  Opened(const Opened&) = delete;
+  Opened& operator=(const Opened&) = delete;
+  int value = -1;
+};
+
+/// Writes all bytes. Returns whether that worked.
+bool writeAll(int descriptor, const char* data, size_t count) {
+  while (count > 0) {
+    const ssize_t written = write(descriptor, data, count);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    data += written;
+    count -= static_cast<size_t>(written);
+  }
+  return true;
+}
+
+}  // namespace
+
+uint64_t mostFileBytes() {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+}
+
+int namedDescriptor(const fs::path& path) {
+  if (path == "/dev/stdin") return STDIN_FILENO;
+  if (path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  const std::string text = path.string();
+  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (!text.starts_with(folder)) continue;
+    int descriptor = -1;
+    const char* const end = text.data() + text.size();
+    const auto [next, error] = std::from_chars(text.data() + folder.size(), end, descriptor);
+    if (error == std::errc() && next == end && descriptor >= 0) return descriptor;
+  }
+  return -1;
+}
+
+SourceFile::SourceFile(fs::path path) : path_(std::move(path)), place_(path_) {
+  if (!isStream(path_)) return;
+  copy_ = memfd_create("raymap", MFD_CLOEXEC);
+  if (copy_ < 0) failRead(path_, errno);
+  try {
+    copy();
+  } catch (...) {
+    close(copy_);
+    throw;
+  }
+  place_ = "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(copy_);
+}
+
+SourceFile::~SourceFile() {
+  if (copy_ >= 0) close(copy_);
+}
+
+fs::path SourceFile::folder() const {
+  return copy_ >= 0 ? fs::path() : path_.parent_path();
+}
+
+std::string SourceFile::head(size_t bytes) const {
+  std::ifstream file(place_, std::ios::binary);
+  std::string text(bytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return text;
+}
+
+void SourceFile::copy() {
+  const Opened stream(path_);
+  std::vector<char> piece(size_t{1} << 20);
+  for (uint64_t total = 0;;) {
+    const ssize_t count = read(stream.value, piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) failRead(path_, errno);
+    if (count == 0) return;
+    total += static_cast<uint64_t>(count);
+    if (total > mostFileBytes())
+      throw Error(ErrorCode::Memory, path_.string() + ": more than " + mebibytes(mostFileBytes()) +
+                                         " come through it, half of this machine's memory");
+    if (!writeAll(copy_, piece.data(), static_cast<size_t>(count))) failRead(path_, errno);
+  }
+}
+
+}  // namespace raymap

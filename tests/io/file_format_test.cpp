@@ -1,0 +1,148 @@
+// Formats of files whose names do not tell them.
+
+#include "io/file_format.h"
+
+#include <gtest/gtest.h>
+#include <raymap/error.h>
+#include <raymap/io.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <thread>
+
+#include "files.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class FileFormat : public testing::Test {
+ protected:
+  std::string told(const std::string& bytes, const Formats& known) const {
+    std::ofstream(path(), std::ios::binary) << bytes;
+    return formatOf(SourceFile(path()), "", known);
+  }
+  std::filesystem::path path(const std::string& name = "unnamed.dat") const { return folder_.path() / name; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+Formats meshesAndFields() {
+  return {".obj", ".ply", ".stl",  ".off", ".gltf", ".glb", ".3mf",
+          ".fbx", ".dae", ".nrrd", ".npy", ".npz",  ".vti", ".vdb"};
+}
+
+std::string zipWith(const std::string& name) {
+  std::string bytes("PK\x03\x04", 4);
+  bytes.resize(30, '\0');
+  bytes[26] = static_cast<char>(name.size());
+  return bytes + name + "content";
+}
+
+std::string binaryStl(size_t triangles, size_t moreBytes) {
+  std::string bytes(84 + 50 * triangles + moreBytes, 's');
+  for (size_t i = 0; i < 4; ++i) bytes[80 + i] = i == 0 ? static_cast<char>(triangles) : '\0';
+  return bytes;
+}
+
+TEST_F(FileFormat, IsToldByTheFirstBytes) {
+  const std::vector<std::pair<std::string, std::string>> samples{
+      {"ply\nformat", ".ply"},
+      {"ply\r\nformat", ".ply"},
+      {"plywood", ""},
+      {"glTF\x02", ".glb"},
+      {"NRRD0004\n", ".nrrd"},
+      {"\x93NUMPY\x01", ".npy"},
+      {" BDV", ".vdb"},
+      {zipWith("distance.npy"), ".npz"},
+      {zipWith("[Content_Types].xml"), ".3mf"},
+      {zipWith("3D/3dmodel.model"), ".3mf"},
+      {zipWith("_rels/.rels"), ".3mf"},
+      {zipWith("readme.txt"), ""},
+      {"PK\x03\x04", ""},
+      {"Kaydara FBX Binary  ", ".fbx"},
+      {"; FBX 7.3.0 project file", ".fbx"},
+      {"<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\">", ".vti"},
+      {"\xef\xbb\xbf<?xml version=\"1.0\"?><COLLADA>", ".dae"},
+      {"<html>", ""},
+      {"  {\n\"asset\": {}}", ".gltf"},
+      {"Solid cube\n Facet normal 0 0 1", ".stl"},
+      {"solid empty\nendsolid", ".stl"},
+      {"solid ground", ""},
+      {binaryStl(2, 0), ".stl"},
+      {binaryStl(2, 1), ""},
+      {"# a comment\n\n  v 0 0 0\n", ".obj"},
+      {"mtllib a.mtl\n", ".obj"},
+      {"vertex 0 0 0\n", ""},
+      {"OFF\n8 6 0\n", ".off"},
+      {"# from CGAL\nCOFF\n", ".off"},
+      {"OFFICE\n", ""},
+      {"1 2 3\n", ""},
+      {"", ""},
+  };
+  for (const auto& [bytes, format] : samples)
+    EXPECT_EQ(told(bytes, meshesAndFields()), format) << bytes.substr(0, 40);
+  const Formats points = pointExtensions();
+  EXPECT_EQ(told("1,2,3\n", points), ".csv");
+  EXPECT_EQ(told("x;y;z\n", points), ".csv");
+  EXPECT_EQ(told("1\t2 3\n", points), ".xyz");
+  EXPECT_EQ(told("1 2 3\n\x01", points), "");
+  EXPECT_EQ(told("ply\n", points), ".ply");
+  EXPECT_EQ(told("NRRD0004\n", {".npy"}), "");
+}
+
+TEST_F(FileFormat, NamesComeFirst) {
+  std::ofstream(path("a.PLY")) << "NRRD0004\n";
+  std::ofstream(path("a.dat")) << "NRRD0004\n";
+  const Formats known = meshesAndFields();
+  EXPECT_EQ(formatOf(SourceFile(path("a.PLY")), ".stl", known), ".ply");
+  EXPECT_EQ(formatOf(SourceFile(path("a.dat")), ".stl", known), ".stl");
+  EXPECT_EQ(formatOf(SourceFile(path("a.dat")), ".csv", known), ".nrrd");
+  EXPECT_EQ(formatOf(std::filesystem::path("a.Stl"), ".ply", {".stl", ".ply"}), ".stl");
+  EXPECT_EQ(formatOf(std::filesystem::path("a.txt"), ".ply", {".stl", ".ply"}), ".ply");
+  EXPECT_EQ(formatOf(std::filesystem::path("a.txt"), "", {".stl", ".ply"}), ".txt");
+  try {
+    formatOf(SourceFile(path("missing")), "", known);
+    ADD_FAILURE() << "found the format of nothing";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::File);
+    EXPECT_NE(std::string(error.what()).find("missing: no such file"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(FileFormat, PipesAreReadAsFilesAre) {
+  const Mesh torus = shapes::torus(2.0, 0.7, 40, 24);
+  for (const std::string& format : writableMeshExtensions()) {
+    SCOPED_TRACE(format);
+    writeMesh(path("mesh" + format), torus);
+    const Mesh expected = readMesh(path("mesh" + format));
+    ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+    std::thread writer([&] { writeMesh(path("pipe"), torus, format); });
+    const Mesh mesh = readMesh(path("pipe"));
+    writer.join();
+    std::filesystem::remove(path("pipe"));
+    EXPECT_EQ(mesh.vertices, expected.vertices);
+    EXPECT_EQ(mesh.triangles, expected.triangles);
+    EXPECT_EQ(mesh.origin, expected.origin);
+  }
+}
+
+TEST_F(FileFormat, TellsMeshesFromFields) {
+  writeMesh(path("mesh"), shapes::torus(2.0, 0.7, 40, 24), ".stl");
+  EXPECT_TRUE(std::holds_alternative<Mesh>(readMeshOrField(path("mesh"))));
+  Field field;
+  field.grid = {{2, 3, 4}, {0.0, 0.0, 0.0}, 1.0};
+  field.distance.resizeUninitialized(24);
+  std::fill(field.distance.begin(), field.distance.end(), 1.0F);
+  for (const std::string& format : fieldExtensions()) {
+    writeField(path("field"), field, "distance", format);
+    const auto read = readMeshOrField(path("field"));
+    ASSERT_TRUE(std::holds_alternative<Field>(read)) << format;
+    EXPECT_TRUE(std::ranges::equal(std::get<Field>(read).distance, field.distance)) << format;
+  }
+}
+
+}  // namespace
+}  // namespace raymap
