@@ -86,7 +86,7 @@ void run(Arguments& arguments) {
   constexpr int kWidth = 1024;
   if (!arguments.picture.empty()) writePng(arguments.picture, renderComparison(a, b, kWidth, array));
   if (arguments.isJson) {
-    std::cout << toJson(found, array).dump(2) << "\n";
+    std::cout << textOf(toJson(found, array));
     return;
   }
   print(found, array);

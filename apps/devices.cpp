@@ -141,7 +141,7 @@ void testAll(const std::string& asked, bool isJson) {
     isPassed = isPassed && test.problem.empty();
     hangs = hangs || test.hangs;
   }
-  if (isJson) std::cout << all.dump(2) << "\n";
+  if (isJson) std::cout << textOf(all);
   std::cout.flush();
   std::fflush(stdout);
   if (hangs) _exit(kFailedTest);  // An orderly end would wait for the driver.
@@ -166,7 +166,7 @@ void addDevices(CLI::App& app) {
     }
     const DeviceList list = devices();
     if (*isJson)
-      std::cout << toJson(list).dump(2) << "\n";
+      std::cout << textOf(toJson(list));
     else
       print(list);
   });

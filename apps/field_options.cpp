@@ -115,7 +115,8 @@ void addCpuOptions(CLI::App& command, FieldArguments& arguments) {
   command
       .add_option("--memory-limit", arguments.options.memoryLimit,
                   "Most memory to use, e.g. 2GB (default: all that is available)")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->type_name("SIZE")
       ->group("Machine");
 }
 

@@ -158,7 +158,7 @@ Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& 
 }
 
 void writeJson(const fs::path& path, const Json& json, Report& report) {
-  writeAtomically(path, [&](std::ostream& out) { out << json.dump(2) << "\n"; });
+  writeAtomically(path, [&](std::ostream& out) { out << textOf(json); });
   report.written.push_back(path);
 }
 

@@ -126,7 +126,7 @@ void addInfo(CLI::App& app) {
     Json json = toJson(found);
     json["self_intersections"] = crossings ? toJson(*crossings) : Json{{"counted", false}};
     json["verdict"] = {{"kind", name(verdict.kind)}, {"remedy", name(verdict.remedy)}};
-    std::cout << json.dump(2) << "\n";
+    std::cout << textOf(json);
   });
 }
 

@@ -233,7 +233,7 @@ void run(Arguments& arguments) {
   count(points, result, report);
   if (!arguments.stats.empty())
     writeAtomically(arguments.stats,
-                    [&](std::ostream& out) { out << describe(arguments, asked, report).dump(2) << "\n"; });
+                    [&](std::ostream& out) { out << textOf(describe(arguments, asked, report)); });
   print(arguments, report, millisecondsSince(start));
 }
 

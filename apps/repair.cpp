@@ -59,7 +59,7 @@ void run(RepairArguments& arguments) {
   writeMesh(stored.path, stored.exact, stored.options);
   if (!arguments.stats.empty())
     writeAtomically(arguments.stats, [&](std::ostream& out) {
-      out << describe(arguments, grid, report, stored.options).dump(2) << "\n";
+      out << textOf(describe(arguments, grid, report, stored.options));
     });
   print(arguments, grid, report);
   printStored(stored);
@@ -139,8 +139,8 @@ void addRepair(CLI::App& app) {
   addRepairGridOptions(*command, *arguments);
   addOrientationOption(*command, *arguments);
   command
-      ->add_flag(
-          "!--no-close-holes", arguments->options.closeHoles,
+      ->add_flag_callback(
+          "--no-close-holes", [arguments] { arguments->options.closeHoles = false; },
           "Do not measure distances to the surface that closes holes; they are still closed, but in steps")
       ->group("Method");
   addShapeOptions(*command, *arguments);

@@ -12,6 +12,10 @@
 
 namespace raymap {
 
+std::string textOf(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 Json toJson(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }

@@ -15,6 +15,9 @@ namespace raymap {
 
 using Json = nlohmann::ordered_json;
 
+/// Returns JSON as text, indented and with a line end. In strings, bytes that are no UTF-8 become U+FFFD.
+std::string textOf(const Json& json);
+
 Json toJson(const glm::dvec3& v);
 Json toJson(const Diagnostics& found);
 Json toJson(const SelfIntersections& found);

@@ -7,7 +7,7 @@ namespace raymap {
 void addViewOptions(CLI::App& command, ViewArguments& arguments) {
   command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
       ->expected(2)
-      ->check(CLI::Range(1, kMaxPictureSide));
+      ->check(CLI::Range(1, kMaxPictureSide).description("1 to " + std::to_string(kMaxPictureSide)));
   command.add_option("--direction", arguments.direction, "Direction of the camera (default -0.6 -0.45 -1)")
       ->expected(3);
   command.add_option("--up", arguments.up, "Direction of up (default 0 1 0)")->expected(3);

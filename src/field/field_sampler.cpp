@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "base/text.h"
+
 namespace raymap {
 
 void validateGrid(const Grid& grid) {
@@ -15,10 +17,10 @@ void validateGrid(const Grid& grid) {
           "the grid has " + std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " +
               std::to_string(dims.z) + " samples; every side needs at least one");
   require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
-          "the grid's spacing is " + std::to_string(grid.spacing) + "; it must be positive and finite");
+          "the grid's spacing is " + numberText(grid.spacing) + "; it must be positive and finite");
   for (int axis = 0; axis < 3; ++axis)
     require(std::isfinite(grid.origin[axis]), std::string("the grid's origin has ") + "xyz"[axis] + " = " +
-                                                  std::to_string(grid.origin[axis]) + "; it must be finite");
+                                                  numberText(grid.origin[axis]) + "; it must be finite");
 }
 
 void validateField(const Field& field) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -25,9 +27,9 @@ int samplesAlong(double length, double spacing) {
   // A side that is a multiple of the spacing up to rounding must not gain a sample.
   const double count = std::max(1.0, std::ceil(length / spacing * (1.0 - 1e-12) - 1e-9));
   if (!(count <= kMaxDim))
-    throw Error(ErrorCode::Usage, "a side of " + std::to_string(length) + " at a spacing of " +
-                                      std::to_string(spacing) + " needs more than " +
-                                      std::to_string(kMaxDim) + " samples; use a larger voxel size");
+    throw Error(ErrorCode::Usage, "a side of " + numberText(length) + " at a spacing of " +
+                                      numberText(spacing) + " needs more than " + std::to_string(kMaxDim) +
+                                      " samples; use a larger voxel size");
   return static_cast<int>(count);
 }
 
@@ -38,16 +40,15 @@ Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
     throw Error(ErrorCode::Usage,
                 "the resolution must be at least 1, not " + std::to_string(options.resolution));
   if (!(options.voxelSize >= 0.0) || !std::isfinite(options.voxelSize))
-    throw Error(ErrorCode::Usage,
-                "the voxel size must be positive, not " + std::to_string(options.voxelSize));
+    throw Error(ErrorCode::Usage, "the voxel size must be positive, not " + numberText(options.voxelSize));
   if (!(options.padding >= 0.0) || !std::isfinite(options.padding))
-    throw Error(ErrorCode::Usage, "the padding must not be negative, not " + std::to_string(options.padding));
+    throw Error(ErrorCode::Usage, "the padding must not be negative, not " + numberText(options.padding));
   const Box box = options.box ? *options.box : paddedBounds(mesh, options.padding);
   const glm::dvec3 size = box.size();
   for (int a = 0; a < 3; ++a)
     if (!std::isfinite(size[a]))
       throw Error(ErrorCode::Usage, std::string("the box reaches from ") + "xyz"[a] + " = " +
-                                        std::to_string(box.min[a]) + " to " + std::to_string(box.max[a]) +
+                                        numberText(box.min[a]) + " to " + numberText(box.max[a]) +
                                         "; both must be finite, and so must their difference");
   const double longest = std::max({size.x, size.y, size.z});
   if (box.isEmpty() || longest == 0.0)

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "field/field_sampler.h"
 #include "isosurface/dual_contour.h"
 
@@ -114,7 +115,7 @@ Range rangeOf(const Field& field) {
       if (!std::isfinite(value))
         throw Error(ErrorCode::Input, "sample (" + std::to_string(i % dims.x) + ", " +
                                           std::to_string(i / dims.x % dims.y) + ", " + std::to_string(k) +
-                                          ") of the field is " + std::to_string(value) +
+                                          ") of the field is " + numberText(value) +
                                           ": a surface needs finite samples; make the field again");
       ranges[k].low = std::min(ranges[k].low, value);
       ranges[k].high = std::max(ranges[k].high, value);

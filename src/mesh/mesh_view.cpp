@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "mesh/packed_mesh.h"
 #include "mesh/strided_mesh.h"
 
@@ -22,7 +23,7 @@ bool isFinite(const glm::vec<3, Scalar>& v) {
 
 template <class Scalar>
 std::string text(const glm::vec<3, Scalar>& v) {
-  return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+  return "(" + numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z) + ")";
 }
 
 [[noreturn]] void failIndex(size_t triangle, uint64_t vertex, size_t vertexCount) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "field/field_sampler.h"
 #include "render/slice_view.h"
 
@@ -17,7 +18,7 @@ namespace raymap {
 namespace {
 
 std::string text(const glm::dvec3& v) {
-  return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z);
+  return numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z);
 }
 
 std::string text(glm::ivec3 dims) {
@@ -33,7 +34,7 @@ void requireSameGrid(const Grid& a, const Grid& b) {
   if (a.dims != b.dims) refuseGrids(text(a.dims) + " samples against " + text(b.dims));
   const int longest = std::max({a.dims.x, a.dims.y, a.dims.z});
   if (std::abs(a.spacing - b.spacing) * longest > 1e-3 * a.spacing)
-    refuseGrids("spacing " + std::to_string(a.spacing) + " against " + std::to_string(b.spacing));
+    refuseGrids("spacing " + numberText(a.spacing) + " against " + numberText(b.spacing));
   // Some formats keep single precision only.
   const double rounding = std::max(1e-3 * a.spacing, 1e-6 * glm::length(a.origin));
   if (glm::length(a.origin - b.origin) > rounding)

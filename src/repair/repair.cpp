@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "field/field_sampler.h"
 #include "repair/drop_pieces.h"
 #include "repair/hollow.h"
@@ -25,8 +26,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
   };
   const auto atLeast = [&](double length, const char* what) {
     require(length == 0.0 || length >= 2.0 * grid.spacing,
-            std::string(what) + " of " + std::to_string(length) + " is thinner than two samples (" +
-                std::to_string(2.0 * grid.spacing) + "); use more samples");
+            std::string(what) + " of " + numberText(length) + " is thinner than two samples (" +
+                numberText(2.0 * grid.spacing) + "); use more samples");
   };
   require(std::isfinite(repair.offset), "the offset must be finite");
   require(repair.shell >= 0.0 && repair.drainHole >= 0.0, "walls and holes must not be negative");

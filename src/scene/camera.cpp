@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -25,8 +27,8 @@ glm::dvec3 sideReference(const glm::dvec3& up, const glm::dvec3& forward) {
 glm::dvec3 unitVector(const glm::dvec3& v, const char* name) {
   const double length = glm::length(v);
   if (!(length > 0.0) || !std::isfinite(length))
-    throw Error(ErrorCode::Usage, std::string("the ") + name + " (" + std::to_string(v.x) + ", " +
-                                      std::to_string(v.y) + ", " + std::to_string(v.z) +
+    throw Error(ErrorCode::Usage, std::string("the ") + name + " (" + numberText(v.x) + ", " +
+                                      numberText(v.y) + ", " + numberText(v.z) +
                                       ") has no length; give a vector that points somewhere");
   return v / length;
 }
@@ -38,7 +40,7 @@ Camera::Camera(const RenderOptions& options, const Reach& reach)
       height_(options.height) {
   if (!(options.fieldOfView >= 1.0 && options.fieldOfView <= 150.0))
     throw Error(ErrorCode::Usage,
-                "the field of view must be 1 to 150 degrees, not " + std::to_string(options.fieldOfView));
+                "the field of view must be 1 to 150 degrees, not " + numberText(options.fieldOfView));
   const glm::dvec3 up = unitVector(options.up, "up vector");
   right_ = glm::normalize(glm::cross(forward_, sideReference(up, forward_)));
   up_ = glm::cross(right_, forward_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "scene/shape.h"
 
 namespace raymap {
@@ -19,7 +20,7 @@ constexpr double kSkin = 0.7;
 [[noreturn]] void refuseSample(glm::ivec3 sample, float value) {
   throw Error(ErrorCode::Input,
               "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
-                  std::to_string(sample.z) + ") of the field is " + std::to_string(value) +
+                  std::to_string(sample.z) + ") of the field is " + numberText(value) +
                   ": a field to draw must be finite, in samples too; make it again or replace the value");
 }
 
@@ -97,9 +98,9 @@ Shape::Shape(const Field& field, const RenderOptions& options)
       cut_(options.cut) {
   if (!field.distance.empty()) extent_ = findExtent(field, 0.0);
   if (!(options.shell >= 0.0) || (field.band > 0.0 && options.shell >= field.band))
-    throw Error(ErrorCode::Usage, "a shell of " + std::to_string(options.shell) +
+    throw Error(ErrorCode::Usage, "a shell of " + numberText(options.shell) +
                                       " cannot be drawn: it must not be negative, and thinner than the " +
-                                      "field's band (" + std::to_string(field.band) + ") if it has one");
+                                      "field's band (" + numberText(field.band) + ") if it has one");
   if (extent_.deepest >= 0.0 && !field.distance.empty()) {
     level_ = kSkin;
     extent_ = findExtent(field, level_);

@@ -285,6 +285,39 @@ TEST_F(Cli, ShowsWhereTheTimeGoes) {
             std::string::npos);
 }
 
+TEST_F(Cli, WritesNamesThatAreNoText) {
+  writeTorus();
+  const std::string name = "t\xff.ply";
+  fs::rename(path("torus.ply"), path(name));
+  EXPECT_EQ(shell("$R generate $'t\\xff.ply' -o f.nrrd --resolution 8 --stats s.json --report r.json").code,
+            0);
+  EXPECT_EQ(json("s.json")["mesh"]["file"], "t\xef\xbf\xbd.ply");
+  EXPECT_EQ(json("r.json")["mesh"], "t\xef\xbf\xbd.ply");
+  EXPECT_EQ(shell("$R repair $'t\\xff.ply' -o s.stl --resolution 16 --stats s.json").code, 0);
+  EXPECT_EQ(json("s.json")["mesh"], "t\xef\xbf\xbd.ply");
+  EXPECT_EQ(shell("$R query $'t\\xff.ply' $'t\\xff.ply' -o r.csv --stats s.json").code, 0);
+  EXPECT_EQ(json("s.json")["points"]["file"], "t\xef\xbf\xbd.ply");
+}
+
+TEST_F(Cli, ShowsOptionsAsTheyAreWritten) {
+  for (const char* command : {"generate", "info", "query", "mesh", "render", "repair", "compare", "convert",
+                              "example", "devices"}) {
+    const std::string help = succeed(std::string(command) + " --help").out;
+    for (const char* oddity : {"{false}", "{true}", "[0]", "(=1024b)", "INT in ["})
+      EXPECT_EQ(help.find(oddity), std::string::npos) << help;
+  }
+  EXPECT_NE(succeed("repair --help").out.find("--no-close-holes "), std::string::npos);
+}
+
+TEST_F(Cli, ShowsLengthsThatAreShort) {
+  writeTorus();
+  expectFailure("repair torus.ply -o s.stl --voxel-size 0.25 --shell 1e-9", ErrorCode::Usage,
+                "a wall of 1e-09 is thinner than two samples (0.5)");
+  expectFailure("generate torus.ply -o f.nrrd --voxel-size 1e-12", ErrorCode::Usage,
+                "at a spacing of 1e-12 needs");
+  expectFailure("render torus.ply -o f.png --up 0 1e-320 0", ErrorCode::Usage, "--direction and --up");
+}
+
 TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
   writeMesh(path("two.ply"), shapes::joined(shapes::torus(2.0, 0.7, 40, 24), shapes::sphere(1.5, 3)));
   EXPECT_NE(succeed("info two.ply --fast").out.find("\ncrossing pairs of faces  not counted (--fast)\n"),

@@ -49,8 +49,7 @@ TEST(Grid, NamesTheSideOfABoxThatIsNotFinite) {
       Box box{glm::dvec3(0), glm::dvec3(1)};
       box.max[axis] = bad;
       const std::string error = usageError([&] { fitGrid(mesh, {.box = box}); });
-      EXPECT_EQ(error.find(std::string("the box reaches from ") + "xyz"[axis] + " = 0.000000 to " + number),
-                0u)
+      EXPECT_EQ(error.find(std::string("the box reaches from ") + "xyz"[axis] + " = 0 to " + number), 0u)
           << error;
     }
   }
@@ -81,8 +80,8 @@ TEST(Grid, NamesTheValueThatIsNotFinite) {
     }
     refuses({grid.dims, grid.origin, bad}, std::string("the grid's spacing is ") + number + ";");
   }
-  refuses({grid.dims, grid.origin, 0.0}, "the grid's spacing is 0.000000;");
-  refuses({grid.dims, grid.origin, -2.0}, "the grid's spacing is -2.000000;");
+  refuses({grid.dims, grid.origin, 0.0}, "the grid's spacing is 0;");
+  refuses({grid.dims, grid.origin, -2.0}, "the grid's spacing is -2;");
   refuses({{8, 0, 8}, grid.origin, 1.0}, "the grid has 8 x 0 x 8 samples;");
   refuses({{-1, 8, 8}, grid.origin, 1.0}, "the grid has -1 x 8 x 8 samples;");
 }

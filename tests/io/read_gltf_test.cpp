@@ -118,7 +118,9 @@ TEST(ReadGltf, NamesWhatIsWrong) {
   EXPECT_TRUE(contains(error(R"("scene":0,)", "", R"({"children":[1]},{"children":[0],"mesh":0})"), "cycle"));
   EXPECT_TRUE(contains(error("{", R"({"extensionsRequired":["KHR_draco_mesh_compression"],)"),
                        "needs the glTF extension KHR_draco_mesh_compression"));
-  EXPECT_TRUE(contains(errorOf(readGltf, R"({"asset")"), "no valid JSON"));
+  EXPECT_TRUE(contains(errorOf(readGltf, R"({"asset")"), "no valid JSON: line 1, column 9: "));
+  EXPECT_TRUE(contains(errorOf(readGltf, "{\n \"a\": nothing}"), "no valid JSON: line 2, column 8: "));
+  EXPECT_FALSE(contains(errorOf(readGltf, R"({"asset")"), "json.exception"));
   EXPECT_TRUE(contains(errorOf(readGltf, "[]"), "its JSON is no object"));
   EXPECT_EQ(errorOf(readGltf, "{}"), "sample.mesh: the file has no triangles");
 }

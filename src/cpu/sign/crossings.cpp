@@ -19,6 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "base/text.h"
+
 namespace raymap::cpu {
 
 namespace {
@@ -66,7 +68,7 @@ float reach(const glm::vec3& p) {
       const float furthest = reach(mesh.corner(t, c));
       if (!(furthest < limit))
         throw Error(ErrorCode::Input, "vertex " + std::to_string(mesh.triangles[t][c]) + " of triangle " +
-                                          std::to_string(t) + " lies " + std::to_string(furthest) +
+                                          std::to_string(t) + " lies " + numberText(furthest) +
                                           " cells from the grid's first sample; the sign needs less than 2^" +
                                           std::to_string(kCoordinateBits) +
                                           ": use a coarser grid or remove the vertex");

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <optional>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -109,7 +111,7 @@ class TrackReader {
                  counted(track.times.size(), "time"));
     for (size_t i = 0; i < track.times.size(); ++i)
       if (!std::isfinite(track.times[i]) || (i > 0 && track.times[i] < track.times[i - 1]))
-        file_.fail(what + ": time " + std::to_string(i) + " is " + std::to_string(track.times[i]) +
+        file_.fail(what + ": time " + std::to_string(i) + " is " + numberText(track.times[i]) +
                    "; times must be finite and ascend");
     for (size_t i = 0; i < track.values.size(); ++i)
       if (const glm::dvec4& v = track.values[i]; !std::isfinite(v.x + v.y + v.z + v.w))

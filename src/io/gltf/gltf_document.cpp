@@ -70,6 +70,15 @@ uint32_t loadIndex(const std::byte* bytes, uint64_t type) {
   return load<uint32_t>(bytes);
 }
 
+/// Returns a message of the JSON library without its code. It says where the text is wrong, and how.
+std::string inPlainWords(std::string_view message) {
+  if (const size_t code = message.find("] "); message.starts_with("[json.") && code != message.npos)
+    message.remove_prefix(code + 2);
+  constexpr std::string_view kParseError = "parse error at ";
+  if (message.starts_with(kParseError)) message.remove_prefix(kParseError.size());
+  return std::string(message);
+}
+
 }  // namespace
 
 GltfDocument::GltfDocument(const MeshFile& file) : file_(file) {
@@ -84,7 +93,7 @@ void GltfDocument::parse(std::string_view json) {
   try {
     root_ = Json::parse(json);
   } catch (const Json::exception& error) {
-    file_.fail(std::string("no valid JSON: ") + error.what());
+    file_.fail("no valid JSON: " + inPlainWords(error.what()));
   }
   if (!root_.is_object()) file_.fail("no glTF file: its JSON is no object");
 }
@@ -157,7 +166,8 @@ uint64_t GltfDocument::number(const Json& object, const char* key) const {
   const auto found = object.find(key);
   if (found == object.end()) file_.fail(std::string("'") + key + "' is missing");
   if (!found->is_number_unsigned() || found->get<uint64_t>() >= kLargest)
-    file_.fail(std::string("'") + key + "' is no count or index: " + found->dump().substr(0, 40));
+    file_.fail(std::string("'") + key + "' is no count or index: " +
+               found->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 40));
   return found->get<uint64_t>();
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/text.h"
 #include "io/gltf/gltf_animation.h"
 #include "io/gltf/gltf_scene.h"
 
@@ -187,7 +188,7 @@ class AnimatedReader {
   Influence checked(Influence influence, JointRange joints, size_t vertex) const {
     if (!(influence.weight >= 0.0) || !std::isfinite(influence.weight))
       file_.fail("vertex " + std::to_string(vertex) + " of a skin has the weight " +
-                 std::to_string(influence.weight));
+                 numberText(influence.weight));
     if (influence.weight == 0.0) return {0.0, 0};
     if (influence.joint >= joints.count)
       file_.fail("vertex " + std::to_string(vertex) + " of a skin follows joint " +

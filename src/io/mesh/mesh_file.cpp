@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "base/parallel.h"
+#include "base/text.h"
 
 namespace raymap {
 
@@ -63,8 +64,7 @@ template <class Vec>
   while (isFinite(positions[triangles[t][c]])) ++c;
   const Vec& p = positions[triangles[t][c]];
   file.fail("vertex " + std::to_string(triangles[t][c]) + " (used by triangle " + std::to_string(t) +
-            ") is not finite: (" + std::to_string(p.x) + ", " + std::to_string(p.y) + ", " +
-            std::to_string(p.z) + ")");
+            ") is not finite: (" + numberText(p.x) + ", " + numberText(p.y) + ", " + numberText(p.z) + ")");
 }
 
 /// Returns the bounds of the vertices in use. Throws unless they are finite and their size fits single

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "base/text.h"
 #include "method/check_options.h"
 #include "method/device_name.h"
 #include "method/pipeline.h"
@@ -28,7 +29,7 @@ void checkRoom(const Room& room) {
   require(dims.x * dims.y * dims.z < double(kNoTriangle),
           "the grid has more than 4294967294 samples; use a lower resolution");
   require(room.outside >= 0.0 && room.outside <= 1e9,
-          "triangles may reach 0 to 1e9 samples beyond the grid, not " + std::to_string(room.outside));
+          "triangles may reach 0 to 1e9 samples beyond the grid, not " + numberText(room.outside));
 }
 
 void checkMesh(const MeshBuffers& mesh, const Room& room) {

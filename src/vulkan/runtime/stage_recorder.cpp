@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/text.h"
 #include "method/orientation_sides.h"
 
 namespace raymap::vulkan {
@@ -192,8 +193,7 @@ std::optional<Error> StageRecorder::errorOf(const Findings& findings) const {
                      ": a vertex index is out of range, or a vertex not finite or too far away");
   if (!isExact() && mesh.outside > 0)
     return Error(ErrorCode::Input,
-                 std::to_string(mesh.outside) + " triangles reach more than " +
-                     std::to_string(extent_.outside) +
+                 std::to_string(mesh.outside) + " triangles reach more than " + numberText(extent_.outside) +
                      " samples beyond the grid, outside the searched range; reserve a larger `outside`");
   return std::nullopt;
 }

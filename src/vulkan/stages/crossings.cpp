@@ -14,6 +14,7 @@
 #include <bit>
 #include <string>
 
+#include "base/text.h"
 #include "shaders/crossings_reach_spv.h"
 #include "shaders/crossings_runs_spv.h"
 #include "shaders/crossings_triangles_spv.h"
@@ -101,7 +102,7 @@ std::optional<Error> failureOf(const CrossingsStatus& status) {
     return Error(ErrorCode::Input,
                  "corner " + std::to_string(corner % 3) + " of triangle " + std::to_string(corner / 3) +
                      " lies too far from the grid's first sample: the furthest one is " +
-                     std::to_string(std::bit_cast<float>(status.reach)) +
+                     numberText(std::bit_cast<float>(status.reach)) +
                      " cells away, the sign needs less than 2^40; use a coarser grid or remove the vertex");
   }
   const uint64_t runs = (uint64_t{status.runsHigh} << 32) | status.runs;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "base/text.h"
 #include "scene/scene.h"
 #include "shaders/render_field_spv.h"
 
@@ -69,7 +70,7 @@ void RenderFieldStage::checkScene(const Scene& scene) const {
   // is busy for seconds. Far beyond this size, a step is too small to change a position.
   const double most = device_->info().type == DeviceType::Software ? 1250.0 : 16384.0;
   if (const double radius = scene.shape.radius(); radius > most)
-    throw Error(ErrorCode::Unsupported, "the shape is " + std::to_string(2.0 * radius) + " samples across; " +
+    throw Error(ErrorCode::Unsupported, "the shape is " + numberText(2.0 * radius) + " samples across; " +
                                             device_->info().name + " can draw up to " +
                                             std::to_string(static_cast<int>(2.0 * most)) +
                                             ", draw it on the CPU");
