@@ -12,6 +12,7 @@
 #include "first_use.h"
 #include "report.h"
 #include "terminal.h"
+#include "view_options.h"
 
 namespace raymap {
 
@@ -188,7 +189,8 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
   if (!arguments.report.empty())
     writeJson(arguments.report, describeDefects(arguments, mesh, field, report), report);
   if (arguments.reportPicture.empty()) return;
-  writePng(arguments.reportPicture, renderDefects(mesh));
+  const RenderOptions view = defaultView(isZUp(arguments.mesh, arguments.format.input));
+  writePng(arguments.reportPicture, renderDefects(mesh, view));
   report.written.push_back(arguments.reportPicture);
 }
 
@@ -224,9 +226,9 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
   };
   add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .vti, or .npy (without its grid)")
       ->required();
+  addFormatOption(command, arguments.format);
   add("--triangle-ids", arguments.triangleIds, "Also write the index of each sample's closest triangle");
   add("--winding", arguments.winding, "Also write the winding number");
-  addFormatOption(command, arguments.format);
   add("--confidence", arguments.confidence, "Also write the confidence in the sign, 0 to 1");
   add("--stats", arguments.stats, "Also write figures of the mesh, the grid and every stage, as .json");
   add("--report", arguments.report, "Also write the mesh's defects and the uncertain signs, as .json");

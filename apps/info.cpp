@@ -107,7 +107,7 @@ void addInfo(CLI::App& app) {
     prepareFiles(arguments->format, {{arguments->mesh, meshExtensions()}},
                  {{"--picture", arguments->picture, {".png"}}});
     RenderOptions view;
-    setView(arguments->view, view);
+    setView(arguments->view, isZUp(arguments->mesh, arguments->format.input), view);
     if (arguments->isFast && !arguments->picture.empty())
       throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
     const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input);

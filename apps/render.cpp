@@ -21,7 +21,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
   raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
   raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
-  raymap render part.stl -o part.png --up 0 0 1 --direction -0.6 1 -0.45   (z points up))";
+  raymap render part.obj -o part.png --up 0 0 1            (z points up, as in .stl and .3mf by themselves))";
 
 struct Arguments {
   StreamFormat format;
@@ -63,7 +63,7 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
 void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}},
                {{"--output", arguments.picture, {".png"}}});
-  setView(arguments.view, arguments.options);
+  setView(arguments.view, isZUp(arguments.input, arguments.format.input), arguments.options);
   Field field = loadField(arguments);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
   writePng(arguments.picture, draw(field, array, arguments));

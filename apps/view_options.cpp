@@ -1,26 +1,60 @@
 #include "view_options.h"
 
 #include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <cmath>
+
+#include "checks.h"
 
 namespace raymap {
+
+namespace {
+
+/// Returns a direction of the camera that goes down by the same share for each axis that may be up.
+glm::dvec3 lookingDown(const glm::dvec3& up) {
+  const glm::dvec3 size = glm::abs(up);
+  constexpr double kDown = -0.45;
+  if (size.z > size.y && size.z > size.x) return {-0.6, 1.0, std::copysign(kDown, -up.z)};
+  if (size.x > size.y) return {std::copysign(kDown, -up.x), -0.6, -1.0};
+  return {-0.6, std::copysign(kDown, -up.y), -1.0};
+}
+
+}  // namespace
 
 void addViewOptions(CLI::App& command, ViewArguments& arguments) {
   command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
       ->expected(2)
       ->check(CLI::Range(1, kMaxPictureSide).description("1 to " + std::to_string(kMaxPictureSide)));
-  command.add_option("--direction", arguments.direction, "Direction of the camera (default -0.6 -0.45 -1)")
+  command
+      .add_option("--direction", arguments.direction,
+                  "Direction of the camera (default -0.6 -0.45 -1; where z is up, -0.6 1 -0.45)")
       ->expected(3);
-  command.add_option("--up", arguments.up, "Direction of up (default 0 1 0)")->expected(3);
+  command.add_option("--up", arguments.up, "Direction of up (default 0 1 0; 0 0 1 for .stl and .3mf)")
+      ->expected(3);
 }
 
-void setView(const ViewArguments& arguments, RenderOptions& options) {
+bool isZUp(const std::filesystem::path& path, const std::string& format) {
+  const std::vector<std::string> kinds{".stl", ".3mf"};
+  return hasExtension(path, kinds) ||
+         (!hasExtension(path, meshExtensions()) && hasExtension("x" + format, kinds));
+}
+
+RenderOptions defaultView(bool isZUp) {
+  RenderOptions options;
+  if (isZUp) options.up = {0.0, 0.0, 1.0};
+  options.direction = lookingDown(options.up);
+  return options;
+}
+
+void setView(const ViewArguments& arguments, bool isZUp, RenderOptions& options) {
   options.width = arguments.size[0];
   options.height = arguments.size[1];
-  const auto set = [](const std::vector<double>& numbers, glm::dvec3& vector) {
-    if (!numbers.empty()) vector = {numbers[0], numbers[1], numbers[2]};
+  const auto vector = [](const std::vector<double>& numbers) {
+    return glm::dvec3(numbers[0], numbers[1], numbers[2]);
   };
-  set(arguments.direction, options.direction);
-  set(arguments.up, options.up);
+  options.up = arguments.up.empty() ? defaultView(isZUp).up : vector(arguments.up);
+  options.direction = arguments.direction.empty() ? lookingDown(options.up) : vector(arguments.direction);
   if (glm::length(glm::cross(options.direction, options.up)) < 1e-9)
     throw Error(ErrorCode::Usage, "--direction and --up must be two different directions, not zero");
 }

@@ -3,6 +3,8 @@
 #include <raymap/render.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 namespace raymap {
@@ -16,7 +18,15 @@ struct ViewArguments {
 /// Adds their options to a command.
 void addViewOptions(CLI::App& command, ViewArguments& arguments);
 
-/// Converts the arguments. Throws `Error(Usage)` if the directions make no view.
-void setView(const ViewArguments& arguments, RenderOptions& options);
+/// Returns whether z is up in files of this kind, as 3D printing and CAD have it: .stl and .3mf. `format` is
+/// that of a file whose name does not tell it.
+bool isZUp(const std::filesystem::path& path, const std::string& format);
+
+/// Returns the view of a mesh that nobody asked another one for. The camera looks from above, aslant.
+RenderOptions defaultView(bool isZUp);
+
+/// Converts the arguments, with `isZUp` where --up is not given. Without --direction, the camera looks from
+/// above whatever is up. Throws `Error(Usage)` if the directions make no view.
+void setView(const ViewArguments& arguments, bool isZUp, RenderOptions& options);
 
 }  // namespace raymap

@@ -318,6 +318,31 @@ TEST_F(Cli, ShowsLengthsThatAreShort) {
   expectFailure("render torus.ply -o f.png --up 0 1e-320 0", ErrorCode::Usage, "--direction and --up");
 }
 
+TEST_F(Cli, DrawsFilesOfPrintersAndCadWithZUp) {
+  writeTorus();
+  succeed("convert torus.ply torus.stl");
+  const std::string small = " --size 32 24 --resolution 24 -o ";
+  const auto drawn = [&](const std::string& arguments) {
+    succeed(arguments + " p.png");
+    return readBytes(path("p.png"));
+  };
+  const std::string zUp = drawn("render torus.ply --up 0 0 1 --direction -0.6 1 -0.45" + small);
+  const std::string yUp = drawn("render torus.ply --up 0 1 0 --direction -0.6 -0.45 -1" + small);
+  EXPECT_NE(zUp, yUp);
+  EXPECT_EQ(drawn("render torus.ply" + small), yUp);
+  EXPECT_EQ(drawn("render torus.ply --up 0 0 1" + small), zUp);
+  EXPECT_EQ(drawn("render torus.stl" + small), zUp);
+  EXPECT_EQ(drawn("render torus.stl --up 0 1 0" + small), yUp);
+  EXPECT_EQ(shell("$R render - --format stl < torus.stl 2>.text" + small + "-").out, zUp);
+  EXPECT_EQ(shell("$R render - --format ply < torus.ply 2>.text" + small + "-").out, yUp);
+
+  EXPECT_EQ(drawn("info torus.stl --size 32 24 --picture"),
+            drawn("info torus.ply --size 32 24 --up 0 0 1 --picture"));
+  EXPECT_NE(drawn("info torus.stl --size 32 24 --picture"), drawn("info torus.ply --size 32 24 --picture"));
+  succeed("generate torus.stl -o f.nrrd --resolution 8 --report-picture r.png");
+  EXPECT_EQ(readBytes(path("r.png")), drawn("info torus.ply --up 0 0 1 --picture"));
+}
+
 TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
   writeMesh(path("two.ply"), shapes::joined(shapes::torus(2.0, 0.7, 40, 24), shapes::sphere(1.5, 3)));
   EXPECT_NE(succeed("info two.ply --fast").out.find("\ncrossing pairs of faces  not counted (--fast)\n"),
