@@ -60,8 +60,8 @@ RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options 
 /// Draws a mesh's triangles and its defects in colour. Only the options of the view count.
 ///
 /// Edges with one face are red, with more than two violet. Faces that cross others are orange, those that
-/// point against their neighbours blue, duplicates yellow. The backs of faces are darker. Throws `Error`:
-/// Usage, Input (see `validate`).
+/// point against their neighbours blue, double-sided ones green, duplicates yellow, backs darker. Of faces in
+/// one place, the first of these is seen, else a front. Throws `Error`: Usage, Input (see `validate`).
 RAYMAP_API Picture renderDefects(const MeshView& mesh, const RenderOptions& options = {});
 
 /// Draws a slice across axis 0, 1 or 2 at sample `index`; -1 = the middle one.

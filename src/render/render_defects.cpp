@@ -15,8 +15,15 @@ namespace raymap {
 namespace {
 
 const Colour kFront = srgb(206, 208, 212), kBack = srgb(120, 128, 142);
-const Colour kFlipped = srgb(70, 120, 220), kCrossed = srgb(240, 150, 40), kDuplicate = srgb(230, 205, 60),
-             kDoubleSided = srgb(110, 170, 70);
+/// How a face is drawn. Of faces in the same place, the one of the highest rank is seen; its front is seen
+/// before a back of the same rank.
+struct FaceLook {
+  Colour colour;
+  int rank;
+};
+const FaceLook kDuplicate{srgb(230, 205, 60), 1}, kDoubleSided{srgb(110, 170, 70), 2},
+    kFlipped{srgb(70, 120, 220), 3}, kCrossed{srgb(240, 150, 40), 4};
+constexpr int kLineRank = 10;
 const Colour kBoundary = srgb(214, 30, 40), kNonManifold = srgb(160, 40, 190);
 constexpr int kFineness = 2;        // Sub-pixels along a pixel's side.
 constexpr double kLineWidth = 2.5;  // In pixels.
@@ -28,15 +35,23 @@ class Canvas {
       : width_(width * kFineness),
         height_(height * kFineness),
         depth_(size_t(width_) * size_t(height_), INFINITY),
-        colour_(depth_.size()) {}
+        colour_(depth_.size()),
+        rank_(depth_.size()) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
-  void put(int x, int y, double depth, const glm::vec3& colour) {
+  /// Draws a point unless one before it is there. Of points at the same depth up to rounding, that of the
+  /// higher rank is seen, and the first one of a rank.
+  void put(int x, int y, double depth, const glm::vec3& colour, int rank) {
+    constexpr double kRounding = 1e-6;  // Of a depth: those of faces on the same corners differ by less.
     const size_t i = size_t(y) * size_t(width_) + size_t(x);
-    if (!(depth < depth_[i])) return;
+    const double margin = kRounding * depth;
+    const bool isBefore = depth < depth_[i] - margin;
+    const bool isAbove = depth <= depth_[i] + margin && rank > rank_[i];
+    if (!isBefore && !isAbove) return;
     depth_[i] = float(depth);
     colour_[i] = colour;
+    rank_[i] = uint8_t(rank);
   }
   void writeTo(Picture& picture) const {
     for (int y = 0; y < picture.height; ++y)
@@ -57,6 +72,7 @@ class Canvas {
   int width_, height_;
   std::vector<float> depth_;
   std::vector<glm::vec3> colour_;
+  std::vector<uint8_t> rank_;
 };
 
 /// A point's position in the picture, in sub-pixels, and its distance in front of the camera.
@@ -76,12 +92,12 @@ class Drawing {
   }
 
   void drawFaces(const Defects& defects) {
-    std::vector<const Colour*> colours(mesh_.triangles.size(), nullptr);
-    for (const uint32_t face : defects.duplicateFaces) colours[face] = &kDuplicate;
-    for (const uint32_t face : defects.doubleSidedFaces) colours[face] = &kDoubleSided;
-    for (const uint32_t face : defects.flippedFaces) colours[face] = &kFlipped;
-    for (const uint32_t face : defects.crossedFaces) colours[face] = &kCrossed;
-    for (size_t f = 0; f < mesh_.triangles.size(); ++f) drawFace(mesh_.triangles[f], colours[f]);
+    std::vector<const FaceLook*> looks(mesh_.triangles.size(), nullptr);
+    for (const uint32_t face : defects.duplicateFaces) looks[face] = &kDuplicate;
+    for (const uint32_t face : defects.doubleSidedFaces) looks[face] = &kDoubleSided;
+    for (const uint32_t face : defects.flippedFaces) looks[face] = &kFlipped;
+    for (const uint32_t face : defects.crossedFaces) looks[face] = &kCrossed;
+    for (size_t f = 0; f < mesh_.triangles.size(); ++f) drawFace(mesh_.triangles[f], looks[f]);
   }
 
   void drawEdges(const std::vector<EdgeEnds>& edges, const Colour& colour) {
@@ -108,17 +124,22 @@ class Drawing {
             0.5 * canvas_.height() - scale * glm::dot(d, camera_.up()), depth};
   }
 
-  void drawFace(const glm::uvec3& t, const Colour* defect) {
+  void drawFace(const glm::uvec3& t, const FaceLook* defect) {
     const glm::dvec3 a(mesh_.vertices[t.x]), b(mesh_.vertices[t.y]), c(mesh_.vertices[t.z]);
     const glm::dvec3 area = glm::cross(b - a, c - a);
     if (!(glm::length(area) > 0.0)) return;
     const bool isFront = glm::dot(area, camera_.eye() - a) > 0.0;
     const glm::dvec3 normal = (isFront ? 1.0 : -1.0) * glm::normalize(area);
     const double light = 0.45 + 0.55 * std::max(glm::dot(normal, toLight_), 0.0);
-    fill(seen_[t.x], seen_[t.y], seen_[t.z], light * (defect ? *defect : isFront ? kFront : kBack));
+    const int rank = 2 * (defect ? defect->rank : 0) + (isFront ? 1 : 0);
+    fill(seen_[t.x], seen_[t.y], seen_[t.z],
+         light * (defect    ? defect->colour
+                  : isFront ? kFront
+                            : kBack),
+         rank);
   }
 
-  void fill(const Seen& a, const Seen& b, const Seen& c, const Colour& colour) {
+  void fill(const Seen& a, const Seen& b, const Seen& c, const Colour& colour, int rank) {
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (area == 0.0) return;
     const auto first = [](double v) { return int(std::ceil(std::max(v - 0.5, 0.0))); };
@@ -131,7 +152,7 @@ class Drawing {
         const double u = ((c.x - b.x) * (py - b.y) - (c.y - b.y) * (px - b.x)) / area,
                      v = ((a.x - c.x) * (py - c.y) - (a.y - c.y) * (px - c.x)) / area, w = 1.0 - u - v;
         if (u >= 0.0 && v >= 0.0 && w >= 0.0)
-          canvas_.put(x, y, 1.0 / (u / a.depth + v / b.depth + w / c.depth), glm::vec3(colour));
+          canvas_.put(x, y, 1.0 / (u / a.depth + v / b.depth + w / c.depth), glm::vec3(colour), rank);
       }
   }
 
@@ -147,7 +168,8 @@ class Drawing {
            ++y)
         for (int x = std::max(int(px - kRadius), 0); x <= std::min(int(px + kRadius), canvas_.width() - 1);
              ++x)
-          if (std::hypot(x + 0.5 - px, y + 0.5 - py) <= kRadius) canvas_.put(x, y, depth, glm::vec3(colour));
+          if (std::hypot(x + 0.5 - px, y + 0.5 - py) <= kRadius)
+            canvas_.put(x, y, depth, glm::vec3(colour), kLineRank);
     }
   }
 

@@ -80,6 +80,29 @@ TEST(RenderDefects, ColoursWhatIsWrong) {
   EXPECT_GT(countPixels(renderDefects(crossing, options), isOrange), 50u);
 }
 
+// Faces on the same corners differ in depth by rounding only.
+TEST(RenderDefects, DrawsFacesInTheSamePlaceAlike) {
+  const RenderOptions options{.width = 400, .height = 300};
+  const auto isYellow = [](int r, int g, int b) { return r > b + 50 && g > b + 50; };
+  const auto isGreen = [](int r, int g, int b) { return g > r + 20 && g > b + 20; };
+  const auto isGrey = [](int r, int g, int b) {
+    return std::abs(r - g) < 12 && std::abs(b - g) < 22 && g < 190;
+  };
+  const Mesh whole = shapes::sphere(1.0, 1, {3, 4, 5});
+  const size_t grey = countPixels(renderDefects(whole, options), isGrey);
+  ASSERT_GT(grey, 20'000u);
+  for (const bool isReversed : {false, true}) {
+    SCOPED_TRACE(isReversed);
+    Mesh doubled = whole;
+    for (const glm::uvec3& t : whole.triangles)
+      doubled.triangles.push_back(isReversed ? glm::uvec3(t.y, t.x, t.z) : glm::uvec3(t.y, t.z, t.x));
+    const Picture picture = renderDefects(doubled, options);
+    EXPECT_LT(countPixels(picture, isGrey), grey / 50);  // None but on the outline.
+    const size_t coloured = isReversed ? countPixels(picture, isGreen) : countPixels(picture, isYellow);
+    EXPECT_GT(coloured, grey / 2);  // The edges are violet.
+  }
+}
+
 TEST(RenderDefects, RefusesInvalidMeshes) {
   EXPECT_THROW(renderDefects({}), Error);
 }
