@@ -76,9 +76,9 @@ RAYMAP_API std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path
                                                      std::string_view format = {});
 
 /// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance", "winding",
-/// "confidence" or "triangle". The file appears whole or not at all. Throws `Error`: Usage for another
-/// extension, an array that the field does not have or a grid without samples or with numbers that are not
-/// finite; File.
+/// "confidence" or "triangle". With the distance, .npz, .vti and .vdb hold all other arrays of the field too.
+/// The file appears whole or not at all. Throws `Error`: Usage for another extension, an array that the field
+/// does not have or a grid without samples or with numbers that are not finite; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            std::string_view name = "distance", std::string_view format = {});
 

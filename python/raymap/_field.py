@@ -265,7 +265,7 @@ class Field:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
 
         Args:
-            path: File to write. A .npz holds every array and the grid; a .npy holds no grid.
+            path: File to write. A .npz, .vti or .vdb holds every array; a .npy holds no grid.
             array: Array to write into the other formats.
 
         Raises:

@@ -343,6 +343,24 @@ TEST_F(Cli, DrawsFilesOfPrintersAndCadWithZUp) {
   EXPECT_EQ(readBytes(path("r.png")), drawn("info torus.ply --up 0 0 1 --picture"));
 }
 
+TEST_F(Cli, KeepsAllArraysInOneFile) {
+  writeTorus();
+  for (const char* extension : {".npz", ".vti", ".vdb"}) {
+    if (!hasFieldFormat(extension)) continue;
+    SCOPED_TRACE(extension);
+    succeed(std::string("generate torus.ply --resolution 16 -o f") + extension +
+            " --winding w.nrrd --confidence c.nrrd --triangle-ids t.nrrd");
+    const Field all = readField(path(std::string("f") + extension));
+    EXPECT_TRUE(std::ranges::equal(all.winding, readField(path("w.nrrd")).winding));
+    EXPECT_TRUE(std::ranges::equal(all.confidence, readField(path("c.nrrd")).confidence));
+    EXPECT_TRUE(std::ranges::equal(all.triangle, readField(path("t.nrrd")).triangle));
+    EXPECT_EQ(all.distance.size(), all.winding.size());
+    succeed(std::string("convert f") + extension + " g.npz");
+    EXPECT_TRUE(std::ranges::equal(readField(path("g.npz")).triangle, all.triangle));
+    succeed(std::string("compare f") + extension + " g.npz --as triangle");
+  }
+}
+
 TEST_F(Cli, LeavesOutCrossingPairsOnRequest) {
   writeMesh(path("two.ply"), shapes::joined(shapes::torus(2.0, 0.7, 40, 24), shapes::sphere(1.5, 3)));
   EXPECT_NE(succeed("info two.ply --fast").out.find("\ncrossing pairs of faces  not counted (--fast)\n"),

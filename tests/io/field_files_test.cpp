@@ -125,6 +125,23 @@ TEST_P(FieldFiles, KeepTheOtherArrays) {
   }
 }
 
+TEST_P(FieldFiles, KeepAllArraysWithTheDistance) {
+  if (GetParam() == ".npy" || GetParam() == ".nrrd") return;  // They hold one array.
+  for (const double band : {0.0, 0.4}) {
+    const Field field = sphereField(oddGrid(), band);
+    writeField(file(), field);
+    const Field back = readField(file());
+    expectSameGrid(back, field);
+    expectSameBits(back.distance, field.distance);
+    expectSameBits(back.triangle, field.triangle);
+    expectSameBits(back.winding, field.winding);
+    expectSameBits(back.confidence, field.confidence);
+    writeField(file("alone"), field, "winding");
+    EXPECT_TRUE(readField(file("alone")).distance.empty());
+    EXPECT_TRUE(readField(file("alone")).triangle.empty());
+  }
+}
+
 TEST_P(FieldFiles, WriteTheSameBytesTwice) {
   const Field field = sphereField(oddGrid(), 0.0);
   writeField(file(), field);
@@ -195,6 +212,60 @@ std::string replacedAll(std::string text, const std::string& from, const std::st
 
 std::string bytesOf(double value) {
   return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+/// Hides our metadata, as other programs write none.
+std::string madeForeign(const std::string& vdb) {
+  return replacedAll(replacedAll(vdb, "raymap_dims", "stranger_ab"), "raymap_band", "stranger_cd");
+}
+
+TEST_P(FieldFiles, KnowTheBandOfForeignLevelSets) {
+  if (GetParam() != ".vdb") return;
+  Field field = sphereField({{12, 12, 12}, {-1, 2, 3}, 0.5}, 0.75);
+  for (Buffer<float>* other : {&field.winding, &field.confidence}) other->release();
+  field.triangle.release();
+  writeField(file(), field);
+  setBytes(madeForeign(bytes()));
+  const Field back = readField(file());
+  EXPECT_EQ(back.band, 0.75);
+  EXPECT_LT(back.grid.dims.x, 12);  // The box of the active samples.
+  for (int k = 0; k < back.grid.dims.z; ++k)
+    for (int j = 0; j < back.grid.dims.y; ++j)
+      for (int i = 0; i < back.grid.dims.x; ++i) {
+        const glm::ivec3 whole = glm::ivec3(i, j, k) + (field.grid.dims - back.grid.dims) / 2;
+        EXPECT_EQ(back.distance[back.grid.index({i, j, k})], field.distance[field.grid.index(whole)]);
+      }
+  EXPECT_EQ(back.grid.position({0, 0, 0}), field.grid.position((field.grid.dims - back.grid.dims) / 2));
+
+  writeField(file("again"), back);
+  EXPECT_EQ(readField(file("again")).band, 0.75);
+}
+
+TEST_P(FieldFiles, SayWhatTheBackgroundMeans) {
+  if (GetParam() != ".vdb") return;
+  Field field;
+  field.grid = {{5, 1, 1}, {0, 0, 0}, 1.0};
+  field.distance.resizeUninitialized(5);
+  std::iota(field.distance.begin(), field.distance.end(), 0.0F);  // The largest one is in a corner.
+  writeField(file(), field);
+  EXPECT_NE(bytes().find("raymap_background"), std::string::npos);
+  EXPECT_NE(bytes().find("no band: more than every distance in the grid"), std::string::npos);
+  setBytes(madeForeign(bytes()));
+  EXPECT_EQ(readField(file()).grid.dims, field.grid.dims);  // All samples are active.
+
+  field.band = 4.0;
+  writeField(file(), field);
+  EXPECT_NE(bytes().find("band: distances are clamped to this magnitude"), std::string::npos);
+  EXPECT_EQ(bytes().find("no band"), std::string::npos);
+  setBytes(madeForeign(bytes()));
+  EXPECT_EQ(readField(file()).grid.dims, glm::ivec3(4, 1, 1));
+  EXPECT_EQ(readField(file()).band, 4.0);
+
+  field.band = 6.0;  // No sample reaches it.
+  writeField(file(), field);
+  setBytes(madeForeign(bytes()));
+  EXPECT_EQ(readField(file()).grid.dims, field.grid.dims);
+  EXPECT_EQ(readField(file()).band, 6.0);
 }
 
 // The file's numbers are changed in place, as text or as bytes. A .npz has a checksum over them.

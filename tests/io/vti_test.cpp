@@ -74,6 +74,50 @@ TEST(Vti, ReadsEveryEncoding) {
   EXPECT_EQ(samplesOf(vti("", appended, "\"raw\">_" + kCount + kSamples)), kSamples);
 }
 
+/// Returns a file with this DataArray as the band and another one beside the distance.
+std::string vtiWithMore(const std::string& band, const std::string& more, const std::string& appended = "") {
+  std::string text = vti("", "\"ascii\">1 2 3 4 5 6 7 8 9 10 11 12", appended);
+  text.insert(text.find("<Piece"), "<FieldData>" + band + "</FieldData>");
+  return text.insert(text.find("</PointData>"), more);
+}
+
+TEST(Vti, ReadsTheBandInEveryEncoding) {
+  const std::string start = "<DataArray type=\"Float64\" Name=\"band\" NumberOfTuples=\"1\" format=";
+  const std::string count = raw(static_cast<uint32_t>(8)), band = raw(2.5);
+  for (const auto& [array, appended] : std::vector<std::pair<std::string, std::string>>{
+           {"\"ascii\"> 2.5 ", ""},
+           {"\"binary\">" + base64(count + band), ""},
+           {"\"appended\" offset=\"0\">", "\"raw\">_" + count + band},
+           {"\"appended\" offset=\"0\">", "\"base64\">_" + base64(count + band)}}) {
+    const TemporaryFile file("field.vti", vtiWithMore(start + array + "</DataArray>", "", appended));
+    EXPECT_EQ(readField(file.path()).band, 2.5) << array;
+  }
+  const TemporaryFile file("field.vti", vtiWithMore(start + "\"ascii\">wide</DataArray>", ""));
+  EXPECT_THROW(readField(file.path()), Error);
+}
+
+TEST(Vti, ReadsItsOwnArraysBesideOthers) {
+  const std::string numbers = "0 1 2 3 4 5 6 7 8 9 10 11</DataArray>";
+  const auto array = [&](const std::string& name, const std::string& type) {
+    return "<DataArray type=\"" + type + "\" Name=\"" + name + "\" format=\"ascii\">" + numbers;
+  };
+  const TemporaryFile file("field.vti",
+                           vtiWithMore("", array("pressure", "Float32") + array("triangle", "UInt32") +
+                                               array("winding", "Float32")));
+  const Field field = readField(file.path());
+  ASSERT_EQ(field.triangle.size(), 12u);
+  ASSERT_EQ(field.winding.size(), 12u);
+  EXPECT_TRUE(field.confidence.empty());
+  for (size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(field.distance[i], float(i + 1));
+    EXPECT_EQ(field.triangle[i], i);
+    EXPECT_EQ(field.winding[i], float(i));
+  }
+  const TemporaryFile twice("field.vti",
+                            vtiWithMore("", array("winding", "Float32") + array("winding", "Float32")));
+  EXPECT_THROW(readField(twice.path()), Error);
+}
+
 TEST(Vti, ReadsCompressedBlocks) {
   const std::vector<std::string> parts = blocks();
   const std::string header = blocksHeader(parts), data = parts[0] + parts[1] + parts[2];

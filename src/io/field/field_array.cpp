@@ -85,6 +85,14 @@ std::vector<NamedArray> arraysOf(const Field& field) {
   return arrays;
 }
 
+std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked) {
+  return asked.name == "distance" ? arraysOf(field) : std::vector<NamedArray>{asked};
+}
+
+bool isFieldArray(std::string_view name) {
+  return name == "distance" || name == "winding" || name == "confidence" || name == "triangle";
+}
+
 void throwInvalid(const std::filesystem::path& path, const std::string& what) {
   throw Error(ErrorCode::Input, path.string() + ": " + what);
 }
@@ -170,8 +178,7 @@ void checkPlacement(const std::filesystem::path& path, const Field& field) {
 void readArray(const std::filesystem::path& path, Field& field, std::string_view name,
                const ArrayLayout& layout, const ReadBytes& read) {
   const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
-  const bool isOurs = name == "distance" || name == "winding" || name == "confidence" || name == "triangle";
-  if (isOurs && isWhole != (name == "triangle"))
+  if (isFieldArray(name) && isWhole != (name == "triangle"))
     throwInvalid(path, "the array '" + std::string(name) + "' has elements of the wrong type");
   if (isWhole) {
     field.triangle = readBuffer<uint32_t, uint32_t>(field.grid, layout, false, read);

@@ -33,6 +33,11 @@ struct NamedArray {
 /// Returns the arrays that the field has, distance first.
 std::vector<NamedArray> arraysOf(const Field& field);
 
+/// Returns the arrays that a file of several holds: all of the field with the distance, any other one alone.
+std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked);
+/// Returns whether a field has an array of this name.
+bool isFieldArray(std::string_view name);
+
 [[noreturn]] void throwInvalid(const std::filesystem::path& path, const std::string& what);
 [[noreturn]] void throwUnsupported(const std::filesystem::path& path, const std::string& what);
 

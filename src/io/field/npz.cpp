@@ -96,9 +96,7 @@ void readEntry(const std::filesystem::path& path, Entry& entry, Field& field) {
 /// Returns whether a field has an array or value of this name. numpy.savez calls an array without a name
 /// arr_0.
 bool isKnown(std::string_view name) {
-  constexpr std::array kNames{"distance", "winding", "confidence", "triangle",
-                              "origin",   "spacing", "band",       "arr_0"};
-  return std::ranges::find(kNames, name) != kNames.end();
+  return isFieldArray(name) || name == "origin" || name == "spacing" || name == "band" || name == "arr_0";
 }
 
 }  // namespace
@@ -129,10 +127,8 @@ Field readNpz(const SourceFile& source) {
 
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array) {
   ZipWriter zip(out);
-  // The distance is written with all other arrays, any other array alone.
-  for (const NamedArray& each : arraysOf(field))
-    if (array.name == "distance" || each.name == array.name)
-      zip.add(std::string(each.name) + ".npy", npyHeader(field.grid, each.type), each.bytes);
+  for (const NamedArray& each : arraysWith(field, array))
+    zip.add(std::string(each.name) + ".npy", npyHeader(field.grid, each.type), each.bytes);
   const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};
   zip.add("origin.npy", doublesHeader(3), std::as_bytes(std::span(origin)));
   zip.add("spacing.npy", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));

@@ -24,9 +24,8 @@ namespace {
 /// Archive that writes to a stream. OpenVDB's own file class neither does so nor notices a full disk.
 class StreamArchive : public openvdb::io::Archive {
  public:
-  void writeTo(std::ostream& out, const openvdb::GridBase::Ptr& grid) const {
-    Archive::write(out, openvdb::GridPtrVec{grid}, out.tellp() != std::ostream::pos_type(-1),
-                   openvdb::MetaMap());
+  void writeTo(std::ostream& out, const openvdb::GridPtrVec& grids) const {
+    Archive::write(out, grids, out.tellp() != std::ostream::pos_type(-1), openvdb::MetaMap());
   }
 };
 
@@ -61,18 +60,38 @@ float largestMagnitude(std::span<const float> values) {
   return largest;
 }
 
+/// Value outside of the stored samples, and what it means.
+struct Background {
+  float value;
+  const char* meaning;
+};
+
+/// Returns the band of clamped distances. Without one, returns a value above all distances, so that every
+/// sample is active.
+Background backgroundOf(const Field& field) {
+  constexpr double kRounding = 1e-5;
+  const float largest = largestMagnitude(field.distance);
+  if (field.band > 0.0 && largest <= field.band * (1.0 + kRounding))
+    return {largest < field.band * (1.0 - kRounding) ? float(field.band) : largest,
+            "band: distances are clamped to this magnitude"};
+  const float above = largest > 0.0F ? std::nextafter(largest, INFINITY) : float(field.grid.spacing);
+  return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
+}
+
 openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   openvdb::GridBase::Ptr grid;
+  const char* meaning = "outside of the grid nothing is known";
   if (array.type == ElementType::UInt32) {
     grid = makeGrid<openvdb::Int32Grid>(field, array, -1, false);  // kNoTriangle in 32 signed bits.
   } else if (array.name == "distance") {
-    const float largest = largestMagnitude(field.distance);
-    grid = makeGrid<openvdb::FloatGrid>(field, array, largest > 0.0F ? largest : float(field.grid.spacing),
-                                        true);
+    const Background background = backgroundOf(field);
+    meaning = background.meaning;
+    grid = makeGrid<openvdb::FloatGrid>(field, array, background.value, true);
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
   } else {
     grid = makeGrid<openvdb::FloatGrid>(field, array, 0.0F, false);
   }
+  grid->insertMeta(kVdbBackgroundKey, openvdb::StringMetadata(meaning));
   const Grid& g = field.grid;
   auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
   transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
@@ -86,15 +105,19 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
 
 /// Replaces the random identifier that OpenVDB gives each file by one computed from the contents. Equal
 /// fields then make equal files.
-void replaceIdentifier(std::ostream& out, const NamedArray& array) {
+void replaceIdentifier(std::ostream& out, const std::vector<NamedArray>& arrays) {
   // The magic number, the versions and the offsets flag come first.
   constexpr std::streamoff kIdentifierOffset = 21;
   const auto end = out.tellp();
   if (end == std::ostream::pos_type(-1)) return;
-  const auto* bytes = reinterpret_cast<const Bytef*>(array.bytes.data());
-  const auto check = static_cast<unsigned>(crc32_z(0, bytes, array.bytes.size()));
+  uLong check = 0;
+  size_t count = 0;
+  for (const NamedArray& array : arrays) {
+    check = crc32_z(check, reinterpret_cast<const Bytef*>(array.bytes.data()), array.bytes.size());
+    count += array.bytes.size();
+  }
   std::array<char, 37> text{};
-  std::snprintf(text.data(), text.size(), "%08x-0000-4000-8000-%012zx", check, array.bytes.size());
+  std::snprintf(text.data(), text.size(), "%08x-0000-4000-8000-%012zx", static_cast<unsigned>(check), count);
   out.seekp(kIdentifierOffset).write(text.data(), 36).seekp(end);
 }
 
@@ -102,12 +125,15 @@ void replaceIdentifier(std::ostream& out, const NamedArray& array) {
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
   openvdb::initialize();  // Thread-safe; later calls do nothing.
+  const std::vector<NamedArray> arrays = arraysWith(field, array);
   try {
-    StreamArchive().writeTo(out, gridOf(field, array));
+    openvdb::GridPtrVec grids;
+    for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
+    StreamArchive().writeTo(out, grids);
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::File, std::string("OpenVDB cannot write the field: ") + e.what());
   }
-  replaceIdentifier(out, array);
+  replaceIdentifier(out, arrays);
 }
 
 }  // namespace raymap

@@ -5,5 +5,7 @@ namespace raymap {
 // Keys of our own metadata in .vdb files.
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbBandKey = "raymap_band";
+inline constexpr const char* kVdbBackgroundKey =
+    "raymap_background";  ///< What the background means, in words.
 
 }  // namespace raymap

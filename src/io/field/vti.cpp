@@ -6,6 +6,7 @@
 #include <map>
 #include <ostream>
 #include <pugixml.hpp>
+#include <set>
 
 #include "io/field/field_formats.h"
 #include "io/field/vti_data.h"
@@ -78,20 +79,33 @@ std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image
   return dims;
 }
 
-pugi::xml_node findArray(const VtiFile& file, const pugi::xml_node& image) {
+/// Returns the arrays to read: all that a field has, or else the one that is marked as the scalars, or else
+/// the first one.
+std::vector<pugi::xml_node> findArrays(const VtiFile& file, const pugi::xml_node& image) {
   const pugi::xml_node piece = image.child("Piece");
   if (!piece || piece.next_sibling("Piece"))
     throwUnsupported(file.path, "it is not of one piece; save it as one");
   if (std::string_view(piece.attribute("Extent").as_string()) != image.attribute("WholeExtent").as_string())
     throwUnsupported(file.path, "its piece is not the whole; save it anew");
   const pugi::xml_node points = piece.child("PointData");
-  const char* name = points.attribute("Scalars").as_string();
-  pugi::xml_node array = points.find_child_by_attribute("DataArray", "Name", name);
-  if (!array) array = points.child("DataArray");
-  if (!array) throwInvalid(file.path, "it has no point data");
-  if (array.attribute("NumberOfComponents").as_int(1) != 1)
-    throwUnsupported(file.path, "its samples are vectors");
-  return array;
+  std::vector<pugi::xml_node> arrays;
+  std::set<std::string> seen;
+  for (const pugi::xml_node& array : points.children("DataArray")) {
+    const std::string name = array.attribute("Name").as_string();
+    if (!isFieldArray(name)) continue;
+    if (!seen.insert(name).second) throwInvalid(file.path, "it has the array '" + name + "' twice");
+    arrays.push_back(array);
+  }
+  if (arrays.empty()) {
+    const char* name = points.attribute("Scalars").as_string();
+    const pugi::xml_node scalars = points.find_child_by_attribute("DataArray", "Name", name);
+    arrays.push_back(scalars ? scalars : points.child("DataArray"));
+  }
+  if (!arrays.front()) throwInvalid(file.path, "it has no point data");
+  for (const pugi::xml_node& array : arrays)
+    if (array.attribute("NumberOfComponents").as_int(1) != 1)
+      throwUnsupported(file.path, "its samples are vectors");
+  return arrays;
 }
 
 ElementType typeOf(const VtiFile& file, const pugi::xml_node& array) {
@@ -137,11 +151,16 @@ ReadBytes binaryReader(const VtiFile& file, std::string_view text, bool isRaw, u
   return read;
 }
 
-void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::array<int64_t, 3>& dims,
-                 Field& field) {
-  const std::string_view name = array.attribute("Name").as_string();
+/// Elements of an array, in the order of the file.
+struct Elements {
+  ArrayLayout layout;
+  ReadBytes read;
+};
+
+/// Opens an array of these dimensions, however it is encoded.
+Elements openArray(const VtiFile& file, const pugi::xml_node& array, const std::array<int64_t, 3>& dims) {
   const std::string_view format = array.attribute("format").as_string("ascii");
-  ArrayLayout layout{typeOf(file, array), file.bigEndian};
+  const ArrayLayout layout{typeOf(file, array), file.bigEndian};
   const bool isAppended = format == "appended";
   if (!isAppended && format != "binary" && format != "ascii")
     throwInvalid(file.path, "format '" + std::string(format) + "' is unknown");
@@ -152,20 +171,33 @@ void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::ar
       throwInvalid(file.path, "its samples begin outside of its appended data");
     text.remove_prefix(static_cast<size_t>(offset));
   }
-
-  ReadBytes read;
   if (format == "ascii") {
     const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
-    layout = {isWhole ? ElementType::UInt32 : ElementType::Float64};
-    checkedSampleCount(file.path, dims, layout.type, (text.size() + 1) / 2 * elementSize(layout.type));
-    read = decimalDecoded(file.path, text, isWhole);
-  } else {
-    const uint64_t room = file.isDeflated ? inflatedBound(text.size()) : text.size();
-    const size_t count = checkedSampleCount(file.path, dims, layout.type, room);
-    read = binaryReader(file, text, isAppended && file.appendedIsRaw, count * elementSize(layout.type));
+    const ArrayLayout decoded{isWhole ? ElementType::UInt32 : ElementType::Float64};
+    checkedSampleCount(file.path, dims, decoded.type, (text.size() + 1) / 2 * elementSize(decoded.type));
+    return {decoded, decimalDecoded(file.path, text, isWhole)};
   }
+  const uint64_t room = file.isDeflated ? inflatedBound(text.size()) : text.size();
+  const size_t count = checkedSampleCount(file.path, dims, layout.type, room);
+  return {layout,
+          binaryReader(file, text, isAppended && file.appendedIsRaw, count * elementSize(layout.type))};
+}
+
+void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::array<int64_t, 3>& dims,
+                 Field& field) {
+  const Elements elements = openArray(file, array, dims);
   setDims(field.grid, dims);
-  readArray(file.path, field, name, layout, read);
+  readArray(file.path, field, array.attribute("Name").as_string(), elements.layout, elements.read);
+}
+
+/// Reads the band, which other programs encode as they encode all arrays. Without one, it is 0.
+double readBand(const VtiFile& file, const pugi::xml_node& image) {
+  const pugi::xml_node array = image.child("FieldData").find_child_by_attribute("DataArray", "Name", "band");
+  double band = 0.0;
+  if (!array) return band;
+  const Elements elements = openArray(file, array, {1, 1, 1});
+  readReals({&band, 1}, elements.layout, elements.read);
+  return band;
 }
 
 }  // namespace
@@ -188,18 +220,14 @@ Field readVti(const SourceFile& source) {
 
   Field field;
   const auto dims = readGrid(file, image, field.grid);
-  const pugi::xml_node band = image.child("FieldData").find_child_by_attribute("DataArray", "Name", "band");
-  if (band) {
-    const auto width = parseNumbers(band.text().get(), 1);
-    if (!width) throwInvalid(path, "its band is no number");
-    field.band = (*width)[0];
-  }
+  field.band = readBand(file, image);
   checkPlacement(path, field);
   for (const pugi::xml_node& array : findArrays(file, image)) readSamples(file, array, dims, field);
   return field;
 }
 
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
+  const std::vector<NamedArray> arrays = arraysWith(field, array);
   const Grid& grid = field.grid;
   const std::string h = toText(grid.spacing);
   const std::string extent = "0 " + std::to_string(grid.dims.x - 1) + " 0 " +
@@ -213,13 +241,19 @@ void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
     out << "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"band\" NumberOfTuples=\"1\" "
            "format=\"ascii\">"
         << toText(field.band) << "</DataArray>\n    </FieldData>\n";
-  out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << array.name
-      << "\">\n        <DataArray type=\"" << (array.type == ElementType::UInt32 ? "UInt32" : "Float32")
-      << "\" Name=\"" << array.name << "\" format=\"appended\" offset=\"0\"/>\n      </PointData>\n"
-      << "    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
-  const uint64_t count = array.bytes.size();
-  out.write(reinterpret_cast<const char*>(&count), sizeof count);
-  out.write(reinterpret_cast<const char*>(array.bytes.data()), static_cast<std::streamsize>(count));
+  out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << array.name << "\">\n";
+  uint64_t offset = 0;
+  for (const NamedArray& each : arrays) {
+    out << "        <DataArray type=\"" << (each.type == ElementType::UInt32 ? "UInt32" : "Float32")
+        << "\" Name=\"" << each.name << "\" format=\"appended\" offset=\"" << offset << "\"/>\n";
+    offset += sizeof offset + each.bytes.size();
+  }
+  out << "      </PointData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+  for (const NamedArray& each : arrays) {
+    const uint64_t count = each.bytes.size();
+    out.write(reinterpret_cast<const char*>(&count), sizeof count);
+    out.write(reinterpret_cast<const char*>(each.bytes.data()), static_cast<std::streamsize>(count));
+  }
   out << "\n  </AppendedData>\n</VTKFile>\n";
 }
 

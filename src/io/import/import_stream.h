@@ -3,14 +3,14 @@
 // Output of `raymap-import`, in the machine's own byte order: an ImportHeader and its message. Unless that is
 // an error, one of these follows:
 // - a MeshHeader, the positions (three doubles each) and the triangles (three 32-bit indices each);
-// - a VdbHeader and the samples (four bytes each, x fastest).
+// - for each grid, a VdbHeader and the samples (four bytes each, x fastest).
 
 #include <array>
 #include <cstdint>
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x32494d52;  // RMI2
+inline constexpr uint32_t kImportMagic = 0x33494d52;  // RMI3
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
@@ -30,9 +30,10 @@ struct VdbHeader {
   std::array<double, 3> origin{};
   double spacing = 0.0;
   double band = 0.0;
-  uint64_t isWhole = 0;  ///< 1 if the samples are signed integers, 0 if they are floats.
+  uint64_t isWhole = 0;     ///< 1 if the samples are signed integers, 0 if they are floats.
+  uint64_t gridsAfter = 0;  ///< Number of grids that follow this one.
   std::array<char, 16> name{};
 };
-static_assert(sizeof(VdbHeader) == 88);
+static_assert(sizeof(VdbHeader) == 96);
 
 }  // namespace raymap

@@ -6,6 +6,10 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "io/field/vdb.h"
 #include "io/import/import_stream.h"
@@ -15,21 +19,42 @@ namespace raymap {
 
 namespace {
 
-/// Returns the first grid of floats, or else the first of integers.
-openvdb::GridBase::Ptr loadGrid(const char* path) {
-  openvdb::io::File file(path);
-  file.setCopyMaxBytes(0);
-  file.open(false);
-  std::string name;
-  bool isFloat = false;
+bool isOurs(const openvdb::GridBase& grid) {
+  static const std::set<std::string> kNames{"distance", "winding", "confidence", "triangle"};
+  return kNames.contains(grid.getName()) && grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey) &&
+         (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::Int32Grid>());
+}
+
+/// Returns the names of the grids to read: all that raymap wrote, or else the first level set, or else the
+/// first grid of floats, or else of integers.
+std::vector<std::string> chooseGrids(openvdb::io::File& file) {
   const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+  std::vector<std::string> ours, levelSets, floats, integers;
   for (const auto& grid : *grids) {
-    const bool floats = grid->isType<openvdb::FloatGrid>();
-    if ((floats && !isFloat) || (name.empty() && grid->isType<openvdb::Int32Grid>())) name = grid->getName();
-    isFloat = isFloat || floats;
+    if (isOurs(*grid)) ours.push_back(grid->getName());
+    const bool isLevelSet = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
+    if (grid->isType<openvdb::FloatGrid>()) (isLevelSet ? levelSets : floats).push_back(grid->getName());
+    if (grid->isType<openvdb::Int32Grid>()) integers.push_back(grid->getName());
   }
-  if (name.empty()) throw Error(ErrorCode::Unsupported, "it holds no grid of floats");
-  return file.readGrid(name);
+  if (std::set<std::string>(ours.begin(), ours.end()).size() < ours.size())
+    throw Error(ErrorCode::Input, "two of its grids have the same name");
+  if (!ours.empty()) return ours;
+  for (const auto* names : {&levelSets, &floats, &integers})
+    if (!names->empty()) return {names->front()};
+  throw Error(ErrorCode::Unsupported, "it holds no grid of floats");
+}
+
+/// Returns the largest magnitude of a foreign level set's distances, its background; 0 if that is none. Only
+/// a narrow band has no active value beyond it.
+double bandOf(const openvdb::GridBase& base) {
+  constexpr float kRounding = 1.00001F;
+  if (base.getGridClass() != openvdb::GRID_LEVEL_SET || !base.isType<openvdb::FloatGrid>()) return 0.0;
+  const auto& grid = static_cast<const openvdb::FloatGrid&>(base);
+  const float background = grid.background();
+  if (!std::isfinite(background) || background <= 0.0F) return 0.0;
+  for (auto value = grid.cbeginValueOn(); value; ++value)
+    if (!(std::abs(*value) <= background * kRounding)) return 0.0;
+  return background;
 }
 
 VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
@@ -53,6 +78,7 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   } else {
     box = grid.evalActiveVoxelBoundingBox();
     if (grid.activeVoxelCount() == 0) throw Error(ErrorCode::Input, "its grid has no active voxel");
+    header.band = bandOf(grid);
   }
   if (const auto band = grid.getMetadata<openvdb::DoubleMetadata>(kVdbBandKey)) header.band = band->value();
   const openvdb::Vec3d origin = transform.indexToWorld(box.min());
@@ -84,17 +110,26 @@ void putSamples(const openvdb::GridBase& base, const openvdb::CoordBBox& box) {
 
 void sendVdb(const char* path) {
   openvdb::initialize();
-  const openvdb::GridBase::Ptr grid = loadGrid(path);
-  openvdb::CoordBBox box;
-  const VdbHeader header = headerOf(*grid, box);
-  // The remaining time grows with the number of samples, which the parent process limits.
-  limitSeconds(RLIM_INFINITY);
-  sendSuccess("");
-  put(&header, sizeof header);
-  if (header.isWhole != 0)
-    putSamples<openvdb::Int32Grid>(*grid, box);
-  else
-    putSamples<openvdb::FloatGrid>(*grid, box);
+  openvdb::io::File file(path);
+  file.setCopyMaxBytes(0);
+  file.open(false);
+  const std::vector<std::string> names = chooseGrids(file);
+  for (size_t g = 0; g < names.size(); ++g) {
+    const openvdb::GridBase::Ptr grid = file.readGrid(names[g]);
+    openvdb::CoordBBox box;
+    VdbHeader header = headerOf(*grid, box);
+    header.gridsAfter = names.size() - 1 - g;
+    if (g == 0) {
+      // The remaining time grows with the number of samples, which the parent process limits.
+      limitSeconds(RLIM_INFINITY);
+      sendSuccess("");
+    }
+    put(&header, sizeof header);
+    if (header.isWhole != 0)
+      putSamples<openvdb::Int32Grid>(*grid, box);
+    else
+      putSamples<openvdb::FloatGrid>(*grid, box);
+  }
 }
 
 }  // namespace raymap
