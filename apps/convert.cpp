@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
+#include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -15,6 +16,7 @@ struct Arguments {
   StreamFormat format;
   std::filesystem::path input, output;
   bool mayOverwrite = false;
+  MeshUnits units;
 };
 
 /// Returns the formats in which the input can be written, as far as its name tells.
@@ -26,15 +28,31 @@ std::vector<std::string> outputExtensions(const Arguments& arguments) {
   return extensions;
 }
 
+void writeConverted(const Arguments& arguments, Mesh& mesh) {
+  const std::filesystem::path input = named(arguments.input, arguments.format.input),
+                              output = named(arguments.output, arguments.format.output);
+  checkMeshUnits(arguments.units, output);
+  convertUnits(mesh, arguments.units, input, output);
+  writeMesh(arguments.output, mesh,
+            {.unit = writtenUnit(arguments.units, input), .format = arguments.format.output});
+}
+
+void writeConverted(const Arguments& arguments, const Field& field) {
+  if (arguments.units.areGiven())
+    throw Error(ErrorCode::Usage, "--unit, --scale and --up are for meshes, and " + arguments.input.string() +
+                                      " is a field; leave them out");
+  writeField(arguments.output, field, name(heldArray(field)), arguments.format.output);
+}
+
 void run(Arguments& arguments) {
   const std::vector<Output> outputs{{"output", arguments.output, outputExtensions(arguments)}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
-  const std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
-  if (const Mesh* mesh = std::get_if<Mesh>(&read))
-    writeMesh(arguments.output, *mesh, {.format = arguments.format.output});
+  std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
+  if (Mesh* mesh = std::get_if<Mesh>(&read))
+    writeConverted(arguments, *mesh);
   else if (const Field* field = std::get_if<Field>(&read))
-    writeField(arguments.output, *field, name(heldArray(*field)), arguments.format.output);
+    writeConverted(arguments, *field);
   printWritten(arguments.output);
 }
 
@@ -54,7 +72,10 @@ void addConvert(CLI::App& app) {
       ->required();
   addOverwriteOption(*command, arguments->mayOverwrite);
   addFormatOption(*command, arguments->format);
-  command->footer("Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply");
+  command->footer(
+      "Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply\n"
+      "  raymap convert car.glb car.3mf --unit mm --up y");
+  addMeshUnits(*command, arguments->units);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -8,6 +8,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
 #include "verdict.h"
@@ -45,7 +46,8 @@ void print(const std::optional<SelfIntersections>& crossings) {
   std::printf("%-24s %s\n", "crossing pairs of faces", text.c_str());
 }
 
-void print(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
+void print(const Diagnostics& found, const std::optional<SelfIntersections>& crossings,
+           const std::optional<LengthUnit>& unit) {
   const auto count = [](const char* name, size_t value) {
     std::printf("%-24s %s\n", name, grouped(value).c_str());
   };
@@ -61,6 +63,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   vector("bounds, lowest", found.bounds.min);
   vector("bounds, highest", found.bounds.max);
   vector("size", found.bounds.size());
+  std::printf("%-24s %s\n", "unit", unit ? nameOf(*unit).c_str() : "not stated");
   std::printf("%-24s %g\n%-24s %g\n", "area", found.area, "signed volume", found.signedVolume);
   count("components", found.components);
   yes("watertight", found.watertight);
@@ -118,12 +121,14 @@ void addInfo(CLI::App& app) {
     line.clear();
     if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
     const Verdict verdict = judge(found, crossings);
+    const std::optional<LengthUnit> unit = meshUnit(arguments->mesh);
     if (!arguments->isJson) {
-      print(found, crossings);
+      print(found, crossings, unit);
       std::printf("\n%s", describe(verdict, found, crossings, arguments->mesh).c_str());
       return;
     }
     Json json = toJson(found);
+    json["unit"] = unit ? Json(nameOf(*unit)) : Json();
     json["self_intersections"] = crossings ? toJson(*crossings) : Json{{"counted", false}};
     json["verdict"] = {{"kind", name(verdict.kind)}, {"remedy", name(verdict.remedy)}};
     std::cout << textOf(json);

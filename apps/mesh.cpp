@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "field_options.h"
 #include "mesh_output.h"
+#include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -45,7 +46,9 @@ void run(Arguments& arguments) {
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   const StoredMesh stored = storeMesh(
       arguments.mesh, makeSurface(loadField(arguments.input, arguments, arguments.format.input), arguments),
-      {.recenter = arguments.recenter, .format = arguments.format.output});
+      {.recenter = arguments.recenter,
+       .unit = writtenUnit({}, named(arguments.input, arguments.format.input)),
+       .format = arguments.format.output});
   checkStored(stored);
   const Mesh& mesh = stored.exact;
   writeMesh(stored.path, mesh, stored.options);

@@ -72,7 +72,7 @@ void addRecenterOption(CLI::App& command, bool& recenter) {
 }
 
 StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options) {
-  StoredMesh result{path, {.format = options.format}, std::move(mesh), {}};
+  StoredMesh result{path, {.unit = options.unit, .format = options.format}, std::move(mesh), {}};
   if (options.recenter) result.options.offset = roundCentre(bounds(result.exact));
   result.stored = asStored(path, result.exact, result.options);
   return result;

@@ -21,8 +21,9 @@ void addRecenterOption(CLI::App& command, bool& recenter);
 
 /// How to store a mesh.
 struct StoreOptions {
-  bool recenter = false;         ///< Whether to move its centre to about 0.
-  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+  bool recenter = false;                     ///< Whether to move its centre to about 0.
+  LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states.
+  std::string_view format = {};              ///< Extension that counts where the path has none that is known.
 };
 
 /// Rounds a mesh as the file will. Moves it by whole multiples of a power of ten, so that people can type the

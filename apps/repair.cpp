@@ -8,6 +8,7 @@
 #include "field_options.h"
 #include "first_use.h"
 #include "mesh_output.h"
+#include "mesh_units.h"
 #include "repair_report.h"
 #include "terminal.h"
 
@@ -21,7 +22,10 @@ constexpr const char* kFooter = R"(Examples:
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4 --drain-holes 2    (a vent, too)
 
-All lengths are in the mesh's units. The deviation of the result from the mesh is measured and printed.)";
+  raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
+  raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
+
+All lengths are in the mesh's units, or in those that --unit names. The deviation of the result from the mesh is measured and printed.)";
 
 /// Repairs with progress and warnings on stderr.
 RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments,
@@ -33,7 +37,9 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
   RepairOptions how = arguments.repair;
   how.finish = [&](Mesh& result) {
     stored = storeMesh(arguments.result, std::move(result),
-                       {.recenter = arguments.recenter, .format = arguments.format.output});
+                       {.recenter = arguments.recenter,
+                        .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),
+                        .format = arguments.format.output});
     checkStored(stored);
     result = std::move(stored.stored);
   };
@@ -44,12 +50,18 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
 
 void run(RepairArguments& arguments) {
   finishFieldArguments(arguments);
+  if (!arguments.units.up.empty())
+    arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
-  const Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
+  const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
+                              output = named(arguments.result, arguments.format.output);
+  checkMeshUnits(arguments.units, output);
+  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
+  convertUnits(mesh, arguments.units, input, output);
   testBeforeFirstUse(arguments.options.device);
   const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
   StoredMesh stored;
@@ -86,7 +98,8 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
       ->needs(hole)
       ->type_name("N")
       ->group("Shape");
-  command.add_option("--down", arguments.down, "Direction of down (default 0 0 -1)")
+  command
+      .add_option("--down", arguments.down, "Direction of down (default 0 0 -1; with --up in a .glb, 0 -1 0)")
       ->expected(3)
       ->needs(hole)
       ->group("Shape");
@@ -145,6 +158,7 @@ void addRepair(CLI::App& app) {
       ->group("Method");
   addShapeOptions(*command, *arguments);
   addPartOptions(*command, *arguments);
+  addMeshUnits(*command, arguments->units);
   addMachineOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

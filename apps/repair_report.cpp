@@ -72,6 +72,8 @@ bool isSound(const Diagnostics& found) {
 
 Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report,
               const MeshWriteOptions& written) {
+  const std::optional<LengthUnit> unit =
+      unitOf(arguments.units, named(arguments.mesh, arguments.format.input));
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
           {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
@@ -83,7 +85,10 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"drain_hole", arguments.repair.drainHole},
             {"drain_holes", arguments.repair.drainHoles},
             {"keep_cavities", arguments.repair.keepCavities},
-            {"remesh", arguments.repair.remesh}}},
+            {"remesh", arguments.repair.remesh},
+            {"unit", unit ? Json(nameOf(*unit)) : Json()},
+            {"scale", arguments.units.scale},
+            {"up", arguments.units.up.empty() ? Json() : Json(arguments.units.up)}}},
           {"file_offset", toJson(written.offset)},
           {"before", toJson(report.before, report.crossingBefore)},
           {"after", toJson(report.after, report.crossingAfter)},

@@ -8,6 +8,7 @@
 #include "checks.h"
 #include "field_options.h"
 #include "mesh_output.h"
+#include "mesh_units.h"
 #include "report.h"
 
 namespace raymap {
@@ -21,6 +22,7 @@ struct RepairArguments : FieldArguments {
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;
+  MeshUnits units;
   bool recenter = false;
   bool mayOverwrite = false;
 };

@@ -516,6 +516,105 @@ TEST_F(Cli, ConvertsMeshes) {
   expectFailure("convert torus.ply torus.vdb", ErrorCode::Usage, "torus.vdb");
 }
 
+TEST_F(Cli, ConvertsUnitsScaleAndAxis) {
+  // y is up: 2 wide, 3 high, 5 deep.
+  writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(2, 3, 5)));
+  const auto boxOf = [&](const char* name) { return bounds(readMesh(path(name))); };
+  const auto expectBox = [&](const char* name, const glm::dvec3& low, const glm::dvec3& high) {
+    const Box box = boxOf(name);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(box.min[axis], low[axis], 1e-4) << name << " " << axis;
+      EXPECT_NEAR(box.max[axis], high[axis], 1e-4) << name << " " << axis;
+    }
+    EXPECT_GT(diagnose(readMesh(path(name))).signedVolume, 0.0) << name;
+  };
+  succeed("convert box.ply a.3mf");
+  expectBox("a.3mf", {0, 0, 0}, {2, 3, 5});
+  succeed("convert box.ply inch.3mf --unit in");
+  expectBox("inch.3mf", {0, 0, 0}, {50.8, 76.2, 127});
+  succeed("convert box.ply scaled.ply --scale 2.5 --unit in");
+  expectBox("scaled.ply", {0, 0, 0}, {5, 7.5, 12.5});
+  succeed("convert box.ply z.ply --up y");
+  expectBox("z.ply", {0, -5, 0}, {2, 0, 3});
+  succeed("convert z.ply same.ply --up z");
+  expectBox("same.ply", {0, -5, 0}, {2, 0, 3});
+  succeed("convert z.ply y.glb --up z --unit m");
+  expectBox("y.glb", {0, 0, 0}, {2, 3, 5});
+  succeed("convert y.glb y2.glb --up y");
+  expectBox("y2.glb", {0, 0, 0}, {2, 3, 5});
+  succeed("convert y.glb metres.3mf --scale .001");
+  expectBox("metres.3mf", {0, 0, 0}, {2, 3, 5});
+  succeed("convert y.glb b.stl --unit cm --scale 2 --up y");
+  expectBox("b.stl", {0, -1000, 0}, {400, 0, 600});
+  EXPECT_EQ(
+      run("convert y.glb c.stl").err,
+      "raymap: warning: c.stl: its lengths are in m, as in y.glb, but programs take them for mm; --unit mm "
+      "converts them\n");
+  expectBox("c.stl", {0, 0, 0}, {2, 3, 5});
+  EXPECT_EQ(
+      run("convert a.3mf c.glb").err,
+      "raymap: warning: c.glb: its lengths are in mm, as in a.3mf, but programs take them for m; --unit m "
+      "converts them\n");
+}
+
+TEST_F(Cli, RefusesUnitsThatMeanNothing) {
+  writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)));
+  expectFailure("convert box.ply a.3mf --unit furlong", ErrorCode::Usage,
+                "--unit: furlong not in {um,mm,cm,m,in,ft}");
+  expectFailure("convert box.ply a.3mf --up x", ErrorCode::Usage, "--up: x not in {y,z}");
+  expectFailure("convert box.ply a.3mf --scale 0", ErrorCode::Usage,
+                "--scale: must be a number above 0, not 0");
+  expectFailure("convert box.ply a.3mf --scale 1e39", ErrorCode::Usage,
+                "--scale 1e+39: the mesh becomes too large for single precision");
+  expectFailure("convert box.ply a.3mf --scale 1e-39", ErrorCode::Usage,
+                "--scale 1e-39: the mesh becomes too small for single precision");
+  expectFailure("repair box.ply -o a.glb --unit mm", ErrorCode::Usage,
+                "--unit mm: a.glb is in metres, as its format demands; use --unit m");
+  Field field;
+  field.grid = {{2, 2, 2}, glm::dvec3(0.0), 1.0};
+  field.distance.resizeUninitialized(8);
+  std::ranges::fill(field.distance, 1.0F);
+  writeField(path("field.nrrd"), field);
+  expectFailure("convert field.nrrd a.npz --scale 2", ErrorCode::Usage,
+                "--unit, --scale and --up are for meshes, and field.nrrd is a field");
+  EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST_F(Cli, TellsTheUnit) {
+  writeMesh(path("box.3mf"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)), {.unit = LengthUnit::Inch});
+  const Result inch = run("info box.3mf");
+  EXPECT_NE(inch.out.find("unit                     mm\n"), std::string::npos) << inch.out;
+  EXPECT_EQ(inch.err,
+            "raymap: warning: box.3mf: 3D/3dmodel.model is in the unit inch; converted to millimetres\n");
+  EXPECT_EQ(Json::parse(run("info box.3mf --json").out)["unit"], "mm");
+}
+
+TEST_F(Cli, RepairsInUnitsAndAxes) {
+  writeMesh(path("ball.glb"), shapes::sphere(1.0, 4));
+  succeed("repair ball.glb -o ball.3mf --unit mm --up y --resolution 20 --stats s.json");
+  EXPECT_NEAR(bounds(readMesh(path("ball.3mf"))).max.z, 1000, 10);
+  const Json options = json("s.json")["options"];
+  EXPECT_EQ(options["unit"], "mm");
+  EXPECT_EQ(options["scale"], 1.0);
+  EXPECT_EQ(options["up"], "y");
+  succeed("repair ball.glb -o plain.glb --resolution 20 --stats t.json");
+  EXPECT_EQ(json("t.json")["options"]["unit"], "m");
+  EXPECT_TRUE(json("t.json")["options"]["up"].is_null());
+}
+
+TEST_F(Cli, DrillsDownInTheAxesOfTheResult) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  const auto drilled = [&](const std::string& output, const std::string& options) {
+    succeed("repair ball.ply -o " + output + " --resolution 40 --shell .15 --drain-hole .25 " + options);
+    return readBytes(path(output));
+  };
+  const std::string glb = drilled("a.glb", "--up y");
+  EXPECT_EQ(glb, drilled("b.glb", "--up y --down 0 -1 0"));
+  EXPECT_NE(glb, drilled("c.glb", "--up y --down 0 0 -1"));
+  EXPECT_EQ(drilled("a.ply", "--up z"), drilled("b.ply", "--down 0 0 -1"));
+  EXPECT_EQ(drilled("c.glb", "--down 0 0 -1"), drilled("d.glb", ""));
+}
+
 TEST_F(Cli, DrawsPictures) {
   writeTorus();
   succeed("generate torus.ply -o torus.nrrd --resolution 24");
