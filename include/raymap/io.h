@@ -43,9 +43,10 @@ struct MeshWriteOptions {
 
 /// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
 /// all. An STL has single precision and no shared vertices; the other formats keep every position and index.
-/// A .3mf leaves out triangles that name a vertex twice, as its standard demands; its title is the file's
-/// name. Throws `Error`: Usage for another extension or an offset that is not finite, Input (see `validate`),
-/// File, Unsupported if the format cannot hold so many triangles.
+/// A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out triangles
+/// that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`: Usage for
+/// another extension or an offset that is not finite, Input (see `validate`), File, Unsupported if the format
+/// cannot hold so many triangles.
 RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh,
                           const MeshWriteOptions& options = {});
 

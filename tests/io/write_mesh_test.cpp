@@ -155,6 +155,30 @@ TEST(Write3mf, StatesEachUnit) {
   }
 }
 
+TEST(Write3mf, JoinsThePositionsOfAnStl) {
+  const TemporaryFolder folder;
+  const Mesh torus = shapes::torus(2.0, 0.7, 40, 24);
+  writeMesh(folder.path() / "torus.stl", torus);
+  const Mesh soup = readMesh(folder.path() / "torus.stl");
+  ASSERT_EQ(soup.vertices.size(), 3 * torus.triangles.size());
+  writeMesh(folder.path() / "torus.3mf", soup);
+  const Mesh read = readMesh(folder.path() / "torus.3mf");
+  EXPECT_EQ(read.vertices.size(), torus.vertices.size());
+  expectSame(read, soup, 0.0);
+}
+
+TEST(Write3mf, KeepsEqualPositionsOfAMeshThatSharesVertices) {
+  const TemporaryFolder folder;
+  // Two triangles share vertex 0; the third one has positions of its own.
+  const Mesh mesh{
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {5, 5, 5}, {5, 5, 5}},
+      {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}},
+      {}};
+  writeMesh(folder.path() / "a.3mf", mesh);
+  EXPECT_EQ(readMesh(folder.path() / "a.3mf").triangles, mesh.triangles);
+  EXPECT_EQ(readMesh(folder.path() / "a.3mf").vertices.size(), 9u);
+}
+
 TEST(Write3mf, WritesTheSameBytesAgain) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "torus.3mf";

@@ -7,9 +7,11 @@
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "io/3mf/units.h"
 #include "io/field/zip_writer.h"
+#include "mesh/weld.h"
 
 namespace raymap {
 
@@ -87,6 +89,37 @@ void addText(ZipWriter& zip, const std::string& name, std::string_view text) {
   zip.endFile();
 }
 
+/// Returns whether no two corners of triangles share a vertex, as in an STL.
+bool isSoup(const PackedMesh& mesh) {
+  if (3 * mesh.triangles.size() > mesh.vertices.size()) return false;
+  std::vector<bool> isUsed(mesh.vertices.size());
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      if (isUsed[t[c]]) return false;
+      isUsed[t[c]] = true;
+    }
+  return true;
+}
+
+/// Returns a mesh with one vertex for each position, in the order of the first ones.
+Mesh joined(const PackedMesh& mesh) {
+  const Welding welding = weldVertices(mesh.vertices);
+  constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> indices(welding.count, kNone);
+  Mesh result{.origin = mesh.origin};
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    uint32_t& index = indices[welding.ids[v]];
+    if (index != kNone) continue;
+    index = static_cast<uint32_t>(result.vertices.size());
+    result.vertices.push_back(mesh.vertices[v]);
+  }
+  result.triangles.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles)
+    result.triangles.emplace_back(indices[welding.ids[t.x]], indices[welding.ids[t.y]],
+                                  indices[welding.ids[t.z]]);
+  return result;
+}
+
 void writeVertices(Text& text, const PackedMesh& mesh) {
   // Vertices that no triangle uses may be anything, but 3MF holds finite numbers only.
   const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
@@ -127,9 +160,8 @@ void writeModel(Text& text, const PackedMesh& mesh, const About3mf& about) {
   text.flush();
 }
 
-}  // namespace
-
-void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
+/// Writes the parts of the package.
+void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
   if (std::ranges::none_of(mesh.triangles, isIn3mf))
     throw Error(ErrorCode::Unsupported,
                 "a 3MF holds triangles of three different vertices, and this mesh has none; write a .ply");
@@ -153,6 +185,15 @@ void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about) 
   writeModel(text, mesh, about);
   zip.endFile();
   zip.finish();
+}
+
+}  // namespace
+
+void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
+  if (isSoup(mesh))
+    writeParts(out, joined(mesh), about);
+  else
+    writeParts(out, mesh, about);
 }
 
 }  // namespace raymap

@@ -20,7 +20,8 @@ inline bool isIn3mf(const glm::uvec3& t) {
   return t.x != t.y && t.y != t.z && t.z != t.x;
 }
 
-/// Writes a mesh as a 3MF: one object and one item. Throws `Error(Unsupported)` if no triangle has three
+/// Writes a mesh as a 3MF: one object and one item. Joins equal positions if no triangles share a vertex, for
+/// only those that do are neighbours in a 3MF. Throws `Error(Unsupported)` if no triangle has three
 /// different vertices.
 void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about);
 
