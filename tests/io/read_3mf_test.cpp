@@ -307,8 +307,40 @@ TEST(Read3mf, RefusesDamagedArchives) {
   EXPECT_EQ(refusal(encrypted, ErrorCode::Unsupported), "its part '3D/3dmodel.model' is encrypted");
   std::string packed = whole;
   packed[entry + 10] = 12;
-  EXPECT_EQ(refusal(packed),
-            "its part '3D/3dmodel.model' is damaged, or compressed by another method than deflate");
+  EXPECT_EQ(refusal(packed, ErrorCode::Unsupported),
+            "its part '3D/3dmodel.model' is compressed by another method than deflate");
+}
+
+TEST(Read3mf, ReadsSizesOf64Bits) {
+  const std::string whole =
+      package3mf({{kModel, model3mf(square3mf(1), {R"(objectid="1")"})}}, Zip::StoredIn64Bits);
+  EXPECT_TRUE(isSquare(read(whole).mesh));
+  for (size_t size = 0; size < whole.size(); ++size) EXPECT_NE(refusal(whole.substr(0, size)), "") << size;
+  EXPECT_EQ(refusal(replaced(whole, "PK\6\6", "PK\6\5")), "its zip directory is damaged");
+}
+
+TEST(Read3mf, RefusesDamagedDirectories) {
+  const std::string whole = package3mf({{kModel, model3mf(square3mf(1), {R"(objectid="1")"})}}, Zip::Stored);
+  const size_t entry = whole.rfind("PK\1\2"), end = whole.rfind("PK\5\6");
+  const auto changed = [&](size_t at, const std::string& bytes) {
+    std::string damaged = whole;
+    return damaged.replace(at, bytes.size(), bytes);
+  };
+  const std::string damage = "its zip directory is damaged";
+  EXPECT_EQ(refusal(changed(entry, "XX")), damage);
+  EXPECT_EQ(refusal(changed(end + 10, raw(uint16_t{4}))), damage) << "one entry too many";
+  EXPECT_EQ(refusal(changed(end + 12, raw(static_cast<uint32_t>(whole.size())))), damage);
+  EXPECT_EQ(refusal(changed(end + 16, raw(uint32_t{0xfffffffe}))), damage);
+  EXPECT_EQ(refusal(changed(entry + 20, raw(uint32_t{0x7fffffff}))), damage) << "content beyond the end";
+  EXPECT_EQ(refusal(changed(entry + 42, raw(uint32_t{1}))),
+            "its part '3D/3dmodel.model' is damaged or ends early");
+  EXPECT_EQ(refusal(changed(entry + 30, raw(uint16_t{60000}))), damage) << "extra field beyond the end";
+  EXPECT_TRUE(isSquare(read(whole.substr(0, whole.size() - 2) + raw(uint16_t{3}) + "PK!").mesh))
+      << "a comment";
+  std::string cut = package3mf({{kModel, model3mf(square3mf(1), {R"(objectid="1")"})}});
+  const size_t deflatedEntry = cut.rfind("PK\1\2");
+  cut.replace(deflatedEntry + 20, 4, raw(uint32_t{100}));
+  EXPECT_EQ(refusal(cut), "its part '3D/3dmodel.model' is damaged or ends early");
 }
 
 TEST(Read3mf, LimitsWhatAFileInflatesTo) {

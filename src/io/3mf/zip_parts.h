@@ -1,8 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -16,9 +16,6 @@ class ZipParts {
  public:
   /// Reads the directory. Fails if it is damaged or names a part twice.
   explicit ZipParts(const MeshFile& file);
-  ~ZipParts();
-  ZipParts(const ZipParts&) = delete;
-  ZipParts& operator=(const ZipParts&) = delete;
 
   const MeshFile& file() const { return file_; }
   bool has(std::string_view name) const;
@@ -27,16 +24,19 @@ class ZipParts {
   void read(std::string_view name, const std::function<void(std::string_view piece)>& take);
 
  private:
-  struct Source;
-  struct Place {
-    uint64_t position = 0, number = 0;  ///< Where minizip finds the part.
+  /// Entry of the directory.
+  struct Entry {
     bool isEncrypted = false;
+    uint16_t method = 0;
+    uint32_t checksum = 0;
+    uint64_t packedBytes = 0;
+    uint64_t header = 0;  ///< Where the part begins, with a header of its own.
   };
 
+  std::string_view contentOf(const Entry& entry, const std::string& name) const;
+
   const MeshFile& file_;
-  std::unique_ptr<Source> source_;
-  std::unique_ptr<void, int (*)(void*)> zip_;  ///< Closed before the source goes.
-  std::map<std::string, Place> places_;
+  std::map<std::string, Entry> entries_;
   uint64_t inflated_ = 0;
 };
 
