@@ -44,9 +44,9 @@ inline std::string zipFile(const std::vector<std::pair<std::string, std::string>
     const std::string local = is64 ? raw<uint16_t>({1, 16}) + sizes : "";
     const std::string central = is64 ? raw<uint16_t>({1, 24}) + sizes + raw<uint64_t>(bytes.size()) : "";
     // Version needed, flags, method, time, date; checksum and sizes; lengths of the name and of extras.
-    const auto common = [&](const std::string& extra) {
+    const auto common = [&, nameBytes = static_cast<uint16_t>(name.size())](const std::string& extra) {
       return raw<uint16_t>({20, 0, method, 0, 0x21}) + raw<uint32_t>({crc, packedSize, size}) +
-             raw<uint16_t>({static_cast<uint16_t>(name.size()), static_cast<uint16_t>(extra.size())});
+             raw<uint16_t>({nameBytes, static_cast<uint16_t>(extra.size())});
     };
     directory += raw(uint32_t{0x02014b50}) + raw<uint16_t>(20) + common(central) + raw<uint16_t>({0, 0, 0}) +
                  raw<uint32_t>({0, is64 ? kIn64Bits : static_cast<uint32_t>(bytes.size())}) + name + central;
