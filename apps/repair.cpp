@@ -117,7 +117,8 @@ void addPartOptions(CLI::App& command, RepairArguments& arguments) {
   command.add_flag("--keep-cavities", repair.keepCavities, "Do not fill sealed cavities")->group("Parts");
   command
       .add_flag("--remesh", repair.remesh,
-                "Make the mesh anew even if nothing is wrong with it; without, its faces are then kept")
+                "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but "
+                "small holes")
       ->group("Parts");
 }
 

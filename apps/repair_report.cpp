@@ -64,6 +64,14 @@ void printRemoved(const RepairReport& report) {
   print("buried", counted(report.buried.count, "part"), report.buried, "they were in what was filled");
 }
 
+void printKept(const RepairReport& report) {
+  if (report.closedHoles == 0)
+    std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
+  else
+    std::printf("closed %s with %s, all other faces kept as they are; to make them anew: --remesh\n",
+                counted(report.closedHoles, "hole").c_str(), counted(report.closingFaces, "face").c_str());
+}
+
 }  // namespace
 
 bool isSound(const Diagnostics& found) {
@@ -109,6 +117,8 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"buried", toJson(report.buried)},
           {"parts_overlap", report.partsOverlap},
           {"kept", report.isKept},
+          {"closed_holes", report.closedHoles},
+          {"closing_faces", report.closingFaces},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"left_out_faces", report.stats.leftOutFaces.size()},
           {"orientation_fits", report.stats.orientationFits},
@@ -123,7 +133,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   if (report.partsOverlap)
     std::printf("  parts of it overlap, or lie in each other without being cavities\n");
   if (report.isKept)
-    std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
+    printKept(report);
   else
     std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),

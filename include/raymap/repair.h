@@ -24,7 +24,7 @@ struct RepairOptions {
   /// of what the largest part encloses.
   std::optional<double> dropSmaller = {};
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
-  bool remesh = false;        ///< Whether to make a mesh anew that has nothing wrong and needs no change.
+  bool remesh = false;        ///< Whether to make a mesh anew whose faces could be kept.
   /// Called with the result before it is measured, for example to round it as a file does.
   std::function<void(Mesh&)> finish = {};
   bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
@@ -77,7 +77,10 @@ struct RepairReport {
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
-  bool isKept = false;        ///< Whether nothing was wrong with the mesh, so that its faces were kept.
+  /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
+  bool isKept = false;
+  size_t closedHoles = 0;   ///< Number of holes that were closed beside the faces that were kept.
+  size_t closingFaces = 0;  ///< Number of faces that close them.
 };
 
 /// A repaired mesh and what was done.
@@ -91,8 +94,9 @@ struct Repaired {
 RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair);
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
-/// the result. Throws `Error` as `generate` and `isosurface` do, Usage also if walls or holes are thinner
-/// than two samples.
+/// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `Options::closeHoles`
+/// also of one whose holes can be filled so that nothing is wrong. Throws `Error` as `generate` and
+/// `isosurface` do, Usage also if walls or holes are thinner than two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options,
                            const RepairOptions& repair);
 

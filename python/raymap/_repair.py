@@ -190,7 +190,11 @@ class RepairReport(TypedDict):
     parts_overlap: bool
     """Whether parts of a mesh with no other defect overlap or face the wrong way."""
     kept: bool
-    """Whether nothing was wrong with the mesh, so that its faces were kept."""
+    """Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes."""
+    closed_holes: int
+    """Number of holes that were closed beside the faces that were kept."""
+    closing_faces: int
+    """Number of faces that close them."""
 
 
 class Repaired(NamedTuple):
@@ -225,8 +229,8 @@ def repair(
 ) -> Repaired:
     """Returns a watertight solid in place of any mesh, for example to print it.
 
-    A mesh that has nothing wrong and needs no change is returned with its own faces. Else the result is the surface
-    of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
+    A mesh that has nothing wrong and needs no change is returned with its own faces. So is one with small holes, which
+    get faces. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
 
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
@@ -244,7 +248,7 @@ def repair(
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
             thousandth of what the largest part encloses.
         keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
-        remesh: Whether to make a mesh anew that has nothing wrong and needs no change.
+        remesh: Whether to make a mesh anew whose faces could be kept.
         device: Device that computes; see ``raymap.devices``.
         threads: Number of CPU threads; None = all.
         memory_limit: Most bytes that the field may take; None = what is available.

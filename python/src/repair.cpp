@@ -54,6 +54,8 @@ nb::dict toDict(const RepairReport& report) {
   dict["buried"] = toDict(report.buried);
   dict["parts_overlap"] = report.partsOverlap;
   dict["kept"] = report.isKept;
+  dict["closed_holes"] = report.closedHoles;
+  dict["closing_faces"] = report.closingFaces;
   return dict;
 }
 

@@ -24,8 +24,12 @@ bool areNestedRight(const Pieces& found) {
 }  // namespace
 
 bool looksRight(const Diagnostics& found) {
-  return found.watertight && found.consistentlyOriented && found.signedVolume > 0.0 &&
-         found.degenerateFaces == 0 && found.duplicateFaces == 0;
+  return found.watertight && found.signedVolume > 0.0 && hasOnlyHoles(found);
+}
+
+bool hasOnlyHoles(const Diagnostics& found) {
+  return found.nonManifoldEdges == 0 && found.consistentlyOriented && found.degenerateFaces == 0 &&
+         found.duplicateFaces == 0;
 }
 
 Mesh weldedCopy(const PackedMesh& mesh) {

@@ -10,6 +10,9 @@ namespace raymap {
 /// faces point outwards, and none is degenerate or a duplicate.
 bool looksRight(const Diagnostics& found);
 
+/// Returns whether holes are all that these counts find wrong with a mesh.
+bool hasOnlyHoles(const Diagnostics& found);
+
 /// Returns a mesh with one vertex for each position that vertices share, and all vertices in the same order.
 Mesh weldedCopy(const PackedMesh& mesh);
 

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "field/field_sampler.h"
 #include "repair/drop_pieces.h"
+#include "repair/fill_holes.h"
 #include "repair/hollow.h"
 #include "repair/keep.h"
 #include "repair/measure.h"
@@ -71,20 +72,46 @@ bool asksForChange(const RepairOptions& repair) {
   return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0;
 }
 
-/// Finds what is wrong with the given mesh, and keeps its faces if that is nothing.
-void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
-                  Repaired& repaired) {
-  RepairReport& report = repaired.report;
-  if (asksForChange(repair) && !repair.measure) return;
-  inspect(mesh, report.before, report.crossingBefore);
-  const SelfIntersections& crossing = report.crossingBefore;
-  if (asksForChange(repair) || !looksRight(report.before) || crossing.pairs > 0 || !crossing.isComplete)
-    return;
+bool crossesNowhere(const SelfIntersections& crossing) {
+  return crossing.pairs == 0 && crossing.isComplete;
+}
+
+/// Keeps the faces of a mesh with nothing wrong.
+void keep(const PackedMesh& mesh, const Options& options, const RepairOptions& repair, Repaired& repaired) {
   if (!keepFaces(mesh, repair, options.warn, repaired)) return;
+  RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
   countPieces(repaired.mesh, report);
   if (repair.finish) repair.finish(repaired.mesh);
   inspect(repaired.mesh, report.after, report.crossingAfter);
+}
+
+/// Keeps the faces of a mesh with nothing wrong but holes, and fills those, if that makes it right.
+void keepFilled(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
+                Repaired& repaired) {
+  Mesh closed = weldedCopy(mesh);
+  const FilledHoles filled = fillHoles(closed);
+  if (filled.holes == 0 || !looksRight(diagnose(closed, {.isBrief = true})) ||
+      !crossesNowhere(findSelfIntersections(closed)))
+    return;
+  keep(closed, options, repair, repaired);
+  repaired.report.partsOverlap = false;
+  if (!repaired.report.isKept) return;
+  repaired.report.closedHoles = filled.holes;
+  repaired.report.closingFaces = filled.faces;
+}
+
+/// Finds what is wrong with the given mesh, and keeps its faces if that is nothing, or only holes.
+void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
+                  Repaired& repaired) {
+  const RepairReport& report = repaired.report;
+  if (asksForChange(repair) && !repair.measure) return;
+  inspect(mesh, repaired.report.before, repaired.report.crossingBefore);
+  if (asksForChange(repair) || !hasOnlyHoles(report.before) || !crossesNowhere(report.crossingBefore)) return;
+  if (looksRight(report.before))
+    keep(mesh, options, repair, repaired);
+  else if (options.closeHoles && !report.before.watertight)
+    keepFilled(mesh, options, repair, repaired);
 }
 
 bool isChanged(const RepairReport& report) {

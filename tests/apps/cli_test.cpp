@@ -750,7 +750,8 @@ TEST_F(Cli, RepairsAMesh) {
   Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
   mesh.triangles.pop_back();
   writeMesh(path("torn.ply"), mesh);
-  const std::string text = succeed("repair torn.ply -o solid.stl --resolution 64 --stats solid.json").out;
+  const std::string text =
+      succeed("repair torn.ply -o solid.stl --remesh --resolution 64 --stats solid.json").out;
   EXPECT_NE(text.find("wrong with it: 3 boundary edges"), std::string::npos) << text;
   EXPECT_NE(text.find("watertight"), std::string::npos) << text;
   const Json solid = json("solid.json");
@@ -769,6 +770,12 @@ TEST_F(Cli, RepairsAMesh) {
   EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
   expectFailure("repair torn.ply -o none.ply --resolution 64 --offset -1", ErrorCode::Input,
                 "bounds nothing");
+  const std::string filled = succeed("repair torn.ply -o filled.ply --stats filled.json").out;
+  EXPECT_NE(filled.find("\nclosed 1 hole with 1 face, all other faces kept as they are"), std::string::npos)
+      << filled;
+  EXPECT_EQ(json("filled.json")["closed_holes"], 1);
+  EXPECT_EQ(json("filled.json")["closing_faces"], 1);
+  EXPECT_EQ(json("filled.json")["after"]["triangles"], 4800);
 }
 
 TEST_F(Cli, RefusesAFormatThatBreaksTheResult) {

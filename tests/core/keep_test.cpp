@@ -104,6 +104,40 @@ TEST(Keep, RepairsWhatIsWrong) {
   }
 }
 
+TEST(Keep, FillsHolesIfNothingIsWrongThen) {
+  const auto closed = [](const Mesh& mesh, RepairOptions options = {}, bool closeHoles = true) {
+    const Grid grid = fitRepairGrid(mesh, {.voxelSize = kSpacing}, options);
+    return repair(mesh, grid, {.closeHoles = closeHoles, .device = "cpu"}, options);
+  };
+  Mesh open = ball();
+  open.triangles.erase(open.triangles.begin() + 100, open.triangles.begin() + 103);
+  const Repaired made = closed(unwelded(open));
+  EXPECT_TRUE(made.report.isKept);
+  EXPECT_EQ(made.report.closedHoles, 3u);
+  EXPECT_EQ(made.report.closingFaces, 3u);
+  ASSERT_EQ(made.mesh.triangles.size(), ball().triangles.size());
+  for (size_t f = 0; f < open.triangles.size(); ++f)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_EQ(made.mesh.vertices[made.mesh.triangles[f][c]], open.vertices[open.triangles[f][c]]);
+  EXPECT_TRUE(made.report.after.watertight);
+  EXPECT_EQ(made.report.crossingAfter.pairs, 0u);
+  EXPECT_EQ(made.report.solids, 1u);
+  EXPECT_FALSE(closed(open, {.remesh = true}).report.isKept);
+  EXPECT_FALSE(closed(open, {}, false).report.isKept);
+  // Something crosses what fills the hole, or lies behind it.
+  const Mesh bowl = keepTriangles(ball(), [&](const glm::uvec3& t) { return ball().position(t.x).z < 0.5; });
+  EXPECT_TRUE(closed(bowl).report.isKept);
+  const Mesh crossed = joined(bowl, shapes::sphere(0.25, 2, {0, 0, 0.5}));
+  EXPECT_EQ(findSelfIntersections(crossed).pairs, 0u);
+  const Mesh behind = joined(bowl, shapes::sphere(0.2, 2));
+  for (const Mesh& mesh : {crossed, behind, inverted(open)}) {
+    const Repaired other = closed(mesh);
+    EXPECT_FALSE(other.report.isKept);
+    EXPECT_FALSE(other.report.partsOverlap);
+    EXPECT_EQ(other.report.closedHoles, 0u);
+  }
+}
+
 TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
   const Mesh big = box(glm::dvec3(0), glm::dvec3(3)), small = box(glm::dvec3(1), glm::dvec3(2));
   const Mesh onTop = box({0, 0, 1.5}, {3, 3, 5});

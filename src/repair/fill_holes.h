@@ -1,0 +1,19 @@
+#pragma once
+
+#include <raymap/mesh.h>
+
+#include <cstddef>
+
+namespace raymap {
+
+/// Number of holes that were filled, and of the faces that fill them.
+struct FilledHoles {
+  size_t holes = 0, faces = 0;
+};
+
+/// Appends faces that close all holes of a mesh whose equal positions are one vertex. Each hole gets the
+/// triangulation of its rim whose sharpest edge is least sharp, and the least area among those (Liepa 2003).
+/// Leaves the mesh as it is if a rim has more than 300 edges. The new faces may cross others.
+FilledHoles fillHoles(Mesh& mesh);
+
+}  // namespace raymap

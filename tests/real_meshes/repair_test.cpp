@@ -1,0 +1,61 @@
+// The faces of every mesh of the folder that a repair keeps bound a solid.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <random>
+
+#include "mesh_folder.h"
+#include "reference.h"
+
+namespace raymap {
+namespace {
+
+constexpr int kPoints = 50;
+
+/// Returns random points around and in the mesh.
+std::vector<glm::dvec3> randomPoints(const Mesh& mesh) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> unit(-0.05, 1.05);
+  const Box box = bounds(mesh);
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < kPoints; ++i)
+    points.push_back(box.min + box.size() * glm::dvec3(unit(random), unit(random), unit(random)));
+  return points;
+}
+
+TEST(RepairOfRealMeshes, KeepsOnlyFacesThatBoundASolid) {
+  const std::vector<std::string> names = wellFormedMeshes();
+  if (names.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  size_t kept = 0, closed = 0;
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = readMesh(meshFolder() / name);
+    if (mesh.triangles.size() > 200'000) continue;
+    Repaired made;
+    try {
+      made = repair(mesh, fitRepairGrid(mesh, {.resolution = 12}, {}), {.closeHoles = true, .device = "cpu"},
+                    {.measure = false});
+    } catch (const Error&) {
+      continue;  // So few samples may miss a mesh.
+    }
+    if (!made.report.isKept) continue;
+    ++kept;
+    closed += made.report.closedHoles > 0 ? 1 : 0;
+    EXPECT_EQ(made.mesh.triangles.size(), mesh.triangles.size() + made.report.closingFaces);
+    const Diagnostics found = diagnose(made.mesh);
+    EXPECT_TRUE(found.watertight && found.consistentlyOriented);
+    EXPECT_EQ(found.vertices, found.weldedVertices);
+    EXPECT_EQ(found.degenerateFaces + found.duplicateFaces, 0u);
+    EXPECT_EQ(findSelfIntersections(made.mesh).pairs, 0u);
+    for (const glm::dvec3& p : randomPoints(made.mesh)) {
+      const double winding = reference::windingNumber(made.mesh, p);
+      EXPECT_LT(std::min(std::abs(winding), std::abs(winding - 1.0)), 1e-3) << winding;
+    }
+  }
+  EXPECT_GT(kept, 10u);
+  EXPECT_GT(closed, 2u);
+}
+
+}  // namespace
+}  // namespace raymap
