@@ -59,6 +59,11 @@ inline glm::dvec3 toVector(const Triple& v) {
 inline Triple toTriple(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
+inline nb::list toList(const glm::dvec3& v) {
+  nb::list list;
+  for (int axis = 0; axis < 3; ++axis) list.append(v[axis]);
+  return list;
+}
 
 /// Returns a handle that owns the mesh.
 std::shared_ptr<MeshHandle> own(Mesh mesh);

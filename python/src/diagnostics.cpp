@@ -12,13 +12,7 @@ namespace raymap::python {
 
 namespace {
 
-nb::list toList(const glm::dvec3& v) {
-  nb::list list;
-  for (int axis = 0; axis < 3; ++axis) list.append(v[axis]);
-  return list;
-}
-
-nb::list toList(const std::vector<Hole>& holes) {
+nb::list listOf(const std::vector<Hole>& holes) {
   nb::list list;
   for (const Hole& hole : holes) {
     nb::dict entry;
@@ -47,7 +41,7 @@ nb::dict toDict(const Diagnostics& found) {
   dict["sheet_share"] = found.sheetShare;
   dict["boundary_edges"] = found.boundaryEdges;
   dict["hole_count"] = found.holes.size();
-  dict["holes"] = toList(found.holes);
+  dict["holes"] = listOf(found.holes);
   dict["nonmanifold_edges"] = found.nonManifoldEdges;
   dict["flipped_edges"] = found.flippedEdges;
   dict["flipped_faces"] = found.flippedFaces;

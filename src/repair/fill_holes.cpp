@@ -77,7 +77,8 @@ std::optional<std::vector<Rim>> traceRims(const std::vector<RimEdge>& edges, siz
 /// Finds the best triangulation of a rim by dynamic programming over its parts.
 class RimFiller {
  public:
-  RimFiller(const Mesh& mesh, const Rim& rim) : mesh_(mesh), rim_(rim), size_(rim.size()), best_(size_ * size_) {
+  RimFiller(const Mesh& mesh, const Rim& rim)
+      : mesh_(mesh), rim_(rim), size_(rim.size()), best_(size_ * size_) {
     for (size_t length = 2; length < size_; ++length)
       for (size_t i = 0; i + length < size_; ++i) best_[i * size_ + i + length] = bestBetween(i, i + length);
   }
@@ -132,8 +133,8 @@ class RimFiller {
     Part best{.sharpness = INFINITY};
     for (size_t k = i + 1; k < j; ++k) {
       const glm::dvec3 n = normal(corner(i), corner(k), corner(j));
-      Part part{.sharpness = std::max({at(i, k).sharpness, at(k, j).sharpness, sharpness(n, normalBeyond(i, k)),
-                                       sharpness(n, normalBeyond(k, j))}),
+      Part part{.sharpness = std::max({at(i, k).sharpness, at(k, j).sharpness,
+                                       sharpness(n, normalBeyond(i, k)), sharpness(n, normalBeyond(k, j))}),
                 .area = at(i, k).area + at(k, j).area + 0.5 * glm::length(n),
                 .middle = k};
       if (i == 0 && j == size_ - 1) part.sharpness = std::max(part.sharpness, sharpness(n, normalOfMesh(j)));

@@ -30,7 +30,8 @@ TEST(FillHoles, TakesTheFlatDiagonal) {
   // Both triangles of a side of a box whose diagonal is free to choose: only one is flat.
   for (const size_t side : {0, 2, 4, 6, 8, 10}) {
     Mesh mesh = shapes::box({0, 0, 0}, {1, 2, 3});
-    mesh.triangles.erase(mesh.triangles.begin() + ptrdiff_t(side), mesh.triangles.begin() + ptrdiff_t(side) + 2);
+    mesh.triangles.erase(mesh.triangles.begin() + ptrdiff_t(side),
+                         mesh.triangles.begin() + ptrdiff_t(side) + 2);
     const FilledHoles filled = fillHoles(mesh);
     EXPECT_EQ(filled.holes, 1u);
     EXPECT_EQ(filled.faces, 2u);
@@ -42,8 +43,8 @@ TEST(FillHoles, TakesTheFlatDiagonal) {
 TEST(FillHoles, FollowsTheSurface) {
   // A ridge: without the two faces between its slopes, the diagonal along the ridge is the least sharp one.
   const std::vector<glm::dvec3> p{{0, 0, 1}, {2, 0, 1}, {0, -1, 0}, {2, 1, 0}, {0, 1, 0}, {2, -1, 0}};
-  const Mesh roof = makeMesh(p, {{0, 2, 1}, {2, 5, 1}, {0, 3, 4}, {0, 1, 3}, {2, 4, 3}, {2, 3, 5}, {0, 4, 2},
-                                 {1, 5, 3}});
+  const Mesh roof =
+      makeMesh(p, {{0, 2, 1}, {2, 5, 1}, {0, 3, 4}, {0, 1, 3}, {2, 4, 3}, {2, 3, 5}, {0, 4, 2}, {1, 5, 3}});
   ASSERT_TRUE(isClosed(roof));
   Mesh mesh = roof;
   std::erase_if(mesh.triangles,
