@@ -1,5 +1,6 @@
 #include "report.h"
 
+#include <raymap/names.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -38,6 +39,15 @@ Json listHoles(const std::vector<Hole>& holes) {
 
 Json toJson(const SelfIntersections& found) {
   return {{"pairs", found.pairs}, {"faces", found.faces.size()}, {"complete", found.isComplete}};
+}
+
+Json toJson(const Verdict& verdict) {
+  const auto orNull = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"kind", name(verdict.kind)},
+          {"remedy", name(verdict.remedy)},
+          {"sought", verdict.sought},
+          {"thinnest", orNull(verdict.thinnest)},
+          {"voxel_size", orNull(verdict.voxelSize)}};
 }
 
 Json toJson(const Diagnostics& found) {

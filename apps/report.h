@@ -2,6 +2,7 @@
 
 #include <raymap/diagnostics.h>
 #include <raymap/generate.h>
+#include <raymap/verdict.h>
 
 #include <chrono>
 #include <filesystem>
@@ -21,6 +22,7 @@ std::string textOf(const Json& json);
 Json toJson(const glm::dvec3& v);
 Json toJson(const Diagnostics& found);
 Json toJson(const SelfIntersections& found);
+Json toJson(const Verdict& verdict);
 Json toJson(const Stats& stats);
 
 /// Returns, for example, "418 boundary edges, 2 crossing pairs of faces"; "nothing" if there is none, and

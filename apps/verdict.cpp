@@ -1,5 +1,6 @@
 #include "verdict.h"
 
+#include <raymap/grid.h>
 #include <raymap/io.h>
 
 #include <algorithm>
@@ -14,12 +15,16 @@ namespace raymap {
 
 namespace {
 
-/// Returns a number in three digits, or a whole one from a thousand on.
-std::string text(double number) {
-  if (number >= 1000.0 && number < 1e9) return grouped(size_t(std::llround(number)));
+/// Returns a number in three digits, as an argument.
+std::string plain(double number) {
   std::array<char, 32> digits{};
   std::snprintf(digits.data(), digits.size(), "%.3g", number);
   return digits.data();
+}
+
+/// Returns a number in three digits, or a whole one from a thousand on.
+std::string text(double number) {
+  return number >= 1000.0 && number < 1e12 ? grouped(size_t(std::llround(number))) : plain(number);
 }
 
 std::string verb(size_t count, const char* one, const char* many) {
@@ -131,24 +136,72 @@ std::filesystem::path resultFor(const std::filesystem::path& mesh) {
   return result.replace_extension(canWrite ? ".solid" + extension : ".solid.stl");
 }
 
+double longestSide(const Diagnostics& found) {
+  const glm::dvec3 size = found.bounds.size();
+  return std::max({size.x, size.y, size.z});
+}
+
 /// Returns a thickness for a sheet: a fiftieth of its longest side, in one digit.
 double thicknessFor(const Diagnostics& found) {
-  const glm::dvec3 size = found.bounds.size();
-  const double thickness = std::max({size.x, size.y, size.z}) / 50.0;
+  const double thickness = longestSide(found) / 50.0;
   const double digit = std::pow(10.0, std::floor(std::log10(thickness)));
   return std::round(thickness / digit) * digit;
 }
 
-}  // namespace
+/// Distance between samples of `raymap repair` by default.
+double defaultSpacing(const Diagnostics& found) {
+  return longestSide(found) * (1.0 + 2.0 * GridOptions{}.padding) / 256.0;
+}
+
+/// Number of samples along each side of a repair's grid.
+glm::dvec3 samplesFor(const Diagnostics& found, double spacing) {
+  const double padding = 2.0 * GridOptions{}.padding * longestSide(found);
+  return glm::ceil((found.bounds.size() + padding) / spacing);
+}
+
+/// How well samples keep the thinnest part.
+enum class Keeps : uint8_t { Unknown, ByDefault, WithVoxelSize, TooMany };
+
+Keeps keeps(const Verdict& verdict, const Diagnostics& found) {
+  constexpr double kMostSamples = 1e9;  // Their distances take 4 GB.
+  if (!verdict.voxelSize) return Keeps::Unknown;
+  if (*verdict.voxelSize >= defaultSpacing(found)) return Keeps::ByDefault;
+  const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
+  return n.x * n.y * n.z > kMostSamples ? Keeps::TooMany : Keeps::WithVoxelSize;
+}
+
+std::string describeThickness(const Verdict& verdict, const Diagnostics& found) {
+  if (verdict.sought == 0.0) return {};
+  if (!verdict.voxelSize)
+    return "No part is thinner than " + text(verdict.sought) + "; a repair with 256 samples keeps all.\n";
+  const std::string part = "Its thinnest part is about " + text(*verdict.thinnest) + " thick. ";
+  const std::string voxels = "--voxel-size " + plain(*verdict.voxelSize);
+  const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
+  const std::string grid = voxels + ": " + text(n.x) + " x " + text(n.y) + " x " + text(n.z) + " samples";
+  switch (keeps(verdict, found)) {
+    case Keeps::ByDefault:
+      return part + "A repair with 256 samples keeps it; so does " + voxels + ".\n";
+    case Keeps::TooMany:
+      return part + "To keep it would take " + grid + ", which is too many; 256 samples keep parts from " +
+             text(2.0 * defaultSpacing(found)) + " on.\n";
+    default:
+      return part + "To keep it takes " + grid + ".\n";
+  }
+}
 
 std::string commandFor(const Verdict& verdict, const Diagnostics& found, const std::filesystem::path& mesh) {
   const std::string files = quoted(mesh.string()) + " -o " + quoted(resultFor(mesh).string());
-  if (verdict.remedy == Remedy::Repair) return "raymap repair " + files;
   if (verdict.remedy == Remedy::None) return {};
-  const double thickness = thicknessFor(found);
-  return "raymap mesh " + files + " --thickness " + text(thickness) + " --voxel-size " +
-         text(thickness / 4.0);
+  if (verdict.remedy == Remedy::Thicken) {
+    const double thickness = thicknessFor(found);
+    return "raymap mesh " + files + " --thickness " + plain(thickness) + " --voxel-size " +
+           plain(thickness / 4.0);
+  }
+  const bool needsVoxelSize = keeps(verdict, found) == Keeps::WithVoxelSize;
+  return "raymap repair " + files + (needsVoxelSize ? " --voxel-size " + plain(*verdict.voxelSize) : "");
 }
+
+}  // namespace
 
 std::string describe(const Verdict& verdict, const Diagnostics& found,
                      const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
@@ -160,7 +213,7 @@ std::string describe(const Verdict& verdict, const Diagnostics& found,
   const std::string command = commandFor(verdict, found, mesh);
   if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
   if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";
-  return words;
+  return words + describeThickness(verdict, found);
 }
 
 }  // namespace raymap

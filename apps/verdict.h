@@ -12,7 +12,4 @@ namespace raymap {
 std::string describe(const Verdict& verdict, const Diagnostics& found,
                      const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh);
 
-/// Returns the command that makes a clean solid of a mesh; empty if there is none.
-std::string commandFor(const Verdict& verdict, const Diagnostics& found, const std::filesystem::path& mesh);
-
 }  // namespace raymap

@@ -58,6 +58,12 @@ class Verdict(TypedDict):
 
     kind: MeshKind
     remedy: Literal["none", "repair", "thicken"]
+    sought: float
+    """Parts thinner than this were looked for; 0 if the thickness was not measured."""
+    thinnest: float | None
+    """Thickness of the thinnest part. None if no part is thinner than ``sought``."""
+    voxel_size: float | None
+    """Largest distance between samples that keeps that part."""
 
 
 class Diagnostics(TypedDict):
@@ -111,7 +117,7 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
-        fast: Whether not to count faces that cross others, which takes about half of the time.
+        fast: Whether not to count faces that cross others, nor to measure the thickness. Takes less than half of the time.
         progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
     Raises:
@@ -121,8 +127,8 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     >>> found = raymap.info("ball.ply")
     >>> found["triangles"], found["watertight"], found["boundary_edges"]
     (1280, True, 0)
-    >>> found["verdict"]
-    {'kind': 'clean_solid', 'remedy': 'none'}
+    >>> found["verdict"]["kind"], found["verdict"]["remedy"]
+    ('clean_solid', 'none')
     """
     mesh = _inputs.to_mesh(mesh_or_vertices, faces)
     with reporting(progress) as report:

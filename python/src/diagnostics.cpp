@@ -63,10 +63,18 @@ nb::dict toDict(const SelfIntersections& crossings) {
   return dict;
 }
 
+nb::object orNone(const std::optional<double>& value) {
+  if (value) return nb::float_(*value);
+  return nb::none();
+}
+
 nb::dict toDict(const Verdict& verdict) {
   nb::dict dict;
   dict["kind"] = std::string(name(verdict.kind));
   dict["remedy"] = std::string(name(verdict.remedy));
+  dict["sought"] = verdict.sought;
+  dict["thinnest"] = orNone(verdict.thinnest);
+  dict["voxel_size"] = orNone(verdict.voxelSize);
   return dict;
 }
 
@@ -74,15 +82,17 @@ nb::dict info(const MeshHandle& mesh, bool isFast, nb::object progress) {
   Call call(std::move(progress));
   Diagnostics found;
   std::optional<SelfIntersections> crossings;
+  Verdict verdict;
   call.run([&] {
     found = diagnose(mesh.view, {.progress = call.progress()});
     if (!isFast) crossings = findSelfIntersections(mesh.view, call.progress());
+    verdict = crossings ? judge(mesh.view, found, *crossings, call.progress()) : judge(found, crossings);
   });
   nb::dict dict = toDict(found);
   nb::dict uncounted;
   uncounted["counted"] = false;
   dict["self_intersections"] = crossings ? toDict(*crossings) : uncounted;
-  dict["verdict"] = toDict(judge(found, crossings));
+  dict["verdict"] = toDict(verdict);
   return dict;
 }
 

@@ -47,7 +47,7 @@ Remedy remedyFor(MeshKind kind, const Diagnostics& found) {
 
 Verdict judge(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
   const MeshKind kind = kindOf(found, crossings ? crossings->pairs : 0);
-  return {kind, remedyFor(kind, found)};
+  return {.kind = kind, .remedy = remedyFor(kind, found)};
 }
 
 }  // namespace raymap

@@ -389,10 +389,27 @@ TEST_F(Cli, EndsInformationWithAVerdict) {
   const Mesh torus = shapes::torus(2.0, 0.7, 40, 24), ball = shapes::sphere(1.5, 3);
   const Mesh two = shapes::joined(torus, ball);
   const std::string pairs = std::to_string(findSelfIntersections(two).pairs);
-  EXPECT_EQ(verdict(torus, ""), "This is a clean solid, with nothing wrong.\n");
-  EXPECT_EQ(verdict(two, ""), "This is 2 closed parts that overlap: " + pairs +
-                                  " pairs of faces cross.\nTo make it a clean solid: raymap repair "
-                                  "'a mesh.ply' -o 'a mesh.solid.ply'\n");
+  EXPECT_EQ(
+      verdict(torus, ""),
+      "This is a clean solid, with nothing wrong.\nNo part is thinner than 0.216; a repair with 256 samples "
+      "keeps all.\n");
+  EXPECT_EQ(verdict(two, ""),
+            "This is 2 closed parts that overlap: " + pairs +
+                " pairs of faces cross.\nTo make it a clean solid: raymap repair "
+                "'a mesh.ply' -o 'a mesh.solid.ply'\nNo part is thinner than 0.216; a repair "
+                "with 256 samples keeps all.\n");
+  const auto slab = [&](double depth) { return verdict(shapes::box({0, 0, 0}, {10, 10, depth}), ""); };
+  EXPECT_EQ(slab(0.2),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.2 thick. A repair "
+            "with 256 samples keeps it; so does --voxel-size 0.1.\n");
+  EXPECT_EQ(slab(0.03),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.03 thick. To keep "
+            "it takes --voxel-size 0.015: 800 x 800 x 136 samples.\n");
+  EXPECT_EQ(slab(0.001),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.001 thick. To "
+            "keep it would take --voxel-size 0.0005: 24,000 x 24,000 x 4,003 samples, which is too many; 256 "
+            "samples "
+            "keep parts from 0.0938 on.\n");
   EXPECT_EQ(verdict(two, " --fast"),
             "This is 2 clean, separate solids, with nothing wrong. Faces that cross were not counted "
             "(--fast).\n");

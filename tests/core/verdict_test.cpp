@@ -149,6 +149,41 @@ TEST(Verdict, KnowsThatThereIsNoSurface) {
   EXPECT_EQ(judged(mesh).remedy, Remedy::None);
 }
 
+TEST(Verdict, GivesTheVoxelSizeThatKeepsTheThinnestPart) {
+  const auto slab = [](double depth) {
+    const Mesh mesh = shapes::box({0, 0, 0}, {10, 10, depth});
+    return judge(mesh, diagnose(mesh), findSelfIntersections(mesh));
+  };
+  EXPECT_EQ(slab(0.25).kind, MeshKind::CleanSolid);
+  EXPECT_DOUBLE_EQ(slab(0.25).sought, 0.4);
+  EXPECT_NEAR(slab(0.25).thinnest.value(), 0.25, 1e-6);
+  EXPECT_DOUBLE_EQ(slab(0.25).voxelSize.value(), 0.12);
+  EXPECT_DOUBLE_EQ(slab(0.2).voxelSize.value(), 0.1);
+  EXPECT_DOUBLE_EQ(slab(0.199).voxelSize.value(), 0.099);
+  EXPECT_DOUBLE_EQ(slab(0.5).sought, 0.4);
+  EXPECT_FALSE(slab(0.5).thinnest.has_value());
+  EXPECT_FALSE(slab(0.5).voxelSize.has_value());
+  const Verdict sheet = judge(plate(), diagnose(plate()), findSelfIntersections(plate()));
+  EXPECT_EQ(sheet.kind, MeshKind::Sheet);
+  EXPECT_EQ(sheet.sought, 0.0);
+}
+
+TEST(Verdict, FindsTheThinnestPart) {
+  const Mesh slab = shapes::box({0, 0, 0}, {10, 10, 0.25});
+  EXPECT_NEAR(findThinnest(slab, 1.0).value(), 0.25, 1e-6);
+  EXPECT_FALSE(findThinnest(slab, 0.2).has_value());
+  EXPECT_FALSE(findThinnest(shapes::sphere(1.0, 3), 0.5).has_value());
+}
+
+TEST(Verdict, LeavesOutTheThinnestFiveHundredthOfTheArea) {
+  const Mesh cube = shapes::box({0, 0, 0}, {10, 10, 10});  // Its area is 600, and a side of a slab's is half.
+  const auto withSlab = [&](double side) {
+    return shapes::joined(cube, shapes::box({20, 0, 0}, {20 + side, side, 0.01}));
+  };
+  EXPECT_FALSE(findThinnest(withSlab(0.7), 1.0).has_value());         // 0.16 %
+  EXPECT_NEAR(findThinnest(withSlab(0.9), 1.0).value(), 0.01, 1e-4);  // 0.27 %
+}
+
 TEST(Verdict, HasNames) {
   EXPECT_EQ(name(MeshKind::NoSurface), "no_surface");
   EXPECT_EQ(name(MeshKind::OpenSolid), "open_solid");
