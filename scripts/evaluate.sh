@@ -3,8 +3,8 @@
 # tables of docs/evaluation.md and docs/signs.md, and the table of closed holes in docs/distances.md. Leaves them, with
 # pictures, in out/evaluation:
 #   scripts/evaluate.sh FOLDER [PART...]
-# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about half
-# an hour. Python packages go into build/bench/evaluation.
+# FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about an
+# hour, and `repair` goes on where it was stopped. Python packages go into build/bench/evaluation.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 folder=${1:?a folder of meshes}
@@ -19,9 +19,10 @@ close_holes() { "$build/bin/close_holes_table" "$folder/libigl__bunny.off" | tee
 winding_fields() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only winding_fields; }
 deficient_meshes() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only deficient_meshes; }
 repair() { "$python" bench/evaluate_repair.py "$build/bin/raymap" "$folder" --work "$out/repair" | tee "$out/repair.md"; }
+repair_pictures() { "$python" bench/repair_pictures.py "$build/bin/raymap" "$folder" "$out/repair.png" --work "$out/repair"; }
 
 parts=("${@:2}")
-if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair); fi
+if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair repair_pictures); fi
 for part in "${parts[@]}"; do
   declare -F "$part" >/dev/null || { echo "$part is no part" >&2 && exit 2; }
 done
@@ -29,10 +30,11 @@ done
 scripts/install.sh --bench >&2
 cmake --preset release -B "$build" -DRAYMAP_BUILD_BENCH=ON -DRAYMAP_BUILD_TESTS=OFF >&2
 cmake --build "$build" >&2
-if [ ! -e "$build/evaluation/complete" ]; then
+packages="numpy scipy libigl open3d trimesh pillow"
+if [ "$(cat "$build/evaluation/complete" 2>/dev/null)" != "$packages" ]; then
   python3 -m venv "$build/evaluation" >&2
-  "$build/evaluation/bin/pip" install --quiet numpy libigl open3d pillow >&2
-  touch "$build/evaluation/complete"
+  "$build/evaluation/bin/pip" install --quiet $packages >&2
+  echo "$packages" >"$build/evaluation/complete"
 fi
 
 mkdir -p "$out"

@@ -31,6 +31,7 @@ checks=(
 peers=(
   libbenchmark-dev               # single stages
   libembree-dev                  # exact peer
+  admesh                         # another judge of repaired meshes
   python3-venv                   # the Python peers come from PyPI,
   libusb-1.0-0 libgl1 libgomp1   # and one of them needs these
 )
