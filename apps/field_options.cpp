@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 #include <raymap/names.h>
+#include <raymap/repair.h>
 
 #include <span>
 
@@ -155,6 +156,12 @@ Options withProgress(Options options, ProgressLine& line) {
   return options;
 }
 
+/// Returns a grid that holds the mesh, and the plate around it that `--thickness` makes.
+static Grid gridFor(const Mesh& mesh, const FieldArguments& arguments) {
+  if (arguments.grid.box || arguments.options.thickness == 0.0) return fitGrid(mesh, arguments.grid);
+  return fitRepairGrid(mesh, arguments.grid, {.minThickness = arguments.options.thickness});
+}
+
 std::vector<std::string> meshAndFieldExtensions() {
   std::vector<std::string> extensions = meshExtensions();
   for (const std::string& extension : fieldExtensions()) extensions.push_back(extension);
@@ -169,7 +176,7 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
   Options options = arguments.options;
   testBeforeFirstUse(options.device);
   ProgressLine line;
-  return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
+  return generate(mesh, gridFor(mesh, arguments), withProgress(options, line)).field;
 }
 
 }  // namespace raymap

@@ -21,6 +21,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap repair part.stl -o part.3.stl --voxel-size 0.1 --offset 0.2
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4 --drain-holes 2    (a vent, too)
+  raymap repair car.obj -o car.stl --min-thickness 0.8           (nothing is thinner, sheets become plates)
 
   raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
   raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
@@ -85,6 +86,11 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   CLI::Option* shell =
       command.add_option("--shell", repair.shell, "Hollow the solid out, leaving walls this thick");
   shell->check(numberFrom(0, true))->group("Shape");
+  command
+      .add_option("--min-thickness", repair.minThickness,
+                  "Make walls, fins and sheets that are thinner this thick; at least two samples")
+      ->check(numberFrom(0, true))
+      ->group("Shape");
   CLI::Option* hole = command.add_option(
       "--drain-hole", repair.drainHole,
       "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too "

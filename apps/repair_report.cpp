@@ -93,6 +93,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"drain_hole", arguments.repair.drainHole},
             {"drain_holes", arguments.repair.drainHoles},
             {"keep_cavities", arguments.repair.keepCavities},
+            {"min_thickness", arguments.repair.minThickness},
             {"remesh", arguments.repair.remesh},
             {"unit", unit ? Json(nameOf(*unit)) : Json()},
             {"scale", arguments.units.scale},
@@ -119,6 +120,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"kept", report.isKept},
           {"closed_holes", report.closedHoles},
           {"closing_faces", report.closingFaces},
+          {"thickened_share", report.thickenedShare},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"left_out_faces", report.stats.leftOutFaces.size()},
           {"orientation_fits", report.stats.orientationFits},
@@ -165,6 +167,9 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   for (const auto& [p, d] : report.holePlaces)
     std::printf("  %-22s at %.5g %.5g %.5g, direction %.3g %.3g %.3g\n", "drain hole", p.x, p.y, p.z, d.x,
                 d.y, d.z);
+  if (arguments.repair.minThickness > 0.0)
+    std::printf("  %.3g %% of the mesh's area was thinner than %g, and is that thick now\n",
+                100.0 * report.thickenedShare, arguments.repair.minThickness);
 }
 
 }  // namespace raymap

@@ -13,8 +13,11 @@ namespace raymap {
 
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
 struct RepairOptions {
-  double offset = 0.0;     ///< Distance to move the surface outwards; negative: inwards.
-  double shell = 0.0;      ///< Thickness of the walls of a hollow solid; 0 = not hollow.
+  double offset = 0.0;  ///< Distance to move the surface outwards; negative: inwards.
+  double shell = 0.0;   ///< Thickness of the walls of a hollow solid; 0 = not hollow.
+  /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. 0 =
+  /// none. At least two samples.
+  double minThickness = 0.0;
   double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
   /// one, then down from level floors as far from the others as there are.
@@ -79,8 +82,9 @@ struct RepairReport {
   bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
   bool isKept = false;
-  size_t closedHoles = 0;   ///< Number of holes that were closed beside the faces that were kept.
-  size_t closingFaces = 0;  ///< Number of faces that close them.
+  size_t closedHoles = 0;       ///< Number of holes that were closed beside the faces that were kept.
+  size_t closingFaces = 0;      ///< Number of faces that close them.
+  double thickenedShare = 0.0;  ///< Share of the mesh's area that was thinner than `minThickness`.
 };
 
 /// A repaired mesh and what was done.
@@ -90,13 +94,14 @@ struct Repaired {
 };
 
 /// Returns a grid that holds the result: it covers the mesh's bounds, padded by `GridOptions::padding` and by
-/// a positive offset. Ignores `GridOptions::box`. Throws `Error(Usage)` as `fitGrid` does.
+/// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box`. Throws
+/// `Error(Usage)` as `fitGrid` does.
 RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair);
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `Options::closeHoles`
 /// also of one whose holes can be filled so that nothing is wrong. Throws `Error` as `generate` and
-/// `isosurface` do, Usage also if walls or holes are thinner than two samples.
+/// `isosurface` do, Usage also if walls, holes or the least thickness are thinner than two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options,
                            const RepairOptions& repair);
 

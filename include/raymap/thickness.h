@@ -23,9 +23,12 @@ struct FacePoint {
 
 /// What a mesh is at a point of its surface.
 enum class Part : uint8_t {
-  Wall,    ///< Side of a plate, a rod or any body: another side lies opposite.
-  Edge,    ///< Side of a wedge or a spike, which runs out to an edge or a tip.
-  Solid,   ///< Surface of a solid, but its other sides are too oblique or too near to lie opposite.
+  Wall,  ///< Side of a plate, a rod or any body: another side lies opposite.
+  Edge,  ///< Side of a wedge or a spike, which runs out to an edge or a tip.
+  /// Surface beside a blunt edge or corner: the other side is too oblique, or a third too near. Also faces
+  /// without an area.
+  Corner,
+  Solid,   ///< Surface of a solid whose other side is farther than what was looked for.
   Sheet,   ///< Face that bounds nothing: it is outside on both sides.
   Buried,  ///< Face that is inside on both sides.
 };
@@ -40,7 +43,8 @@ struct Thickness {
   /// Diameter of the ball that touches the point and the side opposite, in the mesh's units. 0 for a sheet;
   /// infinite where no side lies opposite.
   float diameter = 0.0f;
-  glm::vec3 inward{0.0f};  ///< Unit vector into the solid; 0 for sheets and buried faces.
+  glm::vec3 inward{
+      0.0f};  ///< Unit vector into the solid; 0 for sheets, buried faces and faces without an area.
 };
 
 /// How to measure thickness.
@@ -64,8 +68,8 @@ struct ThicknessSummary {
   size_t points = 0;         ///< Number of points measured.
 };
 
-/// Returns points spread evenly over the faces of a mesh. Each is the middle of a part of a face, whose sides
-/// are at most `step` long, and at least a 4096th of the face's. The points come in the order of the faces.
+/// Returns the middles of parts of the faces of a mesh, in the order of the faces. A face is halved until no
+/// side of a part is longer than `step`, but at most 22 times.
 RAYMAP_API std::vector<FacePoint> sampleFaces(const MeshView& mesh, double step);
 
 /// Returns the summary of what was measured at points.

@@ -201,6 +201,8 @@ class RepairReport(TypedDict):
     """Number of holes that were closed beside the faces that were kept."""
     closing_faces: int
     """Number of faces that close them."""
+    thickened_share: float
+    """Share of the mesh's area that was thinner than ``min_thickness``."""
 
 
 class Repaired(NamedTuple):
@@ -224,6 +226,7 @@ def repair(
     shell: float = 0.0,
     drain_hole: float = 0.0,
     drain_holes: int = 1,
+    min_thickness: float = 0.0,
     down: tuple[float, float, float] = (0.0, 0.0, -1.0),
     drop_smaller: float | None = None,
     keep_cavities: bool = False,
@@ -250,6 +253,8 @@ def repair(
         drain_hole: Diameter of the drain holes; 0 = none.
         drain_holes: Number of drain holes of each hollow: down from its lowest point, then as a vent up from its
             highest one, then down from level floors as far from the others as there are.
+        min_thickness: Thickness of the plates that take the place of thinner walls, fins and sheets, in the mesh's
+            units; 0 = none. At least two samples.
         down: Direction of the drain holes.
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
             thousandth of what the largest part encloses.
@@ -280,6 +285,7 @@ def repair(
     how.drain_holes = operator.index(drain_holes)
     how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
+    how.min_thickness = float(min_thickness)
     with reporting(progress) as report:
         result, found, stats = _raymap.repair(
             mesh._core, operator.index(resolution), voxel_size or 0.0, options, how, report

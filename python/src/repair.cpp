@@ -56,6 +56,7 @@ nb::dict toDict(const RepairReport& report) {
   dict["kept"] = report.isKept;
   dict["closed_holes"] = report.closedHoles;
   dict["closing_faces"] = report.closingFaces;
+  dict["thickened_share"] = report.thickenedShare;
   return dict;
 }
 
@@ -88,6 +89,7 @@ void bindRepair(nb::module_& module) {
       .def_rw("drop_smaller", &RepairOptions::dropSmaller)
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
       .def_rw("remesh", &RepairOptions::remesh)
+      .def_rw("min_thickness", &RepairOptions::minThickness)
       .def_prop_rw(
           "down", [](const RepairOptions& self) { return toTriple(self.down); },
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });

@@ -134,8 +134,10 @@ def test_info_is_that_of_the_command_line(ball, run_raymap):
 def test_repair_is_that_of_the_command_line(ball, run_raymap):
     broken = raymap.Mesh(ball.vertices, ball.faces[60:])
     broken.save("broken.ply")
-    options = dict(resolution=40, offset=0.1, shell=0.3, drain_hole=0.4, drain_holes=2, down=(0, -1, 0))
-    arguments = "--resolution 40 --offset 0.1 --shell 0.3 --drain-hole 0.4 --drain-holes 2 --down 0 -1 0".split()
+    options = dict(resolution=40, offset=0.1, shell=0.3, drain_hole=0.4, drain_holes=2, down=(0, -1, 0),
+                   min_thickness=0.25)
+    arguments = "--resolution 40 --offset 0.1 --shell 0.3 --drain-hole 0.4 --drain-holes 2 --down 0 -1 0"
+    arguments = (arguments + " --min-thickness 0.25").split()
     run_raymap("repair", "broken.ply", "-o", "solid.ply", "--device", "cpu", "--stats", "stats.json", *arguments)
     mesh, report, stats = raymap.repair("broken.ply", device="cpu", **options)
     mesh.save("mine.ply")
@@ -169,7 +171,7 @@ def test_repair_without_options(ball):
     result = raymap.repair(ball, voxel_size=0.1, close_holes=False, orientation="keep", threads=1, remesh=True)
     found = raymap.info(result.mesh)
     assert found["watertight"] and found == result.report["after"]
-    for options in (dict(voxel_size=-1), dict(shell=0.001), dict(drain_hole=1), dict(down=(0, 0, 0)),
-                    dict(orientation="up"), dict(memory_limit=0)):
+    for options in (dict(voxel_size=-1), dict(shell=0.001), dict(min_thickness=0.001), dict(drain_hole=1),
+                    dict(down=(0, 0, 0)), dict(orientation="up"), dict(memory_limit=0)):
         with pytest.raises(raymap.UsageError):
             raymap.repair(ball, **{"resolution": 16, **options})

@@ -20,15 +20,6 @@ double areaOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
-double countParts(const PackedMesh& mesh, double step) {
-  double count = 0.0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const double parts = facePartsPerSide(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step);
-    count += parts * parts;
-  }
-  return count;
-}
-
 /// Returns points spread evenly over the area of a mesh, in the order of the faces.
 std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
   // The plastic sequence (Roberts 2018) fills a triangle evenly.
@@ -91,15 +82,12 @@ std::vector<FacePoint> sampleFaces(const MeshView& view, double step) {
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
   std::vector<FacePoint> points;
-  points.reserve(size_t(countParts(mesh, step)));
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& face = mesh.triangles[t];
-    const glm::vec3 &a = mesh.vertices[face.x], &b = mesh.vertices[face.y], &c = mesh.vertices[face.z];
-    const int parts = facePartsPerSide(a, b, c, step);
-    const double area = areaOf(a, b, c) / (double(parts) * parts);
-    forEachFacePart(a, b, c, parts, [&](const glm::vec3& u, const glm::vec3& v, const glm::vec3& w) {
-      points.push_back({mesh.origin + (glm::dvec3(u) + glm::dvec3(v) + glm::dvec3(w)) / 3.0, t, area});
-    });
+    forEachFacePart(mesh.vertices[face.x], mesh.vertices[face.y], mesh.vertices[face.z], step,
+                    [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+                      points.push_back({mesh.origin + (a + b + c) / 3.0, t, areaOf(a, b, c)});
+                    });
   }
   return points;
 }

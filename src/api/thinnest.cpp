@@ -22,7 +22,8 @@ double areaOf(const PackedMesh& mesh, const glm::uvec3& face) {
   return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
-/// Returns the point of a face with two coordinates in [0, 1). Such points spread evenly if the coordinates do.
+/// Returns the point of a face with two coordinates in [0, 1). Such points spread evenly if the coordinates
+/// do.
 glm::dvec3 pointOf(const PackedMesh& mesh, const glm::uvec3& face, double u, double v) {
   if (u + v > 1.0) {
     u = 1.0 - u;
@@ -45,8 +46,7 @@ std::vector<FacePoint> spreadPoints(const PackedMesh& mesh) {
     for (; points.size() < kPoints && (double(points.size()) + 0.5) * each <= before;) {
       const auto k = double(points.size());
       const double u = k * 0.7548776662466927, v = k * 0.5698402909980532;
-      points.push_back(
-          {pointOf(mesh, mesh.triangles[f], u - std::floor(u), v - std::floor(v)), f, each});
+      points.push_back({pointOf(mesh, mesh.triangles[f], u - std::floor(u), v - std::floor(v)), f, each});
     }
   }
   return points;

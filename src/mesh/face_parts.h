@@ -1,30 +1,26 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <glm/glm.hpp>
 
 namespace raymap {
 
-/// Most parts that the sides of a face are cut into.
-inline constexpr double kMostFaceParts = 4096.0;
+/// Most times that a face is halved: it has at most 2^22 parts.
+inline constexpr int kMostFaceHalvings = 22;
 
-/// Returns the number of parts that each side of a triangle is cut into, so that none is longer than `step`.
-inline int facePartsPerSide(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
-  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-  return static_cast<int>(std::clamp(std::ceil(longest / step), 1.0, kMostFaceParts));
-}
-
-/// Calls `visit(a, b, c)` with the corners of the parts of an evenly cut triangle. They wind as it does.
+/// Calls `visit(a, b, c)` with the corners of the parts of a triangle, which is halved at the middle of its
+/// longest side until none is longer than `step`. Slivers have fewer parts than by an even cut. They wind as
+/// the triangle.
 template <class Visit>
-void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int parts, Visit&& visit) {
-  const glm::vec3 u = (b - a) / static_cast<float>(parts), v = (c - a) / static_cast<float>(parts);
-  const auto at = [&](int i, int j) { return a + (static_cast<float>(i) * u + static_cast<float>(j) * v); };
-  for (int j = 0; j < parts; ++j)
-    for (int i = 0; i + j < parts; ++i) {
-      visit(at(i, j), at(i + 1, j), at(i, j + 1));
-      if (i + j + 1 < parts) visit(at(i + 1, j + 1), at(i, j + 1), at(i + 1, j));
-    }
+void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
+                     int halvings = kMostFaceHalvings) {
+  const double ab = glm::distance(a, b), bc = glm::distance(b, c), ca = glm::distance(c, a);
+  // The longest side becomes ab.
+  if (bc > ab && bc >= ca) return forEachFacePart(b, c, a, step, visit, halvings);
+  if (ca > ab) return forEachFacePart(c, a, b, step, visit, halvings);
+  if (ab <= step || halvings == 0) return visit(a, b, c);
+  const glm::vec3 middle = 0.5f * (a + b);
+  forEachFacePart(a, middle, c, step, visit, halvings - 1);
+  forEachFacePart(middle, b, c, step, visit, halvings - 1);
 }
 
 }  // namespace raymap

@@ -16,6 +16,7 @@
 #include "repair/keep.h"
 #include "repair/measure.h"
 #include "repair/pieces.h"
+#include "repair/thin_parts.h"
 
 namespace raymap {
 
@@ -40,6 +41,11 @@ void check(const Grid& grid, const RepairOptions& repair) {
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
+  require(repair.minThickness >= 0.0, "the least thickness must not be negative");
+  require(repair.minThickness == 0.0 || repair.minThickness >= 2.0 * grid.spacing,
+          "a least thickness (--min-thickness) of " + std::to_string(repair.minThickness) +
+              " is less than two samples (" + std::to_string(2.0 * grid.spacing) +
+              "); use a voxel size of at most " + std::to_string(0.5 * repair.minThickness));
 }
 
 /// The solid with its surface moved by the offset.
@@ -69,7 +75,7 @@ void requireParts(const Mesh& surface) {
 }
 
 bool asksForChange(const RepairOptions& repair) {
-  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0;
+  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0 || repair.minThickness > 0.0;
 }
 
 bool crossesNowhere(const SelfIntersections& crossing) {
@@ -172,7 +178,7 @@ Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const Repai
   const Box box = bounds(mesh);
   const glm::dvec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  const double room = options.padding * longest + std::max(repair.offset, 0.0);
+  const double room = options.padding * longest + std::max({repair.offset, 0.5 * repair.minThickness, 0.0});
   GridOptions covering = options;
   covering.box = Box{box.min - room, box.max + room};
   return fitGrid(mesh, covering);
@@ -193,11 +199,12 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
   if (report.isKept) return repaired;
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
+  report.thickenedShare = thickenThinParts(mesh, options, repair, solid);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
                 "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
                 "more samples, or "
-                "for a sheet 'raymap mesh --thickness'");
+                "for a sheet --min-thickness");
   stage("isosurface", [&] { result = makeSurface(solid, options); });
   stage("pieces", [&] { dropPieces(solid, result, options, repair, report); });
   ExpectedPoints expected;

@@ -1019,6 +1019,29 @@ TEST_F(Cli, DropsCrumbsAndFillsBubbles) {
   expectFailure("repair ball.ply -o none.stl --drop-smaller -1", ErrorCode::Usage, "--drop-smaller");
 }
 
+TEST_F(Cli, ThickensThinParts) {
+  const Mesh fin = shapes::joined(shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({1, 1.95, 3}, {3, 2.05, 7}));
+  writeMesh(path("fin.ply"), fin);
+  const std::string text =
+      succeed("repair fin.ply -o fin.stl --voxel-size 0.2 --min-thickness 0.5 --stats fin.json").out;
+  EXPECT_NE(text.find("of the mesh's area was thinner than 0.5"), std::string::npos) << text;
+  const Json stats = json("fin.json");
+  EXPECT_EQ(stats["options"]["min_thickness"], 0.5);
+  EXPECT_NEAR(stats["thickened_share"].get<double>(), 12.0 / 113.2, 0.01);
+  EXPECT_TRUE(stats["after"]["watertight"]);
+  EXPECT_NEAR(bounds(readMesh(path("fin.stl"))).max.z, 7.2, 0.1);
+  expectFailure("repair fin.ply -o none.stl --voxel-size 0.4 --min-thickness 0.5", ErrorCode::Usage,
+                "use a voxel size of at most 0.25");
+}
+
+TEST_F(Cli, MakesRoomForThePlateAroundASheet) {
+  writeMesh(path("sheet.ply"), makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                        {{0, 1, 2}, {0, 2, 3}}));
+  succeed("mesh sheet.ply -o plate.ply --thickness 0.6 --resolution 40");
+  EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().x, 1.6, 0.03);
+  EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().z, 0.6, 0.03);
+}
+
 TEST_F(Cli, RefusesBadOptions) {
   writeTorus();
   const auto refuse = [&](const std::string& options, const std::string& message) {

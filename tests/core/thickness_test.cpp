@@ -95,9 +95,13 @@ TEST(Thickness, SamplesFacesEvenly) {
   }
   EXPECT_NEAR(area, 2.0 * (1 * 2 + 2 * 3 + 1 * 3), 1e-5);
   EXPECT_NEAR(glm::distance(sum / area, {1.5, 3.0, 4.5}), 0.0, 1e-6);
-  // Diagonals of sqrt(5), sqrt(13) and sqrt(10) are cut into 5, 8 and 7 parts.
-  EXPECT_EQ(points.size(), 4u * (5 * 5 + 8 * 8 + 7 * 7));
   EXPECT_EQ(sampleFaces(mesh, 100.0).size(), 12u);
+  // Halving takes the longest side from sqrt(2) to 1, sqrt(1/2) and 1/2.
+  const Mesh cube = shapes::box({0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(sampleFaces(cube, 0.5).size(), 12u * 8);
+  EXPECT_EQ(sampleFaces(cube, 0.499).size(), 12u * 16);
+  // The even cut of a sliver has a part for each square of its length.
+  EXPECT_LT(sampleFaces(shapes::box({0, 0, 0}, {100, 0.01, 0.01}), 0.5).size(), 80'000u);
   EXPECT_TRUE(std::ranges::is_sorted(points, {}, &FacePoint::triangle));
 }
 
@@ -108,7 +112,7 @@ TEST(Thickness, IsThatOfABoxBetweenEachTwoSides) {
     for (size_t i = 0; i < found.points.size(); ++i) {
       const double expected = std::array{3.0, 2.0, 1.0}[found.points[i].triangle / 4];
       ASSERT_NEAR(double(found.thickness[i].diameter), expected, 1e-5) << i;
-      ASSERT_TRUE(found.thickness[i].part == Part::Wall || found.thickness[i].part == Part::Solid);
+      ASSERT_TRUE(found.thickness[i].part == Part::Wall || found.thickness[i].part == Part::Corner);
       const glm::dvec3 middle = bounds(mesh).centre();
       ASSERT_GT(glm::dot(glm::dvec3(found.thickness[i].inward), middle - found.points[i].position), 0.0);
       ASSERT_NEAR(glm::length(found.thickness[i].inward), 1.0f, 1e-6f);
@@ -129,7 +133,7 @@ TEST(Thickness, TellsTheMiddleOfASideFromItsRim) {
     p[axis] = 0.0;
     const double rim = 0.5 - std::max({p.x, p.y, p.z});
     if (std::abs(rim - 0.375) < 1e-3) continue;
-    ASSERT_EQ(found.thickness[i].part, rim > 0.375 ? Part::Wall : Part::Solid) << rim;
+    ASSERT_EQ(found.thickness[i].part, rim > 0.375 ? Part::Wall : Part::Corner) << rim;
   }
 }
 
@@ -178,7 +182,7 @@ TEST(Thickness, TellsTheEdgeOfAWedgeFromAWall) {
       ASSERT_NEAR(double(found.thickness[i].diameter), 2.0 * away * std::tan(0.5 * angle), 1e-4);
       ++edges;
     }
-    EXPECT_GT(edges, found.points.size() / 8);
+    EXPECT_GT(edges, found.points.size() / 16);
     EXPECT_LT(found.summary().sharpest, 0.2 * std::tan(angle));
     // Only the ends are walls, one of the other.
     EXPECT_FALSE(found.summary().thinnest < 2.999);
@@ -243,12 +247,26 @@ TEST(Thickness, IsZeroForASheet) {
   EXPECT_NEAR(found.summary().sheetShare, 16.0 / (16.0 + 4 * kPi), 0.01);
 }
 
+TEST(Thickness, HasNothingForFacesWithoutArea) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  mesh.triangles.emplace_back(0, 1, 1);
+  mesh.triangles.emplace_back(2, 2, 2);
+  const Measured found = measure(mesh, 10.0);
+  ASSERT_EQ(found.points.size(), 14u);
+  for (size_t i = 12; i < 14; ++i) {
+    EXPECT_EQ(found.thickness[i].part, Part::Corner);
+    EXPECT_TRUE(std::isinf(found.thickness[i].diameter));
+    EXPECT_EQ(found.thickness[i].inward, glm::vec3(0.0f));
+  }
+}
+
 TEST(Thickness, FindsNothingThickerThanTheMost) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 2, 3});
   const Measured found = measure(mesh, 0.3, {.most = 2.0});
   for (size_t i = 0; i < found.points.size(); ++i) {
     const float expected = std::array{INFINITY, 2.0f, 1.0f}[found.points[i].triangle / 4];
     ASSERT_EQ(found.thickness[i].diameter, expected);
+    ASSERT_EQ(found.thickness[i].part == Part::Solid, std::isinf(expected));
   }
 }
 

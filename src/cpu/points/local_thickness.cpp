@@ -66,8 +66,8 @@ class LocalThickness {
     const bool isFrontInside = isInside(front), isBackInside = isInside(back);
     if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     const glm::dvec3 n = normal(point.triangle);
-    if ((!isFrontInside && !isBackInside) || n == glm::dvec3(0.0))
-      return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
+    if (n == glm::dvec3(0.0)) return {Part::Corner, INFINITY, glm::vec3(0.0f)};
+    if (!isFrontInside && !isBackInside) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
     const glm::dvec3 inward = isFrontInside ? n : -n;
     const glm::dvec3 p = point.position - surface_.mesh.origin;
     const RayHit* exit = findExit(p, inward, isFrontInside ? front : back);
@@ -75,7 +75,9 @@ class LocalThickness {
     if (!exit) return result;
     const double cosine = glm::dot(exit->normal, inward);
     const double diameter = 2.0 * exit->distance * cosine / (1.0 + cosine);
-    if (cosine < kLeastCosine || diameter > most_) return result;
+    if (cosine >= kLeastCosine && diameter > most_) return result;
+    result.part = Part::Corner;
+    if (cosine < kLeastCosine) return result;
     result.diameter = static_cast<float>(diameter);
     if (isFree(p + 0.5 * diameter * inward, kFree * 0.5 * diameter))
       result.part = runsOut(p, inward, *exit) ? Part::Edge : Part::Wall;
