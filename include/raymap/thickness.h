@@ -26,7 +26,7 @@ enum class Part : uint8_t {
   Wall,  ///< Side of a plate, a rod or any body: another side lies opposite.
   Edge,  ///< Side of a wedge or a spike, which runs out to an edge or a tip.
   /// Surface beside a blunt edge or corner: the other side is too oblique, or a third too near. Also faces
-  /// without an area.
+  /// narrower than 0.00002 of the mesh's diagonal.
   Corner,
   Solid,   ///< Surface of a solid whose other side is farther than what was looked for.
   Sheet,   ///< Face that bounds nothing: it is outside on both sides.
@@ -43,8 +43,7 @@ struct Thickness {
   /// Diameter of the ball that touches the point and the side opposite, in the mesh's units. 0 for a sheet;
   /// infinite where no side lies opposite.
   float diameter = 0.0f;
-  glm::vec3 inward{
-      0.0f};  ///< Unit vector into the solid; 0 for sheets, buried faces and faces without an area.
+  glm::vec3 inward{0.0f};  ///< Unit vector into the solid; 0 for sheets, buried and narrow faces.
 };
 
 /// How to measure thickness.

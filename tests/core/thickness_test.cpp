@@ -247,13 +247,15 @@ TEST(Thickness, IsZeroForASheet) {
   EXPECT_NEAR(found.summary().sheetShare, 16.0 / (16.0 + 4 * kPi), 0.01);
 }
 
-TEST(Thickness, HasNothingForFacesWithoutArea) {
+TEST(Thickness, HasNothingForFacesThatAreTooNarrow) {
   Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  mesh.vertices.push_back(mesh.vertices[0] + glm::vec3(0.5f, -2e-5f, 0.0f));
+  mesh.triangles.emplace_back(0, 8, 1);
   mesh.triangles.emplace_back(0, 1, 1);
   mesh.triangles.emplace_back(2, 2, 2);
   const Measured found = measure(mesh, 10.0);
-  ASSERT_EQ(found.points.size(), 14u);
-  for (size_t i = 12; i < 14; ++i) {
+  ASSERT_EQ(found.points.size(), 15u);
+  for (size_t i = 12; i < 15; ++i) {
     EXPECT_EQ(found.thickness[i].part, Part::Corner);
     EXPECT_TRUE(std::isinf(found.thickness[i].diameter));
     EXPECT_EQ(found.thickness[i].inward, glm::vec3(0.0f));

@@ -51,14 +51,16 @@ class LocalThickness {
 
   double beside() const { return beside_; }
 
-  /// Returns the unit normal of a face, or 0 if the face has no area.
+  /// Returns the unit normal of a face, or 0 if the face is so narrow that rounding turns it or that a step
+  /// to its side passes its neighbours.
   glm::dvec3 normal(uint32_t triangle) const {
     const glm::uvec3& face = surface_.mesh.triangles[triangle];
-    const glm::dvec3 a(surface_.mesh.vertices[face.x]);
-    const glm::dvec3 n = glm::cross(glm::dvec3(surface_.mesh.vertices[face.y]) - a,
-                                    glm::dvec3(surface_.mesh.vertices[face.z]) - a);
+    const glm::dvec3 a(surface_.mesh.vertices[face.x]), b(surface_.mesh.vertices[face.y]),
+        c(surface_.mesh.vertices[face.z]);
+    const glm::dvec3 n = glm::cross(b - a, c - a);
     const double length = glm::length(n);
-    return length > 0.0 ? n / length : glm::dvec3(0.0);
+    const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+    return length > 2.0 * beside_ * longest ? n / length : glm::dvec3(0.0);
   }
 
   /// Measures a point between two winding numbers, in front of its face and behind it.
