@@ -170,8 +170,11 @@ Keeps keeps(const Verdict& verdict, const Diagnostics& found) {
   return n.x * n.y * n.z > kMostSamples ? Keeps::TooMany : Keeps::WithVoxelSize;
 }
 
-std::string describeThickness(const Verdict& verdict, const Diagnostics& found) {
-  if (verdict.sought == 0.0) return {};
+std::string describeThickness(const Verdict& verdict, const Diagnostics& found, bool isFast) {
+  if (verdict.sought == 0.0) {
+    const bool isSolid = verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
+    return isSolid && !isFast ? "The thickness was not measured: there are too many triangles.\n" : "";
+  }
   if (!verdict.voxelSize)
     return "No part is thinner than " + text(verdict.sought) + "; a repair with 256 samples keeps all.\n";
   const std::string part = "Its thinnest part is about " + text(*verdict.thinnest) + " thick. ";
@@ -213,7 +216,7 @@ std::string describe(const Verdict& verdict, const Diagnostics& found,
   const std::string command = commandFor(verdict, found, mesh);
   if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
   if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";
-  return words + describeThickness(verdict, found);
+  return words + describeThickness(verdict, found, !crossings);
 }
 
 }  // namespace raymap
