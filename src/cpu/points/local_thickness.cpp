@@ -34,8 +34,8 @@ constexpr double kFree = 0.75;
 /// Walls that meet at less than this angle do not run out to an edge.
 const double kLeastEdgeSine = std::sin(glm::radians(5.0));
 
-/// Share of the longest ray that is searched first. It grows to the whole by factors of 4.
-constexpr double kFirstReach = 1.0 / 64.0;
+/// Shares of the longest ray that are searched one after another.
+constexpr double kReaches[] = {1.0 / 64.0, 1.0 / 16.0, 0.25, 1.0};
 
 constexpr size_t kPointsPerTask = 1024, kPointsPerQuery = size_t{1} << 18;
 
@@ -101,9 +101,9 @@ class LocalThickness {
   const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding) {
     // A ball of diameter `reach_` touches planes that lie this much farther along the ray.
     const double reach = reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_;
-    for (double length = reach * kFirstReach; length < reach; length *= 4.0)
-      if (const RayHit* exit = findExitWithin(p, direction, winding, length)) return exit;
-    return findExitWithin(p, direction, winding, reach);
+    for (const double share : kReaches)
+      if (const RayHit* exit = findExitWithin(p, direction, winding, share * reach)) return exit;
+    return nullptr;
   }
 
   const RayHit* findExitWithin(const glm::dvec3& p, const glm::dvec3& direction, double winding,
