@@ -32,6 +32,24 @@ Json toJson(const std::vector<HolePlace>& places) {
   return json;
 }
 
+Json toJson(const Loss& loss) {
+  const Box box = loss.bounds.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : loss.bounds;
+  return {{"solid_share", loss.solidShare},
+          {"bbox_min", raymap::toJson(box.min)},
+          {"bbox_max", raymap::toJson(box.max)},
+          {"thinnest", loss.thinnest},
+          {"median_thickness", loss.medianThickness},
+          {"voxel_size", loss.voxelSize},
+          {"is_kept", loss.isKept},
+          {"kept_share", loss.keptShare},
+          {"kept_thickness", loss.keptThickness}};
+}
+
+void print(const char* name, const glm::dvec3& before, const glm::dvec3& after) {
+  std::printf("  %-22s %.6g %.6g %.6g before, %.6g %.6g %.6g after\n", name, before.x, before.y, before.z,
+              after.x, after.y, after.z);
+}
+
 std::string pairsText(const SelfIntersections& crossing) {
   return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
 }
@@ -107,7 +125,9 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"buried_share", report.buriedShare},
           {"lost_share", report.lostShare},
           {"trimmed_share", report.trimmedShare},
+          {"loss", toJson(report.loss)},
           {"hollows", report.hollows},
+          {"filled_hollows", report.filledHollows},
           {"drain_holes", report.holes},
           {"drain_hole_places", toJson(report.holePlaces)},
           {"solids", report.solids},
@@ -142,8 +162,11 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
               isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT watertight");
   printRemoved(report);
-  std::printf("  %-22s %g before, %g after\n", "volume", report.before.signedVolume,
-              report.after.signedVolume);
+  const Diagnostics &before = report.before, &after = report.after;
+  print("bounds, lowest", before.bounds.min, after.bounds.min);
+  print("bounds, highest", before.bounds.max, after.bounds.max);
+  std::printf("  %-22s %g before, %g after\n", "volume", before.signedVolume, after.signedVolume);
+  std::printf("  %-22s %g before, %g after\n", "area", before.area, after.area);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
   if (report.isKept) return;
@@ -159,7 +182,10 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
   printShare(report.buriedShare, "of the mesh lies inside the solid, and is no surface any more");
-  printShare(report.lostShare, "of the mesh is lost: open there, or thinner than the samples");
+  printShare(report.loss.solidShare,
+             "of the mesh is lost with the solid that it bounds, thinner than the samples");
+  printShare(report.lostShare - report.loss.solidShare,
+             "of the mesh is lost and bounds no solid: sheets, open surface");
   printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),

@@ -54,6 +54,20 @@ struct Removed {
   double largest = 0.0;  ///< Volume of the largest one.
 };
 
+/// Parts of a mesh's solid that the result has not, because they are thinner than the samples can see.
+struct Loss {
+  double solidShare = 0.0;       ///< Share of the mesh's area that is lost and bounds such a part.
+  Box bounds = {};               ///< Bounds of this area, moved by the offset. Empty if there are none.
+  double thinnest = 0.0;         ///< Thickness at its thinnest point, with the offset.
+  double medianThickness = 0.0;  ///< Thickness that half of this area does not exceed; 0 if it is not known.
+  /// Largest distance between samples that was found to keep the parts, in the mesh's units. If none does,
+  /// the one that keeps most of them; 0 = none keeps any.
+  double voxelSize = 0.0;
+  bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
+  double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
+  double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
+};
+
 /// Report of a repair. Without `RepairOptions::measure`, nothing that compares the meshes or tells what is
 /// wrong with them is set.
 struct RepairReport {
@@ -62,14 +76,16 @@ struct RepairReport {
   Diagnostics after = {};                 ///< Diagnostics of the result.
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
-  Deviation ofResult = {};   ///< From points of the result to the given surface, moved by the offset.
-  Deviation ofMesh = {};     ///< From points of the given mesh, moved by the offset, to the result. Counts
-                             ///< the lost ones, not the buried ones.
-  Deviation ofKept = {};     ///< The same without the lost points.
-  double buriedShare = 0.0;  ///< Share of the mesh's points more than a sample inside the result.
-  double lostShare = 0.0;    ///< Share of them more than a sample outside: thinner than the samples, or open.
-  double trimmedShare = 0.0;  ///< Share of the mesh's points that the moved surface has no place for. The
+  Deviation ofResult = {};    ///< From points of the result to the given surface, moved by the offset.
+  Deviation ofMesh = {};      ///< From points of the given mesh, moved by the offset, to the result. Counts
+                              ///< the lost ones, not the buried ones.
+  Deviation ofKept = {};      ///< The same without the lost points.
+  double buriedShare = 0.0;   ///< Share of the mesh's area more than a sample inside the result.
+  double lostShare = 0.0;     ///< Share of it more than a sample outside: thinner than the samples, or open.
+  double trimmedShare = 0.0;  ///< Share of the mesh's area that the moved surface has no place for. The
                               ///< other shares are of the rest.
+  Loss loss = {};             ///< What was lost of the mesh's solid.
+  size_t filledHollows = 0;   ///< Number of hollows that a drain hole does not fit into; they are solid.
   size_t hollows = 0;         ///< Number of hollows that the shell left.
   size_t holes = 0;           ///< Number of drain holes.
   std::vector<HolePlace> holePlaces = {};  ///< Where they are, hollow by hollow.

@@ -144,6 +144,28 @@ class Deviation(TypedDict):
     points: int
 
 
+class Loss(TypedDict):
+    """Parts of the mesh's solid that the result has not, because they are thinner than the samples can see."""
+
+    solid_share: float
+    """Share of the mesh's area that is lost and bounds such a part."""
+    bbox_min: list[float]
+    """Bounds of this area; 0 if there are none."""
+    bbox_max: list[float]
+    thinnest: float
+    """Thickness at its thinnest point, with the offset."""
+    median_thickness: float
+    """Thickness that half of this area does not exceed; 0 if it is not known."""
+    voxel_size: float
+    """Largest distance between samples that keeps the parts; if none does, the one that keeps most."""
+    is_kept: bool
+    """Whether ``voxel_size`` keeps them: all but 0.5 % of the area."""
+    kept_share: float
+    """Share of the lost area that ``voxel_size`` keeps."""
+    kept_thickness: float
+    """Thickness that half of what ``voxel_size`` does not keep does not exceed."""
+
+
 class Removed(TypedDict):
     """Parts or cavities that a result lacks. Volumes are what their surfaces enclose, in the mesh's units cubed."""
 
@@ -172,12 +194,15 @@ class RepairReport(TypedDict):
     kept_from_result: Deviation
     """The same without the lost points."""
     buried_share: float
-    """Share of the mesh's points more than a sample inside the result."""
+    """Share of the mesh's area more than a sample inside the result."""
     lost_share: float
-    """Share of them more than a sample outside: parts thinner than the samples, or open."""
+    """Share of it more than a sample outside: parts thinner than the samples, or open."""
     trimmed_share: float
-    """Share of the mesh's points that the moved surface has no place for. The other shares are of the rest."""
+    """Share of the mesh's area that the moved surface has no place for. The other shares are of the rest."""
+    loss: Loss
     hollows: int
+    filled_hollows: int
+    """Number of hollows that a drain hole does not fit into; they are solid."""
     drain_holes: int
     drain_hole_places: list[HolePlace]
     """Where they are, hollow by hollow."""

@@ -26,6 +26,22 @@ nb::dict toDict(const Removed& removed) {
   return dict;
 }
 
+nb::dict toDict(const Loss& loss) {
+  const Box box = loss.bounds.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : loss.bounds;
+  const auto list = [](const glm::dvec3& v) { return std::vector<double>{v.x, v.y, v.z}; };
+  nb::dict dict;
+  dict["solid_share"] = loss.solidShare;
+  dict["bbox_min"] = list(box.min);
+  dict["bbox_max"] = list(box.max);
+  dict["thinnest"] = loss.thinnest;
+  dict["median_thickness"] = loss.medianThickness;
+  dict["voxel_size"] = loss.voxelSize;
+  dict["is_kept"] = loss.isKept;
+  dict["kept_share"] = loss.keptShare;
+  dict["kept_thickness"] = loss.keptThickness;
+  return dict;
+}
+
 nb::dict toDict(const RepairReport& report) {
   nb::dict dict;
   dict["before"] = describe(report.before, report.crossingBefore);
@@ -36,7 +52,9 @@ nb::dict toDict(const RepairReport& report) {
   dict["buried_share"] = report.buriedShare;
   dict["lost_share"] = report.lostShare;
   dict["trimmed_share"] = report.trimmedShare;
+  dict["loss"] = toDict(report.loss);
   dict["hollows"] = report.hollows;
+  dict["filled_hollows"] = report.filledHollows;
   dict["drain_holes"] = report.holes;
   nb::list places;
   for (const auto& [position, direction] : report.holePlaces) {

@@ -113,6 +113,12 @@ Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keeps
   return choice;
 }
 
+Choice opposite(const Choice& choice) {
+  Choice result{choice.isDropped, choice.isDropped.size() - choice.count};
+  result.isDropped.flip();
+  return result;
+}
+
 void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choice& choice) {
   const Grid& grid = solid.grid;
   const auto isOutermost = [&](uint32_t p) {

@@ -18,6 +18,9 @@ struct Choice {
 Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keepsCavities,
                     RepairReport& report);
 
+/// Returns the choice of all pieces that a choice keeps.
+Choice opposite(const Choice& choice);
+
 /// Gives the samples in the dropped pieces the side of the space around them. Their distances are then far
 /// larger than all others.
 void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choice& choice);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/repair.h>
+#include <raymap/thickness.h>
 
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace raymap {
 /// Points of a mesh, moved by the offset, that the result should show.
 struct ExpectedPoints {
   SurfacePoints points;
+  std::vector<double> areas;   ///< For each face of the mesh, the area that one of its points stands for.
   std::vector<bool> isInside;  ///< For each point, whether the field has it inside the solid.
 };
 
@@ -26,9 +28,10 @@ ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const 
                               RepairReport& report);
 
 /// Fills in the report's figures of the result, and how far the meshes deviate from each other. `expected`
-/// comes from `expectedPoints`.
-void measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid, const RepairOptions& repair,
-             const std::vector<DrainHole>& holes, ExpectedPoints expected, Progress& progress,
-             RepairReport& report);
+/// comes from `expectedPoints`. Returns the lost points, or some of them if they are many, where they are on
+/// the mesh.
+std::vector<FacePoint> measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid,
+                               const RepairOptions& repair, const std::vector<DrainHole>& holes,
+                               ExpectedPoints expected, Progress& progress, RepairReport& report);
 
 }  // namespace raymap

@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "field/field_sampler.h"
+#include "repair/deviation.h"
 #include "repair/drop_pieces.h"
 #include "repair/fill_holes.h"
 #include "repair/hollow.h"
 #include "repair/keep.h"
+#include "repair/loss.h"
 #include "repair/measure.h"
 #include "repair/pieces.h"
 #include "repair/thin_parts.h"
@@ -124,28 +127,52 @@ bool isChanged(const RepairReport& report) {
   return report.dropped.count > 0 || report.filled.count > 0;
 }
 
-/// Drops crumbs and bubbles from a solid and its surface.
-void dropPieces(Field& solid, Mesh& surface, const Options& options, const RepairOptions& repair,
+/// Drops crumbs and bubbles from a solid and its surface. Returns their surface.
+Mesh dropPieces(Field& solid, Mesh& surface, const Options& options, const RepairOptions& repair,
                 RepairReport& report) {
   Pieces found = findPieces(surface);
   nestPieces(surface, 1, found);
   const Choice choice = choosePieces(found, repair, repair.keepCavities, report);
   warnOfRemoved(found, choice, report, options.warn);
-  if (choice.count == 0) return;
+  if (choice.count == 0) return {};
   dropFrom(solid, surface, found, choice);
+  Mesh dropped = surface;
+  dropFrom(dropped, found, opposite(choice));
   dropFrom(surface, found, choice);
   requireParts(surface);
+  return dropped;
 }
 
-/// Warns of drain holes that were asked for but not made.
-void warnOfHoles(const RepairReport& report, const RepairOptions& repair, size_t filled,
-                 const WarningCallback& warn) {
-  if (repair.drainHole == 0.0 || !warn) return;
-  if (filled > 0)
+/// Leaves out the lost points of parts that were dropped: no samples would keep them. Returns the share of
+/// the lost area that is left.
+double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Progress& progress,
+                       std::vector<FacePoint>& lost) {
+  if (dropped.triangles.empty() || lost.empty()) return 1.0;
+  const auto area = [&] {
+    return std::accumulate(lost.begin(), lost.end(), 0.0,
+                           [](double sum, const FacePoint& p) { return sum + p.area; });
+  };
+  const double before = area();
+  std::vector<glm::vec3> points;
+  for (const FacePoint& p : lost) points.emplace_back((p.position - grid.origin) / grid.spacing);
+  const std::vector<float> distances = distancesTo(dropped, grid, points, progress);
+  const double reach = 1.0 + std::abs(offset) / grid.spacing;
+  size_t k = 0;
+  std::erase_if(lost, [&](const FacePoint&) { return distances[k++] <= reach; });
+  return before > 0.0 ? area() / before : 1.0;
+}
+
+/// Warns of hollows and drain holes that were asked for but not made.
+void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const WarningCallback& warn) {
+  if (!warn) return;
+  if (const size_t filled = report.filledHollows; filled > 0)
     warn(std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
          " too small for the drain hole and stayed solid; use a smaller --drain-hole");
   else if (report.hollows == 0)
-    warn("no drain hole was made, because walls this thick leave no hollow; use a smaller --shell");
+    warn(
+        "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use a smaller "
+        "--shell");
+  if (repair.drainHole == 0.0) return;
   if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.holes < asked)
     warn("only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
          " drain holes were made, because the level floors of the hollows have no place for more");
@@ -156,8 +183,7 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
                               RepairReport& report) {
   const double radius = 0.5 * repair.drainHole;
   std::vector<DrainHole> holes;
-  size_t filled = 0;
-  for (const Hollow& found : findHollows(solid, repair.shell, radius, repair.down, filled)) {
+  for (const Hollow& found : findHollows(solid, repair.shell, radius, repair.down, report.filledHollows)) {
     ++report.hollows;
     if (radius == 0.0) continue;
     for (const DrainHole& hole : placeHoles(solid, found, repair.drainHoles, radius, repair.down)) {
@@ -168,7 +194,7 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
   hollowOut(solid, repair.shell);
   for (const DrainHole& hole : holes) drill(solid, hole);
   report.holes = holes.size();
-  warnOfHoles(report, repair, filled, warn);
+  warnOfHoles(report, repair, warn);
   return holes;
 }
 
@@ -206,7 +232,8 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
                 "more samples, or "
                 "for a sheet --min-thickness");
   stage("isosurface", [&] { result = makeSurface(solid, options); });
-  stage("pieces", [&] { dropPieces(solid, result, options, repair, report); });
+  Mesh dropped;
+  stage("pieces", [&] { dropped = dropPieces(solid, result, options, repair, report); });
   ExpectedPoints expected;
   if (repair.measure) expected = expectedPoints(mesh, solid, repair, report);
   std::vector<DrainHole> holes;
@@ -219,8 +246,14 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   if (repair.finish) repair.finish(result);
   if (!repair.measure) return repaired;
   solid = {};
+  std::vector<FacePoint> lost;
   stage("measure",
-        [&] { measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
+        [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
+  stage("loss", [&] {
+    const double share = leaveOutDropped(dropped, grid, repair.offset, progress, lost) * report.lostShare;
+    report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
+  });
+  if (const std::string loss = describeLoss(report.loss); options.warn && !loss.empty()) options.warn(loss);
   for (const Progress::Time& time : progress.times())
     report.stats.stages.push_back({time.stage, time.milliseconds});
   return repaired;

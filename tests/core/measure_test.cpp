@@ -52,10 +52,10 @@ TEST(Measure, CountsAsLostWhatIsMoreThanASampleOutside) {
 
 TEST(Measure, DoesNotHideLostPointsInTheLargestDistance) {
   const RepairReport report = reportOf(withSquare(kBox, 13.0, 4.0), 0.25);
-  EXPECT_NEAR(report.lostShare, 16.0 / (376.0 + 16.0), 0.01);
+  EXPECT_NEAR(report.lostShare, 16.0 / (376.0 + 16.0), 1e-9);
   EXPECT_NEAR(report.ofMesh.max, 3.0, 0.02);
   EXPECT_LT(report.ofKept.max, 0.02);
-  EXPECT_NEAR(double(report.ofKept.points) / double(report.ofMesh.points), 1.0 - report.lostShare, 1e-9);
+  EXPECT_LT(report.ofKept.points, report.ofMesh.points);
 }
 
 TEST(Measure, CountsAsBuriedWhatIsMoreThanASampleInside) {

@@ -1,0 +1,231 @@
+#include "repair/loss.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace raymap {
+
+namespace {
+
+// A loss of a smaller share of the mesh's points is not worth a warning.
+constexpr double kNotableShare = 1e-3;
+// Share of the lost points that a distance between samples must keep.
+constexpr double kKeptShare = 0.995;
+// Largest distance from a kept point to a sample inside, in samples.
+constexpr double kReach = 1.5;
+// Distances to try: each is this much smaller than the last, down to a share of the grid's, and no grid has
+// more samples than fit into 2 GiB.
+constexpr double kFiner = 1.25, kFinest = 1.0 / 16;
+constexpr size_t kMostSamples = size_t{1} << 29;
+
+/// Lost sides of the solid.
+struct LostSides {
+  std::vector<glm::dvec3> points;  // Moved by the offset.
+  std::vector<double> diameters;   // Thickness with the offset at both sides; infinite if not known.
+
+  std::vector<double> areas;  // Areas that the points stand for.
+
+  void add(const FacePoint& point, const Thickness& thickness, double offset) {
+    areas.push_back(point.area);
+    points.push_back(point.position - offset * glm::dvec3(thickness.inward));
+    diameters.push_back(double(thickness.diameter) + 2.0 * offset);
+  }
+};
+
+/// Returns the thickness that half of the area does not exceed, of pairs of thickness and area. Leaves out
+/// infinite thickness. 0 if there is none.
+double medianOf(std::vector<std::pair<double, double>> sides) {
+  std::erase_if(sides, [](const auto& side) { return !std::isfinite(side.first); });
+  std::ranges::sort(sides);
+  double area = 0.0, below = 0.0;
+  for (const auto& side : sides) area += side.second;
+  for (const auto& side : sides)
+    if ((below += side.second) >= 0.5 * area) return std::max(side.first, 0.0);
+  return 0.0;
+}
+
+/// What samples at one distance keep of the lost sides.
+struct Trial {
+  double voxelSize = 0.0;
+  double keptShare = 0.0;
+  double keptThickness = 0.0;  // Half of what is not kept is thinner.
+  double recession = 0.0;      // Largest distance between the bounds of all points and of the kept ones.
+};
+
+/// Returns a number rounded down to two digits.
+double roundDown(double number) {
+  char digits[32];
+  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
+  std::snprintf(digits, sizeof(digits), "%.2g", std::floor(number / unit * (1.0 + 1e-12)) * unit);
+  return std::strtod(digits, nullptr);
+}
+
+Box boundsOf(std::span<const glm::dvec3> points) {
+  Box box;
+  for (const glm::dvec3& p : points) box.min = glm::min(box.min, p), box.max = glm::max(box.max, p);
+  return box;
+}
+
+/// Tells for grids what their samples see of the lost sides.
+class Trials {
+ public:
+  Trials(const PackedMesh& mesh, const Surface& surface, const LostSides& lost, const RepairOptions& repair,
+         int threads)
+      : mesh_(mesh), surface_(surface), lost_(lost), repair_(repair), threads_(threads) {}
+
+  /// A point is kept if a sample at most 1.5 samples away is inside. The isosurface reaches
+  /// about half a sample beyond it.
+  Trial run(double voxelSize) {
+    const Grid grid = fitRepairGrid(mesh_, {.voxelSize = voxelSize}, repair_);
+    if (grid.sampleCount() > kMostSamples) return {};
+    placeSamples(grid);
+    surface_.query(samples_, {.threads = threads_}, result_);
+    Trial trial{voxelSize};
+    std::vector<glm::dvec3> kept;
+    std::vector<std::pair<double, double>> gone;
+    double area = 0.0, keptArea = 0.0;
+    for (size_t i = 0; i < lost_.points.size(); ++i) {
+      area += lost_.areas[i];
+      if (isSeen(i)) {
+        kept.push_back(lost_.points[i]);
+        keptArea += lost_.areas[i];
+      } else {
+        gone.emplace_back(lost_.diameters[i], lost_.areas[i]);
+      }
+    }
+    trial.keptShare = area > 0.0 ? keptArea / area : 0.0;
+    trial.keptThickness = medianOf(std::move(gone));
+    trial.recession = recession(boundsOf(kept));
+    return trial;
+  }
+
+ private:
+  void placeSamples(const Grid& grid) {
+    samples_.clear();
+    ends_.clear();
+    for (const glm::dvec3& p : lost_.points) {
+      const glm::dvec3 at = (p - grid.origin) / grid.spacing, low = glm::floor(at) - 1.0;
+      for (int s = 0; s < 64; ++s)
+        if (const glm::dvec3 sample = low + glm::dvec3(s % 4, s / 4 % 4, s / 16);
+            glm::distance(at, sample) <= kReach)
+          samples_.push_back(grid.position(sample));
+      ends_.push_back(samples_.size());
+    }
+  }
+
+  bool isSeen(size_t point) const {
+    const auto* all = result_.distance.begin();
+    return std::any_of(all + (point > 0 ? ends_[point - 1] : 0), all + ends_[point],
+                       [&](double d) { return d < repair_.offset; });
+  }
+
+  double recession(const Box& kept) const {
+    const Box all = boundsOf(lost_.points);
+    const glm::dvec3 far = glm::max(kept.min - all.min, all.max - kept.max);
+    return std::max({far.x, far.y, far.z});
+  }
+
+  const PackedMesh& mesh_;
+  const Surface& surface_;
+  const LostSides& lost_;
+  const RepairOptions& repair_;
+  int threads_;
+  std::vector<glm::dvec3> samples_;  // Those to look at for one point after the other.
+  std::vector<size_t> ends_;         // For each point, the end of its samples.
+  QueryResult result_;
+};
+
+bool isKept(const Trial& trial) {
+  return trial.keptShare >= kKeptShare && trial.recession <= trial.voxelSize;
+}
+
+/// Finds the largest distance between samples that keeps all. If there is none, returns the one that keeps
+/// most: a part that runs out to an edge is kept best where the samples happen to lie in it.
+Trial findVoxelSize(Trials& trials, double spacing) {
+  Trial best;
+  for (double h = spacing / kFiner; h >= kFinest * spacing; h /= kFiner) {
+    const Trial trial = trials.run(roundDown(h));
+    if (trial.voxelSize == 0.0) break;
+    if (isKept(trial)) return trial;
+    if (trial.keptShare > best.keptShare) best = trial;
+  }
+  return best;
+}
+
+std::string text(double number) {
+  char digits[32];
+  std::snprintf(digits, sizeof(digits), "%.3g", number);
+  return digits;
+}
+
+std::string text(const Box& box) {
+  const auto side = [&](const char* name, double from, double to) {
+    char digits[80];
+    std::snprintf(digits, sizeof(digits), "%s from %.6g to %.6g", name, from, to);
+    return std::string(digits);
+  };
+  return side("x", box.min.x, box.max.x) + ", " + side("y", box.min.y, box.max.y) + ", " +
+         side("z", box.min.z, box.max.z);
+}
+
+void summarize(const LostSides& lost, Loss& loss) {
+  loss.bounds = boundsOf(lost.points);
+  std::vector<std::pair<double, double>> sides;
+  for (size_t i = 0; i < lost.points.size(); ++i) sides.emplace_back(lost.diameters[i], lost.areas[i]);
+  loss.thinnest = std::max(std::ranges::min(lost.diameters), 0.0);
+  loss.medianThickness = medianOf(std::move(sides));
+  if (!std::isfinite(loss.thinnest)) loss.thinnest = 0.0;
+}
+
+}  // namespace
+
+Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FacePoint> lost, double share,
+                 const Options& options, const RepairOptions& repair) {
+  Loss loss;
+  if (lost.empty()) return loss;
+  const Surface surface(mesh, {.orientation = options.orientation,
+                               .threshold = options.threshold,
+                               .threads = options.threads,
+                               .memoryLimit = options.memoryLimit,
+                               .progress = options.progress});
+  const std::vector<Thickness> thickness =
+      surface.thickness(lost, {.threads = options.threads, .progress = options.progress});
+  LostSides sides;
+  double area = 0.0, solidArea = 0.0;
+  for (size_t i = 0; i < lost.size(); ++i) {
+    area += lost[i].area;
+    if (thickness[i].part == Part::Sheet || thickness[i].part == Part::Buried) continue;
+    sides.add(lost[i], thickness[i], repair.offset);
+    solidArea += lost[i].area;
+  }
+  if (area > 0.0) loss.solidShare = share * solidArea / area;
+  if (sides.points.empty()) return loss;
+  summarize(sides, loss);
+  Trials trials(mesh, surface, sides, repair, options.threads);
+  const Trial best = findVoxelSize(trials, grid.spacing);
+  loss.voxelSize = best.voxelSize;
+  loss.keptShare = best.keptShare;
+  loss.keptThickness = best.keptThickness;
+  loss.isKept = isKept(best);
+  return loss;
+}
+
+std::string describeLoss(const Loss& loss) {
+  if (loss.solidShare < kNotableShare) return {};
+  std::string message = "parts of the solid are lost, " + text(100.0 * loss.solidShare) +
+                        " % of the mesh's surface: " + text(loss.bounds);
+  if (loss.medianThickness > 0.0)
+    message += "; they are " + text(loss.thinnest) + " thick at the thinnest, " + text(loss.medianThickness) +
+               " in the median";
+  const std::string size = text(loss.voxelSize) + " (--voxel-size)";
+  if (loss.isKept) return message + "; a voxel size of " + size + " keeps them";
+  if (loss.keptShare > 0.0)
+    return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
+           text(100.0 * loss.keptShare) + " % of them, and half of the rest is thinner than " +
+           text(loss.keptThickness);
+  return message + "; no voxel size that fits into memory keeps them";
+}
+
+}  // namespace raymap
