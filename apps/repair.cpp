@@ -81,6 +81,12 @@ void run(RepairArguments& arguments) {
 
 void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
+  command
+      .add_option("--tolerance", repair.tolerance,
+                  "Largest deviation from the isosurface, to write fewer triangles; 0: all of them (default "
+                  "a tenth of the distance between samples)")
+      ->check(numberFrom(0))
+      ->group("Shape");
   command.add_option("--offset", repair.offset, "Distance to move the surface outwards; negative: inwards")
       ->group("Shape");
   CLI::Option* shell =

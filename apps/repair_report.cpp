@@ -112,6 +112,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"drain_holes", arguments.repair.drainHoles},
             {"keep_cavities", arguments.repair.keepCavities},
             {"min_thickness", arguments.repair.minThickness},
+            {"tolerance", report.simplified.tolerance},
             {"remesh", arguments.repair.remesh},
             {"unit", unit ? Json(nameOf(*unit)) : Json()},
             {"scale", arguments.units.scale},
@@ -141,6 +142,11 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"closed_holes", report.closedHoles},
           {"closing_faces", report.closingFaces},
           {"thickened_share", report.thickenedShare},
+          {"simplified",
+           {{"tolerance", report.simplified.tolerance},
+            {"triangles_before", report.simplified.facesBefore},
+            {"triangles_after", report.simplified.facesAfter},
+            {"deviation", report.simplified.deviation}}},
           {"turned_faces", report.stats.turnedFaces.size()},
           {"left_out_faces", report.stats.leftOutFaces.size()},
           {"orientation_fits", report.stats.orientationFits},
@@ -196,6 +202,10 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   if (arguments.repair.minThickness > 0.0)
     std::printf("  %.3g %% of the mesh's area was thinner than %g, and is that thick now\n",
                 100.0 * report.thickenedShare, arguments.repair.minThickness);
+  if (const SimplifyReport& simplified = report.simplified; simplified.tolerance > 0.0)
+    std::printf("  %-22s from %s, at most %.3g (%.2g samples) off the isosurface\n", "simplified",
+                counted(simplified.facesBefore, "triangle").c_str(), simplified.deviation,
+                simplified.deviation / grid.spacing);
 }
 
 }  // namespace raymap

@@ -18,6 +18,7 @@
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>
+#include <raymap/simplify.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>
 #include <raymap/verdict.h>

@@ -28,6 +28,9 @@ struct RepairOptions {
   std::optional<double> dropSmaller = {};
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
   bool remesh = false;        ///< Whether to make a mesh anew whose faces could be kept.
+  /// Largest deviation of the result from the isosurface, to have fewer faces; 0 = none. By default a tenth
+  /// of the distance between samples.
+  std::optional<double> tolerance = {};
   /// Called with the result before it is measured, for example to round it as a file does.
   std::function<void(Mesh&)> finish = {};
   bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
@@ -68,6 +71,14 @@ struct Loss {
   double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
 };
 
+/// How the isosurface was simplified.
+struct SimplifyReport {
+  double tolerance = 0.0;  ///< In the mesh's units; 0 = not simplified.
+  size_t facesBefore = 0;  ///< Number of faces of the isosurface.
+  size_t facesAfter = 0;
+  double deviation = 0.0;  ///< Largest distance measured, from points of either mesh to the other.
+};
+
 /// Report of a repair. Without `RepairOptions::measure`, nothing that compares the meshes or tells what is
 /// wrong with them is set.
 struct RepairReport {
@@ -98,9 +109,10 @@ struct RepairReport {
   bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
   bool isKept = false;
-  size_t closedHoles = 0;       ///< Number of holes that were closed beside the faces that were kept.
-  size_t closingFaces = 0;      ///< Number of faces that close them.
-  double thickenedShare = 0.0;  ///< Share of the mesh's area that was thinner than `minThickness`.
+  size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
+  size_t closingFaces = 0;         ///< Number of faces that close them.
+  double thickenedShare = 0.0;     ///< Share of the mesh's area that was thinner than `minThickness`.
+  SimplifyReport simplified = {};  ///< Of a mesh that was not kept as it is.
 };
 
 /// A repaired mesh and what was done.

@@ -144,6 +144,17 @@ class Deviation(TypedDict):
     points: int
 
 
+class Simplified(TypedDict):
+    """How the isosurface was simplified. Lengths are in the mesh's units."""
+
+    tolerance: float
+    """0: not simplified."""
+    triangles_before: int
+    triangles_after: int
+    deviation: float
+    """Largest distance measured, from points of either mesh to the other."""
+
+
 class Loss(TypedDict):
     """Parts of the mesh's solid that the result has not, because they are thinner than the samples can see."""
 
@@ -228,6 +239,7 @@ class RepairReport(TypedDict):
     """Number of faces that close them."""
     thickened_share: float
     """Share of the mesh's area that was thinner than ``min_thickness``."""
+    simplified: Simplified
 
 
 class Repaired(NamedTuple):
@@ -256,6 +268,7 @@ def repair(
     drop_smaller: float | None = None,
     keep_cavities: bool = False,
     remesh: bool = False,
+    tolerance: float | None = None,
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -285,6 +298,8 @@ def repair(
             thousandth of what the largest part encloses.
         keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
         remesh: Whether to make a mesh anew whose faces could be kept.
+        tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
+            triangles; None = a tenth of the distance between samples; 0 = all triangles.
         device: Device that computes; see ``raymap.devices``.
         threads: Number of CPU threads; None = all.
         memory_limit: Most bytes that the field may take; None = what is available.
@@ -311,6 +326,8 @@ def repair(
     how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
     how.min_thickness = float(min_thickness)
+    if tolerance is not None:
+        how.tolerance = float(tolerance)
     with reporting(progress) as report:
         result, found, stats = _raymap.repair(
             mesh._core, operator.index(resolution), voxel_size or 0.0, options, how, report

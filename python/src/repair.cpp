@@ -42,6 +42,15 @@ nb::dict toDict(const Loss& loss) {
   return dict;
 }
 
+nb::dict toDict(const SimplifyReport& simplified) {
+  nb::dict dict;
+  dict["tolerance"] = simplified.tolerance;
+  dict["triangles_before"] = simplified.facesBefore;
+  dict["triangles_after"] = simplified.facesAfter;
+  dict["deviation"] = simplified.deviation;
+  return dict;
+}
+
 nb::dict toDict(const RepairReport& report) {
   nb::dict dict;
   dict["before"] = describe(report.before, report.crossingBefore);
@@ -75,6 +84,7 @@ nb::dict toDict(const RepairReport& report) {
   dict["closed_holes"] = report.closedHoles;
   dict["closing_faces"] = report.closingFaces;
   dict["thickened_share"] = report.thickenedShare;
+  dict["simplified"] = toDict(report.simplified);
   return dict;
 }
 
@@ -108,6 +118,9 @@ void bindRepair(nb::module_& module) {
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
       .def_rw("remesh", &RepairOptions::remesh)
       .def_rw("min_thickness", &RepairOptions::minThickness)
+      .def_prop_rw(
+          "tolerance", [](const RepairOptions& self) { return self.tolerance.value_or(-1.0); },
+          [](RepairOptions& self, double tolerance) { self.tolerance = tolerance; })
       .def_prop_rw(
           "down", [](const RepairOptions& self) { return toTriple(self.down); },
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });

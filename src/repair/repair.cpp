@@ -1,6 +1,7 @@
 #include <raymap/error.h>
 #include <raymap/isosurface.h>
 #include <raymap/repair.h>
+#include <raymap/simplify.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +26,8 @@ namespace raymap {
 
 namespace {
 
+constexpr double kTolerance = 0.1;  // Of a simplified surface, in samples.
+
 void check(const Grid& grid, const RepairOptions& repair) {
   const auto require = [](bool holds, const std::string& what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
@@ -41,6 +44,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
           "the volume below which parts are dropped must be finite and not negative");
   require(repair.drainHoles >= 1, "a hollow needs at least one drain hole, not " +
                                       std::to_string(repair.drainHoles) + "; use a drain hole of 0 for none");
+  require(repair.tolerance.value_or(0.0) >= 0.0 && std::isfinite(repair.tolerance.value_or(0.0)),
+          "the tolerance must not be negative");
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
@@ -178,6 +183,23 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
          " drain holes were made, because the level floors of the hollows have no place for more");
 }
 
+/// Simplifies the isosurface.
+void simplifySurface(Mesh& surface, const Grid& grid, const Options& options, const RepairOptions& repair,
+                     RepairReport& report) {
+  SimplifyReport& simplified = report.simplified;
+  simplified.tolerance = repair.tolerance.value_or(kTolerance * grid.spacing);
+  simplified.facesBefore = surface.triangles.size();
+  if (simplified.tolerance > 0.0) {
+    auto [mesh, deviation, undone] = simplify(surface, {.tolerance = simplified.tolerance,
+                                                        .step = grid.spacing,
+                                                        .threads = options.threads,
+                                                        .progress = options.progress});
+    surface = std::move(mesh);
+    simplified.deviation = deviation;
+  }
+  simplified.facesAfter = surface.triangles.size();
+}
+
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const WarningCallback& warn,
                               RepairReport& report) {
@@ -242,10 +264,11 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     holes = hollow(solid, repair, options.warn, report);
     stage("hollow", [&] { result = makeSurface(solid, options); });
   }
+  solid = {};
+  stage("simplify", [&] { simplifySurface(result, grid, options, repair, report); });
   countPieces(result, report);
   if (repair.finish) repair.finish(result);
   if (!repair.measure) return repaired;
-  solid = {};
   std::vector<FacePoint> lost;
   stage("measure",
         [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });

@@ -1,0 +1,204 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "analytic_fields.h"
+#include "closed_mesh.h"
+#include "reference.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+using glm::dvec3;
+
+constexpr int kSamples = 32;
+constexpr double kSide = 2.4, kSpacing = kSide / kSamples, kTolerance = 0.1 * kSpacing;
+
+Mesh surfaceOf(const std::function<double(const dvec3&)>& distance) {
+  return isosurface(analytic::sampled(analytic::cube(kSamples, kSide), distance));
+}
+
+Simplified simplified(const Mesh& mesh, double tolerance = kTolerance) {
+  return simplify(mesh, {.tolerance = tolerance, .step = kSpacing});
+}
+
+/// Returns the largest distance from points of one mesh to another: corners, middles and middles of the edges
+/// of as many faces as take little time.
+double farthest(const Mesh& from, const Mesh& to) {
+  const size_t every = from.triangles.size() * to.triangles.size() / 500000 + 1;
+  double most = 0.0;
+  for (size_t f = 0; f < from.triangles.size(); f += every) {
+    const glm::uvec3 t = from.triangles[f];
+    const dvec3 a = from.position(t.x), b = from.position(t.y), c = from.position(t.z);
+    for (const dvec3& p : {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0})
+      most = std::max(most, reference::distance(to, p));
+  }
+  return most;
+}
+
+/// Checks what every simplified surface must be, and that it says how far off it is.
+void expectSound(const Mesh& before, const Simplified& after, double tolerance = kTolerance) {
+  EXPECT_TRUE(isClosed(after.mesh));
+  EXPECT_EQ(findSelfIntersections(after.mesh).pairs, 0u);
+  EXPECT_EQ(diagnose(after.mesh).components, diagnose(before).components);
+  EXPECT_LE(after.deviation, tolerance);
+  EXPECT_GT(after.deviation, 0.0);
+  // The points here are others than those that were measured.
+  EXPECT_LE(farthest(after.mesh, before), 1.2 * tolerance);
+  EXPECT_LE(farthest(before, after.mesh), 1.2 * tolerance);
+}
+
+TEST(Simplify, KeepsTheEdgesAndCornersOfACube) {
+  const dvec3 half(0.7, 0.8, 0.9);
+  const Mesh cube = surfaceOf([&](const dvec3& p) { return analytic::box(p, half); });
+  const Simplified result = simplified(cube);
+  expectSound(cube, result);
+  EXPECT_GT(cube.triangles.size(), 5000u);
+  EXPECT_LT(result.mesh.triangles.size(), 150u);
+  for (int c = 0; c < 8; ++c) {
+    const dvec3 corner = half * dvec3(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
+    EXPECT_LE(reference::distance(result.mesh, corner), reference::distance(cube, corner) + kTolerance);
+    for (int axis = 0; axis < 3; ++axis) {
+      dvec3 other = corner;
+      other[axis] = -other[axis];
+      for (int k = 1; k < 10; ++k) {
+        const dvec3 p = glm::mix(corner, other, 0.1 * k);
+        EXPECT_LE(reference::distance(result.mesh, p), reference::distance(cube, p) + kTolerance);
+      }
+    }
+  }
+}
+
+TEST(Simplify, HasFewerFacesTheLargerTheTolerance) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::sphere(p, 1.0); });
+  size_t faces = ball.triangles.size();
+  for (const double tolerance : {0.02 * kSpacing, kTolerance, 0.5 * kSpacing}) {
+    const Simplified result = simplified(ball, tolerance);
+    expectSound(ball, result, tolerance);
+    EXPECT_LT(result.mesh.triangles.size(), faces * 3 / 4);
+    faces = result.mesh.triangles.size();
+  }
+  EXPECT_LT(faces, 300u);
+}
+
+TEST(Simplify, KeepsSolidsThatAreCloseToEachOtherApart) {
+  // Half a sample between two boxes, and half a sample between a box and the sphere in it.
+  const double gap = 0.5 * kSpacing;
+  const Mesh two = surfaceOf([&](const dvec3& p) {
+    const dvec3 half(0.8, 0.5, 0.8), up(0.0, 0.5 + 0.5 * gap, 0.0);
+    return std::min(analytic::box(p - up, half), analytic::box(p + up, half));
+  });
+  expectSound(two, simplified(two));
+  const Mesh balls = surfaceOf([&](const dvec3& p) {
+    return std::min(std::abs(analytic::sphere(p, 0.9)) - gap, analytic::sphere(p, 0.9 - 3.0 * gap));
+  });
+  expectSound(balls, simplified(balls));
+}
+
+TEST(Simplify, KeepsThinWalls) {
+  const Mesh wall =
+      surfaceOf([](const dvec3& p) { return analytic::box(p, dvec3(0.9, 0.6 * kSpacing, 0.9)); });
+  expectSound(wall, simplified(wall));
+}
+
+TEST(Simplify, SurvivesNoise) {
+  // Hundreds of pieces, handles and sheets that share cubes.
+  uint32_t state = 1;
+  const Mesh noise = surfaceOf([&](const dvec3&) {
+    state = state * 1664525u + 1013904223u;
+    return kSpacing * (double(state >> 8) / double(1 << 24) - 0.5);
+  });
+  const size_t crossing = findSelfIntersections(noise).pairs;
+  const Simplified result = simplified(noise);
+  EXPECT_TRUE(isClosed(result.mesh));
+  EXPECT_LE(findSelfIntersections(result.mesh).pairs, crossing);
+  EXPECT_LE(result.deviation, kTolerance);
+  EXPECT_LT(result.mesh.triangles.size(), noise.triangles.size());
+}
+
+TEST(Simplify, TakesMeshesWithLargeFaces) {
+  const Mesh torus = shapes::torus(1.0, 0.3, 60, 30);
+  const double tolerance = 0.02;
+  const Simplified result = simplify(torus, {.tolerance = tolerance});
+  expectSound(torus, result, tolerance);
+  EXPECT_LT(result.mesh.triangles.size(), torus.triangles.size() / 2);
+  const Mesh box = shapes::box(dvec3(-1.0), dvec3(1.0));
+  EXPECT_EQ(simplify(box, {.tolerance = 0.01}).mesh.triangles.size(), 12u);
+}
+
+TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::torus(p, 0.7, 0.35); });
+  const auto run = [&](int threads) {
+    // Small steps: many tiles.
+    return simplify(ball, {.tolerance = kTolerance, .step = 0.2 * kSpacing, .threads = threads}).mesh;
+  };
+  const Mesh one = run(1);
+  EXPECT_LT(one.triangles.size(), ball.triangles.size() / 2);
+  for (const int threads : {2, 5, 0}) {
+    const Mesh many = run(threads);
+    EXPECT_EQ(one.triangles, many.triangles);
+    EXPECT_EQ(one.vertices, many.vertices);
+  }
+}
+
+TEST(Simplify, KeepsTheMeshWithoutATolerance) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::sphere(p, 1.0); });
+  const Simplified result = simplified(ball, 0.0);
+  EXPECT_EQ(result.mesh.triangles, ball.triangles);
+  EXPECT_EQ(result.mesh.vertices, ball.vertices);
+  EXPECT_EQ(result.mesh.origin, ball.origin);
+  EXPECT_EQ(result.deviation, 0.0);
+}
+
+TEST(Simplify, RefusesMeshesThatAreNotClosed) {
+  const auto refuse = [](const Mesh& mesh, const char* message) {
+    try {
+      simplified(mesh);
+      FAIL() << message;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Input);
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+  };
+  Mesh open = shapes::sphere(1.0, 2);
+  open.triangles.pop_back();
+  refuse(open, "without exactly two faces that agree");
+  Mesh flipped = shapes::sphere(1.0, 2);
+  std::swap(flipped.triangles[0].x, flipped.triangles[0].y);
+  refuse(flipped, "without exactly two faces that agree");
+  // Two tetrahedra with a common corner.
+  Mesh joined;
+  joined.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+  joined.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 5}, {0, 6, 4}, {0, 5, 6}, {4, 6, 5}};
+  refuse(joined, "joins two surfaces");
+  EXPECT_THROW(simplify(shapes::sphere(1.0, 2), {.tolerance = -1.0}), Error);
+  EXPECT_THROW(simplify(shapes::sphere(1.0, 2), {.tolerance = NAN}), Error);
+  EXPECT_THROW(simplify(shapes::sphere(1.0, 2), {.tolerance = 0.1, .step = -1.0}), Error);
+}
+
+TEST(Simplify, IsPartOfARepair) {
+  const Mesh box = shapes::box(dvec3(-1.0, -0.7, -0.8), dvec3(1.0, 0.7, 0.8));
+  RepairOptions how;
+  const Grid grid = fitRepairGrid(box, {.resolution = 48}, how);
+  const Repaired byDefault = repair(box, grid, {}, how);
+  how.tolerance = 0.0;
+  const Repaired whole = repair(box, grid, {}, how);
+  const SimplifyReport& report = byDefault.report.simplified;
+  EXPECT_EQ(report.tolerance, 0.1 * grid.spacing);
+  EXPECT_EQ(report.facesBefore, whole.mesh.triangles.size());
+  EXPECT_EQ(report.facesAfter, byDefault.mesh.triangles.size());
+  EXPECT_LT(report.facesAfter, 200u);
+  EXPECT_LE(report.deviation, report.tolerance);
+  EXPECT_EQ(whole.report.simplified.deviation, 0.0);
+  const Mesh surface = isosurface(generate(box, grid, {}).field);
+  EXPECT_EQ(whole.mesh.triangles, surface.triangles);
+  EXPECT_EQ(whole.mesh.vertices, surface.vertices);
+  how.tolerance = -1.0;
+  EXPECT_THROW(repair(box, grid, {}, how), Error);
+}
+
+}  // namespace
+}  // namespace raymap
