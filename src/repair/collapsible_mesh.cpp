@@ -3,7 +3,6 @@
 #include <raymap/error.h>
 
 #include <algorithm>
-#include <ranges>
 #include <string>
 
 #include "base/parallel.h"
@@ -152,7 +151,7 @@ void CollapsibleMesh::restore(uint32_t v) {
   outgoing_[v] = h;
   outgoing_[end] = t;
   // A face may stand there twice: the first record is the oldest.
-  for (const Touch& touch : std::views::reverse(touched)) lastCollapse_[touch.face] = touch.before;
+  for (size_t k = touched.size(); k-- > 0;) lastCollapse_[touched[k].face] = touched[k].before;
 }
 
 }  // namespace raymap

@@ -37,8 +37,8 @@ constexpr double kSharp = 0.25;
 constexpr double kPerPoint = 2.0, kPerEdge = 0.1, kAlways = 0.5;
 // New edges are measured if a point is farther from the new faces than this share of the tolerance.
 constexpr double kNear = 0.7;
-constexpr double kMostParts = 8.0;  // Most points measured on an edge.
-constexpr double kReach = 1.5;      // Distance within which given faces are looked for, in steps.
+constexpr int kMostParts = 8;   // Most points measured on an edge.
+constexpr double kReach = 1.5;  // Distance within which given faces are looked for, in steps.
 
 double squareOf(const glm::dvec3& v) {
   return glm::dot(v, v);
@@ -212,8 +212,8 @@ void Decimator::addPoints() {
     const double along = std::clamp(glm::dot(middle, across) / std::max(squareOf(across), 1e-300), 0.0, 1.0);
     const double length = glm::distance(a, b);
     if (squareOf(middle - along * across) < kSharp * kSharp * limit_ && length <= large) continue;
-    const double parts = std::max(std::floor(length / options_.step), 1.0);
-    for (double k = 0.5; k < parts; k += 1.0) addPoint(h / 3, glm::vec3(glm::mix(a, b, k / parts)));
+    const int parts = std::max(static_cast<int>(std::min(length / options_.step, 1e6)), 1);
+    forEachEdgePoint(a, b, parts, [&](const glm::dvec3& p) { addPoint(h / 3, glm::vec3(p)); });
   }
   for (uint32_t f = 0; f < mesh_.faceCount(); ++f) {
     const glm::uvec3 face = mesh_.face(f);
@@ -406,9 +406,11 @@ bool Decimator::staysNear(const Ring& ring, uint32_t k, const Task& task) const 
   for (const uint32_t h : ring.edges()) {
     if (mesh_.to(h) == end) continue;
     const glm::dvec3 a = at(end), b = at(mesh_.to(h));
-    const double parts = std::clamp(std::ceil(glm::distance(a, b) / options_.step), 1.0, kMostParts);
-    for (double part = 0.5; part < parts; part += 1.0)
-      if (!isNearGiven(glm::mix(a, b, part / parts), ring, task)) return false;
+    const int parts = std::min(partsOf(glm::distance(a, b), options_.step), kMostParts);
+    bool isNear = true;
+    forEachEdgePoint(a, b, parts,
+                     [&](const glm::dvec3& p) { isNear = isNear && isNearGiven(p, ring, task); });
+    if (!isNear) return false;
   }
   return true;
 }

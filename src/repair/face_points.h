@@ -7,6 +7,17 @@
 
 namespace raymap {
 
+/// Visits the middles of the parts of an evenly cut segment.
+template <class Visit>
+void forEachEdgePoint(const glm::dvec3& a, const glm::dvec3& b, int parts, Visit&& visit) {
+  for (int k = 0; k < parts; ++k) visit(glm::mix(a, b, (k + 0.5) / parts));
+}
+
+/// Returns the number of parts, at least 1, into which a length must be cut so that none exceeds `step`.
+inline int partsOf(double length, double step) {
+  return static_cast<int>(std::clamp(std::ceil(length / step), 1.0, 1e6));
+}
+
 /// Visits points on a triangle, in rows along its longest edge. Neighbours are at most `step` apart, and the
 /// number of points is about the area in squares of it.
 template <class Visit>
@@ -20,12 +31,11 @@ void forEachFacePoint(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
   std::rotate(p.begin(), p.begin() + ptrdiff_t(longest), p.end());
   const double base = glm::distance(p[0], p[1]);
   const double height = base > 0.0 ? glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / base : 0.0;
-  const double rows = std::max(std::ceil(height / step), 1.0);
-  for (double row = 0.5; row < rows; row += 1.0) {
-    const double up = row / rows, width = base * (1.0 - up);
-    const glm::dvec3 left = glm::mix(p[0], p[2], up), right = glm::mix(p[1], p[2], up);
-    const double columns = std::max(std::ceil(width / step), 1.0);
-    for (double column = 0.5; column < columns; column += 1.0) visit(glm::mix(left, right, column / columns));
+  const int rows = partsOf(height, step);
+  for (int row = 0; row < rows; ++row) {
+    const double up = (row + 0.5) / rows;
+    forEachEdgePoint(glm::mix(p[0], p[2], up), glm::mix(p[1], p[2], up), partsOf(base * (1.0 - up), step),
+                     visit);
   }
 }
 

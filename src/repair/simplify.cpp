@@ -107,8 +107,7 @@ class Simplifier {
       const uint32_t other = mesh.twin(h) / 3;
       if (other < f && mesh.face(other) != measured_[other]) continue;
       const glm::dvec3 from = given_.position(mesh.from(h)), to = given_.position(mesh.to(h));
-      const double parts = std::ceil(2.0 * glm::distance(from, to) / step_);
-      for (double k = 0.5; k < parts; k += 1.0) visit(glm::mix(from, to, k / parts));
+      forEachEdgePoint(from, to, partsOf(2.0 * glm::distance(from, to), step_), visit);
     }
   }
 
