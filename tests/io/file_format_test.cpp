@@ -119,7 +119,7 @@ TEST_F(FileFormat, PipesAreReadAsFilesAre) {
     writeMesh(path("mesh" + format), torus);
     const Mesh expected = readMesh(path("mesh" + format));
     ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
-    std::thread writer([&] { writeMesh(path("pipe"), torus, format); });
+    std::thread writer([&] { writeMesh(path("pipe"), torus, {.format = format}); });
     const Mesh mesh = readMesh(path("pipe"));
     writer.join();
     std::filesystem::remove(path("pipe"));
@@ -130,7 +130,7 @@ TEST_F(FileFormat, PipesAreReadAsFilesAre) {
 }
 
 TEST_F(FileFormat, TellsMeshesFromFields) {
-  writeMesh(path("mesh"), shapes::torus(2.0, 0.7, 40, 24), ".stl");
+  writeMesh(path("mesh"), shapes::torus(2.0, 0.7, 40, 24), {.format = ".stl"});
   EXPECT_TRUE(std::holds_alternative<Mesh>(readMeshOrField(path("mesh"))));
   Field field;
   field.grid = {{2, 3, 4}, {0.0, 0.0, 0.0}, 1.0};
