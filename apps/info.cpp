@@ -123,7 +123,7 @@ void addInfo(CLI::App& app) {
         crossings ? judge(mesh, found, *crossings, line.callback()) : judge(found, crossings);
     line.clear();
     if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
-    const std::optional<LengthUnit> unit = meshUnit(arguments->mesh);
+    const std::optional<LengthUnit> unit = meshUnit(named(arguments->mesh, arguments->format.input));
     if (!arguments->isJson) {
       print(found, crossings, unit);
       std::printf("\n%s", describe(verdict, found, crossings, arguments->mesh).c_str());

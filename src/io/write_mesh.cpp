@@ -56,7 +56,9 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
       if (format.write)
         format.write(out, mesh, options.offset);
       else
-        write3mf(out, mesh, {options.unit, path.stem().string(), offsetNote(options.offset)});
+        writeSeekable(out, [&](std::ostream& whole) {
+          write3mf(whole, mesh, {options.unit, path.stem().string(), offsetNote(options.offset)});
+        });
     });
   } catch (const Error& error) {
     if (error.code() != ErrorCode::Unsupported) throw;

@@ -181,6 +181,14 @@ void summarize(const LostSides& lost, Loss& loss) {
 
 }  // namespace
 
+/// Returns whether the samples may have missed what is at a point. Where all walls are thicker, the rims of
+/// holes are lost, and no part of the solid.
+static bool isThin(const Thickness& thickness, double spacing) {
+  constexpr double kThick = 4.0;  // In samples.
+  return thickness.part == Part::Edge ||
+         (thickness.part == Part::Wall && thickness.diameter < kThick * spacing);
+}
+
 Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FacePoint> lost, double share,
                  const Options& options, const RepairOptions& repair) {
   Loss loss;
@@ -192,6 +200,8 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
                                .progress = options.progress});
   const std::vector<Thickness> thickness =
       surface.thickness(lost, {.threads = options.threads, .progress = options.progress});
+  if (std::ranges::none_of(thickness, [&](const Thickness& t) { return isThin(t, grid.spacing); }))
+    return loss;
   LostSides sides;
   double area = 0.0, solidArea = 0.0;
   for (size_t i = 0; i < lost.size(); ++i) {

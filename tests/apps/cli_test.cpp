@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -798,8 +799,10 @@ TEST_F(Cli, RepairsAMesh) {
 TEST_F(Cli, RefusesAFormatThatBreaksTheResult) {
   writeMesh(path("far.obj"), shapes::box({5e5, 5.5e6, 300.0}, {5e5 + 10.0, 5.5e6 + 8.0, 306.0}));
   for (const char* command : {"repair", "mesh"}) {
-    const std::string run = std::string(command) + " far.obj --resolution 64 -o far";
-    expectFailure(run + ".stl", ErrorCode::Unsupported, "write a .ply, .obj or .glb, or add --recenter");
+    const std::string run = std::string(command) + " far.obj --overwrite --resolution 64 " +
+                            (std::string(command) == "repair" ? "--remesh --tolerance 0 " : "") + "-o far";
+    expectFailure(run + ".stl", ErrorCode::Unsupported,
+                  "write a .ply, .obj, .glb or .3mf, or add --recenter");
     EXPECT_FALSE(fs::exists(path("far.stl")));
     const std::string text = succeed(run + ".stl --recenter").out;
     EXPECT_NE(text.find("recentered: add 500005 5500004 303 to the positions"), std::string::npos) << text;
@@ -816,7 +819,7 @@ TEST_F(Cli, RefusesAFormatThatBreaksTheResult) {
       EXPECT_NEAR(kept.bounds.min.y, 5.5e6, 0.01);
     }
   }
-  succeed("repair far.obj --resolution 64 -o far.ply --recenter --stats far.json");
+  succeed("repair far.obj --resolution 64 --remesh -o far.ply --recenter --stats far.json");
   EXPECT_EQ(json("far.json")["file_offset"], Json({500005.0, 5500004.0, 303.0}));
   EXPECT_LT(json("far.json")["mesh_from_result"]["max"], 0.02);
 }
@@ -825,7 +828,7 @@ TEST_F(Cli, MeasuresTheMeshAsStored) {
   // Steps of 2^-6 are small enough to keep the box whole, but larger than the result's other deviations.
   writeMesh(path("far.obj"), shapes::box({2e5, 0.0, 0.0}, {2e5 + 10.003, 8.0, 6.0}));
   const auto deviation = [&](const std::string& file) {
-    succeed("repair far.obj --resolution 64 --stats s.json -o " + file);
+    succeed("repair far.obj --resolution 64 --remesh --tolerance 0 --stats s.json -o " + file);
     return json("s.json")["result_from_mesh"]["mean"].get<double>();
   };
   EXPECT_GT(deviation("far.stl"), 2.0 * deviation("far.ply"));
@@ -972,7 +975,7 @@ TEST_F(Cli, KeepsAMeshThatIsRight) {
   writeMesh(path("ball.stl"), ball);
   const std::string text = succeed("repair ball.stl -o kept.stl --stats kept.json").out;
   EXPECT_NE(text.find("\nkept as it is, because nothing is wrong with it; to make it anew: --remesh\n"
-                      "result: 5,120 triangles, 1 solid, 0 cavities, checked: watertight"),
+                      "result: 5,120 triangles, 1 solid, 0 cavities, checked as stored: watertight"),
             std::string::npos)
       << text;
   EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
@@ -1097,6 +1100,7 @@ TEST_F(Cli, NamesTheFileThatIsWrong) {
 }
 
 TEST_F(Cli, ReadsMeshesFromPipes) {
+  const std::regex unit("\"unit\": [^,]*,");
   writeTorus();
   for (const std::string format : {"ply", "obj", "stl", "glb"}) {
     SCOPED_TRACE(format);
@@ -1110,7 +1114,8 @@ TEST_F(Cli, ReadsMeshesFromPipes) {
       for (size_t at = 0; (at = command.find("FORMAT")) != std::string::npos;) command.replace(at, 6, format);
       const Result piped = shell(command);
       EXPECT_EQ(piped.code, 0) << command << "\n" << piped.err;
-      EXPECT_EQ(piped.out, alone) << command;
+      // The bytes of a pipe tell the format, but not which unit its programs take for granted.
+      EXPECT_EQ(std::regex_replace(piped.out, unit, ""), std::regex_replace(alone, unit, "")) << command;
     }
   }
 }

@@ -16,7 +16,8 @@ struct Outcome {
   std::string warnings;
 };
 
-Outcome runAt(const Mesh& mesh, double spacing, const RepairOptions& how = {}) {
+Outcome runAt(const Mesh& mesh, double spacing, RepairOptions how = {}) {
+  how.remesh = true;
   Outcome outcome;
   outcome.grid = fitRepairGrid(mesh, {.voxelSize = spacing}, how);
   Options options{.device = "cpu"};

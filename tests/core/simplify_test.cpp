@@ -181,7 +181,7 @@ TEST(Simplify, RefusesMeshesThatAreNotClosed) {
 
 TEST(Simplify, IsPartOfARepair) {
   const Mesh box = shapes::box(dvec3(-1.0, -0.7, -0.8), dvec3(1.0, 0.7, 0.8));
-  RepairOptions how;
+  RepairOptions how{.remesh = true};
   const Grid grid = fitRepairGrid(box, {.resolution = 48}, how);
   const Repaired byDefault = repair(box, grid, {}, how);
   how.tolerance = 0.0;

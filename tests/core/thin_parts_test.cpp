@@ -36,12 +36,14 @@ double distanceToSheet(const glm::dvec3& p, const glm::dvec2& low, const glm::dv
   return glm::length(glm::dvec3(q - glm::clamp(q, low, high), p.z));
 }
 
-Repaired solidOf(const Mesh& mesh, const RepairOptions& repairOptions, int threads = 0) {
+Repaired solidOf(const Mesh& mesh, RepairOptions repairOptions, int threads = 0) {
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, repairOptions);
   Options options;
   options.device = "cpu";
   options.closeHoles = true;
   options.threads = threads;
+  repairOptions.remesh = true;
+  repairOptions.tolerance = 0.0;
   return repair(mesh, grid, options, repairOptions);
 }
 
@@ -90,7 +92,7 @@ TEST(ThinParts, LeaveThickOnesAsTheyAre) {
   Options options;
   options.device = "cpu";
   options.closeHoles = true;
-  EXPECT_EQ(repair(mesh, grid, options, {}).mesh.vertices,
+  EXPECT_EQ(repair(mesh, grid, options, {.remesh = true}).mesh.vertices,
             repair(mesh, grid, options, {.minThickness = kLeast}).mesh.vertices);
   EXPECT_NEAR(thick.report.after.signedVolume, plain.report.after.signedVolume, 0.1);
 }
