@@ -34,12 +34,12 @@ def parquet_path(table: str | os.PathLike[str]) -> Path:
     path = Path(table).resolve()
     if path.suffix.lower() != ".parquet":
         raise UsageError(f"{table}: the table is written as .parquet, and always as table.csv")
+    if not path.parent.is_dir():
+        raise FileError(f"{table}: cannot write: there is no folder {path.parent}; create it first")
     try:
         importlib.import_module("pyarrow.parquet")
     except ImportError:
         raise UsageError(f"{table}: a table in Parquet needs pyarrow: pip install 'raymap[parquet]'") from None
-    if not path.parent.is_dir():
-        raise FileError(f"{table}: cannot write: there is no folder {path.parent}; create it first")
     return path
 
 
