@@ -145,8 +145,10 @@ bool isKept(const Trial& trial) {
 /// most: a part that runs out to an edge is kept best where the samples happen to lie in it.
 Trial findVoxelSize(Trials& trials, double spacing) {
   Trial best;
-  for (double h = spacing / kFiner; h >= kFinest * spacing; h /= kFiner) {
-    const Trial trial = trials.run(roundDown(h));
+  double voxelSize = spacing / kFiner;
+  while (voxelSize >= kFinest * spacing) {
+    const Trial trial = trials.run(roundDown(voxelSize));
+    voxelSize /= kFiner;
     if (trial.voxelSize == 0.0) break;
     if (isKept(trial)) return trial;
     if (trial.keptShare > best.keptShare) best = trial;
