@@ -46,7 +46,7 @@ def knows_tolerance(raymap):
 def repair(raymap, mesh, result, arguments, tolerance=None):
     """Returns the statistics with the warnings and the CPU time, or the reason why there is no result."""
     file = result.with_suffix(".stats.json")
-    options = ["--resolution", arguments.resolution, "--device", "cpu"]
+    options = ["--resolution", arguments.resolution, "--device", "cpu", "--remesh"]
     options += [] if tolerance is None else ["--tolerance", tolerance]
     done, cpu = run([raymap, "repair", mesh, "-o", result, "--stats", file, *options])
     warnings = [line.removeprefix("raymap: warning: ") for line in done.stderr.splitlines() if "warning:" in line]
