@@ -51,9 +51,9 @@ void check(const Grid& grid, const RepairOptions& repair) {
   atLeast(repair.drainHole, "a drain hole");
   require(repair.minThickness >= 0.0, "the least thickness must not be negative");
   require(repair.minThickness == 0.0 || repair.minThickness >= 2.0 * grid.spacing,
-          "a least thickness (--min-thickness) of " + std::to_string(repair.minThickness) +
-              " is less than two samples (" + std::to_string(2.0 * grid.spacing) +
-              "); use a voxel size of at most " + std::to_string(0.5 * repair.minThickness));
+          "a least thickness (--min-thickness) of " + numberText(repair.minThickness) +
+              " is less than two samples (" + numberText(2.0 * grid.spacing) +
+              "); use a voxel size of at most " + numberText(0.5 * repair.minThickness));
 }
 
 /// The solid with its surface moved by the offset.

@@ -202,6 +202,9 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   // The bubble's points lie inside, the crumb's outside; neither is missed by the result.
   EXPECT_GT(report.buriedShare, 0.05);
   EXPECT_GT(report.lostShare, 0.004);
+  // What was dropped on purpose is no loss that other samples would mend.
+  EXPECT_EQ(report.loss.voxelSize, 0.0);
+  EXPECT_EQ(report.loss.solidShare, 0.0);
   EXPECT_LT(report.ofKept.max, 0.5 * kSpacing);
 }
 

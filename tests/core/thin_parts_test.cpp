@@ -149,6 +149,21 @@ TEST(ThinParts, AreSheetsAlone) {
   EXPECT_THROW(solidOf(sheet({0, 0}, {6, 6}), {}), Error);
 }
 
+TEST(ThinParts, AreRefusedWithLengthsThatSaySomething) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1e-6, 1e-6, 1e-6});
+  const RepairOptions how{.minThickness = 1e-8};
+  const Grid grid = fitRepairGrid(mesh, {.voxelSize = 2e-8}, how);
+  try {
+    repair(mesh, grid, {}, how);
+    ADD_FAILURE() << "made a plate thinner than two samples";
+  } catch (const Error& error) {
+    EXPECT_EQ(
+        std::string(error.what()),
+        "a least thickness (--min-thickness) of 1e-08 is less than two samples (4e-08); use a voxel size "
+        "of at most 5e-09");
+  }
+}
+
 TEST(ThinParts, AreThickAfterTheOffset) {
   const Mesh mesh = shapes::box({0, 0, -0.1}, {8, 6, 0.1});
   for (const double offset : {-0.05, 0.1}) {
