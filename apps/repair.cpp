@@ -22,11 +22,11 @@ constexpr const char* kFooter = R"(Examples:
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4 --drain-holes 2    (a vent, too)
   raymap repair car.obj -o car.stl --min-thickness 0.8           (nothing is thinner, sheets become plates)
-
   raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
   raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
 
-All lengths are in the mesh's units, or in those that --unit names. The deviation of the result from the mesh is measured and printed.)";
+All lengths are in the mesh's units, or in those that --unit names. The program measures and prints how far the
+result deviates from the mesh.)";
 
 /// Repairs with progress and warnings on stderr.
 RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments,

@@ -21,7 +21,7 @@ import statistics
 import subprocess
 import sys
 
-# What admesh must not have to mend. It prints a count for each, of the file as given.
+# Faults that admesh must not find in a result. It prints a count of each.
 ADMESH_FAULTS = ("Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges", "Degenerate facets",
                  "Total disconnected facets")
 

@@ -95,7 +95,7 @@ struct RepairReport {
   double lostShare = 0.0;     ///< Share of it more than a sample outside: thinner than the samples, or open.
   double trimmedShare = 0.0;  ///< Share of the mesh's area that the moved surface has no place for. The
                               ///< other shares are of the rest.
-  Loss loss = {};             ///< What was lost of the mesh's solid.
+  Loss loss = {};             ///< Thin parts of the mesh's solid that are lost.
   size_t filledHollows = 0;   ///< Number of hollows that a drain hole does not fit into; they are solid.
   size_t hollows = 0;         ///< Number of hollows that the shell left.
   size_t holes = 0;           ///< Number of drain holes.
@@ -112,7 +112,7 @@ struct RepairReport {
   size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
   size_t closingFaces = 0;         ///< Number of faces that close them.
   double thickenedShare = 0.0;     ///< Share of the mesh's area that was thinner than `minThickness`.
-  SimplifyReport simplified = {};  ///< Of a mesh that was not kept as it is.
+  SimplifyReport simplified = {};  ///< All 0 if the mesh's own faces were kept.
 };
 
 /// A repaired mesh and what was done.

@@ -21,7 +21,7 @@ struct FacePoint {
   double area = 0.0;
 };
 
-/// What a mesh is at a point of its surface.
+/// Kind of part that a point of a mesh's surface bounds.
 enum class Part : uint8_t {
   Wall,  ///< Side of a plate, a rod or any body: another side lies opposite.
   Edge,  ///< Side of a wedge or a spike, which runs out to an edge or a tip.

@@ -8,7 +8,7 @@
 
 namespace raymap {
 
-/// What kind of thing a mesh is. Where several hold, it is the first of these.
+/// Kind of a mesh. Where several apply, the first of these counts.
 enum class MeshKind : uint8_t {
   NoSurface,          ///< All faces are degenerate.
   DoubleSided,        ///< At least half of the faces are double-sided.
@@ -24,7 +24,7 @@ enum class MeshKind : uint8_t {
   CleanSolid,         ///< One closed part with nothing wrong, or with parts inside that face inwards.
 };
 
-/// What makes a clean solid of a mesh.
+/// Command that makes a clean solid of a mesh.
 enum class Remedy : uint8_t {
   None,    ///< Nothing can or need be done.
   Repair,  ///< `repair`.

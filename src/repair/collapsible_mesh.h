@@ -75,7 +75,7 @@ class CollapsibleMesh {
   struct Touch {
     uint32_t face, before;
   };
-  /// Where a collapse is recorded.
+  /// Place of a collapse in the record.
   struct Place {
     uint32_t record, first, count;
     uint32_t edge;  ///< The half edge that collapsed.

@@ -75,7 +75,7 @@ class Decimator {
   DecimateOptions options_;
   double limit_;  ///< Square of the tolerance.
   CollapsibleMesh mesh_;
-  std::vector<glm::vec3> normals_;  ///< Of the given faces.
+  std::vector<glm::vec3> normals_;  ///< Normals of the given faces.
   std::vector<PlaneQuadric> quadrics_;
   std::vector<glm::vec3> points_;
   std::vector<uint32_t> vertexOfPoint_;           ///< A vertex of the given face that the point lies on.

@@ -9,7 +9,7 @@
 
 namespace raymap::cpu {
 
-/// Where a ray passes a face.
+/// Point in which a ray passes a face.
 struct RayHit {
   double distance;    ///< From the start of the ray, in the mesh's units.
   glm::dvec3 normal;  ///< Unit normal of the face, in the direction of the ray or across it.

@@ -25,7 +25,7 @@ struct Object3mf {
   std::vector<Placement3mf> components;
 };
 
-/// What a model part holds of geometry.
+/// Geometry of a model part.
 struct ModelPart3mf {
   std::string unit = "millimeter";
   std::map<uint32_t, Object3mf> objects;

@@ -9,7 +9,7 @@
 
 namespace raymap {
 
-/// What a 3MF says of its mesh. Bytes of texts that are no text of XML become '?'. Empty texts are left out.
+/// Unit and texts of a 3MF. Bytes of texts that are no text of XML become '?'. Empty texts are left out.
 struct About3mf {
   LengthUnit unit;
   std::string title, description;

@@ -26,7 +26,7 @@ class XmlAttributes {
   const char* const* list_;  ///< Names and values in turn, then null.
 };
 
-/// What parseXml tells of a part, and where it is.
+/// Receives the elements of a part from parseXml, with the line of each.
 class XmlHandler {
  public:
   virtual ~XmlHandler() = default;

@@ -6,6 +6,6 @@ namespace raymap {
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbBandKey = "raymap_band";
 inline constexpr const char* kVdbBackgroundKey =
-    "raymap_background";  ///< What the background means, in words.
+    "raymap_background";  ///< Meaning of the background, in words.
 
 }  // namespace raymap

@@ -23,7 +23,7 @@ struct MeshFile {
   std::span<const std::byte> bytes;
   std::filesystem::path path;
   WarningCallback warn;
-  std::filesystem::path folder = path.parent_path();  ///< Of the files that the mesh file refers to.
+  std::filesystem::path folder = path.parent_path();  ///< Folder of the files that the mesh file refers to.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;
