@@ -244,8 +244,13 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   const auto stage = [&](const char* name, const auto& work) {
     progress.stage(name, [&] { withThreads(options.threads, work); });
   };
+  const auto finish = [&] {
+    for (const Progress::Time& time : progress.times())
+      report.stats.stages.push_back({time.stage, time.milliseconds});
+    return std::move(repaired);
+  };
   stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
-  if (report.isKept) return repaired;
+  if (report.isKept) return finish();
   Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
   report.thickenedShare = thickenThinParts(mesh, options, repair, solid);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
@@ -268,7 +273,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   stage("simplify", [&] { simplifySurface(result, grid, options, repair, report); });
   countPieces(result, report);
   if (repair.finish) repair.finish(result);
-  if (!repair.measure) return repaired;
+  if (!repair.measure) return finish();
   std::vector<FacePoint> lost;
   stage("measure",
         [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
@@ -277,9 +282,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
   });
   if (const std::string loss = describeLoss(report.loss); options.warn && !loss.empty()) options.warn(loss);
-  for (const Progress::Time& time : progress.times())
-    report.stats.stages.push_back({time.stage, time.milliseconds});
-  return repaired;
+  return finish();
 }
 
 }  // namespace raymap

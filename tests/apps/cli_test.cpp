@@ -981,6 +981,7 @@ TEST_F(Cli, KeepsAMeshThatIsRight) {
   EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
   EXPECT_EQ(json("kept.json")["kept"], true);
   EXPECT_EQ(json("kept.json")["solids"], 1);
+  EXPECT_EQ(json("kept.json")["stages"].at(0).at("name"), "inspect");
   succeed("repair ball.stl -o made.stl --remesh --resolution 32 --stats made.json");
   EXPECT_EQ(json("made.json")["kept"], false);
   EXPECT_NE(json("made.json")["after"]["triangles"], 5120);
