@@ -50,7 +50,8 @@ TEST(Keep, LeavesARightMeshAsItIs) {
   EXPECT_EQ(kept.report.cavities, 0u);
   EXPECT_EQ(kept.report.after.triangles, mesh.triangles.size());
   EXPECT_EQ(kept.report.after.signedVolume, kept.report.before.signedVolume);
-  EXPECT_TRUE(kept.report.stats.stages.empty());
+  ASSERT_EQ(kept.report.stats.stages.size(), 1u);  // No field is made.
+  EXPECT_EQ(kept.report.stats.stages[0].name, "inspect");
   const Repaired unmeasured = repaired(mesh, {.measure = false});
   EXPECT_TRUE(unmeasured.report.isKept);
   EXPECT_EQ(unmeasured.mesh.triangles, mesh.triangles);
