@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "cpu/points/closest_point.h"
@@ -36,9 +35,7 @@ constexpr double kSharp = 0.25;
 // a step, of half a square, of two for each point, and of this for each step of its longest edge.
 constexpr double kPerPoint = 2.0, kPerEdge = 0.1, kAlways = 0.5;
 // New edges are measured if a point is farther from the new faces than this share of the tolerance.
-constexpr double kNear = 0.7;
-constexpr int kMostParts = 8;   // Most points measured on an edge.
-constexpr double kReach = 1.5;  // Distance within which given faces are looked for, in steps.
+constexpr double kNear = 0.4;
 
 double squareOf(const glm::dvec3& v) {
   return glm::dot(v, v);
@@ -136,7 +133,6 @@ Decimator::Decimator(const PackedMesh& mesh, const DecimateOptions& options)
       normals_(mesh.triangles.size()),
       quadrics_(mesh.vertices.size()),
       points_(mesh.vertices.begin(), mesh.vertices.end()),
-      vertexOfPoint_(mesh.vertices.size()),
       firstPoint_(mesh.triangles.size(), kNoIndex),
       nextPoint_(mesh.vertices.size(), kNoIndex),
       faceOfPoint_(mesh.vertices.size(), kNoIndex),
@@ -144,7 +140,6 @@ Decimator::Decimator(const PackedMesh& mesh, const DecimateOptions& options)
       tile_(mesh.vertices.size()),
       isFree_(mesh.vertices.size()),
       isKept_(mesh.vertices.size()) {
-  std::iota(vertexOfPoint_.begin(), vertexOfPoint_.end(), 0u);
   listFaces();
   addPlanes();
   addPoints();
@@ -185,7 +180,6 @@ void Decimator::addPoint(uint32_t face, const glm::vec3& point) {
   points_.push_back(point);
   nextPoint_.push_back(kNoIndex);
   faceOfPoint_.push_back(kNoIndex);
-  vertexOfPoint_.push_back(triangles_[face].x);
   putPoint(uint32_t(points_.size() - 1), face);
 }
 
@@ -338,7 +332,7 @@ bool Decimator::collapse(uint32_t v, const Ring& ring, uint32_t k, Task& task) {
   if (!mesh_.findRing(end, other) || !mesh_.canCollapse(ring, other) || !makeFaces(v, ring, k, faces) ||
       !placePoints(v, ring, faces, task))
     return false;
-  if (task.farthest > kNear * kNear * limit_ && !staysNear(ring, k, task)) return false;
+  if (task.farthest > kNear * kNear * limit_ && !staysNear(ring, k)) return false;
   for (const uint32_t h : ring.edges()) wake_[mesh_.to(h)] = 0.0f;
   quadrics_[end].add(quadrics_[v]);
   mesh_.collapse(ring, k, task.record);
@@ -401,39 +395,49 @@ bool Decimator::placePoints(uint32_t v, const Ring& ring, NewFaces& faces, Task&
 
 /// Returns whether points of the new edges are within the tolerance of the given mesh: the new faces meet
 /// there, so they can be farther off than any point that was placed.
-bool Decimator::staysNear(const Ring& ring, uint32_t k, const Task& task) const {
+bool Decimator::staysNear(const Ring& ring, uint32_t k) const {
   const uint32_t end = mesh_.to(ring.all[k]);
   for (const uint32_t h : ring.edges()) {
-    if (mesh_.to(h) == end) continue;
-    const glm::dvec3 a = at(end), b = at(mesh_.to(h));
-    const int parts = std::min(partsOf(glm::distance(a, b), options_.step), kMostParts);
-    bool isNear = true;
-    forEachEdgePoint(a, b, parts,
-                     [&](const glm::dvec3& p) { isNear = isNear && isNearGiven(p, ring, task); });
-    if (!isNear) return false;
+    const uint32_t start = mesh_.to(h);
+    if (start != end && !isNearGiven(start, end)) return false;
   }
   return true;
 }
 
-/// Returns whether a point is within the tolerance of the given mesh, as far as the points around tell.
-bool Decimator::isNearGiven(const glm::dvec3& p, const Ring& ring, const Task& task) const {
-  uint32_t closest = 0;
-  double least = INFINITY;
-  const auto squaredTo = [&](uint32_t point) { return squareOf(glm::dvec3(points_[point]) - p); };
-  const auto consider = [&](uint32_t point) {
-    if (const double squared = squaredTo(point); squared < least)
-      least = squared, closest = vertexOfPoint_[point];
-  };
-  for (const PlacedPoint& placed : task.placed) consider(placed.point);
-  for (const uint32_t h : ring.edges()) consider(mesh_.to(h));
-  if (isNearFacesOf(closest, p)) return true;
-  const double reach = kReach * options_.step;
-  const auto isNear = [&](uint32_t point) {
-    return vertexOfPoint_[point] != closest && squaredTo(point) < reach * reach &&
-           isNearFacesOf(vertexOfPoint_[point], p);
-  };
-  return std::ranges::any_of(task.placed, [&](const PlacedPoint& placed) { return isNear(placed.point); }) ||
-         std::ranges::any_of(ring.edges(), [&](uint32_t h) { return isNear(mesh_.to(h)); });
+/// Returns whether points of an edge are within the tolerance of the given mesh, as far as a walk over its
+/// vertices tells.
+bool Decimator::isNearGiven(uint32_t start, uint32_t end) const {
+  uint32_t closest = start;
+  bool isNear = true;
+  const glm::dvec3 a = at(start), b = at(end);
+  forEachEdgePoint(a, b, partsOf(kEdgePoints * glm::distance(a, b), options_.step), [&](const glm::dvec3& p) {
+    if (!isNear) return;
+    closest = walkTo(p, closest);
+    isNear = isNearFacesOf(closest, p);
+    if (!isNear) forEachNeighbour(closest, [&](uint32_t v) { isNear = isNear || isNearFacesOf(v, p); });
+  });
+  return isNear;
+}
+
+/// Goes from a given vertex to its neighbour closest to a point, and on while there is a closer one.
+uint32_t Decimator::walkTo(const glm::dvec3& p, uint32_t vertex) const {
+  uint32_t closest = vertex;
+  double least = squareOf(at(vertex) - p);
+  do {
+    vertex = closest;
+    forEachNeighbour(vertex, [&](uint32_t v) {
+      if (const double squared = squareOf(at(v) - p); squared < least) least = squared, closest = v;
+    });
+  } while (closest != vertex);
+  return closest;
+}
+
+/// Visits the neighbours of a vertex in the given mesh, each of them twice.
+template <class Visit>
+void Decimator::forEachNeighbour(uint32_t vertex, Visit&& visit) const {
+  for (uint32_t i = firstFace_[vertex]; i < firstFace_[vertex + 1]; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (const uint32_t v = triangles_[facesOfVertex_[i]][k]; v != vertex) visit(v);
 }
 
 /// Returns whether a point is within the tolerance of the given faces around a vertex.

@@ -30,6 +30,8 @@ struct DecimateOptions {
 /// Removes vertices of a closed mesh while points of the given mesh stay within a tolerance of it.
 class Decimator {
  public:
+  static constexpr double kEdgePoints = 4.0;  ///< Points of a new edge that are measured, for each step.
+
   /// Throws `Error(Input)` if the mesh is not a closed, oriented manifold.
   Decimator(const PackedMesh& mesh, const DecimateOptions& options);
 
@@ -62,8 +64,11 @@ class Decimator {
   bool collapse(uint32_t v, const Ring& ring, uint32_t k, Task& task);
   bool makeFaces(uint32_t v, const Ring& ring, uint32_t k, NewFaces& faces) const;
   bool placePoints(uint32_t v, const Ring& ring, NewFaces& faces, Task& task) const;
-  bool staysNear(const Ring& ring, uint32_t k, const Task& task) const;
-  bool isNearGiven(const glm::dvec3& p, const Ring& ring, const Task& task) const;
+  bool staysNear(const Ring& ring, uint32_t k) const;
+  bool isNearGiven(uint32_t start, uint32_t end) const;
+  uint32_t walkTo(const glm::dvec3& p, uint32_t vertex) const;
+  template <class Visit>
+  void forEachNeighbour(uint32_t vertex, Visit&& visit) const;
   bool isNearFacesOf(uint32_t vertex, const glm::dvec3& p) const;
   void putPoint(uint32_t point, uint32_t face);
   void takePoint(uint32_t point);
@@ -78,7 +83,6 @@ class Decimator {
   std::vector<glm::vec3> normals_;  ///< Normals of the given faces.
   std::vector<PlaneQuadric> quadrics_;
   std::vector<glm::vec3> points_;
-  std::vector<uint32_t> vertexOfPoint_;           ///< A vertex of the given face that the point lies on.
   std::vector<uint32_t> firstPoint_, nextPoint_;  ///< List of the points at each face.
   std::vector<uint32_t> faceOfPoint_;             ///< `kNoIndex` for vertices that a face uses.
   std::vector<float> wake_;                       ///< Cost from which on a vertex is tried again.

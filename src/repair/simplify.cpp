@@ -95,8 +95,8 @@ class Simplifier {
     return far;
   }
 
-  /// Visits points of a face that changed: twice as many on its edges, where it may be farthest off. Of two
-  /// such faces, only one has those of their edge.
+  /// Visits points of a face that changed: more on its edges, where it may be farthest off. Of two such
+  /// faces, only one has those of their edge.
   template <class Visit>
   void forEachPoint(uint32_t f, Visit&& visit) const {
     const CollapsibleMesh& mesh = decimator_.mesh();
@@ -107,7 +107,7 @@ class Simplifier {
       const uint32_t other = mesh.twin(h) / 3;
       if (other < f && mesh.face(other) != measured_[other]) continue;
       const glm::dvec3 from = given_.position(mesh.from(h)), to = given_.position(mesh.to(h));
-      forEachEdgePoint(from, to, partsOf(2.0 * glm::distance(from, to), step_), visit);
+      forEachEdgePoint(from, to, partsOf(Decimator::kEdgePoints * glm::distance(from, to), step_), visit);
     }
   }
 
