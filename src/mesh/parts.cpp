@@ -1,6 +1,7 @@
 #include "mesh/parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <unordered_map>
 
@@ -42,17 +43,26 @@ void forEachNeighbour(uint64_t cell, Work&& work) {
         if (x != 1 || y != 1 || z != 1) work(cell + ((x - 1) << 42) + ((y - 1) << 21) + (z - 1));
 }
 
+/// Returns the least coordinates of the vertices that faces use.
+glm::dvec3 lowestCorner(const PackedMesh& mesh, std::span<const uint32_t> patchAt) {
+  glm::vec3 low(INFINITY);
+  for (size_t v = 0; v < patchAt.size(); ++v)
+    if (patchAt[v] != kNoPatch) low = glm::min(low, mesh.vertices[v]);
+  return glm::dvec3(low);
+}
+
 /// Joins the parts that have vertices in the same cell of a lattice or in neighbouring ones. The cells are
 /// `size` wide.
 void joinInCells(const PackedMesh& mesh, std::span<const uint32_t> patchAt, std::span<const uint32_t> parts,
                  double size, DisjointSets& sets) {
-  const glm::dvec3 low = bounds(mesh).min;
+  const glm::dvec3 low = lowestCorner(mesh, patchAt);
   std::unordered_map<uint64_t, uint32_t> partOfCell;
   std::vector<uint32_t> cellsOf(parts.size());
   for (uint32_t v = 0; v < patchAt.size(); ++v) {
     if (patchAt[v] == kNoPatch) continue;
     const uint32_t part = parts[patchAt[v]];
-    const auto [place, isNew] = partOfCell.try_emplace(cellOf((mesh.position(v) - low) / size + 1.0), part);
+    const auto [place, isNew] =
+        partOfCell.try_emplace(cellOf((glm::dvec3(mesh.vertices[v]) - low) / size + 1.0), part);
     if (isNew)
       ++cellsOf[part];
     else if (place->second != part)
