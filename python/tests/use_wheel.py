@@ -21,7 +21,7 @@ assert raymap.devices()[0]["id"] == "cpu"
 
 # The lines that new users copy.
 field.to_mesh().save("scan.ply")
-raymap.load_mesh("tetrahedron.3mf").save("tetrahedron.ply")
+raymap.load_mesh("tetrahedron.dae").save("tetrahedron.ply")
 for page in "docs/python.md", "README.md", "python/README.md", "docs/datasets.md":  # The first one makes ball.ply.
     run_page(Path(page).read_text(), page)
 Path("FOLDER").mkdir()

@@ -59,13 +59,19 @@ std::vector<std::string> fieldExtensions() {
   return extensions;
 }
 
+Formats knownFieldFormats() {
+  Formats formats;
+  for (const Format& format : kFormats) formats.emplace_back(format.extension);
+  return formats;
+}
+
 Field readFieldAs(const SourceFile& source, std::string_view format) {
   return findFormat(source.path(), format).read(source);
 }
 
 Field readField(const fs::path& path, std::string_view given) {
   const SourceFile source(path);
-  return readFieldAs(source, formatOf(source, given, fieldExtensions()));
+  return readFieldAs(source, formatOf(source, given, knownFieldFormats()));
 }
 
 void writeField(const fs::path& path, const Field& field, std::string_view name, std::string_view given) {

@@ -36,6 +36,10 @@ std::string listOf(const Formats& formats);
 /// bytes at the end.
 void writeSeekable(std::ostream& out, const std::function<void(std::ostream&)>& write);
 
+// Formats that builds with all libraries read. Those whose library this build lacks are known, to be refused.
+Formats knownMeshFormats();
+Formats knownFieldFormats();
+
 // Read a file in a known format, which `formatOf` gave.
 Mesh readMeshAs(const SourceFile& source, std::string_view format, const WarningCallback& warn);
 Field readFieldAs(const SourceFile& source, std::string_view format);

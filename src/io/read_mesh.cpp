@@ -53,14 +53,14 @@ Mesh readMeshAs(const SourceFile& source, std::string_view name, const WarningCa
 
 Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn, std::string_view format) {
   const SourceFile source(path);
-  return readMeshAs(source, formatOf(source, format, meshExtensions()), warn);
+  return readMeshAs(source, formatOf(source, format, knownMeshFormats()), warn);
 }
 
 std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const WarningCallback& warn,
                                           std::string_view format) {
   const SourceFile source(path);
-  Formats known = meshExtensions();
-  const Formats fields = fieldExtensions();
+  Formats known = knownMeshFormats();
+  const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, format, known);
   if (contains(fields, found)) return readFieldAs(source, found);
@@ -83,6 +83,12 @@ std::optional<LengthUnit> meshUnit(const std::filesystem::path& path) {
   if (extension == ".3mf") return LengthUnit::Millimetre;
   if (extension == ".gltf" || extension == ".glb" || extension == ".dae") return LengthUnit::Metre;
   return std::nullopt;
+}
+
+Formats knownMeshFormats() {
+  Formats formats;
+  for (const Format& format : kFormats) formats.emplace_back(format.extension);
+  return formats;
 }
 
 std::vector<std::string> meshExtensions() {

@@ -1,5 +1,6 @@
 #include "mesh/double_sided.h"
 
+#include <hwy/cache_control.h>
 #include <hwy/contrib/sort/vqsort.h>
 #include <raymap/buffer.h>
 
@@ -170,6 +171,7 @@ bool isPair(const PackedMesh& mesh, uint32_t a, uint32_t b) {
 /// Returns the faces of all groups but the first of each, paired with the first, ascending.
 std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
   constexpr size_t kPart = size_t{1} << 16;
+  constexpr size_t kAhead = 24;  // Faces are fetched early: they lie anywhere in memory.
   std::vector<std::vector<uint64_t>> found((candidates.size() + kPart - 1) / kPart);
   const auto runStart = [&](size_t c) {  // The first run that starts at c or later.
     while (c > 0 && c < candidates.size() && candidates[c] >> 32 == candidates[c - 1] >> 32) ++c;
@@ -179,7 +181,11 @@ std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_
     const size_t begin = runStart(part * kPart),
                  end = runStart(std::min((part + 1) * kPart, candidates.size()));
     std::vector<CornersOfFace> faces;
+    size_t fetched = begin;
     forEachRun(candidates.subspan(begin, end - begin), [&](std::span<const uint64_t> run) {
+      for (const size_t next = size_t(run.data() - candidates.data()) + kAhead;
+           fetched < std::min(next, candidates.size()); ++fetched)
+        hwy::Prefetch(&mesh.triangles[uint32_t(candidates[fetched])]);
       if (run.size() > 2) return addGroups(mesh, run, faces, found[part]);
       if (run.size() < 2) return;
       const auto [low, high] = std::minmax({uint32_t(run[0]), uint32_t(run[1])});

@@ -165,9 +165,12 @@ void measureFaces(const CellMesh& mesh, const Turns& turns, const Buffer<float>&
       if (wholeness) wholeness[f] = 0.0f;
       continue;
     }
-    for (int c = 0; c < 3; ++c) {
-      const glm::vec3 p = mesh.corner(f, c);
-      for (int axis = 0; axis < 3; ++axis) corners[3 * c + axis][count] = p[axis];
+    const glm::uvec3& t = mesh.triangles[f];
+    for (size_t c = 0; c < 3; ++c) {
+      const glm::vec3& p = mesh.vertices[t[int(c)]];
+      corners[3 * c][count] = p.x;
+      corners[3 * c + 1][count] = p.y;
+      corners[3 * c + 2][count] = p.z;
     }
     faces[count++] = f;
     if (count == hn::Lanes(Tag())) measureThem();
