@@ -68,7 +68,8 @@ void run(RepairArguments& arguments) {
   StoredMesh stored;
   const RepairReport report = makeSolid(mesh, grid, arguments, stored);
   checkCrossing(stored, report.crossingAfter.pairs);
-  if (!isSound(report.after)) warn("the result is not watertight; this is a bug, please report it");
+  if (!isSound(report.after))
+    warn("the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
   writeMesh(stored.path, stored.exact, stored.options);
   if (!arguments.stats.empty())
     writeAtomically(arguments.stats, [&](std::ostream& out) {

@@ -33,7 +33,10 @@ Json toJson(const std::vector<HolePlace>& places) {
 }
 
 Json toJson(const Loss& loss) {
-  const Box box = loss.bounds.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : loss.bounds;
+  const auto orZero = [](const Box& box) {
+    return box.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : box;
+  };
+  const Box box = orZero(loss.bounds), open = orZero(loss.openBounds);
   return {{"solid_share", loss.solidShare},
           {"bbox_min", raymap::toJson(box.min)},
           {"bbox_max", raymap::toJson(box.max)},
@@ -42,7 +45,10 @@ Json toJson(const Loss& loss) {
           {"voxel_size", loss.voxelSize},
           {"is_kept", loss.isKept},
           {"kept_share", loss.keptShare},
-          {"kept_thickness", loss.keptThickness}};
+          {"kept_thickness", loss.keptThickness},
+          {"open_share", loss.openShare},
+          {"open_bbox_min", raymap::toJson(open.min)},
+          {"open_bbox_max", raymap::toJson(open.max)}};
 }
 
 void print(const char* name, const glm::dvec3& before, const glm::dvec3& after) {
@@ -166,7 +172,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
-              isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT watertight");
+              isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT sound");
   printRemoved(report);
   const Diagnostics &before = report.before, &after = report.after;
   print("bounds, lowest", before.bounds.min, after.bounds.min);
@@ -190,8 +196,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   printShare(report.buriedShare, "of the mesh lies inside the solid, and is no surface any more");
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
-  printShare(report.lostShare - report.loss.solidShare,
-             "of the mesh is lost and bounds no solid: sheets, open surface");
+  printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");
   printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),

@@ -150,7 +150,7 @@ def evaluate(raymap, mesh, arguments, has_tolerance):
     if "error" in stats:
         return stats
     found = {key: stats[key] for key in ("before", "after", "grid", "options", "cpu", "warnings", "result_from_mesh",
-                                         "mesh_from_result", "buried_share", "lost_share")}
+                                         "mesh_from_result", "buried_share", "lost_share", "loss", "patch")}
     for side in ("before", "after"):
         found[side]["holes"] = []
     if has_tolerance:
@@ -201,9 +201,15 @@ def limit_of(found):
     return 1 + (found["options"].get("tolerance") or 0) / found["grid"]["spacing"]
 
 
-def farthest(found):
-    """Returns the larger of both largest distances, in samples, by Open3D."""
-    return max(found["open3d"][key]["max"] for key in ("result_from_mesh", "mesh_from_result"))
+def reasons_of_distance(found):
+    """Returns what the report says of each largest distance, in samples by Open3D, that exceeds the limit."""
+    loss, closed, limit = found["loss"], found["patch"]["triangles"], limit_of(found)
+    lost = [f"{100 * loss[key]:.2g} % of the mesh {text}" for key, text in (
+        ("solid_share", "is lost with its solid"), ("open_share", "is lost and bounds no solid")) if loss[key] > 0]
+    reasons = {"result_from_mesh": ["closed holes"] if closed else [], "mesh_from_result": lost}
+    distances = {key: found["open3d"][key]["max"] for key in reasons}
+    return [f"{key} {distances[key]:.2g} samples: {', '.join(reasons[key]) or 'NOTHING IS SAID'}"
+            for key in reasons if distances[key] > limit]
 
 
 def print_summary(rows, failures):
@@ -260,15 +266,15 @@ def print_meshes(rows):
 
 
 def print_judgements(rows):
-    """Prints the warnings, which a person checks, and the results that should have had one."""
+    """Prints the warnings, which a person checks, and the results without one whose report must say why they are far off."""
     print("\nWarnings, to be checked by eye:\n")
     for name, found in rows.items():
         for text in found["warnings"]:
             print(f"- {name}: {text}")
-    print("\nResults without a warning, but farther off than their tolerance and a sample:\n")
+    print("\nResults without a warning, but farther off than their tolerance and a sample, and what their reports say:\n")
     for name, found in rows.items():
-        if not found["warnings"] and farthest(found) > limit_of(found):
-            print(f"- {name}: {farthest(found):.2g} samples, {limit_of(found):.2g} allowed")
+        if not found["warnings"] and reasons_of_distance(found):
+            print(f"- {name}: {'; '.join(reasons_of_distance(found))}")
 
 
 def main():

@@ -57,7 +57,8 @@ struct Removed {
   double largest = 0.0;  ///< Volume of the largest one.
 };
 
-/// Parts of a mesh's solid that the result has not, because they are thinner than the samples can see.
+/// What the result has not of the mesh: parts of its solid that are thinner than the samples can see, and
+/// surface that bounds no solid.
 struct Loss {
   double solidShare = 0.0;       ///< Share of the mesh's area that is lost and bounds such a part.
   Box bounds = {};               ///< Bounds of this area, moved by the offset. Empty if there are none.
@@ -69,6 +70,9 @@ struct Loss {
   bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
   double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
+  double openShare =
+      0.0;              ///< Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
+  Box openBounds = {};  ///< Bounds of this area. Empty if there is none.
 };
 
 /// How the isosurface was simplified.

@@ -21,9 +21,9 @@ struct Simplified {
 };
 
 /// Returns a mesh with fewer faces, on some of the vertices of a watertight mesh. It stays watertight and
-/// consistently oriented, and no faces cross that did not cross before. All this is checked, and collapses
-/// are undone where a check fails. If checks fail in spite of that, the result is the given mesh. Same mesh,
-/// same result, for any number of threads.
+/// consistently oriented, no closed part turns inside out, and no faces cross that did not cross before. All
+/// this is checked, and collapses are undone where a check fails. If checks fail in spite of that, the result
+/// is the given mesh. Same mesh, same result, for any number of threads.
 ///
 /// Throws `Error`: Usage for the options, Input if the mesh is not a closed, oriented manifold, Memory,
 /// Cancelled.

@@ -156,7 +156,8 @@ class Simplified(TypedDict):
 
 
 class Loss(TypedDict):
-    """Parts of the mesh's solid that the result has not, because they are thinner than the samples can see."""
+    """Parts of the mesh that the result has not: those of its solid that are thinner than the samples can see, and
+    what bounds no solid."""
 
     solid_share: float
     """Share of the mesh's area that is lost and bounds such a part."""
@@ -175,6 +176,11 @@ class Loss(TypedDict):
     """Share of the lost area that ``voxel_size`` keeps."""
     kept_thickness: float
     """Thickness that half of what ``voxel_size`` does not keep does not exceed."""
+    open_share: float
+    """Share of the mesh's area that is lost and bounds nothing: sheets, open surface."""
+    open_bbox_min: list[float]
+    """Bounds of this area; 0 if there is none."""
+    open_bbox_max: list[float]
 
 
 class Removed(TypedDict):

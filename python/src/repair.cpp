@@ -27,7 +27,10 @@ nb::dict toDict(const Removed& removed) {
 }
 
 nb::dict toDict(const Loss& loss) {
-  const Box box = loss.bounds.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : loss.bounds;
+  const auto orZero = [](const Box& box) {
+    return box.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : box;
+  };
+  const Box box = orZero(loss.bounds), open = orZero(loss.openBounds);
   const auto list = [](const glm::dvec3& v) { return std::vector<double>{v.x, v.y, v.z}; };
   nb::dict dict;
   dict["solid_share"] = loss.solidShare;
@@ -39,6 +42,9 @@ nb::dict toDict(const Loss& loss) {
   dict["is_kept"] = loss.isKept;
   dict["kept_share"] = loss.keptShare;
   dict["kept_thickness"] = loss.keptThickness;
+  dict["open_share"] = loss.openShare;
+  dict["open_bbox_min"] = list(open.min);
+  dict["open_bbox_max"] = list(open.max);
   return dict;
 }
 

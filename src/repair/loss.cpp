@@ -9,8 +9,9 @@ namespace raymap {
 
 namespace {
 
-// A loss of a smaller share of the mesh's points is not worth a warning.
-constexpr double kNotableShare = 1e-3;
+// Losses of smaller shares of the mesh's area are not worth a warning. Open surface is often lost at the rims
+// of holes.
+constexpr double kNotableShare = 1e-3, kNotableOpenShare = 1e-2;
 // Share of the lost points that a distance between samples must keep.
 constexpr double kKeptShare = 0.995;
 // Largest distance from a kept point to a sample inside, in samples.
@@ -202,17 +203,23 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
                                .progress = options.progress});
   const std::vector<Thickness> thickness =
       surface.thickness(lost, {.threads = options.threads, .progress = options.progress});
-  if (std::ranges::none_of(thickness, [&](const Thickness& t) { return isThin(t, grid.spacing); }))
-    return loss;
+  const bool isAnyThin =
+      std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, grid.spacing); });
   LostSides sides;
-  double area = 0.0, solidArea = 0.0;
+  std::vector<glm::dvec3> open;
+  double area = 0.0, openArea = 0.0;
   for (size_t i = 0; i < lost.size(); ++i) {
     area += lost[i].area;
-    if (thickness[i].part == Part::Sheet || thickness[i].part == Part::Buried) continue;
-    sides.add(lost[i], thickness[i], repair.offset);
-    solidArea += lost[i].area;
+    if (isAnyThin && thickness[i].part != Part::Sheet && thickness[i].part != Part::Buried) {
+      sides.add(lost[i], thickness[i], repair.offset);
+    } else {
+      open.push_back(lost[i].position);
+      openArea += lost[i].area;
+    }
   }
-  if (area > 0.0) loss.solidShare = share * solidArea / area;
+  loss.openShare = area > 0.0 ? share * openArea / area : 0.0;
+  loss.solidShare = share - loss.openShare;
+  if (!open.empty()) loss.openBounds = boundsOf(open);
   if (sides.points.empty()) return loss;
   summarize(sides, loss);
   Trials trials(mesh, surface, sides, repair, options.threads);
@@ -238,6 +245,13 @@ std::string describeLoss(const Loss& loss) {
            text(100.0 * loss.keptShare) + " % of them, and half of the rest is thinner than " +
            text(loss.keptThickness);
   return message + "; no voxel size that fits into memory keeps them";
+}
+
+std::string describeOpenLoss(const Loss& loss) {
+  if (loss.openShare < kNotableOpenShare) return {};
+  return "sheets and open surface are lost, " + text(100.0 * loss.openShare) +
+         " % of the mesh's surface: " + text(loss.openBounds) +
+         "; they bound no solid, but --min-thickness gives them a thickness";
 }
 
 }  // namespace raymap

@@ -17,5 +17,7 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
 /// Returns a warning that says what was lost, where, how thin it is and what keeps it. Empty if the loss is
 /// too small to mention.
 std::string describeLoss(const Loss& loss);
+/// The same for what bounds no solid.
+std::string describeOpenLoss(const Loss& loss);
 
 }  // namespace raymap

@@ -281,7 +281,8 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     const double share = leaveOutDropped(dropped, grid, repair.offset, progress, lost) * report.lostShare;
     report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
   });
-  if (const std::string loss = describeLoss(report.loss); options.warn && !loss.empty()) options.warn(loss);
+  for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})
+    if (options.warn && !loss.empty()) options.warn(loss);
   return finish();
 }
 

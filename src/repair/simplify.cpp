@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "mesh/disjoint_sets.h"
 #include "repair/close_distances.h"
 #include "repair/decimate.h"
 #include "repair/face_points.h"
@@ -22,7 +23,48 @@ namespace {
 constexpr double kUsed = 0.99;
 constexpr double kStep = 10.0;  // Distance between points, in tolerances.
 constexpr size_t kBytesPerFace = 300;
+constexpr size_t kFacesPerTask = size_t{1} << 16;
 constexpr int kMostRepeats = 20;  // Of removing vertices again after some are back.
+
+/// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
+class PartVolumes {
+ public:
+  explicit PartVolumes(const PackedMesh& mesh) : vertices_(mesh.vertices), sets_(mesh.vertices.size()) {
+    parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) {
+        sets_.link(mesh.triangles[f].x, mesh.triangles[f].y);
+        sets_.link(mesh.triangles[f].x, mesh.triangles[f].z);
+      }
+    });
+    given_ = measure(mesh.triangles);
+  }
+
+  /// Returns the indices of the faces whose part has not the sign of volume that it had.
+  std::vector<uint32_t> findTurned(std::span<const glm::uvec3> faces) {
+    const std::vector<double> volumes = measure(faces);
+    std::vector<uint32_t> turned;
+    for (uint32_t f = 0; f < faces.size(); ++f)
+      if (const uint32_t part = sets_.root(faces[f].x); volumes[part] * given_[part] <= 0.0)
+        turned.push_back(f);
+    return turned;
+  }
+
+ private:
+  /// Returns the volume of each part at its lowest vertex.
+  std::vector<double> measure(std::span<const glm::uvec3> faces) {
+    std::vector<double> volumes(vertices_.size());
+    for (const glm::uvec3& t : faces) {
+      const uint32_t part = sets_.root(t.x);
+      const auto at = [&](uint32_t v) { return glm::dvec3(vertices_[v]) - glm::dvec3(vertices_[part]); };
+      volumes[part] += glm::dot(at(t.x), glm::cross(at(t.y), at(t.z)));
+    }
+    return volumes;
+  }
+
+  std::span<const glm::vec3> vertices_;
+  DisjointSets sets_;
+  std::vector<double> given_;
+};
 
 class Simplifier {
  public:
@@ -32,6 +74,7 @@ class Simplifier {
         step_(step),
         decimator_(given, {.tolerance = kUsed * tolerance, .step = step}),
         toGiven_(given, 2.0 * tolerance),
+        volumes_(given),
         measured_(given.triangles.begin(), given.triangles.end()),
         deviation_(given.triangles.size()) {}
 
@@ -56,6 +99,7 @@ class Simplifier {
     std::vector<uint32_t> wrong = findFar();
     const PackedMesh mesh(given_.vertices, triangles_, given_.origin);
     for (const uint32_t k : findSelfIntersections(mesh).faces) wrong.push_back(faces_[k]);
+    for (const uint32_t k : volumes_.findTurned(triangles_)) wrong.push_back(faces_[k]);
     return wrong;
   }
 
@@ -140,6 +184,7 @@ class Simplifier {
   double tolerance_, step_;
   Decimator decimator_;
   CloseDistances toGiven_;
+  PartVolumes volumes_;
   std::vector<glm::uvec3> measured_;   // Corners of each face when its deviation was measured.
   std::vector<double> deviation_;      // Of each face from the given mesh.
   std::vector<uint32_t> faces_;        // Faces that are left,

@@ -129,17 +129,23 @@ TEST(Loss, CountsTheOffset) {
   EXPECT_NEAR(loss.thinnest, 0.3, 0.01);
 }
 
-TEST(Loss, IsNoneWhereNothingOrOnlyASheetIsLost) {
+TEST(Loss, TellsSheetsFromPartsOfTheSolid) {
   const Mesh box = shapes::box({0, 0, 0}, {10, 10, 10});
   const Outcome whole = runAt(box, 1.0);
   EXPECT_EQ(whole.report.loss.solidShare, 0.0);
+  EXPECT_EQ(whole.report.loss.openShare, 0.0);
   EXPECT_EQ(whole.warnings, "");
   const std::vector<glm::dvec3> corners{{15, 0, 0}, {15, 8, 0}, {15, 8, 8}, {15, 0, 8}};
   const Outcome sheet = runAt(shapes::joined(box, makeMesh(corners, {{0, 1, 2}, {0, 2, 3}})), 0.5);
   EXPECT_NEAR(sheet.report.lostShare, 64.0 / 664.0, 0.02);
   EXPECT_EQ(sheet.report.loss.solidShare, 0.0);
   EXPECT_TRUE(sheet.report.loss.bounds.isEmpty());
-  EXPECT_EQ(sheet.warnings, "");
+  EXPECT_EQ(sheet.report.loss.openShare, sheet.report.lostShare);
+  EXPECT_NEAR(sheet.report.loss.openBounds.min.x, 15.0, 1e-5);
+  EXPECT_LT(glm::distance(sheet.report.loss.openBounds.max, glm::dvec3(15, 8, 8)), 0.3);
+  EXPECT_NE(sheet.warnings.find("sheets and open surface are lost, 9."), std::string::npos) << sheet.warnings;
+  EXPECT_NE(sheet.warnings.find("--min-thickness"), std::string::npos) << sheet.warnings;
+  EXPECT_EQ(sheet.warnings.find("parts of the solid"), std::string::npos) << sheet.warnings;
 }
 
 TEST(Loss, TellsOfHollowsThatWereNotMade) {

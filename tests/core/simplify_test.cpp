@@ -153,6 +153,23 @@ TEST(Simplify, KeepsTheMeshWithoutATolerance) {
   EXPECT_EQ(result.deviation, 0.0);
 }
 
+TEST(Simplify, TurnsNoPartInsideOut) {
+  // A tetrahedron so thin that the samples see crumbs of it, with few faces each.
+  const dvec3 a(0, 0, 0), b(1.9, 0.7, 0.4), c(0.2, 1.3, 1.7);
+  for (const double height : {0.002, 0.003, 0.004, 0.005}) {
+    const dvec3 top = (a + b + c) / 3.0 + height * glm::normalize(glm::cross(b - a, c - a));
+    const std::vector<dvec3> corners{a, b, c, top};
+    const Mesh mesh = makeMesh(corners, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    const Grid grid = fitGrid(mesh, {.resolution = 64});
+    const Mesh crumbs = isosurface(generate(mesh, grid, {}).field);
+    EXPECT_EQ(diagnose(crumbs).inwardComponents, 0u);
+    const Simplified result = simplify(crumbs, {.tolerance = 0.1 * grid.spacing, .step = grid.spacing});
+    EXPECT_LT(result.mesh.triangles.size(), crumbs.triangles.size());
+    EXPECT_EQ(diagnose(result.mesh).inwardComponents, 0u);
+    EXPECT_EQ(diagnose(result.mesh).components, diagnose(crumbs).components);
+  }
+}
+
 TEST(Simplify, RefusesMeshesThatAreNotClosed) {
   const auto refuse = [](const Mesh& mesh, const char* message) {
     try {
