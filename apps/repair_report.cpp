@@ -46,6 +46,7 @@ Json toJson(const Loss& loss) {
           {"is_kept", loss.isKept},
           {"kept_share", loss.keptShare},
           {"kept_thickness", loss.keptThickness},
+          {"dropped_share", loss.droppedShare},
           {"open_share", loss.openShare},
           {"open_bbox_min", raymap::toJson(open.min)},
           {"open_bbox_max", raymap::toJson(open.max)}};
@@ -197,6 +198,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
   printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");
+  printShare(report.loss.droppedShare, "of the mesh is lost with the small parts that were dropped");
   printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),

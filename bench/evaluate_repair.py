@@ -71,21 +71,32 @@ def check_by_admesh(result):
     return faults
 
 
-def check_by_trimesh(result):
-    """Returns what trimesh says of a result, and how many closed parts face outwards and inwards."""
+def parts_of(mesh):
+    """Returns the signed volumes of a mesh's connected parts."""
     import numpy as np
-    import trimesh
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    mesh = trimesh.load(result, force="mesh", process=True)
-    links = mesh.face_adjacency
-    count = len(mesh.faces)
+    links, count = mesh.face_adjacency, len(mesh.faces)
     graph = coo_matrix((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(count, count))
     parts, part_of = connected_components(graph, directed=False)
     corners = mesh.triangles - mesh.bounds.mean(axis=0)
-    volumes = np.bincount(part_of, np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6, parts)
-    return {"watertight": bool(mesh.is_watertight), "oriented": bool(mesh.is_winding_consistent), "faces": count,
+    return np.bincount(part_of, np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6, parts)
+
+
+def part_volumes(file):
+    import trimesh
+
+    return parts_of(trimesh.load(file, force="mesh", process=True))
+
+
+def check_by_trimesh(result):
+    """Returns what trimesh says of a result, and how many closed parts face outwards and inwards."""
+    import trimesh
+
+    mesh = trimesh.load(result, force="mesh", process=True)
+    volumes = parts_of(mesh)
+    return {"watertight": bool(mesh.is_watertight), "oriented": bool(mesh.is_winding_consistent), "faces": len(mesh.faces),
             "volume": float(mesh.volume), "solids": int((volumes > 0).sum()), "cavities": int((volumes < 0).sum())}
 
 
@@ -204,8 +215,9 @@ def limit_of(found):
 def reasons_of_distance(found):
     """Returns what the report says of each largest distance, in samples by Open3D, that exceeds the limit."""
     loss, closed, limit = found["loss"], found["patch"]["triangles"], limit_of(found)
-    lost = [f"{100 * loss[key]:.2g} % of the mesh {text}" for key, text in (
-        ("solid_share", "is lost with its solid"), ("open_share", "is lost and bounds no solid")) if loss[key] > 0]
+    lost = [f"{100 * share:.2g} % of the mesh {text}" for share, text in (
+        (loss["solid_share"], "is lost with its solid"), (loss["open_share"], "is lost and bounds no solid"),
+        (loss["dropped_share"], "is lost with small parts that were dropped")) if share > 0]
     reasons = {"result_from_mesh": ["closed holes"] if closed else [], "mesh_from_result": lost}
     distances = {key: found["open3d"][key]["max"] for key in reasons}
     return [f"{key} {distances[key]:.2g} samples: {', '.join(reasons[key]) or 'NOTHING IS SAID'}"

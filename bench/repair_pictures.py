@@ -18,7 +18,7 @@ MESHES = (
     ("odedstein__demosthenes-low-res.obj", "bust, open below", ("--direction", "-0.5", "0.6", "-0.8")),
     ("common3d__teapot.obj", "open parts that cross", ()),
     ("meshlab__elephant.ply", "parts that cross, holes", ()),
-    ("assimp__Wuson.stl", "loose sheets, crossing faces", ()),
+    ("assimp__Wuson.stl", "loose sheets, crossing faces", ("--up", "0", "1", "0")),
     ("vtkdata__footbones.ply", "26 solids that overlap", ()),
     ("admesh__hourglass.stl", "turned faces", ()),
     ("meshlab__conrod.stl", "turned faces", ("--up", "0", "0", "1", "--direction", "-0.6", "1", "-0.7")),
@@ -31,6 +31,11 @@ COLUMNS = 2  # Of pairs.
 
 def run(command):
     subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
+
+
+def with_up(name, options):
+    """Returns the options with the direction up of the mesh, which its result shares: STL alone has z up by default."""
+    return options if "--up" in options else ("--up", "0", *(("0", "1") if name.lower().endswith(".stl") else ("1", "0")), *options)
 
 
 def draw(raymap, mesh, picture, options):
@@ -59,7 +64,7 @@ def main():
         left, top = place % COLUMNS * 2 * WIDTH, place // COLUMNS * (HEIGHT + TITLE)
         ImageDraw.Draw(sheet).text((left + 4, top + 3), f"{name}: {wrong}", fill="black")
         for column, mesh in enumerate((arguments.folder / name, result)):
-            picture = draw(arguments.raymap, mesh, arguments.work / "picture.png", options)
+            picture = draw(arguments.raymap, mesh, arguments.work / "picture.png", with_up(name, options))
             sheet.paste(picture, (left + column * WIDTH, top + TITLE))
     sheet.save(arguments.picture, optimize=True)
 

@@ -19,10 +19,11 @@ close_holes() { "$build/bin/close_holes_table" "$folder/libigl__bunny.off" | tee
 winding_fields() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only winding_fields; }
 deficient_meshes() { "$python" bench/evaluate.py "$build/bin/raymap" "$folder" "$out" --only deficient_meshes; }
 repair() { "$python" bench/evaluate_repair.py "$build/bin/raymap" "$folder" --work "$out/repair" | tee "$out/repair.md"; }
+repair_warnings() { "$python" bench/check_warnings.py "$build/bin/raymap" "$folder" --work "$out/repair" | tee "$out/repair_warnings.md"; }
 repair_pictures() { "$python" bench/repair_pictures.py "$build/bin/raymap" "$folder" "$out/repair.png" --work "$out/repair"; }
 
 parts=("${@:2}")
-if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair repair_pictures); fi
+if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair repair_warnings repair_pictures); fi
 for part in "${parts[@]}"; do
   declare -F "$part" >/dev/null || { echo "$part is no part" >&2 && exit 2; }
 done

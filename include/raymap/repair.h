@@ -70,8 +70,10 @@ struct Loss {
   bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
   double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
-  double openShare =
-      0.0;              ///< Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
+  /// Share of the mesh's area that is lost with the small parts that were dropped.
+  double droppedShare = 0.0;
+  /// Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
+  double openShare = 0.0;
   Box openBounds = {};  ///< Bounds of this area. Empty if there is none.
 };
 

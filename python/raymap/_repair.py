@@ -176,6 +176,8 @@ class Loss(TypedDict):
     """Share of the lost area that ``voxel_size`` keeps."""
     kept_thickness: float
     """Thickness that half of what ``voxel_size`` does not keep does not exceed."""
+    dropped_share: float
+    """Share of the mesh's area that is lost with the small parts that were dropped."""
     open_share: float
     """Share of the mesh's area that is lost and bounds nothing: sheets, open surface."""
     open_bbox_min: list[float]

@@ -42,6 +42,7 @@ nb::dict toDict(const Loss& loss) {
   dict["is_kept"] = loss.isKept;
   dict["kept_share"] = loss.keptShare;
   dict["kept_thickness"] = loss.keptThickness;
+  dict["dropped_share"] = loss.droppedShare;
   dict["open_share"] = loss.openShare;
   dict["open_bbox_min"] = list(open.min);
   dict["open_bbox_max"] = list(open.max);

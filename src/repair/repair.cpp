@@ -280,6 +280,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   stage("loss", [&] {
     const double share = leaveOutDropped(dropped, grid, repair.offset, progress, lost) * report.lostShare;
     report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
+    report.loss.droppedShare = report.lostShare - share;
   });
   for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})
     if (options.warn && !loss.empty()) options.warn(loss);

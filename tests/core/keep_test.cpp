@@ -206,6 +206,8 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   // What was dropped on purpose is no loss that other samples would mend.
   EXPECT_EQ(report.loss.voxelSize, 0.0);
   EXPECT_EQ(report.loss.solidShare, 0.0);
+  EXPECT_GT(report.loss.droppedShare, 0.0);
+  EXPECT_EQ(report.loss.droppedShare, report.lostShare);
   EXPECT_LT(report.ofKept.max, 0.5 * kSpacing);
 }
 
