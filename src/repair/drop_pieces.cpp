@@ -69,9 +69,13 @@ double smallestKept(const Pieces& found, const Choice& choice) {
   return smallest;
 }
 
+std::string counted(const Removed& removed, const char* one, const char* many) {
+  return std::to_string(removed.count) + (removed.count == 1 ? one : many) + ", the largest of volume " +
+         text(removed.largest);
+}
+
 std::string parts(const Removed& removed) {
-  return std::to_string(removed.count) + (removed.count == 1 ? " part" : " parts") +
-         ", the largest of volume " + text(removed.largest);
+  return counted(removed, " part", " parts");
 }
 
 /// Where a row of samples along x passes a surface.
@@ -166,8 +170,8 @@ void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport
     warn("dropped " + parts(report.dropped) + ", while a part of volume " + text(smallest) +
          " stays; to keep all: --drop-smaller 0");
   if (report.filled.count > 0 && report.filled.largest >= report.dropSmaller)
-    warn("filled a sealed cavity of volume " + text(report.filled.largest) +
-         "; to keep cavities: --keep-cavities");
+    warn("filled " + counted(report.filled, " sealed cavity", " sealed cavities") +
+         "; to keep them: --keep-cavities");
   if (report.buried.count > 0)
     warn("filled cavities that held " + parts(report.buried) + "; to keep them: --keep-cavities");
 }

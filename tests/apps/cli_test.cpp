@@ -1011,7 +1011,7 @@ TEST_F(Cli, DropsCrumbsAndFillsBubbles) {
   EXPECT_NE(dropped.out.find("1 part, volume 0.002"), std::string::npos) << dropped.out;
   EXPECT_NE(dropped.out.find("; below 0.01\n"), std::string::npos) << dropped.out;
   EXPECT_NE(dropped.out.find("1 cavity, volume 0.5"), std::string::npos) << dropped.out;
-  EXPECT_NE(dropped.err.find("warning: filled a sealed cavity"), std::string::npos) << dropped.err;
+  EXPECT_NE(dropped.err.find("warning: filled 1 sealed cavity"), std::string::npos) << dropped.err;
   succeed(
       "repair ball.ply -o all.stl --remesh --resolution 64 --drop-smaller 0 --keep-cavities --stats "
       "all.json");

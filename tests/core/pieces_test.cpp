@@ -248,11 +248,15 @@ TEST(DropPieces, WarnsOfWhatMayBeMissed) {
   warnOfRemoved(found, choice, report, warn);
   warnOfRemoved(found, choice, report, {});
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_EQ(warnings[0], "filled a sealed cavity of volume 64; to keep cavities: --keep-cavities");
+  EXPECT_EQ(warnings[0], "filled 1 sealed cavity, the largest of volume 64; to keep them: --keep-cavities");
   EXPECT_EQ(warnings[1],
             "filled cavities that held 1 part, the largest of volume 8; to keep them: --keep-cavities");
   warnings.clear();
   report.buried = {};
+  report.filled.count = 2;
+  warnOfRemoved(found, choice, report, warn);
+  EXPECT_EQ(warnings[0], "filled 2 sealed cavities, the largest of volume 64; to keep them: --keep-cavities");
+  warnings.clear();
   report.filled.largest = 0.99 * report.dropSmaller;
   warnOfRemoved(found, choice, report, warn);
   EXPECT_TRUE(warnings.empty());
