@@ -57,8 +57,8 @@ struct Removed {
   double largest = 0.0;  ///< Volume of the largest one.
 };
 
-/// What the result has not of the mesh: parts of its solid that are thinner than the samples can see, and
-/// surface that bounds no solid.
+/// What a repair loses of the mesh: parts of its solid that are thinner than the samples can see, and surface
+/// that bounds no solid.
 struct Loss {
   double solidShare = 0.0;       ///< Share of the mesh's area that is lost and bounds such a part.
   Box bounds = {};               ///< Bounds of this area, moved by the offset. Empty if there are none.

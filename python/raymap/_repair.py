@@ -156,7 +156,7 @@ class Simplified(TypedDict):
 
 
 class Loss(TypedDict):
-    """Parts of the mesh that the result has not: those of its solid that are thinner than the samples can see, and
+    """What a repair loses of the mesh: parts of its solid that are thinner than the samples can see, and
     what bounds no solid."""
 
     solid_share: float

@@ -203,7 +203,7 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   // The bubble's points lie inside, the crumb's outside; neither is missed by the result.
   EXPECT_GT(report.buriedShare, 0.05);
   EXPECT_GT(report.lostShare, 0.004);
-  // What was dropped on purpose is no loss that other samples would mend.
+  // Other samples would not keep what was dropped on purpose.
   EXPECT_EQ(report.loss.voxelSize, 0.0);
   EXPECT_EQ(report.loss.solidShare, 0.0);
   EXPECT_GT(report.loss.droppedShare, 0.0);
