@@ -37,10 +37,10 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
     perSample += 3 * sizeof(int32_t) + sizeof(float);  // PathScratch
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, its turn,
+  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, two turns,
   // its area and, if it is double-sided, its group; a vertex has a key, its bucket, an id and the index of
   // the first vertex at its position.
-  constexpr size_t kTurningTriangle = 120, kTurningVertex = 26;
+  constexpr size_t kTurningTriangle = 121, kTurningVertex = 26;
   const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
                              (options.closeHoles ? kRimBytesPerTriangle : 0) +
@@ -55,6 +55,9 @@ void Backend::begin() {
   toCellUnits(mesh, grid, mesh_);
   hasSurfaceTree_ = hasCrossings_ = false;
   countedTurns_.clear();
+  crossedTurns_.clear();
+  removedTriangles_.clear();
+  addedTriangles_.clear();
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
@@ -136,12 +139,26 @@ void Backend::refine() {
 }
 
 void Backend::crossings() {
-  if (std::exchange(hasCrossings_, true))
-    changeCrossings(mesh_, removedTriangles_, addedTriangles_, progress(), crossings_);
-  else
+  if (!std::exchange(hasCrossings_, true) && !leaveOutDoubleSided()) {
     countCrossings(mesh_, progress(), crossings_);
+    return;
+  }
+  changeCrossings(mesh_, removedTriangles_, addedTriangles_, progress(), crossings_);
   removedTriangles_ = {};
   addedTriangles_ = {};
+}
+
+/// Prepares to count the crossings without the double-sided faces, which cancel, if most faces are. Returns
+/// whether it did. Closed holes need to know of all faces.
+bool Backend::leaveOutDoubleSided() {
+  const size_t count = mesh().triangles.size();
+  if (!hasSurfaceTree_ || options().closeHoles || 2 * doubleSided_.count() < count) return false;
+  crossedTurns_ = withoutOthers(doubleSided_, count);
+  for (const uint32_t face : doubleSided_.firsts) crossedTurns_[face] = kLeftOut;
+  for (size_t f = 0; f < count; ++f)
+    if (crossedTurns_[f] == kAsGiven) addedTriangles_.push_back(mesh().triangles[f]);
+  clearCrossings(mesh_.dims, crossings_);
+  return true;
 }
 
 void Backend::rayMap() {
@@ -157,22 +174,26 @@ DoubleSidedFaces Backend::doubleSidedFaces() {
 }
 
 void Backend::turnFaces(const Turns& turns) {
-  if (countedTurns_.empty()) countedTurns_.assign(turns.size(), kAsGiven);
+  if (crossedTurns_.empty()) crossedTurns_.assign(turns.size(), kAsGiven);
   const std::span<const glm::uvec3> given = mesh().triangles;
   const std::vector<uint32_t> changed =
-      parallelSelect(given.size(), [&](uint32_t f) { return turns[f] != countedTurns_[f]; });
+      parallelSelect(given.size(), [&](uint32_t f) { return turns[f] != crossedTurns_[f]; });
   removedTriangles_.clear();
   addedTriangles_.clear();
   for (const uint32_t f : changed) {
-    if (countedTurns_[f] != kLeftOut) removedTriangles_.push_back(turned(given[f], countedTurns_[f]));
+    if (crossedTurns_[f] != kLeftOut) removedTriangles_.push_back(turned(given[f], crossedTurns_[f]));
     if (turns[f] != kLeftOut) addedTriangles_.push_back(turned(given[f], turns[f]));
   }
-  countedTurns_ = turns;
-  turnedTriangles_.resizeUninitialized(given.size());
-  parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);
-  });
-  mesh_.triangles = turnedTriangles_;
+  if (mesh_.triangles.data() != turnedTriangles_.data()) {
+    turnedTriangles_.resizeUninitialized(given.size());
+    parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);
+    });
+    mesh_.triangles = turnedTriangles_;
+  } else {
+    for (const uint32_t f : changed) turnedTriangles_[f] = turned(given[f], turns[f]);
+  }
+  countedTurns_ = crossedTurns_ = turns;
   if (hasSurfaceTree_) turns_ = turns;
 }
 

@@ -80,6 +80,7 @@ class Backend {
   const SurfaceTree& surfaceTree();
   /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
   const SurfaceTree& turnedSurfaceTree();
+  bool leaveOutDoubleSided();
   void measureSides(float farSides, Buffer<float>* wholeness = nullptr);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
@@ -98,7 +99,8 @@ class Backend {
   bool hasSurfaceTree_ = false, isSurfaceTreeTurned_ = false;
   Crossings crossings_;
   bool hasCrossings_ = false;
-  Turns countedTurns_;  // With these the crossings are counted, once the changes below are made.
+  Turns countedTurns_;  // The turns that the sign takes; empty if it takes all faces as given.
+  Turns crossedTurns_;  // The turns that the crossings are counted with; empty if they count all as given.
   std::vector<glm::uvec3> removedTriangles_, addedTriangles_;
   RayMap rayMap_;
   Winding windingSolver_;

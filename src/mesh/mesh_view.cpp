@@ -77,11 +77,30 @@ void checkTriangle(const StridedMesh<Scalar, Index>& mesh, size_t t) {
   }
 }
 
+/// Returns whether `test(i)` holds for all i below `count`.
+template <class Test>
+bool allOf(size_t count, Test&& test) {
+  std::atomic<bool> all{true};
+  parallelFor(count, kTrianglesPerTask, [&](size_t begin, size_t end) {
+    bool holds = true;
+    for (size_t i = begin; i < end; ++i) holds &= test(i);  // Without branches, so that it is vectorized.
+    if (!holds) all = false;
+  });
+  return all;
+}
+
+/// Returns whether every index is in range and every vertex finite, used or not.
 template <class Scalar, class Index>
-bool isValid(const StridedMesh<Scalar, Index>& mesh, const glm::vec<3, Index>& triangle) {
-  for (int c = 0; c < 3; ++c)
-    if (triangle[c] >= mesh.vertexCount() || !isFinite(mesh.position(triangle[c]))) return false;
-  return true;
+bool isValid(const StridedMesh<Scalar, Index>& mesh) {
+  const auto isInRange = [&](size_t t) {
+    const glm::vec<3, Index> triangle = mesh.triangle(t);
+    return glm::max(glm::max(triangle.x, triangle.y), triangle.z) < mesh.vertexCount();
+  };
+  const auto isFiniteVertex = [&](size_t v) {
+    const glm::vec<3, Scalar> p = mesh.position(v), zero = p * Scalar(0);  // NaN if p is not finite.
+    return zero.x + zero.y + zero.z == Scalar(0);
+  };
+  return allOf(mesh.triangleCount(), isInRange) && allOf(mesh.vertexCount(), isFiniteVertex);
 }
 
 /// Returns the point that double positions are centred on; zero for a mesh without vertices.
@@ -135,12 +154,7 @@ Box bounds(const MeshView& view) {
 void validate(const MeshView& view) {
   if (view.triangleCount == 0) throw Error(ErrorCode::Input, "the mesh has no triangles");
   visitTypes(view, [](const auto& mesh) {
-    std::atomic<bool> areValid{true};
-    parallelFor(mesh.triangleCount(), kTrianglesPerTask, [&](size_t begin, size_t end) {
-      for (size_t t = begin; t < end; ++t)
-        if (!isValid(mesh, mesh.triangle(t))) areValid = false;
-    });
-    if (areValid) return;
+    if (isValid(mesh)) return;
     for (size_t t = 0; t < mesh.triangleCount(); ++t) checkTriangle(mesh, t);
   });
   if (!std::isfinite(view.origin.x + view.origin.y + view.origin.z))

@@ -14,9 +14,10 @@ namespace {
 constexpr uint32_t kNoPatch = UINT32_MAX;
 
 /// Joins the patches that share a vertex. Returns a patch at each vertex, or `kNoPatch` where there is none.
-std::vector<uint32_t> joinAtVertices(const PackedMesh& mesh, const Patches& patches, DisjointSets& sets) {
+std::vector<uint32_t> joinAtVertices(const PackedMesh& mesh, std::span<const uint32_t> faces,
+                                     const Patches& patches, DisjointSets& sets) {
   std::vector<uint32_t> patchAt(mesh.vertices.size(), kNoPatch);
-  for (size_t f = 0; f < mesh.triangles.size(); ++f)
+  for (const uint32_t f : faces)
     for (int c = 0; c < 3; ++c) {
       uint32_t& patch = patchAt[mesh.triangles[f][c]];
       if (patch == kNoPatch)
@@ -86,9 +87,10 @@ std::vector<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
 
 }  // namespace
 
-std::vector<uint32_t> findParts(const PackedMesh& mesh, const Patches& patches, double distance) {
+std::vector<uint32_t> findParts(const PackedMesh& mesh, std::span<const uint32_t> faces,
+                                const Patches& patches, double distance) {
   DisjointSets sets(patches.count);
-  const std::vector<uint32_t> patchAt = joinAtVertices(mesh, patches, sets);
+  const std::vector<uint32_t> patchAt = joinAtVertices(mesh, faces, patches, sets);
   std::vector<uint32_t> parts = rootsOf(sets, patches.count);
   const auto isFirst = [](uint32_t part) { return part == 0; };
   if (std::all_of(parts.begin(), parts.end(), isFirst)) return parts;

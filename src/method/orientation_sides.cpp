@@ -115,7 +115,8 @@ class SideChooser {
 
   /// Returns the part of each patch.
   const std::vector<uint32_t>& parts() {
-    if (parts_.empty()) parts_ = findParts(examined_.mesh, surface_.patches, 0.5 * examined_.spacing);
+    if (parts_.empty())
+      parts_ = findParts(examined_.mesh, surface_.taken, surface_.patches, 0.5 * examined_.spacing);
     return parts_;
   }
 
@@ -132,7 +133,7 @@ class SideChooser {
   Turns startFromGiven() {
     const Patches& patches = surface_.patches;
     std::vector<Votes> votes(patches.count);
-    for (size_t f = 0; f < patches.ids.size(); ++f) {
+    for (const uint32_t f : surface_.taken) {
       votes[patches.ids[f]].all += surface_.isDirected[f];
       votes[patches.ids[f]].alike += surface_.isDirected[f] && !patches.isReversed[f] ? 1 : 0;
     }
@@ -144,8 +145,8 @@ class SideChooser {
       isFromParity_ = isFromParity_ && !isClear;
     }
     Turns turns = areClear ? surface_.aligned() : startFromParity();
-    for (size_t f = 0; f < turns.size(); ++f)
-      if (const Votes& v = votes[patches.ids[f]]; turns[f] != kLeftOut && v.areClear())
+    for (const uint32_t f : surface_.taken)
+      if (const Votes& v = votes[patches.ids[f]]; v.areClear())
         turns[f] = uint8_t(patches.isReversed[f] ^ uint8_t(2 * v.alike < v.all));
     return turns;
   }
@@ -161,11 +162,11 @@ class SideChooser {
   double turnRising(std::span<const float> rises, double least, Turns& turns) const {
     const std::vector<uint32_t>& ids = surface_.patches.ids;
     std::vector<double> sums(surface_.patches.count, 0.0);
-    for (size_t f = 0; f < turns.size(); ++f)
+    for (const uint32_t f : surface_.taken)
       sums[ids[f]] += surface_.areas[f] * ((turns[f] == kReversed ? -rises[f] : rises[f]) - least);
     double risingArea = 0.0;
-    for (size_t f = 0; f < turns.size(); ++f) {
-      if (turns[f] == kLeftOut || !(sums[ids[f]] > 0.0)) continue;
+    for (const uint32_t f : surface_.taken) {
+      if (!(sums[ids[f]] > 0.0)) continue;
       turns[f] ^= kReversed;
       risingArea += surface_.areas[f];
     }
@@ -210,7 +211,7 @@ class SideChooser {
   std::vector<PartVotes> votesAgainst(const Turns& turns) {
     std::vector<PartVotes> votes(parts().size());
     for (uint32_t p = 0; p < parts_.size(); ++p) votes[p].part = p;
-    for (size_t f = 0; f < turns.size(); ++f) {
+    for (const uint32_t f : surface_.taken) {
       PartVotes& v = votes[parts_[surface_.patches.ids[f]]];
       const double area = surface_.areas[f];
       v.area += area;
@@ -231,8 +232,8 @@ class SideChooser {
       area += votes.area;
     }
     Turns turns = best.turns;
-    for (size_t f = 0; f < turns.size(); ++f)
-      if (turns[f] != kLeftOut && isFlipped[parts_[surface_.patches.ids[f]]]) turns[f] ^= kReversed;
+    for (const uint32_t f : surface_.taken)
+      if (isFlipped[parts_[surface_.patches.ids[f]]]) turns[f] ^= kReversed;
     const State& solved = solver_.solve(turns);
     if (solved.misfit > best.misfit + kAsGood * area / surface_.area) return false;
     best = solved;

@@ -11,11 +11,10 @@ namespace raymap {
 namespace {
 
 /// Counts the edges at which the double-sided faces of each patch end.
-/// `taken` are the faces of the half edges.
-std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, std::span<const uint32_t> taken,
-                                 const OrientationSurface& surface) {
+/// The half edges are those of the faces that are taken.
+std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, const OrientationSurface& surface) {
   std::vector<Borders> borders(surface.patches.count);
-  const auto faceOf = [&](const SortKey& key) { return taken[halfEdgeOf(key).face]; };
+  const auto faceOf = [&](const SortKey& key) { return surface.taken[halfEdgeOf(key).face]; };
   const auto isDirected = [&](const SortKey& key) { return surface.isDirected[faceOf(key)] != 0; };
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     const auto directed = std::count_if(edge.begin(), edge.end(), isDirected);
@@ -32,7 +31,7 @@ std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, std::span<c
 /// Returns the surface of the faces that are taken. The others have no patch yet.
 OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector<uint8_t> isDirected) {
   const size_t count = given.triangles.size();
-  const std::vector<uint32_t> taken =
+  std::vector<uint32_t> taken =
       parallelSelect(count, [&](uint32_t face) { return asGiven[face] != kLeftOut; });
   std::vector<glm::uvec3> faces;
   faces.reserve(taken.size());
@@ -43,14 +42,15 @@ OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
   const Patches patches = findPatches(mesh, welding, halfEdges);
   OrientationSurface surface{
+      .taken = std::move(taken),
       .asGiven = std::move(asGiven),
       .isDirected = std::move(isDirected),
       .patches = {std::vector<uint32_t>(count), std::vector<uint8_t>(count), patches.count},
       .areas = std::vector<float>(count),
       .patchAreas = std::vector<double>(patches.count),
       .borders = {}};
-  for (size_t t = 0; t < taken.size(); ++t) {
-    const uint32_t face = taken[t], patch = patches.ids[t];
+  for (size_t t = 0; t < faces.size(); ++t) {
+    const uint32_t face = surface.taken[t], patch = patches.ids[t];
     const glm::vec3 a = mesh.vertices[faces[t].x];
     const glm::vec3 across = glm::cross(mesh.vertices[faces[t].y] - a, mesh.vertices[faces[t].z] - a);
     surface.patches.ids[face] = patch;
@@ -61,7 +61,7 @@ OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector
   }
   const std::vector<uint8_t>& directed = surface.isDirected;
   if (std::find(directed.begin(), directed.end(), 0) != directed.end())
-    surface.borders = findBorders(halfEdges, taken, surface);
+    surface.borders = findBorders(halfEdges, surface);
   return surface;
 }
 
@@ -73,8 +73,8 @@ size_t OrientationSurface::patchCount() const {
 
 Turns OrientationSurface::aligned() const {
   Turns turns = asGiven;
-  for (size_t f = 0; f < turns.size(); ++f)
-    if (turns[f] == kAsGiven && patches.isReversed[f]) turns[f] = kReversed;
+  for (const uint32_t f : taken)
+    if (patches.isReversed[f]) turns[f] = kReversed;
   return turns;
 }
 

@@ -20,6 +20,7 @@ struct Borders {
 
 /// The faces that the sign takes, and what the mesh says of their directions.
 struct OrientationSurface {
+  std::vector<uint32_t> taken;      ///< The faces that the sign takes, ascending.
   Turns asGiven;                    ///< Takes each face as given or leaves it out.
   std::vector<uint8_t> isDirected;  ///< Whether the given winding order of each face counts.
   Patches patches;                  ///< Patches; a face that is left out has that of its group's first.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "base/parallel.h"
@@ -95,6 +96,12 @@ TEST(DoubleSided, AreFoundInLargeMeshesOnAnyNumberOfThreads) {
     });
 }
 
+std::vector<uint32_t> allFaces(const Mesh& mesh) {
+  std::vector<uint32_t> faces(mesh.triangles.size());
+  std::iota(faces.begin(), faces.end(), 0u);
+  return faces;
+}
+
 TEST(Parts, AreNearPatches) {
   const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
   const auto partCount = [&](double gap, double distance) {
@@ -103,7 +110,7 @@ TEST(Parts, AreNearPatches) {
     const Mesh both = shapes::joined(box, moved);
     const Patches patches = findPatches(both);
     EXPECT_EQ(patches.count, 2u);
-    const std::vector<uint32_t> parts = findParts(both, patches, distance);
+    const std::vector<uint32_t> parts = findParts(both, allFaces(both), patches, distance);
     EXPECT_EQ(parts[0], 0u);
     return parts[1] == 0 ? 1 : 2;
   };
@@ -122,10 +129,13 @@ TEST(Parts, AreJoinedAtVertices) {
   const std::vector<glm::uvec3> faces{{0, 1, 2}, {0, 4, 5}, {7, 8, 9}, {3, 2, 1}, {10, 11, 12}};
   const Mesh mesh = makeMesh(vertices, faces);
   const Patches patches{.ids = {0, 1, 2, 3, 4}, .isReversed = std::vector<uint8_t>(5), .count = 5};
-  EXPECT_EQ(findParts(mesh, patches, 0.01), (std::vector<uint32_t>{0, 0, 2, 0, 4}));
-  EXPECT_EQ(findParts(mesh, patches, 1.01), (std::vector<uint32_t>{0, 0, 2, 0, 2}));
+  EXPECT_EQ(findParts(mesh, allFaces(mesh), patches, 0.01), (std::vector<uint32_t>{0, 0, 2, 0, 4}));
+  EXPECT_EQ(findParts(mesh, allFaces(mesh), patches, 1.01), (std::vector<uint32_t>{0, 0, 2, 0, 2}));
+  // Without face 3, which has one vertex of face 0, patch 3 touches nothing.
+  EXPECT_EQ(findParts(mesh, std::vector<uint32_t>{0, 1, 2, 4}, patches, 0.01),
+            (std::vector<uint32_t>{0, 0, 2, 3, 4}));
   const Patches two{.ids = {0, 0, 1, 0, 1}, .isReversed = std::vector<uint8_t>(5), .count = 2};
-  EXPECT_EQ(findParts(mesh, two, 0.01), (std::vector<uint32_t>{0, 1}));
+  EXPECT_EQ(findParts(mesh, allFaces(mesh), two, 0.01), (std::vector<uint32_t>{0, 1}));
 }
 
 }  // namespace

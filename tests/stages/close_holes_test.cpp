@@ -115,6 +115,20 @@ TEST(CloseHoles, ClosesABox) {
   }
 }
 
+TEST(CloseHoles, SeesDoubleSidedLids) {
+  const Holed holed = openBox();
+  Mesh covered = holed.closed;  // With seven more layers of its lid, half of them facing inwards.
+  for (const size_t face : {2, 3, 2, 3, 2, 3, 2, 3, 2, 3, 2, 3, 2, 3}) {
+    const glm::uvec3 t = holed.closed.triangles[face];
+    const bool isInwards = covered.triangles.size() % 4 < 2;
+    covered.triangles.push_back(isInwards ? glm::uvec3(t.x, t.z, t.y) : t);
+  }
+  const Grid grid = fitGrid(holed.closed, {.resolution = 33});
+  const Options options = closing({.orientation = Orientation::Keep});
+  EXPECT_LT(0u, generate(holed.open, grid, options).stats.patchTriangles);
+  EXPECT_EQ(generate(covered, grid, options).stats.patchTriangles, 0u);
+}
+
 TEST(CloseHoles, MeasuresWhatItAdds) {
   const Holed holed = openSphere(30.0);
   const Stats stats = generate(holed.open, fitGrid(holed.closed, {.resolution = 64}), closing()).stats;

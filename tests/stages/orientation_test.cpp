@@ -6,6 +6,7 @@
 #include <array>
 #include <random>
 
+#include "any_threads.h"
 #include "broken_meshes.h"
 #include "cpu_run.h"
 #include "field/trilinear.h"
@@ -244,6 +245,31 @@ Mesh openBox() {
   return keepTriangles(box, [&](const glm::uvec3& t) {
     return box.position(t.x).z + box.position(t.y).z + box.position(t.z).z < 2.9;
   });
+}
+
+TEST(DoubleSided, FieldsAreTheSameAfterACancelledRun) {
+  const Mesh mesh = doubled(withoutCap(shapes::sphere(1.0, 4), 0.7));
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  Options options;
+  options.device = "cpu";
+  options.winding = true;
+  const Generated fresh = generate(mesh, grid, options);
+  Generator generator;
+  Field field;
+  bool isCancelled = true;
+  for (int stopAt = 1; isCancelled; ++stopAt) {  // At every call in turn.
+    int calls = 0;
+    options.progress = [&](std::string_view stage, double) { return stage == "begin" || ++calls < stopAt; };
+    try {
+      generator.generate(mesh, grid, options, field);
+      isCancelled = false;
+    } catch (const Error&) {
+      options.progress = {};
+      generator.generate(mesh, grid, options, field);
+    }
+    ASSERT_TRUE(sameBits(field.winding, fresh.field.winding)) << stopAt;
+    ASSERT_TRUE(sameBits(field.distance, fresh.field.distance)) << stopAt;
+  }
 }
 
 /// Expects that `auto` makes of a mesh with double-sided faces what `keep` makes of the single-sided one.

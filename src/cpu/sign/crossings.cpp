@@ -244,8 +244,12 @@ void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, c
 
 }  // namespace
 
+void clearCrossings(const glm::ivec3& dims, Crossings& crossings) {
+  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(dims, axis), crossings[axis]);
+}
+
 void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
-  for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(mesh.dims, axis), crossings[axis]);
+  clearCrossings(mesh.dims, crossings);
   addCrossings(mesh, mesh.triangles, {mesh.dims, chooseFractionBits(mesh)}, 1, progress, crossings);
 }
 

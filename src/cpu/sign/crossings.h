@@ -38,6 +38,9 @@ using Crossings = std::array<AxisCrossings, 3>;
 /// 2^20 cells from sample (0, 0, 0). Throws `Error(Input)` if a vertex lies beyond 2^40 cells.
 void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings);
 
+/// Sets the crossings to those of a mesh without faces.
+void clearCrossings(const glm::ivec3& dims, Crossings& crossings);
+
 /// Changes the crossings to those of a mesh with other faces. `mesh` has the faces after the change, which
 /// must use the same vertices as those before it.
 void changeCrossings(const CellMesh& mesh, std::span<const glm::uvec3> removed,
