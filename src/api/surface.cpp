@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <string>
+#include <tuple>
 
 #include "api/run_on_cpu.h"
 #include "base/memory.h"
@@ -126,10 +127,10 @@ struct Surface::Impl {
     lattice.winding = std::move(samples.winding);
     lattice.confidence = std::move(samples.confidence);
     prepared.turns = backend.faceSides().turns;
-    prepared.tree = backend.takeTree();
+    std::tie(prepared.tree, prepared.dipoles) = backend.takeTree();
     prepared.isSigned = true;
     turnFaces();
-    prepared.dipoles.prepare(prepared.signTree());
+    if (prepared.turnedTree || !prepared.dipoles.isPrepared()) prepared.dipoles.prepare(prepared.signTree());
   }
 
   /// Builds a tree of the faces as the sign takes them, if that differs from the other tree.

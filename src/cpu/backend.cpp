@@ -58,6 +58,7 @@ void Backend::begin() {
   crossedTurns_.clear();
   removedTriangles_.clear();
   addedTriangles_.clear();
+  windingDipoles_.clear();
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.band = options.band * grid.spacing;
@@ -74,28 +75,33 @@ const SurfaceTree& Backend::surfaceTree() {
   if (std::exchange(hasSurfaceTree_, true)) return surfaceTree_;
   doubleSided_ = surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
   turns_.clear();
-  isSurfaceTreeTurned_ = false;
+  treeTurns_ = TreeTurns::Unasked;
   return surfaceTree_;
 }
 
 const SurfaceTree& Backend::turnedSurfaceTree() {
   surfaceTree();
-  if (std::exchange(isSurfaceTreeTurned_, true)) return surfaceTree_;
-  if (const auto turns = turnsOfFirsts(doubleSided_, std::move(turns_), mesh().triangles.size()))
+  if (treeTurns_ != TreeTurns::Unasked) return surfaceTree_;
+  const auto turns = turnsOfFirsts(doubleSided_, std::move(turns_), mesh().triangles.size());
+  const bool areNone = turns && std::ranges::all_of(*turns, [](uint8_t turn) { return turn == kAsGiven; });
+  treeTurns_ = areNone ? TreeTurns::None : TreeTurns::Some;
+  if (areNone) return surfaceTree_;
+  if (turns)
     surfaceTree_.turn(*turns);
   else
     surfaceTree_.build(mesh_);
   return surfaceTree_;
 }
 
-SurfaceTree Backend::takeTree() {
+std::pair<SurfaceTree, WindingDipoles> Backend::takeTree() {
   surfaceTree();
-  if (isSurfaceTreeTurned_) {
+  if (treeTurns_ == TreeTurns::Some) {
     mesh_.triangles = mesh().triangles;
     surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
+    windingDipoles_.clear();
   }
   hasSurfaceTree_ = false;
-  return std::move(surfaceTree_);
+  return {std::move(surfaceTree_), std::move(windingDipoles_)};
 }
 
 void Backend::exactDistance() {

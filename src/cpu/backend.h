@@ -67,8 +67,8 @@ class Backend {
   void addPatch();
 
   /// Gives away the tree of the last run's mesh, with the faces as given and one of each group of
-  /// double-sided ones.
-  SurfaceTree takeTree();
+  /// double-sided ones, and its dipoles if they are prepared.
+  std::pair<SurfaceTree, WindingDipoles> takeTree();
 
   /// Returns the number of bytes held, without the field.
   size_t bytes() const;
@@ -96,7 +96,8 @@ class Backend {
   SurfaceTree surfaceTree_;
   DoubleSidedFaces doubleSided_;  // Each group is one face in the tree.
   Turns turns_;                   // Since the tree was built.
-  bool hasSurfaceTree_ = false, isSurfaceTreeTurned_ = false;
+  bool hasSurfaceTree_ = false;
+  enum class TreeTurns { Unasked, None, Some } treeTurns_ = TreeTurns::Unasked;  // those made in the tree
   Crossings crossings_;
   bool hasCrossings_ = false;
   Turns countedTurns_;  // The turns that the sign takes; empty if it takes all faces as given.

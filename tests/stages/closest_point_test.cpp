@@ -1,7 +1,9 @@
 #include "cpu/points/closest_point.h"
 
 #include <gtest/gtest.h>
+#include <raymap/field.h>
 
+#include <cmath>
 #include <random>
 
 #include "reference.h"
@@ -36,6 +38,36 @@ TEST(ClosestPoint, KnowsEachRegion) {
   EXPECT_EQ(weightsAt({1, -1, 1}), glm::dvec3(0.5, 0.5, 0));
   EXPECT_EQ(weightsAt({2, 2, 0}), glm::dvec3(0, 0.5, 0.5));
   EXPECT_EQ(weightsAt({-3, 0.5, 0}), glm::dvec3(0.75, 0, 0.25));
+}
+
+TEST(ClosestPoint, IsTheSameToTheBitForManyAtOnce) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto point = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
+  Mesh mesh;
+  std::vector<glm::dvec3> points;
+  std::vector<uint32_t> triangles;
+  for (uint32_t i = 0; i < 1003; ++i) {
+    for (int c = 0; c < 3; ++c) mesh.vertices.emplace_back(point());
+    if (i % 7 == 3) mesh.vertices.back() = mesh.vertices[3 * i];  // A segment.
+    if (i % 7 == 4) mesh.vertices[3 * i + 1] = mesh.vertices.back() = mesh.vertices[3 * i];
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    points.push_back(i % 2 == 0 ? point() : 0.1 * point());
+    triangles.push_back(i % 50 == 49 ? kNoTriangle : 1002 - i);
+  }
+  std::vector<TrianglePoint> closest(points.size());
+  findClosestPoints(mesh, points, triangles, closest);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (triangles[i] == kNoTriangle) {
+      EXPECT_TRUE(std::isnan(closest[i].position.x) && std::isnan(closest[i].weights.z));
+      continue;
+    }
+    const glm::uvec3 face = mesh.triangles[triangles[i]];
+    const auto corner = [&](uint32_t v) { return glm::dvec3(mesh.vertices[v]); };
+    const TrianglePoint one = closestPoint(points[i], corner(face.x), corner(face.y), corner(face.z));
+    ASSERT_EQ(closest[i].position, one.position) << i;
+    ASSERT_EQ(closest[i].weights, one.weights) << i;
+  }
 }
 
 TEST(ClosestPoint, TakesSegmentsPointsAndSlivers) {

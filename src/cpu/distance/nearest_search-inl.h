@@ -112,6 +112,15 @@ class NearestSearch {
     settle(lanes, points);
   }
 
+  /// Closest triangle so far to a point.
+  struct Closest {
+    float squared;
+    uint32_t triangle;
+  };
+
+  /// Searches the whole tree for a triangle that is closer to p.
+  void search(const glm::vec3& p, Closest& closest) const { searchBelow(tree_.root(), p, closest); }
+
  private:
   template <class Packet>
   static HWY_INLINE void prefetch(const Packet& packet) {
@@ -154,12 +163,6 @@ class NearestSearch {
     }
     return mayBeCloser(least, points.squared);
   }
-
-  /// Closest triangle so far to a point.
-  struct Closest {
-    float squared;
-    uint32_t triangle;
-  };
 
   static HWY_INLINE bool isBefore(const Closest& a, const Closest& b) {
     if constexpr (kTies == Ties::Any) return a.squared < b.squared;
@@ -263,33 +266,65 @@ class NearestSearch {
 
   /// Searches for a closer triangle to p below the node, nearer children first, a packet at a time.
   void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
-    const uint32_t packet = tree_.childPacket(node);
-    const Tag tag;
-    const Float x = hn::Set(tag, p.x), y = hn::Set(tag, p.y), z = hn::Set(tag, p.z);
-    Lanes squared;
-    uint32_t open = 0;
-    for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
-      const Float d = tree_.isLeaf(node)
-                          ? squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z)
-                          : squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, x, y, z);
-      squared.store(i, d);
-      open |= bits(mayBeCloser(d, hn::Set(tag, closest.squared))) << i;
-    }
     if (tree_.isLeaf(node)) {
-      forEachLane(open, [&](size_t lane) {
-        const Closest found{squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
-        if (isBefore(found, closest)) closest = found;
-      });
+      measureLeaf(node, p, closest);
       return;
     }
+    uint32_t level = 1;
+    while (level + 1 < tree_.levels().size() && node >= tree_.levels()[level + 1].start) ++level;
+    searchPacket(level - 1, tree_.childPacket(node), p, closest);
+  }
+
+  void measureLeaf(uint32_t packet, const glm::vec3& p, Closest& closest) const {
+    const Tag tag;
+    Lanes squared;
+    uint32_t closer = 0;
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(tag)) {
+      const Float d = squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, hn::Set(tag, p.x),
+                                      hn::Set(tag, p.y), hn::Set(tag, p.z));
+      squared.store(i, d);
+      closer |= bits(hn::Le(d, hn::Set(tag, closest.squared))) << i;
+    }
+    forEachLane(closer, [&](size_t lane) {
+      const Closest found{squared.v[lane], packet * kPacket + static_cast<uint32_t>(lane)};
+      if (isBefore(found, closest)) closest = found;
+    });
+  }
+
+  /// Does the same below the nodes of a packet, which belong to a level of the tree.
+  void searchPacket(uint32_t level, uint32_t packet, const glm::vec3& p, Closest& closest) const {
+    const Tag tag;
+    Lanes bounds;
+    uint32_t open = 0;
+    for (size_t i = 0; i < kPacket; i += hn::Lanes(tag)) {
+      const Float d = squaredDistance(Disc<Each>{tree_.discs(packet), {i}}, hn::Set(tag, p.x),
+                                      hn::Set(tag, p.y), hn::Set(tag, p.z));
+      bounds.store(i, d);
+      open |= bits(mayBeCloser(d, hn::Set(tag, closest.squared))) << i;
+    }
+    // Index of the first child packet or leaf of the packet's nodes.
+    const uint32_t first = level == 0 ? packet * kPacket
+                                      : tree_.levels()[level - 1].start / kPacket + packet * kPacket -
+                                            tree_.levels()[level].start;
+    forEachLane(open, [&](size_t lane) {
+      const uint32_t child = first + static_cast<uint32_t>(lane);
+      if (level == 0)
+        prefetch(tree_.triangles(child));
+      else
+        prefetch(tree_.discs(child));
+    });
     while (open) {
       size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);
       forEachLane(open, [&](size_t lane) {
-        if (squared.v[lane] < squared.v[next]) next = lane;
+        if (bounds.v[lane] < bounds.v[next]) next = lane;
       });
-      if (!mayBeCloser(squared.v[next], closest.squared)) return;
+      if (!mayBeCloser(bounds.v[next], closest.squared)) return;
       open &= ~(1u << next);
-      searchBelow(packet * kPacket + static_cast<uint32_t>(next), p, closest);
+      const uint32_t child = first + static_cast<uint32_t>(next);
+      if (level == 0)
+        measureLeaf(child, p, closest);
+      else
+        searchPacket(level - 1, child, p, closest);
     }
   }
 

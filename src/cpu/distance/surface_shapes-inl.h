@@ -75,12 +75,19 @@ HWY_INLINE Local toLocal(const Triangle<Read>& t, Float px, Float py, Float pz) 
   return rotate(t, hn::Sub(px, t.read(t.p.ax)), hn::Sub(py, t.read(t.p.ay)), hn::Sub(pz, t.read(t.p.az)));
 }
 
-/// Returns the least of the three edge functions. It is positive if (u, v) lies inside the triangle, and
-/// never positive if the triangle has no area.
+/// Returns the lesser of the edge functions of bc and ca: distance from the edge times its length, positive
+/// inside.
+template <class Read>
+HWY_INLINE Float insidenessAtC(const Triangle<Read>& t, Float u, Float v, Float ub, Float ex) {
+  return hn::Min(hn::MulSub(ex, v, hn::Mul(t.read(t.p.cy), ub)),
+                 hn::MulSub(t.read(t.p.cy), u, hn::Mul(t.read(t.p.cx), v)));
+}
+
+/// Returns the least of the three edge functions, with that of ab without its length. It is positive if (u,
+/// v) lies inside the triangle, and never positive if the triangle has no area.
 template <class Read>
 HWY_INLINE Float insideness(const Triangle<Read>& t, Float u, Float v, Float ub, Float ex) {
-  return hn::Min(v, hn::Min(hn::MulSub(ex, v, hn::Mul(t.read(t.p.cy), ub)),
-                            hn::MulSub(t.read(t.p.cy), u, hn::Mul(t.read(t.p.cx), v))));
+  return hn::Min(v, insidenessAtC(t, u, v, ub, ex));
 }
 
 /// Offsets to a point from the closest points of the three edges, in the plane, and their squares. `outside`

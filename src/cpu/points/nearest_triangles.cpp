@@ -23,12 +23,12 @@ HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
 
 /// Most points that a block is not halved for.
-constexpr size_t kFewPoints = 64;
+constexpr size_t kFewPoints = 128;
 
 /// Returns the largest radius of an unopened node in the list of a block with this half side, in cells. These
 /// values measured best from sparse points to dense ones at the surface.
 float widestNode(float reach) {
-  return std::min(reach, 0.5f * reach + 0.7f);
+  return std::min(reach, 0.5f * reach + 1.4f);
 }
 
 /// Returns a length that exceeds the rounding errors of all distances between the tree and the points.
@@ -55,6 +55,10 @@ class PointBlocks {
         search_(tree, slack_) {}
 
   void run() {
+    if (sorted_.areSparse) {
+      measureApart();
+      return;
+    }
     Candidates all;
     all.nodes.push_back(tree_.root());
     all.closest = 0;
@@ -190,6 +194,24 @@ class PointBlocks {
     for (size_t c = 0; c < kLanes; ++c) level.corners[c].v[lane] = d.v[c];
   }
 
+  /// Finds the closest triangle to each point by itself: blocks of a few points would cost more than they
+  /// save.
+  void measureApart() {
+    const float most = (most_ + slack_) * (most_ + slack_);
+    uint32_t last = 0;  // That of the last point is close to the next point, too.
+    for (size_t k = 0; k < sorted_.points.size(); ++k) {
+      const glm::vec3& p = sorted_.points[k];
+      const Tag tag;
+      const Float squared =
+          squaredDistance(triangleOf(tree_, last), hn::Set(tag, p.x), hn::Set(tag, p.y), hn::Set(tag, p.z));
+      NearestSearch<Ties::Lowest>::Closest closest{hn::GetLane(squared), last};
+      if (closest.squared > most) closest = {most, kNoTriangle};
+      search_.search(p, closest);
+      nearest_[k] = {closest.squared, closest.triangle};
+      if (closest.triangle != kNoTriangle) last = closest.triangle;
+    }
+  }
+
   void measurePoints(const Range& range, const Candidates& candidates) {
     for (size_t begin = range.begin; begin < range.end; begin += kLanes)
       measureLanes(begin, std::min(kLanes, range.end - begin), candidates);
@@ -239,6 +261,10 @@ HWY_AFTER_NAMESPACE();
 namespace raymap::cpu {
 
 HWY_EXPORT(findNearest);
+
+bool areSparse(size_t points, const SurfaceTree& tree) {
+  return double(points) < std::pow(double(tree.triangleCount()), 0.75);
+}
 
 void findNearestTriangles(const SurfaceTree& tree, const SortedPoints& sorted, float most,
                           std::span<NearestTriangle> nearest) {

@@ -18,7 +18,13 @@ struct SortedPoints {
   std::span<const uint64_t> codes;  ///< Place of each point on the curve, `kCurveBits` per axis, x lowest.
   glm::vec3 low{0.0f};              ///< Lowest corner of the cube.
   float side = 0.0f;                ///< Its side.
+  bool areSparse = false;           ///< Whether each is better searched for by itself.
 };
+
+/// Returns whether points that are spread along a surface are so few that blocks of them save no time. The
+/// power was measured on bunnies of 69,000 and 1.1 million triangles, whose limits are 4000 to 8000 and
+/// 30,000 to 50,000 points.
+bool areSparse(size_t points, const SurfaceTree& tree);
 
 /// Triangle of a tree, and its squared distance in cells.
 struct NearestTriangle {

@@ -22,8 +22,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Most points that are sorted together. Their numbers leave room for their places on the curve.
 constexpr size_t kBatch = size_t{1} << (64 - 3 * kCurveBits);
 
-/// Most points that one thread answers at a time, and fewest.
-constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256;
+/// Most points that one thread answers at a time, and fewest. Sparse points gain nothing from each other.
+constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 64;
 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
 /// search is that of its farthest point. Even farther ones are moved closer, to this distance. It hardly
@@ -187,7 +187,14 @@ class Answers {
   void answer(const Batch& batch, size_t begin, size_t end) {
     gather(batch, begin, end - begin);
     const double limit = options_.maxDistance / surface_.grid.spacing;
-    findNearestTriangles(surface_.tree, batch.sorted(cells_, codes_), static_cast<float>(limit), nearest_);
+    SortedPoints sorted = batch.sorted(cells_, codes_);
+    sorted.areSparse = areSparse(batch.count(), surface_.tree);
+    findNearestTriangles(surface_.tree, sorted, static_cast<float>(limit), nearest_);
+    for (size_t k = 0; k < cells_.size(); ++k) {
+      const uint32_t found = nearest_[k].triangle;
+      triangles_[k] = found == kNoTriangle ? kNoTriangle : surface_.tree.triangleId(found);
+    }
+    findClosestPoints(surface_.mesh, exact_, triangles_, closest_);
     for (size_t k = 0; k < cells_.size(); ++k) measure(k, batch.number(begin + k));
     if (winding_) computeSigns(batch, begin);
   }
@@ -197,7 +204,7 @@ class Answers {
   void gather(const Batch& batch, size_t begin, size_t count) {
     constexpr size_t kAhead = 32;
     nearest_.resize(count), cells_.resize(count), codes_.resize(count), exact_.resize(count);
-    distances_.resize(count), numbers_.resize(count);
+    distances_.resize(count), numbers_.resize(count), triangles_.resize(count), closest_.resize(count);
     for (size_t k = 0; k < count; ++k) {
       if (k + kAhead < count) hwy::Prefetch(bytesAt(view_, batch.number(begin + k + kAhead)));
       const glm::dvec3 p = pointAt(view_, batch.number(begin + k));
@@ -209,21 +216,14 @@ class Answers {
 
   /// Fills what follows from the closest triangle.
   void measure(size_t k, size_t number) {
-    const uint32_t found = nearest_[k].triangle;
-    TrianglePoint closest{glm::dvec3(kNaN), glm::dvec3(kNaN)};
-    uint32_t triangle = kNoTriangle;
-    double distance = INFINITY;
-    if (found != kNoTriangle) {
-      triangle = surface_.tree.triangleId(found);
-      const glm::uvec3 face = surface_.mesh.triangles[triangle];
-      closest = closestPoint(exact_[k], corner(face.x), corner(face.y), corner(face.z));
-      distance = glm::length(exact_[k] - closest.position);
-    }
+    TrianglePoint closest = closest_[k];
+    uint32_t triangle = triangles_[k];
+    double distance = triangle == kNoTriangle ? INFINITY : glm::length(exact_[k] - closest.position);
     // Beyond the largest distance nothing more is known of points without a triangle. The sign must not
     // depend on which points those are.
     const double known = std::min(distance, options_.maxDistance);
     distances_[k] = static_cast<float>(known / surface_.grid.spacing);
-    if (distance > options_.maxDistance || found == kNoTriangle) {
+    if (distance > options_.maxDistance || triangle == kNoTriangle) {
       distance = options_.maxDistance;
       triangle = kNoTriangle;
       closest = {glm::dvec3(kNaN), glm::dvec3(kNaN)};
@@ -236,8 +236,6 @@ class Answers {
       result_.direction[number] =
           distance > 0.0 ? (closest.position - exact_[k]) / distance : glm::dvec3(0.0);
   }
-
-  glm::dvec3 corner(uint32_t vertex) const { return glm::dvec3(surface_.mesh.vertices[vertex]); }
 
   void computeSigns(const Batch& batch, size_t begin) {
     const WindingPoints points{cells_, exact_, distances_};
@@ -265,6 +263,8 @@ class Answers {
   std::vector<uint64_t> codes_;
   std::vector<glm::dvec3> exact_;
   std::vector<float> distances_, numbers_;
+  std::vector<uint32_t> triangles_;
+  std::vector<TrianglePoint> closest_;
 };
 
 void sizeResult(const QueryOptions& options, size_t count, QueryResult& result) {
@@ -313,7 +313,8 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
     batch.load(surface.grid, view, begin, end);
     for (const bool isFar : {false, true}) {
       batch.sort(isFar);
-      const size_t part = std::clamp(batch.count() / (8 * parallelThreads()), kFewestAtOnce, kMostAtOnce);
+      const size_t fewest = areSparse(batch.count(), surface.tree) ? kFewestSparseAtOnce : kFewestAtOnce,
+                   part = std::clamp(batch.count() / (8 * parallelThreads()), fewest, kMostAtOnce);
       const size_t parts = (batch.count() + part - 1) / part;
       parallelWorkers(parts, [&](const auto& next) {
         Answers answers(surface, view, options, result);

@@ -6,6 +6,8 @@
 
 #include "cpu/points/point_winding.h"
 
+#include <hwy/contrib/sort/vqsort.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,8 +16,6 @@
 namespace raymap::cpu {
 
 namespace {
-
-constexpr size_t kCorners = 8;
 
 /// Segments do not begin at a sample but at this offset from it, in cells: meshes often have edges in the
 /// planes and on the lines of a lattice.
@@ -27,7 +27,12 @@ constexpr float kClear = 0.1f;
 }  // namespace
 
 PointWinding::PointWinding(const WindingSource& source)
-    : source_(source), dims_(source.lattice.grid.dims), slack_(slackOf(source.tree, dims_)) {}
+    : source_(source), dims_(source.lattice.grid.dims), slack_(slackOf(source.tree, dims_)) {
+  const glm::ivec3 step = glm::min(dims_ - 1, 1);
+  for (int c = 0; c < int(kCorners); ++c)
+    offsets_[c] =
+        static_cast<uint32_t>(source.lattice.grid.index(step * glm::ivec3(c & 1, c >> 1 & 1, c >> 2)));
+}
 
 bool PointWinding::isOutside(const glm::vec3& p) const {
   return glm::any(glm::lessThan(p, glm::vec3(0.0f))) || glm::any(glm::greaterThan(p, glm::vec3(dims_ - 1)));
@@ -50,15 +55,21 @@ glm::vec3 PointWinding::place(uint32_t sample) const {
 
 PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float distance) const {
   const glm::ivec3 low = glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
+  const size_t first = source_.lattice.grid.index(low);
+  const glm::vec3 d = p - glm::vec3(low), e = d - 1.0f, d2 = d * d, e2 = e * e;
+  float clear[kCorners], length2[kCorners], reach[kCorners];
+  for (uint32_t c = 0; c < kCorners; ++c) {
+    clear[c] = source_.lattice.distance[first + offsets_[c]];
+    length2[c] = (c & 1 ? e2.x : d2.x) + (c & 2 ? e2.y : d2.y) + (c & 4 ? e2.z : d2.z);
+    reach[c] = clear[c] + distance - 2.0f * slack_;
+  }
   Reference best;
   float nearest = INFINITY;
   for (uint32_t c = 0; c < kCorners; ++c) {
-    const glm::ivec3 corner = glm::min(low + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), dims_ - 1);
-    const auto sample = static_cast<uint32_t>(source_.lattice.grid.index(corner));
-    const float clear = source_.lattice.distance[sample], length = glm::distance(p, glm::vec3(corner));
+    const auto sample = static_cast<uint32_t>(first + offsets_[c]);
     // The balls around both that hold no face cover the way.
-    if (clear + distance > length + 2.0f * slack_) return {sample, true};
-    if (clear >= kClear && length < nearest) best = {sample, false}, nearest = length;
+    if (reach[c] > 0.0f && reach[c] * reach[c] > length2[c]) return {sample, true};
+    if (clear[c] >= kClear && length2[c] < nearest) best = {sample, false}, nearest = length2[c];
   }
   return best;
 }
@@ -71,16 +82,47 @@ bool PointWinding::isSettled(float winding, float distance) const {
   return gap >= 2.0f * latticeError(distance);
 }
 
+/// Links each point to an earlier one of its cell that has the same number: the way between them is free of
+/// faces, as it lies in the balls around both that hold none, and no rim is near.
+void PointWinding::linkVisible(const WindingPoints& points, std::span<const uint32_t> which) {
+  constexpr size_t kMostTries = 8;
+  links_.resize(which.size());
+  for (size_t k = 0; k < which.size(); ++k) {
+    links_[k] = static_cast<uint32_t>(k);
+    const glm::vec3& p = points.cells[which[k]];
+    const float reach = points.distance[which[k]] - 2.0f * slack_;
+    if (reach <= 0.0f) continue;
+    for (size_t j = k; j-- > k - std::min(k, kMostTries);) {
+      const glm::vec3 &q = points.cells[which[j]], way = q - p;
+      const float both = reach + points.distance[which[j]];
+      if (glm::dot(way, way) >= both * both || glm::ivec3(p) != glm::ivec3(q)) continue;
+      links_[k] = links_[j];
+      break;
+    }
+  }
+}
+
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
 void PointWinding::crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                              std::span<float> winding) {
-  ends_.clear();
-  for (const uint32_t i : which) ends_.push_back(points.cells[i]);
-  changes_.resize(which.size());
-  countCrossings(source_.tree, place(sample) + kOffset, ends_, slack_, changes_);
-  for (size_t k = 0; k < which.size(); ++k)
-    winding[which[k]] =
-        changes_[k] == kUnsure ? NAN : source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
+  linkVisible(points, which);
+  for (const bool isLinked : {false, true}) {  // A linked point is tested only if its first one is unsure.
+    tested_.clear();
+    ends_.clear();
+    for (size_t k = 0; k < which.size(); ++k) {
+      if ((links_[k] != k) != isLinked) continue;
+      if (isLinked) winding[which[k]] = winding[which[links_[k]]];
+      if (!std::isnan(winding[which[k]])) continue;
+      tested_.push_back(which[k]);
+      ends_.push_back(points.cells[which[k]]);
+    }
+    if (ends_.empty()) continue;
+    changes_.resize(ends_.size());
+    countCrossings(source_.tree, place(sample) + kOffset, ends_, slack_, changes_);
+    for (size_t k = 0; k < ends_.size(); ++k)
+      if (changes_[k] != kUnsure)
+        winding[tested_[k]] = source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
+  }
 }
 
 /// Returns whether crossings in double precision may decide. They always may if all numbers are whole. Else
@@ -129,14 +171,15 @@ void PointWinding::compute(const WindingPoints& points, std::span<float> winding
     if (reference.isVisible)
       winding[i] = source_.lattice.winding[reference.sample];
     else
-      crossing_.emplace_back(reference.sample, i);
+      crossing_.push_back(uint64_t{reference.sample} << 32 | i);
   }
-  std::sort(crossing_.begin(), crossing_.end());
+  hwy::Sorter()(crossing_.data(), crossing_.size(), hwy::SortAscending());
   for (size_t begin = 0, end = 0; begin < crossing_.size(); begin = end) {
+    const auto sample = uint32_t(crossing_[begin] >> 32);
     asked_.clear();
-    for (; end < crossing_.size() && crossing_[end].first == crossing_[begin].first; ++end)
-      asked_.push_back(crossing_[end].second);
-    crossFrom(crossing_[begin].first, points, asked_, winding);
+    for (; end < crossing_.size() && crossing_[end] >> 32 == sample; ++end)
+      asked_.push_back(uint32_t(crossing_[end]));
+    crossFrom(sample, points, asked_, winding);
   }
   asked_.clear();
   ends_.clear();

@@ -59,6 +59,8 @@ class PointWinding {
   size_t nearestSample(const glm::vec3& p) const;
 
  private:
+  static constexpr size_t kCorners = 8;  // of a cell
+
   /// A sample from which a point's number follows.
   struct Reference {
     static constexpr uint32_t kNone = 0xffffffffu;
@@ -72,6 +74,7 @@ class PointWinding {
   bool isNearRim(const glm::vec3& p) const;
   bool isSettled(float winding, float distance) const;
   bool mayCrossExactly(const glm::vec3& p, float distance) const;
+  void linkVisible(const WindingPoints& points, std::span<const uint32_t> which);
   void crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                  std::span<float> winding);
   bool crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding);
@@ -79,8 +82,10 @@ class PointWinding {
   WindingSource source_;
   glm::ivec3 dims_;
   float slack_;
-  std::vector<uint32_t> asked_, faces_;
-  std::vector<std::pair<uint32_t, uint32_t>> crossing_;  // sample, point
+  uint32_t
+      offsets_[kCorners];  // Of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
+  std::vector<uint32_t> asked_, faces_, links_, tested_;
+  std::vector<uint64_t> crossing_;  // a point below its sample
   std::vector<glm::vec3> ends_;
   std::vector<int32_t> changes_;
   std::vector<float> numbers_;

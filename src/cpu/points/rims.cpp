@@ -4,6 +4,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -26,23 +27,57 @@ uint64_t hashOf(const glm::vec3& p) {
   return mix(mix(bits(p.x) << 32 | bits(p.y)) + bits(p.z));
 }
 
-/// A directed edge: its ends, a number that is the same in both directions, and its direction, +1 or -1.
+/// A directed edge by its position: a number that is the same in both directions, a place that near edges
+/// share, and its direction, +1 or -1; 0 if both ends are the same.
 struct Edge {
-  glm::vec3 from, to;
   uint64_t number;
+  uint32_t place;
   int direction;
 };
 
-/// Sums that are 0 where all edges end evenly. Several edges share one, mostly edges of the same cell: their
-/// sums lie in one cache line. The upper half of an edge's number keeps them from cancelling each other by
+/// Edges of a mesh. Edge k is that from corner k % 3 of face k / 3.
+class Edges {
+ public:
+  explicit Edges(const CellMesh& mesh)
+      : mesh_(mesh), hashes_(mesh.vertices.size()), places_(mesh.vertices.size()) {
+    parallelFor(mesh.vertices.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) {
+        constexpr float kRound = 1.5f * (1 << 23);  // The sum has no fraction.
+        hashes_[v] = hashOf(mesh.vertices[v]);
+        places_[v] = static_cast<uint32_t>(hashOf(mesh.vertices[v] + kRound));
+      }
+    });
+  }
+
+  size_t count() const { return 3 * mesh_.triangles.size(); }
+  Edge operator[](size_t k) const {
+    const auto [from, to] = ends(k);
+    const uint64_t a = hashes_[from], b = hashes_[to];
+    return {mix(std::min(a, b) + 3 * std::max(a, b)), places_[a < b ? from : to], a < b ? 1 : a > b ? -1 : 0};
+  }
+  std::pair<uint32_t, uint32_t> ends(size_t k) const {
+    const glm::uvec3& face = mesh_.triangles[k / 3];
+    const int corner = int(k % 3);
+    return {face[corner], face[(corner + 1) % 3]};
+  }
+
+ private:
+  const CellMesh& mesh_;
+  Buffer<uint64_t> hashes_;  // of the vertices' positions
+  Buffer<uint32_t> places_;  // hashes of their cells
+};
+
+/// Sums that are 0 where all edges end evenly. Several edges share one. Sums of edges of the same cell mostly
+/// lie in one cache line. The upper half of an edge's number keeps edges from cancelling each other by
 /// chance.
 class EdgeSums {
  public:
-  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(3 * faces, 64))) {}
+  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(faces / 2, 64))) {}
 
   void add(const Edge& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
-    at(edge).fetch_add(edge.direction < 0 ? 0u - value : edge.direction * value, std::memory_order_relaxed);
+    if (edge.direction == 0) return;
+    at(edge).fetch_add(edge.direction < 0 ? 0u - value : value, std::memory_order_relaxed);
   }
   bool mayBeRim(const Edge& edge) {
     return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
@@ -55,49 +90,27 @@ class EdgeSums {
  private:
   std::atomic<uint32_t>& at(const Edge& edge) {
     constexpr uint64_t kLine = 64 / sizeof(uint32_t);
-    const glm::ivec3 cell(glm::floor(0.5f * (edge.from + edge.to)));  // the same in both directions
-    const auto bits = [](int v) { return uint64_t{static_cast<uint32_t>(v)}; };
-    const uint64_t place =
-        mix(mix(bits(cell.x) << 32 | bits(cell.y)) + bits(cell.z)) * kLine + edge.number % kLine;
-    return sums_[place & (sums_.size() - 1)];
+    return sums_[(edge.place * kLine + edge.number % kLine) & (sums_.size() - 1)];
   }
 
   std::vector<std::atomic<uint32_t>> sums_;
 };
 
-Edge edgeOf(const glm::vec3& a, const glm::vec3& b, uint64_t hashA, uint64_t hashB) {
-  const int direction = hashA < hashB ? 1 : hashA > hashB ? -1 : 0;
-  return {a, b, mix(std::min(hashA, hashB) + 3 * std::max(hashA, hashB)), direction};
-}
-
-/// Returns the edge number k: that from corner k % 3 of face k / 3.
-Edge edgeAt(const CellMesh& mesh, size_t k) {
-  const glm::vec3 a = mesh.corner(k / 3, int(k % 3)), b = mesh.corner(k / 3, int((k + 1) % 3));
-  return edgeOf(a, b, hashOf(a), hashOf(b));
-}
-
-void addEdges(const CellMesh& mesh, EdgeSums& sums) {
-  parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      const glm::vec3 corners[] = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
-      const uint64_t hashes[] = {hashOf(corners[0]), hashOf(corners[1]), hashOf(corners[2])};
-      for (int c = 0; c < 3; ++c) {
-        const int d = (c + 1) % 3;
-        sums.add(edgeOf(corners[c], corners[d], hashes[c], hashes[d]));
-      }
-    }
+void addEdges(const Edges& edges, EdgeSums& sums) {
+  parallelFor(edges.count(), 3 * kFacesPerTask, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) sums.add(edges[k]);
   });
 }
 
-/// Calls `visit` with one edge of each rim. Counts again the edges whose sums are not 0, each by itself.
+/// Calls `visit` with the ends of each rim. Counts again the edges whose sums are not 0, each by itself.
 template <class Visit>
-void forEachRim(const CellMesh& mesh, EdgeSums& sums, Visit&& visit) {
+void forEachRim(const Edges& edges, EdgeSums& sums, Visit&& visit) {
   const std::vector<uint32_t> candidates =
-      parallelSelect(3 * mesh.triangles.size(), [&](uint32_t k) { return sums.mayBeRim(edgeAt(mesh, k)); });
+      parallelSelect(edges.count(), [&](uint32_t k) { return sums.mayBeRim(edges[k]); });
   Buffer<SortKey> keys;
   const auto make = [&](size_t begin, size_t end, SortKey* to) {
     for (size_t i = begin; i < end; ++i) {
-      const Edge edge = edgeAt(mesh, candidates[i]);
+      const Edge edge = edges[candidates[i]];
       *to++ = {uint64_t{candidates[i]} << 1 | uint64_t{edge.direction > 0}, edge.number};
     }
   };
@@ -106,7 +119,7 @@ void forEachRim(const CellMesh& mesh, EdgeSums& sums, Visit&& visit) {
     int64_t sum = 0;
     for (; next < keys.size() && keys[next].high == keys[first].high; ++next)
       sum += (keys[next].low & 1) != 0 ? 1 : -1;
-    if (sum != 0) visit(edgeAt(mesh, keys[first].low >> 1));
+    if (sum != 0) visit(edges.ends(keys[first].low >> 1));
   }
 }
 
@@ -140,12 +153,15 @@ void widen(const glm::ivec3& dims, int axis, const Buffer<uint8_t>& from, Buffer
 }  // namespace
 
 Buffer<uint8_t> markRims(const CellMesh& mesh) {
+  const Edges edges(mesh);
   EdgeSums sums(mesh.triangles.size());
-  addEdges(mesh, sums);
+  addEdges(edges, sums);
   if (!sums.hasRims()) return {};
   Buffer<uint8_t> marks(size_t(mesh.dims.x) * mesh.dims.y * mesh.dims.z);
   std::fill(marks.begin(), marks.end(), uint8_t{0});
-  forEachRim(mesh, sums, [&](const Edge& edge) { markEdge(edge.from, edge.to, mesh.dims, marks); });
+  forEachRim(edges, sums, [&](const std::pair<uint32_t, uint32_t>& ends) {
+    markEdge(mesh.vertices[ends.first], mesh.vertices[ends.second], mesh.dims, marks);
+  });
   Buffer<uint8_t> wider(marks.size());
   for (int axis = 0; axis < 3; ++axis) {
     widen(mesh.dims, axis, marks, wider);

@@ -75,6 +75,9 @@ HWY_INLINE void forEachLeaf(const SurfaceTree& tree, const Capsule& capsule, std
   }
 }
 
+/// Exceeds the rounding errors of lengths in the frame of a triangle, relative to the farthest point.
+constexpr float kLocalRounding = 4e-6f;
+
 /// Triangles of a packet that a segment may cross, those that it crosses for sure, and those whose front it
 /// begins at.
 struct PacketCrossings {
@@ -98,13 +101,16 @@ HWY_INLINE PacketCrossings crossingsOf(const TrianglePacket& packet, const glm::
     const Float fall = hn::Max(hn::Abs(hn::Sub(a.w, b.w)), near);
     const Float s = hn::Min(hn::Div(hn::Abs(a.w), fall), set(1.0f));
     const Float u = hn::MulAdd(s, hn::Sub(b.u, a.u), a.u), v = hn::MulAdd(s, hn::Sub(b.v, a.v), a.v);
-    const Float bx = t.read(packet.bx), cx = t.read(packet.cx);
-    const Float inside = insideness(t, u, v, hn::Sub(u, bx), hn::Sub(cx, bx));
-    // Edge functions are distances times lengths of edges, and ab is the longest. The error of the crossing's
-    // place grows as the segment runs along the plane.
-    const Float error = hn::Mul(hn::Mul(bx, near), hn::Add(set(2.0f), hn::Div(set(2.0f * length), fall)));
+    const Float bx = t.read(packet.bx), ub = hn::Sub(u, bx), ex = hn::Sub(t.read(packet.cx), bx);
+    const Float inside = hn::Min(hn::Mul(bx, v), insidenessAtC(t, u, v, ub, ex));
     const Mask passesPlane =
         hn::And(hn::Lt(hn::Min(a.w, b.w), hn::Neg(near)), hn::Gt(hn::Max(a.w, b.w), near));
+    // Edge functions are distances times lengths of edges, and ab is the longest. The place of the crossing
+    // is exact but for rounding, unless the segment ends at the plane. Its error grows as the segment runs
+    // along the plane.
+    const Float rounding = hn::Mul(set(kLocalRounding), hn::MulAdd(set(2.0f), bx, set(length)));
+    const Float place = hn::IfThenElse(passesPlane, hn::Min(rounding, near), near);
+    const Float error = hn::Mul(hn::Mul(bx, place), hn::Add(set(2.0f), hn::Div(set(2.0f * length), fall)));
     crossings.possible |= bits(hn::And(meetsPlane, hn::Gt(inside, hn::Neg(error)))) << i;
     crossings.sure |= bits(hn::And(passesPlane, hn::Gt(inside, error))) << i;
     crossings.fromFront |= bits(hn::Gt(a.w, zero)) << i;
@@ -118,24 +124,53 @@ HWY_INLINE uint32_t lanesOf(const SurfaceTree& tree, uint32_t leaf) {
   return left >= kPacket ? 0xffu : (1u << left) - 1;
 }
 
+/// Leaves of a tree, with their discs packed together.
+struct Leaves {
+  std::vector<uint32_t> leaves;
+  std::vector<DiscPacket> discs;
+
+  void collect(const SurfaceTree& tree, const Capsule& capsule, std::vector<uint32_t>& stack) {
+    leaves.clear();
+    forEachLeaf(tree, capsule, stack, [&](uint32_t leaf) { leaves.push_back(leaf); });
+    discs.resize((leaves.size() + kPacket - 1) / kPacket);
+    for (size_t k = 0; k < discs.size() * kPacket; ++k) {
+      const uint32_t leaf = leaves[std::min(k, leaves.size() - 1)];
+      const DiscPacket& from = tree.discs(leaf / kPacket);
+      DiscPacket& to = discs[k / kPacket];
+      const size_t i = leaf % kPacket, j = k % kPacket;
+      to.cx[j] = from.cx[i], to.cy[j] = from.cy[i], to.cz[j] = from.cz[i];
+      to.nx[j] = from.nx[i], to.ny[j] = from.ny[i], to.nz[j] = from.nz[i];
+      to.radius[j] = from.radius[i], to.halfThickness[j] = from.halfThickness[i];
+    }
+  }
+
+  /// Visits the leaves that the capsule meets.
+  template <class Visit>
+  HWY_INLINE void forEachAt(const Capsule& capsule, Visit&& visit) const {
+    for (size_t packet = 0; packet < discs.size(); ++packet)
+      forEachLane(nodesAt(discs[packet], capsule), [&](size_t lane) {
+        if (const size_t k = packet * kPacket + lane; k < leaves.size()) visit(leaves[k]);
+      });
+  }
+};
+
 void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to, float slack,
               std::span<int32_t> change) {
   glm::vec3 low = from, high = from;
   for (const glm::vec3& p : to) low = glm::min(low, p), high = glm::max(high, p);
   const glm::vec3 half = 0.5f * (high - low);
-  thread_local std::vector<uint32_t> stack, leaves;
-  leaves.clear();
-  forEachLeaf(tree, {low + half, glm::vec3(0.0f), glm::length(half) + slack}, stack,
-              [&](uint32_t leaf) { leaves.push_back(leaf); });
+  thread_local std::vector<uint32_t> stack;
+  thread_local Leaves leaves;
+  leaves.collect(tree, {low + half, glm::vec3(0.0f), glm::length(half) + slack}, stack);
   for (size_t i = 0; i < to.size(); ++i) {
     bool isSure = true;
     change[i] = 0;
-    for (const uint32_t leaf : leaves) {
+    leaves.forEachAt({from, to[i] - from, slack}, [&](uint32_t leaf) {
       const PacketCrossings found = crossingsOf(tree.triangles(leaf), from, to[i], slack);
       const uint32_t possible = found.possible & lanesOf(tree, leaf);
       if (possible & ~found.sure) isSure = false;
       change[i] += hwy::PopCount(possible & found.fromFront) - hwy::PopCount(possible & ~found.fromFront);
-    }
+    });
     if (!isSure) change[i] = kUnsure;
   }
 }

@@ -34,6 +34,10 @@ class WindingDipoles {
   void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
                 uint32_t firstLook, std::span<float> winding) const;
 
+  /// Returns whether the moments of a tree are built.
+  bool isPrepared() const { return !moments_.empty(); }
+  void clear() { moments_.resizeUninitialized(0); }
+
   size_t bytes() const { return moments_.capacityBytes(); }
 
   /// Moments of eight nodes about their discs' centres. They give the solid angle that a distant point sees.
