@@ -19,11 +19,11 @@ namespace raymap {
 
 namespace {
 
-/// Samples along the longest side of the lattice that knows the inside. About nine triangles of an even mesh
+/// Samples along the longest side of the lattice that knows the inside. About 16 triangles of an even mesh
 /// touch each of its cells at the surface, within these limits.
 int latticeResolution(size_t triangles) {
-  constexpr double kFewest = 64.0, kMost = 128.0;
-  return static_cast<int>(std::clamp(std::sqrt(double(triangles)) / 3.0, kFewest, kMost));
+  constexpr double kFewest = 64.0, kMost = 96.0;
+  return static_cast<int>(std::clamp(std::sqrt(double(triangles)) / 4.0, kFewest, kMost));
 }
 
 /// Farthest distance that the lattice needs to know, in samples. Points are closer to their cell's corners.

@@ -48,6 +48,7 @@ HWY_INLINE void measure(const Place* places, size_t count, uint16_t (&extent)[kF
 HWY_INLINE void sortByRank(Place* places, size_t count) {
   const hn::CappedTag<uint64_t, kPacket> d;
   Place sorted[kRankSorted], padded[kRankSorted + kPacket];
+  count = std::min(count, size_t{kRankSorted});  // Never more; GCC 14 warns of counts below 0 otherwise.
   std::copy_n(places, count, padded);
   std::fill_n(padded + count, kPacket, ~Place{0});
   for (size_t t = 0; t < count; ++t) {

@@ -145,8 +145,9 @@ class Batch {
 
   static Place placeOf(const Grid& grid, const glm::vec3& p) {
     if (std::isnan(p.x)) return Place::Nowhere;
-    const glm::vec3 dims(grid.dims), q = glm::abs(p - 0.5f * dims);
-    return std::max({q.x, q.y, q.z}) <= kFar * std::max({dims.x, dims.y, dims.z}) ? Place::Near : Place::Far;
+    const glm::vec3 dims(grid.dims), q = p - 0.5f * dims;
+    const float farthest = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)});
+    return farthest <= kFar * std::max({dims.x, dims.y, dims.z}) ? Place::Near : Place::Far;
   }
 
   uint64_t codeOf(const glm::vec3& p) const {
@@ -205,6 +206,7 @@ class Answers {
     constexpr size_t kAhead = 32;
     nearest_.resize(count), cells_.resize(count), codes_.resize(count), exact_.resize(count);
     distances_.resize(count), numbers_.resize(count), triangles_.resize(count), closest_.resize(count);
+    unsigned_.resize(count);
     for (size_t k = 0; k < count; ++k) {
       if (k + kAhead < count) hwy::Prefetch(bytesAt(view_, batch.number(begin + k + kAhead)));
       const glm::dvec3 p = pointAt(view_, batch.number(begin + k));
@@ -228,7 +230,10 @@ class Answers {
       triangle = kNoTriangle;
       closest = {glm::dvec3(kNaN), glm::dvec3(kNaN)};
     }
-    if (options_.distance) result_.distance[number] = distance;
+    if (winding_)
+      unsigned_[k] = distance;
+    else if (options_.distance)
+      result_.distance[number] = distance;
     if (options_.closest) result_.closest[number] = closest.position + surface_.mesh.origin;
     if (options_.triangle) result_.triangle[number] = triangle;
     if (options_.barycentric) result_.barycentric[number] = closest.weights;
@@ -246,7 +251,7 @@ class Answers {
     for (size_t k = 0; k < cells_.size(); ++k) {
       const size_t number = batch.number(begin + k);
       const bool isInside = std::abs(numbers_[k]) > static_cast<float>(surface_.threshold);
-      if (options_.distance && isInside) result_.distance[number] = -result_.distance[number];
+      if (options_.distance) result_.distance[number] = isInside ? -unsigned_[k] : unsigned_[k];
       if (options_.winding) result_.winding[number] = numbers_[k];
       if (options_.confidence)
         result_.confidence[number] = surface_.lattice.confidence[winding_->nearestSample(cells_[k])];
@@ -265,6 +270,7 @@ class Answers {
   std::vector<float> distances_, numbers_;
   std::vector<uint32_t> triangles_;
   std::vector<TrianglePoint> closest_;
+  std::vector<double> unsigned_;  // distances in the mesh's units, until their signs are known
 };
 
 void sizeResult(const QueryOptions& options, size_t count, QueryResult& result) {
