@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds in Release and measures the errors of signs, face orientation, closed holes and repaired meshes. Prints the
-# tables of docs/evaluation.md and docs/signs.md, and the table of closed holes in docs/distances.md. Leaves them, with
-# pictures, in out/evaluation:
+# Builds in Release and measures the errors of signs, points, face orientation, closed holes and repaired meshes. Prints
+# the tables of docs/evaluation.md and docs/signs.md, and the table of closed holes in docs/distances.md. Leaves them,
+# with pictures, in out/evaluation:
 #   scripts/evaluate.sh FOLDER [PART...]
 # FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about an
 # hour, and `repair` goes on where it was stopped. Python packages go into build/bench/evaluation.
@@ -13,6 +13,7 @@ out=out/evaluation
 python=$build/evaluation/bin/python
 
 signs() { "$build/bin/sign_table" "$folder" | tee "$out/signs.md"; }
+points() { "$python" bench/evaluate_points.py "$build/bin/raymap" "$folder" "$out"; }
 orientation() { "$python" bench/evaluate_orientation.py "$build/bin/orientation_cases" flipped "$folder" "$out"; }
 double_sided() { "$python" bench/evaluate_orientation.py "$build/bin/orientation_cases" doubled "$folder" "$out"; }
 close_holes() { "$build/bin/close_holes_table" "$folder/libigl__bunny.off" | tee "$out/close_holes.md"; }
@@ -23,7 +24,7 @@ repair_warnings() { "$python" bench/check_warnings.py "$build/bin/raymap" "$fold
 repair_pictures() { "$python" bench/repair_pictures.py "$build/bin/raymap" "$folder" "$out/repair.png" --work "$out/repair"; }
 
 parts=("${@:2}")
-if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs orientation double_sided close_holes winding_fields deficient_meshes repair repair_warnings repair_pictures); fi
+if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs points orientation double_sided close_holes winding_fields deficient_meshes repair repair_warnings repair_pictures); fi
 for part in "${parts[@]}"; do
   declare -F "$part" >/dev/null || { echo "$part is no part" >&2 && exit 2; }
 done
