@@ -305,9 +305,9 @@ def test_the_time_limit(meshes: Path, large_ball: raymap.Mesh) -> None:
 
 def test_the_memory_limit(meshes: Path, large_ball: raymap.Mesh) -> None:
     large_ball.save(meshes / "large.ply")
-    summary = generate(meshes, memory_limit=40_000_000, workers=1)
+    summary = generate(meshes, memory_limit=30_000_000, workers=1)
     assert (summary.done, summary.quarantined) == ([n for n in NAMES if n != "large.ply"], ["large.ply"])
-    assert table()["large.ply"]["reason"].endswith("(memory_limit is 40000000 bytes)")
+    assert table()["large.ply"]["reason"].endswith("(memory_limit is 30000000 bytes)")
     assert generate(meshes).new == ["large.ply"]
 
 
