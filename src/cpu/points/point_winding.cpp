@@ -82,47 +82,16 @@ bool PointWinding::isSettled(float winding, float distance) const {
   return gap >= 2.0f * latticeError(distance);
 }
 
-/// Links each point to an earlier one of its cell that has the same number: the way between them is free of
-/// faces, as it lies in the balls around both that hold none, and no rim is near.
-void PointWinding::linkVisible(const WindingPoints& points, std::span<const uint32_t> which) {
-  constexpr size_t kMostTries = 8;
-  links_.resize(which.size());
-  for (size_t k = 0; k < which.size(); ++k) {
-    links_[k] = static_cast<uint32_t>(k);
-    const glm::vec3& p = points.cells[which[k]];
-    const float reach = points.distance[which[k]] - 2.0f * slack_;
-    if (reach <= 0.0f) continue;
-    for (size_t j = k; j-- > k - std::min(k, kMostTries);) {
-      const glm::vec3 &q = points.cells[which[j]], way = q - p;
-      const float both = reach + points.distance[which[j]];
-      if (glm::dot(way, way) >= both * both || glm::ivec3(p) != glm::ivec3(q)) continue;
-      links_[k] = links_[j];
-      break;
-    }
-  }
-}
-
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
 void PointWinding::crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                              std::span<float> winding) {
-  linkVisible(points, which);
-  for (const bool isLinked : {false, true}) {  // A linked point is tested only if its first one is unsure.
-    tested_.clear();
-    ends_.clear();
-    for (size_t k = 0; k < which.size(); ++k) {
-      if ((links_[k] != k) != isLinked) continue;
-      if (isLinked) winding[which[k]] = winding[which[links_[k]]];
-      if (!std::isnan(winding[which[k]])) continue;
-      tested_.push_back(which[k]);
-      ends_.push_back(points.cells[which[k]]);
-    }
-    if (ends_.empty()) continue;
-    changes_.resize(ends_.size());
-    countCrossings(source_.tree, place(sample) + kOffset, ends_, slack_, changes_);
-    for (size_t k = 0; k < ends_.size(); ++k)
-      if (changes_[k] != kUnsure)
-        winding[tested_[k]] = source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
-  }
+  ends_.clear();
+  for (const uint32_t i : which) ends_.push_back(points.cells[i]);
+  changes_.resize(which.size());
+  countCrossings(source_.tree, place(sample) + kOffset, ends_, slack_, changes_);
+  for (size_t k = 0; k < which.size(); ++k)
+    winding[which[k]] =
+        changes_[k] == kUnsure ? NAN : source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
 }
 
 /// Returns whether crossings in double precision may decide. They always may if all numbers are whole. Else

@@ -74,7 +74,6 @@ class PointWinding {
   bool isNearRim(const glm::vec3& p) const;
   bool isSettled(float winding, float distance) const;
   bool mayCrossExactly(const glm::vec3& p, float distance) const;
-  void linkVisible(const WindingPoints& points, std::span<const uint32_t> which);
   void crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                  std::span<float> winding);
   bool crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding);
@@ -84,7 +83,7 @@ class PointWinding {
   float slack_;
   uint32_t
       offsets_[kCorners];  // Of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
-  std::vector<uint32_t> asked_, faces_, links_, tested_;
+  std::vector<uint32_t> asked_, faces_;
   std::vector<uint64_t> crossing_;  // a point below its sample
   std::vector<glm::vec3> ends_;
   std::vector<int32_t> changes_;
