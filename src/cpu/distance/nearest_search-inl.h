@@ -266,13 +266,10 @@ class NearestSearch {
 
   /// Searches for a closer triangle to p below the node, nearer children first, a packet at a time.
   void searchBelow(uint32_t node, const glm::vec3& p, Closest& closest) const {
-    if (tree_.isLeaf(node)) {
+    if (const uint32_t level = tree_.levelOf(node); level > 0)
+      searchPacket(level - 1, tree_.childPacket(node, level), p, closest);
+    else
       measureLeaf(node, p, closest);
-      return;
-    }
-    uint32_t level = 1;
-    while (level + 1 < tree_.levels().size() && node >= tree_.levels()[level + 1].start) ++level;
-    searchPacket(level - 1, tree_.childPacket(node), p, closest);
   }
 
   void measureLeaf(uint32_t packet, const glm::vec3& p, Closest& closest) const {
@@ -302,10 +299,7 @@ class NearestSearch {
       bounds.store(i, d);
       open |= bits(mayBeCloser(d, hn::Set(tag, closest.squared))) << i;
     }
-    // Index of the first child packet or leaf of the packet's nodes.
-    const uint32_t first = level == 0 ? packet * kPacket
-                                      : tree_.levels()[level - 1].start / kPacket + packet * kPacket -
-                                            tree_.levels()[level].start;
+    const uint32_t first = tree_.childPacket(packet * kPacket, level);  // The others follow it.
     forEachLane(open, [&](size_t lane) {
       const uint32_t child = first + static_cast<uint32_t>(lane);
       if (level == 0)

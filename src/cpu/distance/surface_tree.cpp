@@ -296,11 +296,11 @@ void SurfaceTree::buildLevel(uint32_t level) {
   });
 }
 
-uint32_t SurfaceTree::childPacket(uint32_t node) const {
-  if (isLeaf(node)) return node;
+uint32_t SurfaceTree::levelOf(uint32_t node) const {
+  if (isLeaf(node)) return 0;
   uint32_t level = 1;
   while (level + 1 < levels_.size() && node >= levels_[level + 1].start) ++level;
-  return levels_[level - 1].start / kPacket + (node - levels_[level].start);
+  return level;
 }
 
 size_t SurfaceTree::bytes() const {

@@ -64,7 +64,13 @@ class SurfaceTree {
   bool isLeaf(uint32_t node) const { return node < leafCount(); }
   /// Returns the packet of a node's children. The last packet of a level may be filled up with a repeated
   /// triangle or with discs out of reach.
-  uint32_t childPacket(uint32_t node) const;
+  uint32_t childPacket(uint32_t node) const { return childPacket(node, levelOf(node)); }
+  /// Returns the same for a node of this level, without a search for it.
+  uint32_t childPacket(uint32_t node, uint32_t level) const {
+    return level == 0 ? node : levels_[level - 1].start / kPacket + (node - levels_[level].start);
+  }
+  /// Returns the level of a node; that of the leaves is 0.
+  uint32_t levelOf(uint32_t node) const;
   size_t bytes() const;
 
  private:
