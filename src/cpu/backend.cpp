@@ -37,10 +37,10 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
     perSample += 3 * sizeof(int32_t) + sizeof(float);  // PathScratch
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, two turns,
+  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, its turn,
   // its area and, if it is double-sided, its group; a vertex has a key, its bucket, an id and the index of
   // the first vertex at its position.
-  constexpr size_t kTurningTriangle = 121, kTurningVertex = 26;
+  constexpr size_t kTurningTriangle = 120, kTurningVertex = 26;
   const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
                              (options.closeHoles ? kRimBytesPerTriangle : 0) +
@@ -54,7 +54,6 @@ void Backend::begin() {
   memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
   toCellUnits(mesh, grid, mesh_);
   hasSurfaceTree_ = hasCrossings_ = false;
-  countedTurns_.clear();
   crossedTurns_.clear();
   removedTriangles_.clear();
   addedTriangles_.clear();
@@ -190,7 +189,7 @@ void Backend::turnFaces(const Turns& turns) {
     if (crossedTurns_[f] != kLeftOut) removedTriangles_.push_back(turned(given[f], crossedTurns_[f]));
     if (turns[f] != kLeftOut) addedTriangles_.push_back(turned(given[f], turns[f]));
   }
-  if (mesh_.triangles.data() != turnedTriangles_.data()) {
+  if (!areTurned()) {
     turnedTriangles_.resizeUninitialized(given.size());
     parallelFor(given.size(), kFacesPerTask, [&](size_t begin, size_t end) {
       for (size_t f = begin; f < end; ++f) turnedTriangles_[f] = turned(given[f], turns[f]);
@@ -199,7 +198,7 @@ void Backend::turnFaces(const Turns& turns) {
   } else {
     for (const uint32_t f : changed) turnedTriangles_[f] = turned(given[f], turns[f]);
   }
-  countedTurns_ = crossedTurns_ = turns;
+  crossedTurns_ = turns;
   if (hasSurfaceTree_) turns_ = turns;
 }
 
@@ -229,8 +228,9 @@ NearSides Backend::nearSides() {
 
 /// Measures the field beside the faces as given.
 void Backend::measureSides(float farSides, Buffer<float>* wholeness) {
+  const Turns asGiven, &turns = areTurned() ? crossedTurns_ : asGiven;
   const std::span<const glm::uvec3> taken = std::exchange(mesh_.triangles, mesh().triangles);
-  cpu::measureSides(mesh_, countedTurns_, windingBuffer(), farSides, progress(), rises_, wholeness);
+  cpu::measureSides(mesh_, turns, windingBuffer(), farSides, progress(), rises_, wholeness);
   mesh_.triangles = taken;
 }
 

@@ -81,6 +81,8 @@ class Backend {
   /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
   const SurfaceTree& turnedSurfaceTree();
   bool leaveOutDoubleSided();
+  /// Returns whether the sign takes the faces as `turnFaces` turned them, and not as given.
+  bool areTurned() const { return mesh_.triangles.data() == turnedTriangles_.data(); }
   void measureSides(float farSides, Buffer<float>* wholeness = nullptr);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
   Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
@@ -100,7 +102,6 @@ class Backend {
   enum class TreeTurns { Unasked, None, Some } treeTurns_ = TreeTurns::Unasked;  // those made in the tree
   Crossings crossings_;
   bool hasCrossings_ = false;
-  Turns countedTurns_;  // The turns that the sign takes; empty if it takes all faces as given.
   Turns crossedTurns_;  // The turns that the crossings are counted with; empty if they count all as given.
   std::vector<glm::uvec3> removedTriangles_, addedTriangles_;
   RayMap rayMap_;
