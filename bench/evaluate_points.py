@@ -15,6 +15,7 @@ import tempfile
 
 import igl
 import numpy as np
+from evaluate import read_mesh
 
 NEAR = 1e-3  # Of the diagonal.
 THRESHOLD = 0.5
@@ -23,13 +24,11 @@ THRESHOLD = 0.5
 CLOSE_TO_SURFACE, CLOSE_TO_THRESHOLD = 5e-8, 3e-4
 
 
-def read_as_given(raymap, path, folder):
-    """Returns a copy of the mesh as the program reads it, and the vertices and triangles of its surface."""
-    copy = folder / "as_read.ply"
-    subprocess.run([raymap, "convert", path, copy, "--overwrite"], check=True, capture_output=True, text=True)
-    vertices, triangles = igl.read_triangle_mesh(str(copy))
+def read_surface(args, path, folder):
+    """Returns the copy that `read_mesh` leaves, the vertices that triangles use, and the triangles."""
+    vertices, triangles = read_mesh(args, path, folder)
     used, triangles = np.unique(triangles, return_inverse=True)
-    return copy, vertices[used], triangles.reshape(-1, 3)
+    return folder / "as_read.ply", vertices[used], triangles.reshape(-1, 3)
 
 
 def uniform_points(vertices, count, random):
@@ -91,7 +90,7 @@ def main():
         with tempfile.TemporaryDirectory() as name:
             folder, random = pathlib.Path(name), np.random.default_rng(1)
             try:
-                mesh, vertices, triangles = read_as_given(args.raymap, args.folder / row["file"], folder)
+                mesh, vertices, triangles = read_surface(args, args.folder / row["file"], folder)
                 kinds = uniform_points(vertices, args.points, random), near_points(vertices, triangles, args.points, random)
                 uniform, near = (compare(args.raymap, mesh, vertices, triangles, kind, folder) for kind in kinds)
             except (subprocess.CalledProcessError, ValueError) as error:

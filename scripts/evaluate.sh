@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds in Release and measures the errors of signs, points, face orientation, closed holes and repaired meshes. Prints
-# the tables of docs/evaluation.md and docs/signs.md, and the table of closed holes in docs/distances.md. Leaves them,
-# with pictures, in out/evaluation:
+# the tables of docs/evaluation.md and docs/signs.md, that of closed holes in docs/distances.md, and the points of each
+# mesh that docs/points.md sums up. Leaves them, with pictures, in out/evaluation:
 #   scripts/evaluate.sh FOLDER [PART...]
 # FOLDER holds meshes and a MESHES.tsv that lists them. The parts are the functions below; all of them take about an
 # hour, and `repair` goes on where it was stopped. Python packages go into build/bench/evaluation.
