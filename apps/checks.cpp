@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "terminal.h"
 
@@ -112,6 +115,29 @@ void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
     throw Error(ErrorCode::Usage, start + "must be " + endings(asked));
 }
 
+/// Returns the factor of a unit such as "", "B", "k", "MB" or "GiB"; 0 if there is no such unit.
+double factorOf(std::string unit) {
+  std::ranges::transform(unit, unit.begin(), [](unsigned char c) { return std::toupper(c); });
+  double factor = 1.0;
+  for (const char* prefix : {"", "K", "M", "G", "T"}) {
+    const std::string name = prefix;
+    if (unit == name || unit == name + "B" || (!name.empty() && unit == name + "IB")) return factor;
+    factor *= 1024.0;
+  }
+  return 0.0;
+}
+
+/// Returns a size in bytes; none if it is not finite, negative or beyond 2^62.
+std::optional<uint64_t> bytesOf(const std::string& text) {
+  double number = 0.0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  std::string unit(rest, text.data() + text.size());
+  if (unit.starts_with(' ')) unit.erase(0, 1);
+  const double bytes = number * factorOf(unit);
+  const bool isSize = error == std::errc() && factorOf(unit) > 0.0 && bytes >= 0.0 && bytes <= 0x1p62;
+  return isSize ? std::optional(static_cast<uint64_t>(bytes)) : std::nullopt;
+}
+
 }  // namespace
 
 CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite) {
@@ -145,6 +171,16 @@ CLI::Validator wholeNumberFrom(int low) {
                    std::to_string(std::numeric_limits<int>::max()) + ", not " + text;
           },
           ">= " + std::to_string(low)};
+}
+
+CLI::Validator sizeInBytes() {
+  return {[](std::string& text) -> std::string {
+            const std::optional<uint64_t> bytes = bytesOf(text);
+            if (!bytes) return "must be a size such as 500MB, 1.5GB or 1e9, not " + text;
+            text = std::to_string(*bytes);
+            return {};
+          },
+          ""};
 }
 
 bool hasExtension(const fs::path& path, const std::vector<std::string>& extensions) {

@@ -13,6 +13,9 @@ CLI::Validator numberFrom(double low, bool isOpen = false);
 /// Accepts a whole number of at least `low` that fits into an int.
 CLI::Validator wholeNumberFrom(int low);
 
+/// Replaces a size such as 500MB, 1.5GB or 1e9 by its number of bytes. Units are powers of 1024.
+CLI::Validator sizeInBytes();
+
 /// A file to read, and the extensions of the formats that it may have.
 struct Input {
   std::filesystem::path& path;

@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
+#include "mesh_output.h"
 #include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
@@ -15,6 +16,7 @@ namespace {
 struct Arguments {
   StreamFormat format;
   std::filesystem::path input, output;
+  bool recenter = false;
   bool mayOverwrite = false;
   MeshUnits units;
 };
@@ -33,15 +35,19 @@ void writeConverted(const Arguments& arguments, Mesh& mesh) {
                               output = named(arguments.output, arguments.format.output);
   checkMeshUnits(arguments.units, output);
   convertUnits(mesh, arguments.units, input, output);
-  writeMesh(arguments.output, mesh,
-            {.unit = writtenUnit(arguments.units, input), .format = arguments.format.output});
+  const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.recenter,
+                                                       .unit = writtenUnit(arguments.units, input),
+                                                       .format = arguments.format.output});
+  writeMesh(arguments.output, mesh, options);
+  printWritten(arguments.output, options);
 }
 
 void writeConverted(const Arguments& arguments, const Field& field) {
-  if (arguments.units.areGiven())
-    throw Error(ErrorCode::Usage, "--unit, --scale and --up are for meshes, and " + arguments.input.string() +
-                                      " is a field; leave them out");
+  if (arguments.units.areGiven() || arguments.recenter)
+    throw Error(ErrorCode::Usage, "--unit, --scale, --up and --recenter are for meshes, and " +
+                                      arguments.input.string() + " is a field; leave them out");
   writeField(arguments.output, field, name(heldArray(field)), arguments.format.output);
+  printWritten(arguments.output);
 }
 
 void run(Arguments& arguments) {
@@ -53,7 +59,6 @@ void run(Arguments& arguments) {
     writeConverted(arguments, *mesh);
   else if (const Field* field = std::get_if<Field>(&read))
     writeConverted(arguments, *field);
-  printWritten(arguments.output);
 }
 
 }  // namespace
@@ -70,6 +75,7 @@ void addConvert(CLI::App& app) {
                    ".ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
+  addRecenterOption(*command, arguments->recenter);
   addOverwriteOption(*command, arguments->mayOverwrite);
   addFormatOption(*command, arguments->format);
   command->footer(

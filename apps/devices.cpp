@@ -1,3 +1,4 @@
+#include <raymap/devices.h>
 #include <raymap/error.h>
 #include <raymap/names.h>
 #include <raymap/version.h>

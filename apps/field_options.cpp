@@ -3,7 +3,6 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 #include <raymap/names.h>
-#include <raymap/repair.h>
 
 #include <span>
 
@@ -110,13 +109,15 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
 }
 
 void addCpuOptions(CLI::App& command, FieldArguments& arguments) {
-  command.add_option("--threads", arguments.options.threads, "Number of CPU threads; 0 = all (default)")
+  command
+      .add_option("--threads", arguments.options.threads,
+                  "Number of CPU threads; 0 = RAYMAP_THREADS, or else all (default)")
       ->check(wholeNumberFrom(0))
       ->group("Machine");
   command
       .add_option("--memory-limit", arguments.options.memoryLimit,
                   "Most memory to use, e.g. 2GB (default: all that is available)")
-      ->transform(CLI::AsSizeValue(false).description(""))
+      ->transform(sizeInBytes())
       ->type_name("SIZE")
       ->group("Machine");
 }
@@ -136,6 +137,7 @@ void finishFieldArguments(FieldArguments& arguments) {
   if (!walksPaths && (arguments.sampling != "raymap" || !arguments.offsets.empty()))
     throw Error(ErrorCode::Usage, "--sampling and --offsets need --sign paths or evolution");
   if (!arguments.offsets.empty()) arguments.options.offsets = readOffsets(arguments.offsets);
+  arguments.grid.thickness = arguments.options.thickness;
   if (arguments.options.thickness > 0.0) {
     if (arguments.sign != "harmonic" && arguments.sign != "none")
       throw Error(ErrorCode::Usage, "--thickness takes the place of --sign; leave one of them out");
@@ -156,12 +158,6 @@ Options withProgress(Options options, ProgressLine& line) {
   return options;
 }
 
-/// Returns a grid that holds the mesh, and the plate around it that `--thickness` makes.
-static Grid gridFor(const Mesh& mesh, const FieldArguments& arguments) {
-  if (arguments.grid.box || arguments.options.thickness == 0.0) return fitGrid(mesh, arguments.grid);
-  return fitRepairGrid(mesh, arguments.grid, {.minThickness = arguments.options.thickness});
-}
-
 std::vector<std::string> meshAndFieldExtensions() {
   std::vector<std::string> extensions = meshExtensions();
   for (const std::string& extension : fieldExtensions()) extensions.push_back(extension);
@@ -176,7 +172,7 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
   Options options = arguments.options;
   testBeforeFirstUse(options.device);
   ProgressLine line;
-  return generate(mesh, gridFor(mesh, arguments), withProgress(options, line)).field;
+  return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
 }
 
 }  // namespace raymap

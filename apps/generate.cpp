@@ -166,12 +166,12 @@ void writeJson(const fs::path& path, const Json& json, Report& report) {
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
-  std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", arguments.mesh.string().c_str(),
+  std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
               describeDefects(report.found, std::nullopt).c_str());
   std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
-  printTimes(report.steps(), report.elapsedMilliseconds);
+  std::printf("%s", describeTimes(report.steps(), report.elapsedMilliseconds).c_str());
   std::printf("field: %.1f ms on %s, peak memory %s", report.stats.totalMilliseconds,
               report.stats.device.c_str(), sizeText(peakMemory()).c_str());
   if (arguments.options.sign != SignMode::None)

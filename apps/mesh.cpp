@@ -54,7 +54,7 @@ void run(Arguments& arguments) {
   writeMesh(stored.path, mesh, stored.options);
   std::printf("%s, %s\n", counted(mesh.triangles.size(), "triangle").c_str(),
               mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str());
-  printStored(stored);
+  printWritten(stored.path, stored.options);
 }
 
 }  // namespace

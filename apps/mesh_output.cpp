@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "repair_report.h"
+#include "terminal.h"
 
 namespace raymap {
 
@@ -71,9 +72,15 @@ void addRecenterOption(CLI::App& command, bool& recenter) {
                    "the offset is printed, and noted in the file");
 }
 
+MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options) {
+  return {.offset = options.recenter ? roundCentre(bounds(mesh)) : glm::dvec3(0.0),
+          .unit = options.unit,
+          .format = options.format,
+          .warn = [](std::string_view message) { warn(std::string(message) + " by --recenter"); }};
+}
+
 StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options) {
-  StoredMesh result{path, {.unit = options.unit, .format = options.format}, std::move(mesh), {}};
-  if (options.recenter) result.options.offset = roundCentre(bounds(result.exact));
+  StoredMesh result{path, writeOptions(mesh, options), std::move(mesh), {}};
   result.stored = asStored(path, result.exact, result.options);
   return result;
 }
@@ -98,9 +105,9 @@ void checkCrossing(const StoredMesh& mesh, size_t crossing) {
          counted(crossing, "pair") + " of faces cross instead of " + grouped(before));
 }
 
-void printStored(const StoredMesh& mesh) {
-  printWritten(mesh.path);
-  const glm::dvec3& offset = mesh.options.offset;
+void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options) {
+  printWritten(path);
+  const glm::dvec3& offset = options.offset;
   if (offset != glm::dvec3(0.0))
     std::printf("recentered: add %s to the positions in the file\n", text(offset).c_str());
 }

@@ -26,8 +26,11 @@ struct StoreOptions {
   std::string_view format = {};              ///< Extension that counts where the path has none that is known.
 };
 
-/// Rounds a mesh as the file will. Moves it by whole multiples of a power of ten, so that people can type the
-/// offset.
+/// Returns how to write a mesh. Its offset is of whole multiples of a power of ten, so that people can type
+/// it. Warnings of rounding go to stderr, and name the option.
+MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options);
+
+/// Rounds a mesh as the file will.
 StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options);
 
 /// Diagnoses the stored mesh if it differs from the exact one. Throws `Error(Unsupported)` if rounding broke
@@ -38,6 +41,6 @@ void checkStored(const StoredMesh& mesh);
 void checkCrossing(const StoredMesh& mesh, size_t crossing);
 
 /// Prints the file that was written, and its offset.
-void printStored(const StoredMesh& mesh);
+void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options);
 
 }  // namespace raymap

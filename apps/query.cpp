@@ -104,7 +104,7 @@ void check(Arguments& arguments, const QueryOptions& asked) {
 }
 
 std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& format) {
-  const WaitingLine line("reading " + path.filename().string());
+  const WaitingLine line("reading " + displayName(path.filename()));
   return readPoints(path, warn, format);
 }
 
@@ -186,11 +186,11 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
 }
 
 void print(const Arguments& arguments, const Report& report, double elapsedMilliseconds) {
-  std::printf("%s: %s\n", arguments.mesh.string().c_str(), counted(report.triangles, "triangle").c_str());
-  std::printf("%s: %s", arguments.points.string().c_str(), counted(report.points, "point").c_str());
+  std::printf("%s: %s\n", displayName(arguments.mesh).c_str(), counted(report.triangles, "triangle").c_str());
+  std::printf("%s: %s", displayName(arguments.points).c_str(), counted(report.points, "point").c_str());
   if (report.notFinite > 0) std::printf(", %s not finite", grouped(report.notFinite).c_str());
   std::printf("\n");
-  printTimes(report.steps(), elapsedMilliseconds);
+  std::printf("%s", describeTimes(report.steps(), elapsedMilliseconds).c_str());
   std::printf("surface: %s, peak memory %s\n", sizeText(report.surfaceBytes).c_str(),
               sizeText(peakMemory()).c_str());
   if (report.known > 0) {

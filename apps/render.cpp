@@ -39,7 +39,7 @@ Field loadField(const Arguments& arguments) {
   field.grid.resolution = arguments.resolution;
   field.options.threads = arguments.options.threads;
   field.options.device = arguments.options.device;
-  field.options.thickness = arguments.thickness;
+  field.options.thickness = field.grid.thickness = arguments.thickness;
   field.options.winding = arguments.as == "winding";
   field.options.confidence = arguments.as == "confidence";
   field.options.triangleIds = arguments.as == "triangle";
@@ -111,7 +111,9 @@ void addRender(CLI::App& app) {
       "--device", arguments->options.device,
       "Device that makes a mesh's field and draws it: cpu, vulkan, vulkan:K (see raymap devices), or auto "
       "(default), a GPU if there is one, else the CPU");
-  command->add_option("--threads", arguments->options.threads, "Number of CPU threads; 0 = all (default)")
+  command
+      ->add_option("--threads", arguments->options.threads,
+                   "Number of CPU threads; 0 = RAYMAP_THREADS, or else all (default)")
       ->check(wholeNumberFrom(0));
   addViewOptions(*command, arguments->view);
   addShapeOptions(*command, *arguments);

@@ -76,7 +76,7 @@ void run(RepairArguments& arguments) {
       out << textOf(describe(arguments, grid, report, stored.options));
     });
   print(arguments, grid, report);
-  printStored(stored);
+  printWritten(stored.path, stored.options);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
@@ -167,7 +167,7 @@ void addRepair(CLI::App& app) {
   addOrientationOption(*command, *arguments);
   command
       ->add_flag_callback(
-          "--no-close-holes", [arguments] { arguments->options.closeHoles = false; },
+          "--no-close-holes", [arguments] { arguments->repair.closeHoles = false; },
           "Do not measure distances to the surface that closes holes; they are still closed, but in steps")
       ->group("Method");
   addShapeOptions(*command, *arguments);

@@ -112,7 +112,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
           {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
           {"options",
            {{"orientation", arguments.orientation},
-            {"close_holes", arguments.options.closeHoles},
+            {"close_holes", arguments.repair.closeHoles},
             {"offset", arguments.repair.offset},
             {"shell", arguments.repair.shell},
             {"drain_hole", arguments.repair.drainHole},
@@ -162,7 +162,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
 }
 
 void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
-  std::printf("%s: %s, wrong with it: %s\n", arguments.mesh.string().c_str(),
+  std::printf("%s: %s, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.before.triangles, "triangle").c_str(),
               describeDefects(report.before, report.crossingBefore).c_str());
   if (report.partsOverlap)

@@ -14,10 +14,6 @@
 namespace raymap {
 
 struct RepairArguments : FieldArguments {
-  RepairArguments() {
-    grid.resolution = 256;
-    options.closeHoles = true;
-  }
   StreamFormat format;
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;

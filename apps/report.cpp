@@ -132,15 +132,21 @@ double millisecondsOf(const std::vector<Stats::Stage>& steps, std::string_view n
   return sum;
 }
 
-void printTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds) {
-  double sum = 0.0;
-  const auto line = [&](const std::string& name, double milliseconds) {
-    std::printf("  %-20s %10.1f ms\n", name.c_str(), milliseconds);
-    sum += milliseconds;
+std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds) {
+  std::string text;
+  const auto addLine = [&](const std::string& name, double milliseconds) {
+    std::array<char, 32> time{};
+    std::snprintf(time.data(), time.size(), "%10.1f ms\n", milliseconds);
+    text += "  " + name + std::string(std::max<ptrdiff_t>(21 - ptrdiff_t(name.size()), 1), ' ') + time.data();
   };
-  for (const Stats::Stage& step : steps) line(step.name, step.milliseconds);
-  line("other", std::max(elapsedMilliseconds - sum, 0.0));
-  line("elapsed", sum);
+  double sum = 0.0;
+  for (const Stats::Stage& step : steps) {
+    addLine(step.name, step.milliseconds);
+    sum += step.milliseconds;
+  }
+  addLine("other", std::max(elapsedMilliseconds - sum, 0.0));
+  addLine("elapsed", elapsedMilliseconds);
+  return text;
 }
 
 void printOrientation(const Stats& stats) {

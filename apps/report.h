@@ -53,9 +53,9 @@ void timeStep(std::vector<Stats::Stage>& steps, const char* name, Work&& work) {
 /// Returns the time of all steps of a name.
 double millisecondsOf(const std::vector<Stats::Stage>& steps, std::string_view name);
 
-/// Prints a line for each step, and the time that has elapsed. "other" is what lies between the steps: checks
-/// of the mesh, and freeing memory.
-void printTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds);
+/// Returns a line for each step, one for the rest of the time that has elapsed, and one for all of it. The
+/// rest lies between the steps: checks of the mesh, and freeing memory.
+std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds);
 
 /// Prints which faces were reversed and left out, if any.
 void printOrientation(const Stats& stats);

@@ -38,6 +38,17 @@ extern "C" void onSignal(int signal) {
   _exit(128 + signal);
 }
 
+extern "C" void onQuit(int signal) {
+  removeTemporaries();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);  // For the core that the user wants.
+}
+
+/// Keeps ignoring a signal that the program was started to ignore, as nohup does.
+void catchUnlessIgnored(int signal, void (*handler)(int)) {
+  if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
+}
+
 std::string dataPath;  // Of stdout, if that is kept for data.
 
 std::mutex waitingMutex;
@@ -48,16 +59,45 @@ void clearWaiting() {
   isWaitingShown = false;
 }
 
+/// Returns whether the character at `i` is a control character: one of ASCII, or of U+0080 to U+009F in
+/// UTF-8.
+bool isControl(std::string_view text, size_t i) {
+  const auto byte = [&](size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const bool isHigh = byte(i) == 0xc2 && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0;
+  return byte(i) < 0x20 || byte(i) == 0x7f || isHigh;
+}
+
+void appendEscaped(std::string& text, char byte) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const auto value = static_cast<unsigned char>(byte);
+  text += {'\\', 'x', kDigits[value / 16], kDigits[value % 16]};
+}
+
 }  // namespace
+
+std::string printable(std::string_view text) {
+  std::string result;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (!isControl(text, i)) {
+      result += text[i];
+      continue;
+    }
+    appendEscaped(result, text[i]);
+    if (text[i] == '\xc2') appendEscaped(result, text[++i]);
+  }
+  return result;
+}
 
 void warn(std::string_view message) {
   const std::lock_guard lock(waitingMutex);
   clearWaiting();
-  std::fprintf(stderr, "raymap: warning: %s\n", std::string(message).c_str());
+  std::fprintf(stderr, "raymap: warning: %s\n", printable(message).c_str());
 }
 
 void catchSignals() {
   for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, onSignal);
+  for (const int signal : {SIGHUP, SIGXCPU}) catchUnlessIgnored(signal, onSignal);
+  catchUnlessIgnored(SIGQUIT, onQuit);
   std::signal(SIGPIPE, SIG_IGN);  // Writing to a closed pipe fails, with a message.
 }
 
@@ -124,13 +164,13 @@ std::filesystem::path keepStdoutForData() {
 }
 
 std::string displayName(const std::filesystem::path& path) {
-  return dataPath.empty() || path != dataPath ? path.string() : "standard output";
+  return dataPath.empty() || path != dataPath ? printable(path.string()) : "standard output";
 }
 
 std::string withDisplayNames(std::string message) {
   if (!dataPath.empty() && message.starts_with(dataPath + ":"))
     message.replace(0, dataPath.size(), "standard output");
-  return message;
+  return printable(message);
 }
 
 void finishText() {
@@ -141,12 +181,12 @@ void finishText() {
 }
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
-  const WaitingLine line("reading " + path.filename().string());
+  const WaitingLine line("reading " + displayName(path.filename()));
   return readMesh(path, warn, format);
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
-  const WaitingLine line("reading " + path.filename().string());
+  const WaitingLine line("reading " + displayName(path.filename()));
   return readMeshOrField(path, warn, format);
 }
 

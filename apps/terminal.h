@@ -15,12 +15,16 @@
 
 namespace raymap {
 
+/// Returns a text without control characters, which a terminal would obey: "\x1b" stands for the escape
+/// character. File names may hold any.
+std::string printable(std::string_view text);
+
 /// Prints `raymap: warning: ...` on stderr.
 void warn(std::string_view message);
 
-/// Makes SIGINT and SIGTERM end the program at once, without a half-written file. While a `ProgressLine`
-/// lives, the first signal cancels the work through its callback instead. It ends the program only if the
-/// work does not stop within two seconds.
+/// Makes SIGINT, SIGTERM, SIGHUP and SIGXCPU end the program at once, without a half-written file. While a
+/// `ProgressLine` lives, the first signal cancels the work through its callback instead. It ends the program
+/// only if the work does not stop within two seconds. SIGQUIT always ends it at once, and leaves a core.
 void catchSignals();
 
 /// Returns the signal that cancelled the work, or 0.
@@ -71,10 +75,11 @@ class WaitingLine {
 /// stdout. Throws `Error(File)` if it is closed.
 std::filesystem::path keepStdoutForData();
 
-/// Returns "standard output" for the path that `keepStdoutForData` returned, any other path as it is.
+/// Returns "standard output" for the path that `keepStdoutForData` returned, any other path as printable
+/// text.
 std::string displayName(const std::filesystem::path& path);
 
-/// Returns a message with that path replaced by its name.
+/// Returns a message as printable text, with that path replaced by its name.
 std::string withDisplayNames(std::string message);
 
 /// Throws `Error(File)` unless all text has reached stdout.

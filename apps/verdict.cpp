@@ -2,6 +2,7 @@
 
 #include <raymap/grid.h>
 #include <raymap/io.h>
+#include <raymap/repair.h>
 
 #include <algorithm>
 #include <array>
@@ -10,10 +11,16 @@
 #include <vector>
 
 #include "report.h"
+#include "terminal.h"
 
 namespace raymap {
 
 namespace {
+
+/// Returns the number of samples of `raymap repair` by default.
+std::string defaultSamples() {
+  return std::to_string(kRepairResolution) + " samples";
+}
 
 /// Returns a number in three digits, as an argument.
 std::string plain(double number) {
@@ -116,16 +123,21 @@ std::string describeRest(MeshKind kind, const Diagnostics& found,
   return words.empty() ? "" : words + ".";
 }
 
-/// Returns an argument as a shell takes it.
+/// Returns an argument as a shell takes it; as bash does, if it has control characters.
 std::string quoted(const std::string& argument) {
   const auto isPlain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
            std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
   };
   if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
-  std::string words = "'";
-  for (const char c : argument) words += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return words + "'";
+  const bool isEscaped = printable(argument) != argument;
+  std::string words = isEscaped ? "$'" : "'";
+  for (const char c : argument) {
+    if (c == '\'') words += isEscaped ? "\\" : "'\\'";
+    if (c == '\\' && isEscaped) words += c;
+    words += c;
+  }
+  return printable(words) + "'";
 }
 
 std::filesystem::path resultFor(const std::filesystem::path& mesh) {
@@ -150,7 +162,7 @@ double thicknessFor(const Diagnostics& found) {
 
 /// Distance between samples of `raymap repair` by default.
 double defaultSpacing(const Diagnostics& found) {
-  return longestSide(found) * (1.0 + 2.0 * GridOptions{}.padding) / 256.0;
+  return longestSide(found) * (1.0 + 2.0 * GridOptions{}.padding) / kRepairResolution;
 }
 
 /// Number of samples along each side of a repair's grid.
@@ -176,17 +188,18 @@ std::string describeThickness(const Verdict& verdict, const Diagnostics& found, 
     return isSolid && !isFast ? "The thickness was not measured: there are too many triangles.\n" : "";
   }
   if (!verdict.voxelSize)
-    return "No part is thinner than " + text(verdict.sought) + "; a repair with 256 samples keeps all.\n";
+    return "No part is thinner than " + text(verdict.sought) + "; a repair with " + defaultSamples() +
+           " keeps all.\n";
   const std::string part = "Its thinnest part is about " + text(*verdict.thinnest) + " thick. ";
   const std::string voxels = "--voxel-size " + plain(*verdict.voxelSize);
   const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
   const std::string grid = voxels + ": " + text(n.x) + " x " + text(n.y) + " x " + text(n.z) + " samples";
   switch (keeps(verdict, found)) {
     case Keeps::ByDefault:
-      return part + "A repair with 256 samples keeps it; so does " + voxels + ".\n";
+      return part + "A repair with " + defaultSamples() + " keeps it; so does " + voxels + ".\n";
     case Keeps::TooMany:
-      return part + "To keep it would take " + grid + ", which is too many; 256 samples keep parts from " +
-             text(2.0 * defaultSpacing(found)) + " on.\n";
+      return part + "To keep it would take " + grid + ", which is too many; " + defaultSamples() +
+             " keep parts from " + text(2.0 * defaultSpacing(found)) + " on.\n";
     default:
       return part + "To keep it takes " + grid + ".\n";
   }

@@ -11,8 +11,8 @@ if(RAYMAP_IO)
   find_package(nlohmann_json REQUIRED)
   find_package(ZLIB REQUIRED)
   find_package(EXPAT REQUIRED)
-  # Linked by name, as OpenVDB is: Debian's packages of minizip and OpenVDB have no CMake configuration.
-  find_path(MINIZIP_INCLUDE minizip/unzip.h REQUIRED)
+  # Linked by name, as OpenVDB is. Debian's OpenVDB has no CMake configuration, and libzip's wants its tools installed too.
+  find_path(ZIP_INCLUDE zip.h REQUIRED)
   find_path(PUGIXML_INCLUDE pugixml.hpp REQUIRED)
 endif()
 if(RAYMAP_OPENVDB)

@@ -68,6 +68,17 @@ class CheckLayers(unittest.TestCase):
         layers.write_text(layers.read_text().replace("\nbase:\n", "\n"))
         self.assert_found("layers.txt: a cycle between base, mesh")
 
+    def test_finds_a_function_that_a_higher_layer_defines(self):
+        self.put("include/raymap/mesh.h", "namespace raymap {\nRAYMAP_API void paint(const Mesh& mesh, int colour = 1);\n}\n")
+        self.put("src/render/paint.cpp", "namespace raymap {\nvoid paint(const Mesh& of, int colour) {\n}\n}\n")
+        self.put("src/io/paint.cpp", "namespace raymap {\nvoid paint(const Mesh& of) {\n}\n}\n")  # Another one.
+        self.assert_found("include/raymap/mesh.h is of the layer mesh, but paint is defined in render\n")
+
+    def test_finds_a_class_that_a_higher_layer_defines(self):
+        self.put("include/raymap/mesh.h", "namespace raymap {\nclass RAYMAP_API Brush {\n void dip();\n};\n}\n")
+        self.put("src/api/brush.cpp", "namespace raymap {\nvoid Brush::dip() {}\n}\n")
+        self.assert_found("include/raymap/mesh.h is of the layer mesh, but Brush is defined in api\n")
+
     def test_finds_what_no_layer_owns(self):
         self.put("src/odds/ends.h", "")
         self.put("include/raymap/odds.h", "")

@@ -12,7 +12,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
+#include <string_view>
 
 #include "bending_tube.h"
 #include "framing.h"
@@ -193,10 +195,14 @@ void run(const Arguments& arguments) {
 }
 
 void setSize(const std::string& text, Arguments& arguments) {
-  const auto isSide = [](int pixels) { return pixels >= 1 && pixels <= raymap::kMaxPictureSide; };
-  int end = 0;
-  const int found = std::sscanf(text.c_str(), "%dx%d%n", &arguments.width, &arguments.height, &end);
-  if (found != 2 || text.size() != size_t(end) || !isSide(arguments.width) || !isSide(arguments.height))
+  const auto readSide = [](std::string_view side, int& pixels) {
+    const auto [end, error] = std::from_chars(side.begin(), side.end(), pixels);
+    return error == std::errc() && end == side.end() && pixels >= 1 && pixels <= raymap::kMaxPictureSide;
+  };
+  const std::string_view whole = text;
+  const size_t cross = whole.find('x');
+  if (cross == whole.npos || !readSide(whole.substr(0, cross), arguments.width) ||
+      !readSide(whole.substr(cross + 1), arguments.height))
     throw CLI::ValidationError("--size", "'" + text + "' is no size such as 640x480");
 }
 

@@ -51,7 +51,7 @@ print(f"{knot}: watertight {found['watertight']}, volume {found['signed_volume']
 # %% Its field: distances on a regular grid, negative inside
 # Without bounds, the grid is as large as the mesh and a tenth more.
 box = ((-4, -4, -2), (4, 4, 2))
-field = raymap.signed_distance(knot, bounds=box, resolution=96)
+field = raymap.generate(knot, bounds=box, resolution=96)
 print(f"{field}: {(field.distance < 0).mean():.1%} of the samples are inside")
 
 # %% Slices with contour lines
@@ -121,7 +121,7 @@ top = knot.vertices[knot.vertices[:, 2].argmax()]
 kept = knot.faces[np.linalg.norm(knot.vertices[knot.faces].mean(axis=1) - top, axis=1) > 0.5]
 kept[::7] = kept[::7, ::-1]
 broken = raymap.Mesh(knot.vertices, kept)
-again = raymap.signed_distance(broken, bounds=box, resolution=96)
+again = raymap.generate(broken, bounds=box, resolution=96)
 print(f"{((again.distance < 0) != (field.distance < 0)).mean():.3%} of the signs differ")
 solid, report, _ = raymap.repair(broken, resolution=96)
 for time in ("before", "after"):

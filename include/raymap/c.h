@@ -54,6 +54,16 @@ RAYMAP_API const char* raymap_last_error_message(void);
 /* Returns the version of the linked library, for example "0.1.0". Valid for ever. */
 RAYMAP_API const char* raymap_version(void);
 
+/* ---- Threads ---- */
+
+/* Sets how many CPU threads all calls of this process use whose options leave the number at 0; 0 = all. For
+ * one process of many. Fails with RAYMAP_ERROR_USAGE if it is negative. */
+RAYMAP_API raymap_result raymap_set_default_threads(int32_t threads);
+
+/* Finds that number: the one set last, else the environment variable RAYMAP_THREADS, else 0. Fails with
+ * RAYMAP_ERROR_USAGE if the variable holds something else than a number. */
+RAYMAP_API raymap_result raymap_default_threads(int32_t* threads);
+
 /* ---- Options ---- */
 
 /* How to make a field. One handle may serve many calls. */
@@ -77,7 +87,7 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "threshold" (0.5)   a sample is inside if |winding number| exceeds this
  *   "band" (0)          distances are clamped to this many samples; 0 = not clamped
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
- *   "threads" (0)       number of CPU threads; 0 = all
+ *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
  *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
  *   "invert", "close_holes", "triangle_ids", "winding", "confidence" (0)
  *                       switches, as in raymap::Options */
@@ -146,8 +156,10 @@ RAYMAP_API raymap_result raymap_mesh_copy_triangles(const raymap_mesh* mesh, uin
 RAYMAP_API raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double low[3], double high[3]);
 
 /* Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension. The file appears
- * whole or not at all. Not in builds without files. */
-RAYMAP_API raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path);
+ * whole or not at all. Of the options only the warning callback counts; they may be NULL. It is called if the
+ * single precision of an STL moves vertices noticeably. Not in builds without files. */
+RAYMAP_API raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path,
+                                           const raymap_options* options);
 
 /* ---- Grids ---- */
 
@@ -163,12 +175,13 @@ typedef struct raymap_grid_options {
   int32_t resolution; /* Samples along the longest side of the box; ignored with `voxel_size`. */
   double voxel_size;  /* Spacing; 0 = from the resolution. */
   double padding;     /* Padding of the bounds on every side, as a share of their longest side. */
+  double thickness;   /* The option "thickness" of the field: half of it pads the bounds besides. */
   bool has_box;       /* Whether to cover the box below instead of the padded bounds. */
   double box_low[3];
   double box_high[3];
 } raymap_grid_options;
 
-/* Returns the defaults: resolution 128, padding 0.1, no box. */
+/* Returns the defaults: resolution 128, padding 0.1, thickness 0, no box. */
 RAYMAP_API raymap_grid_options raymap_grid_options_default(void);
 
 /* Lays a grid of cubic cells over the mesh. `options` may be NULL for the defaults. */
@@ -233,11 +246,18 @@ RAYMAP_API raymap_result raymap_field_stats(const raymap_field* field, raymap_st
 /* Returns the device that made the field: "cpu", "vulkan:0", ...; "" if none did. The field owns the text. */
 RAYMAP_API const char* raymap_field_device(const raymap_field* field);
 
+/* Results of points outside the box of the outermost samples. */
+typedef enum raymap_outside {
+  RAYMAP_OUTSIDE_BOUND = 0, /* A lower bound on the signed distance, also where the box cuts the mesh: it is
+                               below 0 where the mesh may reach. A gradient that leads away from the box. */
+  RAYMAP_OUTSIDE_NAN = 1    /* NaN. */
+} raymap_outside;
+
 /* Samples a field between its samples, in parallel. `points` are x, y, z of each. `distances` takes `count`
- * numbers, `gradients` 3 * `count`; each may be NULL if it is not wanted. Trilinear inside; outside of the
- * outermost samples a lower bound on the distance. raymap/sample.h has the details. */
+ * numbers, `gradients` 3 * `count`; each may be NULL if it is not wanted. Trilinear inside. raymap/sample.h
+ * says exactly what the results are. */
 RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
-                                             float* distances, float* gradients);
+                                             raymap_outside outside, float* distances, float* gradients);
 
 /* Returns the surface at a distance as a new closed mesh. Of the options only the number of threads and the
  * callbacks count; they may be NULL. */

@@ -16,6 +16,9 @@ struct Field {
   Buffer<float> winding = {};      ///< Winding number, +1 inside a closed surface that faces outwards.
   Buffer<float> confidence = {};   ///< Confidence in the sign, 0 to 1.
   double band = 0.0;               ///< Distances are clamped to +-band, in the mesh's units; 0 = not clamped.
+  /// Bounds of the surface that distances lead to, in the mesh's units; empty if they are not known. They
+  /// tell what may lie outside the grid; see raymap/sample.h.
+  Box surfaceBounds = {};
 };
 
 /// One of a field's arrays.

@@ -16,18 +16,25 @@ struct Grid {
   double spacing = 0.0;    ///< Distance h between neighbouring samples, in the mesh's units.
 
   size_t sampleCount() const { return size_t(dims.x) * size_t(dims.y) * size_t(dims.z); }
-  size_t index(glm::ivec3 s) const { return (size_t(s.z) * dims.y + s.y) * dims.x + s.x; }
+  size_t index(glm::ivec3 s) const {
+    return (size_t(s.z) * size_t(dims.y) + size_t(s.y)) * size_t(dims.x) + size_t(s.x);
+  }
   /// Returns the position of sample coordinates, which need not be whole, in the mesh's units.
   glm::dvec3 position(glm::dvec3 s) const { return origin + spacing * s; }
   bool operator==(const Grid&) const = default;
 };
 
+inline constexpr int kDefaultResolution = 128;
+
 /// How to lay a grid over a mesh.
 struct GridOptions {
-  int resolution = 128;         ///< Samples along the longest side of the box; ignored with `voxelSize`.
+  /// Samples along the longest side of the box; ignored with `voxelSize`. Unset: `kDefaultResolution`, for
+  /// `fitRepairGrid` `kRepairResolution`.
+  std::optional<int> resolution = {};
   double voxelSize = 0.0;       ///< Spacing in the mesh's units; 0 = from the resolution.
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
   double padding = 0.1;         ///< Padding of the bounds on every side, as a share of their longest side.
+  double thickness = 0.0;       ///< `Options::thickness`: half of it pads the bounds besides.
 };
 
 /// Returns the smallest grid of cubic cells that covers the box. A side that is no multiple of the spacing

@@ -4,7 +4,7 @@
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
-#include <raymap/surface.h>
+#include <raymap/query.h>
 #include <raymap/units.h>
 
 #include <filesystem>
@@ -39,10 +39,12 @@ struct MeshWriteOptions {
   glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
   LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states for the mesh's lengths.
   std::string_view format = {};              ///< Extension that counts where the path has none that is known.
+  WarningCallback warn = {};
 };
 
 /// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
 /// all. An STL has single precision and no shared vertices; the other formats keep every position and index.
+/// Warns if single precision moves a vertex by more than 1e-5 of the longest side of the mesh's bounds.
 /// A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out triangles
 /// that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`: Usage for
 /// another extension or an offset that is not finite, Input (see `validate`), File, Unsupported if the format

@@ -8,7 +8,7 @@ namespace raymap {
 /// How to make the surface of a field.
 struct IsosurfaceOptions {
   double iso = 0.0;                ///< Distance at which the surface lies, in the mesh's units.
-  int threads = 0;                 ///< Number of threads; 0 = all.
+  int threads = 0;                 ///< Number of threads; 0 = `defaultThreads`.
   WarningCallback warn = {};       ///< Called if the solid reaches the grid's box.
   ProgressCallback progress = {};  ///< Called every few milliseconds.
 };

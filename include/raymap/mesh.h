@@ -20,8 +20,8 @@ static_assert(sizeof(glm::vec<3, uint64_t>) == 24 && alignof(glm::vec<3, uint64_
 
 /// An axis-aligned box in the mesh's units. Empty until something is added.
 struct Box {
-  glm::dvec3 min{INFINITY};
-  glm::dvec3 max{-INFINITY};
+  glm::dvec3 min{HUGE_VAL};
+  glm::dvec3 max{-HUGE_VAL};
 
   glm::dvec3 size() const { return max - min; }
   glm::dvec3 centre() const { return 0.5 * (min + max); }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <raymap/devices.h>
+#include <raymap/device_info.h>
 #include <raymap/error.h>
-#include <raymap/generate.h>
+#include <raymap/field.h>
+#include <raymap/options.h>
 #include <raymap/verdict.h>
 
 #include <span>

@@ -4,6 +4,7 @@
 
 #include <raymap/animation.h>
 #include <raymap/atomic_file.h>
+#include <raymap/device_info.h>
 #include <raymap/devices.h>
 #include <raymap/diagnostics.h>
 #include <raymap/error.h>
@@ -12,14 +13,19 @@
 #include <raymap/grid.h>
 #include <raymap/io.h>
 #include <raymap/isosurface.h>
+#include <raymap/local_thickness.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>
+#include <raymap/options.h>
+#include <raymap/picture.h>
+#include <raymap/query.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>
 #include <raymap/simplify.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>
+#include <raymap/threads.h>
 #include <raymap/verdict.h>
 #include <raymap/version.h>

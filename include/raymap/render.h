@@ -1,48 +1,13 @@
 #pragma once
 
-#include <raymap/callbacks.h>
+#include <raymap/export.h>
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
+#include <raymap/picture.h>
 
-#include <cstdint>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace raymap {
-
-/// An 8-bit sRGB picture: `width` * `height` pixels of red, green and blue, rows from the top.
-struct Picture {
-  int width = 0;
-  int height = 0;
-  std::vector<uint8_t> rgb = {};
-};
-
-/// Largest width and height of a picture, in pixels.
-inline constexpr int kMaxPictureSide = 16384;
-
-/// How to draw a field by sphere tracing (Hart 1996).
-struct RenderOptions {
-  int width = 1024;                         ///< In pixels.
-  int height = 768;                         ///< In pixels.
-  glm::dvec3 direction{-0.6, -0.45, -1.0};  ///< Direction from the camera to the centre of the shape.
-  glm::dvec3 up{0.0, 1.0, 0.0};  ///< Direction up in the picture; the floor is perpendicular to it.
-  double fieldOfView = 30.0;     ///< Angle from the bottom to the top of the picture, in degrees.
-  bool cut = false;  ///< Whether to remove the half before the middle plane (Krayer & Müller 2019, Fig. 1).
-  double shell =
-      0.0;  ///< Thickness of the outer wall of a hollow shape, in the mesh's units; 0 = not hollow.
-  /// Box that the camera frames instead of the shape, in the mesh's units. Pictures of a moving shape share
-  /// one, so that the camera stands still. The ball around it cuts off what reaches farther.
-  std::optional<Box> frame = {};
-  int threads = 0;  ///< Number of CPU threads; 0 = all.
-
-  /// Device that draws, as in `Options::device`. A GPU's picture differs a little from the CPU's: the mean of
-  /// a colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8.
-  std::string device = "auto";
-  WarningCallback warn = {};       ///< Called with the reason when "auto" falls back to the CPU.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
-};
 
 /// Draws the surface at distance zero on a light background. The camera stands where the shape fills the
 /// picture. The grid's box cuts off what reaches it.

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <raymap/diagnostics.h>
-#include <raymap/generate.h>
 #include <raymap/grid.h>
+#include <raymap/mesh_view.h>
+#include <raymap/options.h>
 
 #include <cstddef>
 #include <functional>
@@ -11,8 +12,12 @@
 
 namespace raymap {
 
+inline constexpr int kRepairResolution = 256;
+
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
 struct RepairOptions {
+  bool closeHoles =
+      true;             ///< Whether distances count the surface that closes holes; else they close in steps.
   double offset = 0.0;  ///< Distance to move the surface outwards; negative: inwards.
   double shell = 0.0;   ///< Thickness of the walls of a hollow solid; 0 = not hollow.
   /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. 0 =
@@ -93,11 +98,13 @@ struct RepairReport {
   Diagnostics after = {};                 ///< Diagnostics of the result.
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
-  Deviation ofResult = {};    ///< From points of the result to the given surface, moved by the offset.
-  Deviation ofMesh = {};      ///< From points of the given mesh, moved by the offset, to the result. Counts
-                              ///< the lost ones, not the buried ones.
-  Deviation ofKept = {};      ///< The same without the lost points.
-  double buriedShare = 0.0;   ///< Share of the mesh's area more than a sample inside the result.
+  Deviation ofResult = {};  ///< From points of the result to the given surface, moved by the offset.
+  Deviation ofMesh = {};    ///< From points of the given mesh, moved by the offset, to the result. Counts
+                            ///< the lost ones, not the buried ones.
+  Deviation ofKept = {};    ///< The same without the lost points.
+  /// Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as
+  /// much more, here and in `lostShare`.
+  double buriedShare = 0.0;
   double lostShare = 0.0;     ///< Share of it more than a sample outside: thinner than the samples, or open.
   double trimmedShare = 0.0;  ///< Share of the mesh's area that the moved surface has no place for. The
                               ///< other shares are of the rest.
@@ -128,15 +135,20 @@ struct Repaired {
 };
 
 /// Returns a grid that holds the result: it covers the mesh's bounds, padded by `GridOptions::padding` and by
-/// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box`. Throws
-/// `Error(Usage)` as `fitGrid` does.
-RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair);
+/// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box` and
+/// `thickness`. Throws `Error(Usage)` as `fitGrid` does.
+RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
+                              const RepairOptions& repair = {});
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
-/// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `Options::closeHoles`
-/// also of one whose holes can be filled so that nothing is wrong. Throws `Error` as `generate` and
-/// `isosurface` do, Usage also if walls, holes or the least thickness are thinner than two samples.
-RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options,
-                           const RepairOptions& repair);
+/// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of
+/// one whose holes can be filled so that nothing is wrong.
+///
+/// Of the options, those count that say how distance and sign are found, and on what machine. Throws `Error`
+/// as `generate` and `isosurface` do. Usage also for options that a solid leaves no place for: no sign,
+/// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
+/// are thinner than two samples.
+RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options = {},
+                           const RepairOptions& repair = {});
 
 }  // namespace raymap

@@ -12,23 +12,37 @@ namespace raymap {
 // Within the box of the outermost samples, the distance is trilinear between the eight samples around the
 // point. A grid with one sample along an axis is constant along it inside that box, which is flat there.
 //
-// Outside, only a lower bound is known. Let q be the closest point of the box, and d(q) its distance. The
-// result is sqrt(|p - q|^2 + max(d(q), 0)^2). No surface inside the box is closer to p, but for the error of
-// the interpolation: a sphere tracer may step by it. It is always positive: a solid that reaches the box ends
-// there. Fields made with `Options::invert` must not be sampled outside their box.
+// Outside, the result is a lower bound on the signed distance, as exact as the samples are, or NaN if
+// `Outside::NaN` asks for it. Let q be the point of the box that is closest to the point p, x one of the
+// samples around q and d(x) its distance. The bound is the largest of these:
+// - d(x) - |p - x|, for a distance changes by no more than the way;
+// - the distance to `Field::surfaceBounds`, if p lies outside of them;
+// - sqrt(|p - q|^2 + max(d(x) - |q - x|, 0)^2), if the box holds `Field::surfaceBounds`.
+// It is up to 0.71 h less than the distance interpolated at the border. Far from a surface that the box
+// holds, it is nearly the distance. Where the bounds are not known, or reach beyond the box around p, it
+// falls with the way from the box, and below 0: p may lie inside of what the box does not hold. A point
+// outside the bounds counts as outside the solid.
 //
-// The gradient is a central difference of these distances, h to either side along each axis. It is continuous
-// and, for an exact field away from edges of the surface, has nearly length 1. Within h of the box and
-// outside it, the lower bound takes part.
+// The gradient is a central difference, h to either side along each axis, of the distance in the box, and
+// outside of sqrt(|p - q|^2 + max(d(q), 0)^2). It is continuous and, for an exact field away from edges of
+// the surface, has nearly length 1. Outside, it leads away from the box: it tells nothing of a surface beyond
+// it.
 //
 // Clamped distances (`Field::band`) are interpolated as stored; gradients vanish where all are clamped. The
-// result is NaN where one of the samples around the point is, and for points that are NaN; it is infinite for
-// infinite points, and their gradient is NaN.
+// result is NaN where one of the samples around the point is, and for points that are NaN. The gradient of an
+// infinite point is NaN.
+
+/// Results of points outside the box of the outermost samples.
+enum class Outside {
+  Bound,  ///< A lower bound on the distance, and a gradient that leads away from the box.
+  NaN     ///< NaN, for the gradient too.
+};
 
 /// Options of `sample`.
 struct SampleOptions {
-  bool gradients = false;  ///< Whether to compute gradients; they take six distances each.
-  int threads = 0;         ///< Number of threads; 0 = all.
+  bool gradients = false;            ///< Whether to compute gradients; they take six distances each.
+  Outside outside = Outside::Bound;  ///< Results of points outside the box.
+  int threads = 0;                   ///< Number of threads; 0 = `defaultThreads`.
 };
 
 /// Results in the order of the points.
@@ -38,10 +52,11 @@ struct Samples {
 };
 
 /// Returns the distance at a point. Throws `Error(Usage)` if the field has no distances.
-RAYMAP_API double distanceAt(const Field& field, const glm::dvec3& point);
+RAYMAP_API double distanceAt(const Field& field, const glm::dvec3& point, Outside outside = Outside::Bound);
 
 /// Returns the gradient of the distance at a point. Throws `Error(Usage)` if the field has no distances.
-RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point);
+RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point,
+                                 Outside outside = Outside::Bound);
 
 /// Samples many points in parallel. A point's results do not depend on the others. Throws `Error`: Usage if
 /// the field has no distances, Memory.

@@ -9,7 +9,7 @@ namespace raymap {
 struct SimplifyOptions {
   double tolerance = 0.0;  ///< Largest distance of points of either mesh to the other; 0 keeps the mesh.
   double step = 0.0;       ///< Distance between these points; 0 = ten times the tolerance.
-  int threads = 0;         ///< Number of threads; 0 = all.
+  int threads = 0;         ///< Number of threads; 0 = `defaultThreads`.
   ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <raymap/callbacks.h>
 #include <raymap/diagnostics.h>
+#include <raymap/export.h>
 
 #include <cstdint>
 #include <optional>
@@ -45,17 +45,5 @@ struct Verdict {
 /// Judges a mesh by what `diagnose` and `findSelfIntersections` found, without its thickness. The diagnostics
 /// must not be brief. Without crossings, the mesh is taken for one without any.
 RAYMAP_API Verdict judge(const Diagnostics& found, const std::optional<SelfIntersections>& crossings);
-
-/// Does the same with the thickness of the thinnest part: of solids of at most two million triangles, as far
-/// as it is thinner than a 25th of the longest side. Throws as `findThinnest` does.
-RAYMAP_API Verdict judge(const MeshView& mesh, const Diagnostics& found, const SelfIntersections& crossings,
-                         const ProgressCallback& progress = {});
-
-/// Returns the thickness of a mesh's thinnest part: the local thickness that all but 0.2 % of the area
-/// exceeds, at 5,000 points. So tips, and specks that noise makes, do not count. Returns nothing if no such
-/// part is thinner than `most`. Throws `Error` as `Surface` does. Takes less than 0.1 s for a hundred
-/// thousand triangles, but as long as `diagnose` for a million.
-RAYMAP_API std::optional<double> findThinnest(const MeshView& mesh, double most,
-                                              const ProgressCallback& progress = {});
 
 }  // namespace raymap

@@ -4,14 +4,15 @@
 // work is recorded into the caller's command buffer, and the field goes to the caller's buffer or 3D image.
 // docs/vulkan.md and examples/animated show how.
 //
-// The one public header with Vulkan's types, and not part of raymap.h. It needs Vulkan's declarations only.
-// Programs that use volk or VK_NO_PROTOTYPES include or define that first. raymap opens the loader
-// (libvulkan.so.1) itself, at run time.
+// With raymap/vulkan_device.h, the one public header with Vulkan's types, and not part of raymap.h. It needs
+// Vulkan's declarations only. Programs that use volk or VK_NO_PROTOTYPES include or define that first. raymap
+// opens the loader (libvulkan.so.1) itself, at run time.
 
 #include <raymap/animation.h>
 #include <raymap/error.h>
-#include <raymap/generate.h>
-#include <raymap/render.h>
+#include <raymap/options.h>
+#include <raymap/picture.h>
+#include <raymap/vulkan_device.h>
 #include <vulkan/vulkan_core.h>
 
 #include <memory>
@@ -20,26 +21,6 @@
 #include <string_view>
 
 namespace raymap::vulkan {
-
-/// A device and one of its queues.
-struct DeviceHandles {
-  VkInstance instance = VK_NULL_HANDLE;
-  VkPhysicalDevice physical = VK_NULL_HANDLE;
-  VkDevice device = VK_NULL_HANDLE;
-  uint32_t queueFamily = 0;  ///< Family of the command buffers to record into; it must support compute.
-  VkQueue queue = VK_NULL_HANDLE;
-};
-
-/// Switches on the features that a device needs for raymap, and leaves all others alone. The device also
-/// needs Vulkan 1.3, as does the instance, and no extension.
-RAYMAP_API void requireFeatures(VkPhysicalDeviceFeatures& v10, VkPhysicalDeviceVulkan12Features& v12,
-                                VkPhysicalDeviceVulkan13Features& v13);
-
-/// The caller's buffer from a byte on.
-struct BufferRange {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;  ///< In bytes, a multiple of 4.
-};
 
 /// A mesh on the device, which is only read. Both buffers need VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT, and
 /// memory allocated with VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT.
@@ -67,12 +48,6 @@ struct Target {
   /// `kStatusWords` 32-bit numbers for `Generator::status`, for frames whose status must outlive the next
   /// frame's. Needs VK_BUFFER_USAGE_TRANSFER_DST_BIT instead.
   BufferRange status = {};
-};
-
-/// Lengths of the lists behind the paper's distances (Krayer & Müller 2019, §3.1), known to the device only.
-struct ListSizes {
-  uint64_t rows = 0;     ///< Number of rows of cells that the triangles' bounds touch.
-  uint64_t entries = 0;  ///< Number of pairs of a cell and a triangle in it.
 };
 
 /// Capacities that a generator reserves.

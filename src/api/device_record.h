@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/devices.h>
+#include <raymap/device_info.h>
 
 #include <filesystem>
 #include <optional>

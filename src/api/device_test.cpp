@@ -31,12 +31,12 @@ class WatchedTest {
   explicit WatchedTest(const TestMark& mark) : mark_(&mark) {}
 
   static End run(const std::shared_ptr<WatchedTest>& test, size_t number, const std::string& name,
-                 const ProgressCallback& progress, double checkSeconds) {
+                 const ProgressCallback& progress, const Hangs& hangs) {
     std::thread([test, number] { test->work(number); }).detach();
     std::unique_lock lock(test->mutex_);
     while (!test->isOver_) {
       test->change_.wait_for(lock, std::chrono::milliseconds(20));
-      if (secondsSince(test->checkStart_) > checkSeconds && !test->isOver_) {
+      if (!test->isOver_ && hangs(test->check_, secondsSince(test->checkStart_))) {
         test->mark_ = nullptr;
         return End::Hangs;
       }
@@ -110,12 +110,12 @@ std::string nameOf(const DeviceInfo& device) {
 }
 
 DeviceTest runTest(const TestMark& mark, const DeviceInfo& device, size_t number,
-                   const ProgressCallback& progress, double checkSeconds) {
+                   const ProgressCallback& progress, const Hangs& hangs) {
   const Clock::time_point start = Clock::now();
   DeviceTest result{.device = device};
   const auto test = std::make_shared<WatchedTest>(mark);
   try {
-    const auto end = WatchedTest::run(test, number, "test of " + device.id, progress, checkSeconds);
+    const auto end = WatchedTest::run(test, number, "test of " + device.id, progress, hangs);
     if (end == WatchedTest::End::Stopped)
       throw Error(ErrorCode::Cancelled, "the test of " + device.id + " was cancelled");
     result.hangs = end == WatchedTest::End::Hangs;
@@ -123,7 +123,7 @@ DeviceTest runTest(const TestMark& mark, const DeviceInfo& device, size_t number
     result.problem = problemIn(result.checks);
     if (result.hangs && result.problem.empty())
       result.problem =
-          test->check() + ": did not end within " + std::to_string(static_cast<int>(checkSeconds)) + " s";
+          test->check() + ": did not end within " + std::to_string(static_cast<int>(kCheckSeconds)) + " s";
   } catch (const Error& error) {
     if (error.code() == ErrorCode::Cancelled) throw;
     result.checks = test->checks();
@@ -134,8 +134,8 @@ DeviceTest runTest(const TestMark& mark, const DeviceInfo& device, size_t number
 }
 
 DeviceTest testAndRecord(const TestMark& mark, const DeviceInfo& device, size_t number,
-                         const ProgressCallback& progress, double checkSeconds) {
-  DeviceTest result = runTest(mark, device, number, progress, checkSeconds);
+                         const ProgressCallback& progress, const Hangs& hangs) {
+  DeviceTest result = runTest(mark, device, number, progress, hangs);
   const bool isPassed = result.problem.empty();
   result.device.test = isPassed ? DeviceTestState::Passed : DeviceTestState::Failed;
   result.device.testProblem = result.problem;
@@ -146,9 +146,9 @@ DeviceTest testAndRecord(const TestMark& mark, const DeviceInfo& device, size_t 
 }  // namespace
 
 DeviceTest testGpu(const DeviceInfo& device, size_t number, const ProgressCallback& progress,
-                   double checkSeconds) {
+                   const Hangs& hangs) {
   const TestMark mark(device, kOtherTestSeconds);
-  return testAndRecord(mark, device, number, progress, checkSeconds);
+  return testAndRecord(mark, device, number, progress, hangs);
 }
 
 DeviceTestState testOnce(const DeviceInfo& device, size_t number, const ProgressCallback& progress) {
@@ -157,7 +157,7 @@ DeviceTestState testOnce(const DeviceInfo& device, size_t number, const Progress
   const TestMark mark(device, kOtherTestSeconds);
   const DeviceTestState meanwhile = readResult(device).state;
   if (meanwhile != DeviceTestState::Untested) return meanwhile;
-  return testAndRecord(mark, device, number, progress, kCheckSeconds).device.test;
+  return testAndRecord(mark, device, number, progress, takesTooLong).device.test;
 }
 
 std::string reasonAgainst(const DeviceInfo& device) {

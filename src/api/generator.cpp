@@ -4,17 +4,35 @@
 #include <chrono>
 
 #include "api/devices.h"
-#include "api/run_on_cpu.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cpu/run_on_cpu.h"
 #include "mesh/packed_mesh.h"
 #include "method/check_options.h"
 #include "method/thickness.h"
 
 namespace raymap {
 
+namespace {
+
+/// Returns the bounds of the surface that a field's distances lead to; empty for a field inside out, which
+/// has its solid on the other side.
+Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const Options& options, const Stats& stats) {
+  if (options.invert) return {};
+  Box box = bounds(mesh);
+  box.min -= 0.5 * options.thickness;
+  box.max += 0.5 * options.thickness;
+  if (stats.patchTriangles > 0) {  // What closes holes lies in the grid.
+    box.min = glm::min(box.min, grid.origin);
+    box.max = glm::max(box.max, grid.position(grid.dims - 1));
+  }
+  return box;
+}
+
+}  // namespace
+
 struct Generator::Impl {
-  cpu::Backend cpu;
+  cpu::Backend cpuBackend;
   ChosenDevice device;
   MeshPacker packer;
 
@@ -46,9 +64,10 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
     };
     if (!impl_->device.run(options.device, options.warn, options.progress, onGpu)) {
       Progress progress(options.progress);
-      stats = runOnCpu(impl_->cpu, {mesh, grid, options, progress, field}, impl_->packer.bytes());
+      stats = cpu::runOnCpu(impl_->cpuBackend, {mesh, grid, options, progress, field}, impl_->packer.bytes());
     }
     if (asked.thickness > 0.0) thicken(asked, field);
+    field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
   } catch (...) {
     field = {};
     throw;

@@ -1,63 +1,25 @@
 #include <fcntl.h>
 #include <raymap/atomic_file.h>
-#include <raymap/error.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <ostream>
 #include <streambuf>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
+#include "base/descriptor.h"
 #include "base/source_file.h"
+#include "base/temporary_file.h"
 
 namespace raymap {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-[[noreturn]] void throwFileError(const fs::path& path, int error) {
-  std::string message = path.string() + ": cannot write: " + std::generic_category().message(error);
-  if (error == ENOSPC || error == EDQUOT) message += "; free some space or choose another folder";
-  if (error == EPIPE) message += "; the program that reads it has ended";
-  if (error == ENOENT) message += "; create the folder first";
-  throw Error(ErrorCode::File, message);
-}
-
-/// Names of the temporaries in use. The table is fixed because a signal handler may neither lock nor
-/// allocate.
-std::array<std::atomic<const char*>, 64> temporaries{};
-
-class RegisteredName {
- public:
-  explicit RegisteredName(std::string name) : name_(std::move(name)) {
-    for (auto& slot : temporaries) {
-      const char* empty = nullptr;
-      if (!slot.compare_exchange_strong(empty, name_.c_str())) continue;
-      slot_ = &slot;
-      return;
-    }
-  }
-  ~RegisteredName() {
-    if (slot_) slot_->store(nullptr);
-  }
-  RegisteredName(const RegisteredName&) = delete;
-  RegisteredName& operator=(const RegisteredName&) = delete;
-  const char* get() const { return name_.c_str(); }
-
- private:
-  std::string name_;
-  // Null if the table is full; the signal handler then leaves this temporary behind.
-  std::atomic<const char*>* slot_ = nullptr;
-};
 
 /// Stream buffer over a file descriptor. Throws `Error(File)` with the system's reason if a write fails.
 class DescriptorBuffer : public std::streambuf {
@@ -113,7 +75,7 @@ class DescriptorBuffer : public std::streambuf {
     while (count > 0) {
       const ssize_t written = ::write(descriptor_, data, count);
       if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) throwFileError(path_, written < 0 ? errno : ENOSPC);
+      if (written <= 0) throwWriteError(path_, written < 0 ? errno : ENOSPC);
       data += written;
       count -= static_cast<size_t>(written);
     }
@@ -123,28 +85,6 @@ class DescriptorBuffer : public std::streambuf {
   const fs::path& path_;
   bool isSeekable_;
   std::vector<char> buffer_ = std::vector<char>(size_t{1} << 16);
-};
-
-class Descriptor {
- public:
-  /// Takes what `open` or `fcntl` returned. Throws `Error(File)` if that failed.
-  Descriptor(int value, const fs::path& path) : value_(value) {
-    if (value_ < 0) throwFileError(path, errno);
-  }
-  ~Descriptor() {
-    if (value_ >= 0) close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-  /// Closes the file. Throws `Error(File)` for an error that the system reports only now, as network file
-  /// systems do.
-  void finish(const fs::path& path) {
-    if (close(std::exchange(value_, -1)) != 0 && errno != EINTR) throwFileError(path, errno);
-  }
-
- private:
-  int value_;
 };
 
 void writeThrough(int descriptor, const fs::path& path, bool isSeekable,
@@ -175,17 +115,6 @@ bool isInPlace(const fs::path& path) {
          (fs::exists(status) && !fs::is_regular_file(status));
 }
 
-/// Returns a hidden name in the target's folder. The time makes it unique: a process id may equal that of a
-/// killed process, whose temporary is still there.
-std::string temporaryName(const fs::path& target) {
-  static std::atomic<unsigned> counter{0};
-  constexpr size_t kLongest = 180;  // Bytes; leaves space for the rest within the usual limit of 255.
-  const std::string name = target.filename().string().substr(0, kLongest);
-  const std::string unique = std::to_string(getpid()) + "-" + std::to_string(counter.fetch_add(1)) + "-" +
-                             std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
-  return (target.parent_path() / ("." + name + ".tmp" + unique)).string();
-}
-
 /// Follows symbolic links and returns the file to write, which need not exist. Stops at names of descriptors.
 fs::path resolveLinks(fs::path path) {
   constexpr int kMostLinks = 40;  // The kernel's own limit.
@@ -200,27 +129,20 @@ fs::path resolveLinks(fs::path path) {
 void replace(const fs::path& target, const fs::path& path, const std::function<void(std::ostream&)>& write) {
   struct stat existing {};
   const bool replaces = stat(target.c_str(), &existing) == 0;
-  if (replaces && access(target.c_str(), W_OK) != 0) throwFileError(path, errno);
+  if (replaces && access(target.c_str(), W_OK) != 0) throwWriteError(path, errno);
 
-  const RegisteredName temporary(temporaryName(target));
-  Descriptor file(open(temporary.get(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666), path);
-  try {
-    writeThrough(file.get(), path, true, write);
-    if (replaces && fchmod(file.get(), existing.st_mode & 07777) != 0) throwFileError(path, errno);
-    if (fsync(file.get()) != 0) throwFileError(path, errno);
-    file.finish(path);
-    if (rename(temporary.get(), target.c_str()) != 0) throwFileError(path, errno);
-  } catch (...) {
-    unlink(temporary.get());
-    throw;
-  }
+  TemporaryFile file(target, path);
+  writeThrough(file.descriptor(), path, true, write);
+  if (replaces && fchmod(file.descriptor(), existing.st_mode & 07777) != 0) throwWriteError(path, errno);
+  if (fsync(file.descriptor()) != 0) throwWriteError(path, errno);
+  file.publish();
 }
 
 }  // namespace
 
 void writeAtomically(const fs::path& path, const std::function<void(std::ostream&)>& write) {
   std::error_code error;
-  if (fs::is_directory(path, error)) throwFileError(path, EISDIR);
+  if (fs::is_directory(path, error)) throwWriteError(path, EISDIR);
   if (const fs::path target = resolveLinks(path); isInPlace(target))
     writeInPlace(target, write);
   else
@@ -228,8 +150,7 @@ void writeAtomically(const fs::path& path, const std::function<void(std::ostream
 }
 
 void removeTemporaries() noexcept {
-  for (const auto& slot : temporaries)
-    if (const char* name = slot.load()) unlink(name);
+  TemporaryFile::removeAll();
 }
 
 }  // namespace raymap

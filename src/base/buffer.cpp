@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "base/memory.h"
+
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
@@ -27,8 +29,7 @@ void* allocatePages(size_t bytes) {
   void* memory =
       bytes > SIZE_MAX - alignment ? nullptr : std::aligned_alloc(alignment, roundUp(bytes, alignment));
   if (!memory)
-    throw Error(ErrorCode::Memory,
-                "cannot allocate " + std::to_string(bytes >> 20) + " MiB; use a lower resolution");
+    throw Error(ErrorCode::Memory, "cannot allocate " + neededText(bytes) + "; use a lower resolution");
 #ifdef __linux__
   if (alignment == kHugePage) madvise(memory, roundUp(bytes, alignment), MADV_HUGEPAGE);
 #endif

@@ -28,28 +28,39 @@ size_t systemAvailable() {
   return SIZE_MAX;
 }
 
+std::string sizeText(uint64_t bytes, bool isRoundedUp) {
+  constexpr uint64_t kKibibyte = uint64_t{1} << 10, kMebibyte = uint64_t{1} << 20;
+  if (bytes < kKibibyte) return std::to_string(bytes) + (bytes == 1 ? " byte" : " bytes");
+  const uint64_t unit = bytes < kMebibyte ? kKibibyte : kMebibyte;
+  const uint64_t units = bytes / unit + (isRoundedUp && bytes % unit > 0 ? 1 : 0);
+  return std::to_string(units) + (unit == kKibibyte ? " KiB" : " MiB");
+}
+
 }  // namespace
 
 size_t availableMemory() {
   return std::min(systemAvailable(), groupLimit());
 }
 
-std::string mebibytes(uint64_t bytes) {
-  constexpr uint64_t kMebibyte = uint64_t{1} << 20;
-  return std::to_string(bytes / kMebibyte + (bytes % kMebibyte > 0 ? 1 : 0)) + " MiB";
+std::string neededText(uint64_t bytes) {
+  return sizeText(bytes, true);
+}
+
+std::string limitText(uint64_t bytes) {
+  return sizeText(bytes, false);
 }
 
 void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where) {
   if (needed > limit)
-    throw Error(ErrorCode::Memory, "the field needs " + mebibytes(needed) + where + ", but only " +
-                                       mebibytes(limit) +
+    throw Error(ErrorCode::Memory, "the field needs " + neededText(needed) + where + ", but only " +
+                                       limitText(limit) +
                                        " may be used; use a lower resolution or a higher limit");
 }
 
 void checkSurfaceMemory(uint64_t needed) {
   if (const uint64_t left = availableMemory(); needed > left)
-    throw Error(ErrorCode::Memory, "the surface needs " + mebibytes(needed) + ", but only " +
-                                       mebibytes(left) + " are left; use a lower resolution");
+    throw Error(ErrorCode::Memory, "the surface needs " + neededText(needed) + ", but only " +
+                                       limitText(left) + " are left; use a lower resolution");
 }
 
 }  // namespace raymap

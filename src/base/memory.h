@@ -10,10 +10,15 @@ namespace raymap {
 /// system's available memory and the limit of the control group, or SIZE_MAX if neither is known.
 size_t availableMemory();
 
-/// Formats a size for messages, rounded up to whole MiB.
-std::string mebibytes(uint64_t bytes);
+// Sizes for messages, such as "12 bytes", "40 KiB" or "13903 MiB".
 
-/// Throws `Error(Memory)` if a field needs more than `limit` bytes. The message has `where` after the size.
+/// Formats what is needed, rounded up.
+std::string neededText(uint64_t bytes);
+/// Formats what there is at most, rounded down.
+std::string limitText(uint64_t bytes);
+
+/// Throws `Error(Memory)` if a field needs more than `limit` bytes. The message has `where` after the size:
+/// the place that needs it, or the purpose.
 void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where = "");
 
 /// Throws `Error(Memory)` if a surface needs more than `availableMemory()` bytes.

@@ -1,11 +1,14 @@
 #include "base/parallel.h"
 
+#include <raymap/threads.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <optional>
+#include <climits>
+#include <utility>
 
 #ifdef __SANITIZE_THREAD__
 extern "C" void __tsan_acquire(void* address);
@@ -45,31 +48,66 @@ class LoopOrder {
 #endif
 };
 
+/// Whether this thread works for a call of `withThreads`.
+thread_local bool isLimited = false;
+
+/// Sets `isLimited` while it lives.
+class Limited {
+ public:
+  Limited() = default;
+  ~Limited() { isLimited = before_; }
+  Limited(const Limited&) = delete;
+  Limited& operator=(const Limited&) = delete;
+
+ private:
+  bool before_ = std::exchange(isLimited, true);
+};
+
+/// Returns how many threads a call gets that asks for this many, 0 = all: at most as many as the machine has,
+/// and as the program around the library allows. TBB prints a warning when asked for more.
+int threadsFor(int asked) {
+  const auto allowed = static_cast<int>(std::min<size_t>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism), INT_MAX));
+  if (asked == 0 && !isLimited) asked = defaultThreads();
+  if (asked == 0) asked = tbb::this_task_arena::max_concurrency();
+  return std::min({asked, allowed, tbb::info::default_concurrency()});
+}
+
 }  // namespace
 
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work) {
   if (count == 0) return;
-  [[maybe_unused]] LoopOrder order;
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, count, grain),
-      [&](const tbb::blocked_range<size_t>& range) {
-        [[maybe_unused]] const LoopOrder::Part part(order);
-        for (size_t begin = range.begin(); begin < range.end(); begin += grain)
-          work(begin, std::min(begin + grain, range.end()));
-      },
-      tbb::simple_partitioner());
+  withCallersThreads([&] {
+    [[maybe_unused]] LoopOrder order;
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, count, grain),
+        [&](const tbb::blocked_range<size_t>& range) {
+          [[maybe_unused]] const LoopOrder::Part part(order);
+          const Limited limited;
+          for (size_t begin = range.begin(); begin < range.end(); begin += grain)
+            work(begin, std::min(begin + grain, range.end()));
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+void withCallersThreads(FunctionView<> work) {
+  if (isLimited)
+    work();
+  else
+    withThreads(0, work);
 }
 
 void withThreads(int threads, FunctionView<> work) {
-  // Without a limit of its own, TBB prints a warning when asked for more threads than there are cores.
-  std::optional<tbb::global_control> limit;
-  if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, threads);
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] { work(); });
+  tbb::task_arena arena(threadsFor(threads));
+  arena.execute([&] {
+    const Limited limited;
+    work();
+  });
 }
 
 size_t parallelThreads() {
-  return static_cast<size_t>(tbb::this_task_arena::max_concurrency());
+  return static_cast<size_t>(isLimited ? tbb::this_task_arena::max_concurrency() : threadsFor(0));
 }
 
 }  // namespace raymap

@@ -32,7 +32,7 @@ class FunctionView {
 };
 
 /// Calls `work(begin, end)` on parts of [0, count) with at most `grain` elements each. The work must not
-/// depend on which thread gets which part.
+/// depend on which thread gets which part. Outside of `withThreads` it uses `defaultThreads`.
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work);
 
 /// Returns the number of threads that a loop may use here.
@@ -61,7 +61,11 @@ std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted) {
   return selected;
 }
 
-/// Runs `work` with at most this many threads; 0 = all of the machine's.
+/// Runs `work` with at most this many threads; 0 = those of the `withThreads` around this one, or else
+/// `defaultThreads`. Limits nothing else in the process. Throws what `defaultThreads` throws.
 void withThreads(int threads, FunctionView<> work);
+
+/// Runs `work` as `withThreads(0, work)` does, but in the same arena if there is a `withThreads` around it.
+void withCallersThreads(FunctionView<> work);
 
 }  // namespace raymap

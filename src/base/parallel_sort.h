@@ -2,12 +2,14 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "base/parallel.h"
+
 namespace raymap {
 
-/// Sorts, as `std::sort` does, with all threads.
+/// Sorts, as `std::sort` does, with the threads of the call.
 template <class Iterator, class... Less>
 void parallelSort(Iterator begin, Iterator end, Less... less) {
-  tbb::parallel_sort(begin, end, less...);
+  withCallersThreads([&] { tbb::parallel_sort(begin, end, less...); });
 }
 
 }  // namespace raymap

@@ -12,17 +12,16 @@ double Progress::now() {
 }
 
 void Progress::report(double done) {
-  done_ = begin_ + length_ * done;
+  const double share = begin_ + length_ * done;
+  for (double before = done_; before < share && !done_.compare_exchange_weak(before, share);) {
+  }
   poll();
 }
 
 void Progress::poll() {
   if (!callback_) return;
-  if (!cancelled_) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) return;  // Another thread is reporting: this step may be skipped.
-    if (!callback_(name_, done_)) cancelled_ = true;
-  }
+  if (const std::unique_lock lock(mutex_, std::try_to_lock); lock && !cancelled_ && !callback_(name_, done_))
+    cancelled_ = true;
   if (cancelled_) throw Error(ErrorCode::Cancelled, std::string("cancelled during ") + name_);
 }
 

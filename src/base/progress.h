@@ -26,6 +26,7 @@ class Progress {
   void stage(const char* name, Work&& work) {
     const double start = now();
     name_ = name;
+    done_ = 0.0;
     part(0.0, 1.0);
     report(0.0);
     work();
@@ -33,7 +34,8 @@ class Progress {
   }
 
   /// Reports the share of the stage that is done, 0 to 1. A stage calls it from any thread, every few
-  /// milliseconds. Throws `Error(Cancelled)` once the callback has returned false.
+  /// milliseconds. The callback sees no smaller share than before, and is skipped while another thread runs
+  /// it. Throws `Error(Cancelled)` once the callback has returned false, which is its last call.
   void report(double done);
   /// Maps all shares reported from now on to the part [begin, end] of the stage.
   void part(double begin, double end) {

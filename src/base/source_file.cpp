@@ -117,7 +117,7 @@ void SourceFile::copy() {
     if (count == 0) return;
     total += static_cast<uint64_t>(count);
     if (total > mostFileBytes())
-      throw Error(ErrorCode::Memory, path_.string() + ": more than " + mebibytes(mostFileBytes()) +
+      throw Error(ErrorCode::Memory, path_.string() + ": more than " + limitText(mostFileBytes()) +
                                          " come through it, half of this machine's memory");
     if (!writeAll(copy_, piece.data(), static_cast<size_t>(count))) failRead(path_, errno);
   }

@@ -5,12 +5,11 @@
 
 namespace raymap {
 
-std::string numberText(double value) {
-  constexpr int kDigits = 9;
+std::string numberText(double value, int digits) {
   std::array<char, 32> text{};
   return {
       text.data(),
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, kDigits).ptr};
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits).ptr};
 }
 
 std::string numberText(float value) {

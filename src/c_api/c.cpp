@@ -1,7 +1,8 @@
-// The functions of raymap/c.h about errors, the version and devices.
+// The functions of raymap/c.h about errors, the version, threads and devices.
 
 #include <raymap/c.h>
 #include <raymap/names.h>
+#include <raymap/threads.h>
 #include <raymap/version.h>
 
 #include <array>
@@ -42,6 +43,14 @@ const char* raymap_last_error_message(void) {
 
 const char* raymap_version(void) {
   return version().text;
+}
+
+raymap_result raymap_set_default_threads(int32_t threads) {
+  return guard([&] { setDefaultThreads(threads); });
+}
+
+raymap_result raymap_default_threads(int32_t* threads) {
+  return guard([&] { need(threads, "the number of threads") = defaultThreads(); });
 }
 
 raymap_devices* raymap_devices_list(void) {

@@ -107,11 +107,12 @@ const char* raymap_field_device(const raymap_field* field) {
 }
 
 raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
-                                  float* distances, float* gradients) {
+                                  raymap_outside outside, float* distances, float* gradients) {
   return guard([&] {
     const Field& sampled = need(field, "the field").field;
     if (count > 0) need(points, "the array of points");
-    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, distances,
+    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count},
+               outside == RAYMAP_OUTSIDE_NAN ? Outside::NaN : Outside::Bound, distances,
                reinterpret_cast<glm::vec3*>(gradients));
   });
 }

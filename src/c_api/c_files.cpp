@@ -14,8 +14,10 @@ raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
   return create([&] { return c::ownMesh(readMesh(&need(path, "the path"), c::optionsOr(options).warn)); });
 }
 
-raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path) {
-  return guard([&] { writeMesh(&need(path, "the path"), need(mesh, "the mesh").view); });
+raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path, const raymap_options* options) {
+  return guard([&] {
+    writeMesh(&need(path, "the path"), need(mesh, "the mesh").view, {.warn = c::optionsOr(options).warn});
+  });
 }
 
 raymap_field* raymap_field_load(const char* path) {

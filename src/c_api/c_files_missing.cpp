@@ -18,7 +18,7 @@ raymap_mesh* raymap_mesh_load(const char*, const raymap_options*) {
   return nullptr;
 }
 
-raymap_result raymap_mesh_write(const raymap_mesh*, const char*) {
+raymap_result raymap_mesh_write(const raymap_mesh*, const char*, const raymap_options*) {
   return fail();
 }
 

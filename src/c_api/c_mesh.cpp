@@ -107,9 +107,10 @@ raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double low[3], double 
 
 raymap_grid_options raymap_grid_options_default(void) {
   const GridOptions defaults;
-  return {.resolution = defaults.resolution,
+  return {.resolution = kDefaultResolution,
           .voxel_size = defaults.voxelSize,
           .padding = defaults.padding,
+          .thickness = defaults.thickness,
           .has_box = false,
           .box_low = {},
           .box_high = {}};
@@ -121,8 +122,10 @@ raymap_result raymap_fit_grid(const raymap_mesh* mesh, const raymap_grid_options
     const raymap_grid_options given = options ? *options : raymap_grid_options_default();
     const MeshView& view = need(mesh, "the mesh").view;
     need(grid, "the grid");
-    GridOptions wanted{
-        .resolution = given.resolution, .voxelSize = given.voxel_size, .padding = given.padding};
+    GridOptions wanted{.resolution = given.resolution,
+                       .voxelSize = given.voxel_size,
+                       .padding = given.padding,
+                       .thickness = given.thickness};
     if (given.has_box)
       wanted.box = Box{vector(given.box_low), vector(given.box_high)};
     else

@@ -13,6 +13,7 @@
 #include "cpu/distance/exact_distance.h"
 #include "cpu/distance/finish.h"
 #include "cpu/sign/close_holes.h"
+#include "cpu/sign/crossings_lines.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
 #include "method/orientation_surface.h"
@@ -23,6 +24,17 @@ namespace {
 
 constexpr size_t kFacesPerTask = 1024;
 
+/// Returns the bytes of the crossings and of the ray map. Most surfaces cross a lattice line twice or less.
+size_t crossingBytes(const glm::ivec3& dims) {
+  constexpr size_t kCrossings = 2;
+  // A line has its starts in both, a copy of one of them and its length while the crossings are sorted.
+  constexpr size_t kOfLine = 3 * sizeof(uint64_t) + sizeof(uint32_t),
+                   kOfCrossing = sizeof(LineRecord) + sizeof(Crossing) + sizeof(RayStep);
+  size_t lines = 0;
+  for (int axis = 0; axis < 3; ++axis) lines += lineCount(dims, axis);
+  return lines * (kOfLine + kCrossings * kOfCrossing);
+}
+
 }  // namespace
 
 size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
@@ -32,26 +44,17 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
   if (options.triangleIds || (!exact && !raster)) perSample += sizeof(uint32_t);
   if (!exact) perSample += sizeof(float) + sizeof(uint32_t) + (raster ? 0 : sizeof(uint64_t));
   if (options.sign != SignMode::None) perSample += sizeof(float);
-  if (options.sign == SignMode::Harmonic) perSample += 14;
-  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution)
-    perSample += 3 * sizeof(int32_t) + sizeof(float);  // PathScratch
   if (options.confidence) perSample += sizeof(float);
   const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, its turn,
-  // its area and, if it is double-sided, its group; a vertex has a key, its bucket, an id and the index of
-  // the first vertex at its position.
-  constexpr size_t kTurningTriangle = 120, kTurningVertex = 26;
-  const bool mayTurn = mayTurnFaces(options);
   const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
-                             (options.closeHoles ? kRimBytesPerTriangle : 0) +
-                             (mayTurn ? kTurningTriangle : 0);
+                             (options.closeHoles ? kRimBytesPerTriangle : 0);
   return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
-         mesh.vertices.size() * (sizeof(glm::vec3) + (mayTurn ? kTurningVertex : 0));
+         mesh.vertices.size() * sizeof(glm::vec3) +
+         (options.sign == SignMode::None ? 0 : crossingBytes(grid.dims));
 }
 
 void Backend::begin() {
   const auto& [mesh, grid, options, progress, field] = *job_;
-  memoryLimit_ = options.memoryLimit ? options.memoryLimit : availableMemory();
   toCellUnits(mesh, grid, mesh_);
   hasSurfaceTree_ = hasCrossings_ = false;
   crossedTurns_.clear();
@@ -167,11 +170,15 @@ bool Backend::leaveOutDoubleSided() {
 }
 
 void Backend::rayMap() {
+  const size_t needed = RayMap::bytesNeeded(crossings_) + job_->grid.sampleCount() * sizeof(float),
+               held = rayMap_.bytes() + windingBuffer().capacityBytes();
+  ask(needed - std::min(needed, held), ", because the mesh has many layers");
   buildRayMap(mesh_.dims, crossings_, rayMap_);
 }
 
 void Backend::winding(SignMode mode) {
-  doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), progress(), windingBuffer());
+  const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
+  doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), ask, progress(), windingBuffer());
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
@@ -249,9 +256,19 @@ std::vector<float> Backend::windingAt(std::span<const glm::vec3> points) {
                                    progress());
 }
 
-size_t Backend::bytesLeft() const {
+void Backend::ask(size_t more, const char* why) const {
+  checkFieldMemory(bytes() + more, mostBytes(), why);
+}
+
+size_t Backend::mostBytes() const {
+  if (options().memoryLimit > 0) return options().memoryLimit;
   const size_t held = bytes();
-  return memoryLimit_ > held ? memoryLimit_ - held : 0;
+  return held + std::min(availableMemory(), SIZE_MAX - held);
+}
+
+size_t Backend::bytesLeft() const {
+  const size_t most = mostBytes();
+  return most - std::min(most, bytes());
 }
 
 void Backend::addPatch() {
@@ -270,17 +287,18 @@ void Backend::finish() {
 }
 
 size_t Backend::bytes() const {
-  size_t total = mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + rises_.capacityBytes() +
-                 wholeness_.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
-                 windingDipoles_.bytes() + winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
+  const Field& field = job_->field;
+  size_t total = meshBytes_ + field.distance.capacityBytes() + field.triangle.capacityBytes() +
+                 field.winding.capacityBytes() + field.confidence.capacityBytes();
+  total += mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + rises_.capacityBytes() +
+           wholeness_.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
+           windingDipoles_.bytes() + winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
   for (const CellLevel& level : levels_)
     total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
              level.squared.capacityBytes() + level.nearestCell.capacityBytes();
   for (const AxisCrossings& axis : crossings_)
     total += axis.starts.capacityBytes() + axis.entries.capacityBytes();
-  for (const RayMap::Axis& axis : rayMap_.axes)
-    total += axis.starts.capacityBytes() + axis.steps.capacityBytes();
-  return total;
+  return total + rayMap_.bytes();
 }
 
 }  // namespace raymap::cpu

@@ -17,8 +17,11 @@ namespace raymap::cpu {
 /// CPU backend: runs every stage of method/pipeline.h. Keeps its memory between runs.
 class Backend {
  public:
-  /// Sets the job of the next run.
-  void take(const Job& job) { job_.emplace(job); }
+  /// Sets the job of the next run. A copy of the caller's mesh holds `meshBytes` bytes.
+  void take(const Job& job, size_t meshBytes = 0) {
+    job_.emplace(job);
+    meshBytes_ = meshBytes;
+  }
 
   const Options& options() const { return job_->options; }
   template <class Work>
@@ -70,12 +73,17 @@ class Backend {
   /// double-sided ones, and its dipoles if they are prepared.
   std::pair<SurfaceTree, WindingDipoles> takeTree();
 
-  /// Returns the number of bytes held, without the field.
+  /// Returns the number of bytes held, with the field and the mesh's copy.
   size_t bytes() const;
-  /// Returns an upper bound on the bytes that a run holds, with the field, from sizes alone.
+  /// Returns the most bytes that the run may hold.
+  size_t mostBytes() const;
+  /// Returns the number of bytes that a run holds with the field if all rays agree, from sizes alone. Layers
+  /// of surface add to it. A run asks for more when it knows that rays disagree.
   static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
 
  private:
+  /// Throws `Error(Memory)` if these bytes are too many beside those held. The message has `why`.
+  void ask(size_t more, const char* why) const;
   /// Returns the tree for distances. Builds it on first use.
   const SurfaceTree& surfaceTree();
   /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
@@ -90,7 +98,7 @@ class Backend {
   const Buffer<float>& windingBuffer() const { return options().winding ? job_->field.winding : winding_; }
 
   std::optional<Job> job_;
-  size_t memoryLimit_ = 0;
+  size_t meshBytes_ = 0;
 
   CellMesh mesh_;
   Buffer<glm::uvec3> turnedTriangles_;

@@ -4,15 +4,13 @@
 
 #include <string>
 
+#include "base/require.h"
 #include "base/text.h"
 
 namespace raymap {
 
 void validateGrid(const Grid& grid) {
   const glm::ivec3 dims = grid.dims;
-  const auto require = [](bool holds, const std::string& what) {
-    if (!holds) throw Error(ErrorCode::Usage, what);
-  };
   require(glm::all(glm::greaterThan(dims, glm::ivec3(0))),
           "the grid has " + std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " +
               std::to_string(dims.z) + " samples; every side needs at least one");

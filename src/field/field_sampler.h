@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/field.h>
+#include <raymap/sample.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,8 @@ const Buffer<float>& numbersOf(const Field& field, FieldArray array);
 
 /// Computes the distances and the gradients at all points; null = not wanted. See raymap/sample.h. Throws
 /// `Error(Usage)` as `validateField` does.
-void sampleInto(const Field& field, std::span<const glm::dvec3> points, float* distance, glm::vec3* gradient);
+void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
+                glm::vec3* gradient);
 
 /// Interpolates a field between its samples. Positions are in sample coordinates and values in units of the
 /// spacing, so that drawing does not depend on the field's scale.
@@ -33,10 +34,10 @@ class FieldSampler {
         last_(between_.last()),
         scale_(1.0 / field.grid.spacing) {}
 
-  /// Returns the trilinear value inside the grid. Outside it returns a lower bound on the distance to a
-  /// surface inside. Let q be the point of the box closest to p. The surface lies at least value(q) from q.
-  /// Seen from q, it is never at an acute angle to p, so Pythagoras gives the bound. The sum of both
-  /// distances would be too large a step.
+  /// Returns the trilinear value inside the grid. Outside, where a picture shows nothing, it returns a lower
+  /// bound on the distance to a surface inside, but for the interpolation's error. Let q be the point of the
+  /// box closest to p. The surface lies at least value(q) from q. Seen from q, it is never at an acute angle
+  /// to p, so Pythagoras gives the bound. The sum of both distances would be too large a step.
   double value(const glm::dvec3& p) const {
     glm::dvec3 q;
     for (int a = 0; a < 3; ++a)

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kMaxDim = 1 << 20;
 
-Box paddedBounds(const MeshView& mesh, double padding) {
+Box paddedBounds(const MeshView& mesh, const GridOptions& options) {
   Box box = bounds(mesh);
   const glm::dvec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  const double pad = padding * (longest > 0.0 ? longest : 1.0);
+  const double pad = options.padding * (longest > 0.0 ? longest : 1.0) + 0.5 * options.thickness;
   box.min -= pad;
   box.max += pad;
   return box;
@@ -36,14 +36,16 @@ int samplesAlong(double length, double spacing) {
 }  // namespace
 
 Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
-  if (options.voxelSize == 0.0 && options.resolution < 1)
-    throw Error(ErrorCode::Usage,
-                "the resolution must be at least 1, not " + std::to_string(options.resolution));
+  const int resolution = options.resolution.value_or(kDefaultResolution);
+  if (options.voxelSize == 0.0 && resolution < 1)
+    throw Error(ErrorCode::Usage, "the resolution must be at least 1, not " + std::to_string(resolution));
   if (!(options.voxelSize >= 0.0) || !std::isfinite(options.voxelSize))
     throw Error(ErrorCode::Usage, "the voxel size must be positive, not " + numberText(options.voxelSize));
   if (!(options.padding >= 0.0) || !std::isfinite(options.padding))
     throw Error(ErrorCode::Usage, "the padding must not be negative, not " + numberText(options.padding));
-  const Box box = options.box ? *options.box : paddedBounds(mesh, options.padding);
+  if (!(options.thickness >= 0.0) || !std::isfinite(options.thickness))
+    throw Error(ErrorCode::Usage, "the thickness must not be negative, not " + numberText(options.thickness));
+  const Box box = options.box ? *options.box : paddedBounds(mesh, options);
   const glm::dvec3 size = box.size();
   for (int a = 0; a < 3; ++a)
     if (!std::isfinite(size[a]))
@@ -54,7 +56,7 @@ Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
   if (box.isEmpty() || longest == 0.0)
     throw Error(ErrorCode::Usage, "the box is empty: its maximum must exceed its minimum");
   Grid grid;
-  grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longest / options.resolution;
+  grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longest / resolution;
   for (int a = 0; a < 3; ++a) grid.dims[a] = samplesAlong(size[a], grid.spacing);
   grid.origin = box.centre() - 0.5 * grid.spacing * glm::dvec3(grid.dims - 1);
   return grid;

@@ -1,7 +1,11 @@
 #include <raymap/sample.h>
 
+#include <cmath>
+#include <limits>
+
 #include "base/parallel.h"
 #include "field/field_sampler.h"
+#include "field/outside_bound.h"
 
 namespace raymap {
 
@@ -9,31 +13,63 @@ namespace {
 
 constexpr size_t kPointsPerTask = 1024;
 
-glm::dvec3 toSamples(const Grid& grid, const glm::dvec3& point) {
-  return (point - grid.origin) / grid.spacing;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Rounds a bound down.
+float roundDown(double bound) {
+  const auto rounded = static_cast<float>(bound);
+  return double(rounded) > bound ? std::nextafter(rounded, -INFINITY) : rounded;
 }
+
+/// Samples in the box and outside it.
+class PointSampler {
+ public:
+  PointSampler(const Field& field, Outside outside)
+      : grid_(field.grid), isNaN_(outside == Outside::NaN), between_(field), bound_(field) {}
+
+  double distance(const glm::dvec3& point) const {
+    const glm::dvec3 p = toSamples(point);
+    if (!bound_.isOutside(p)) return grid_.spacing * between_.value(p);
+    return isNaN_ ? kNaN : grid_.spacing * bound_.at(p);
+  }
+  float shortDistance(const glm::dvec3& point) const {
+    const double distance = this->distance(point);
+    return bound_.isOutside(toSamples(point)) ? roundDown(distance) : static_cast<float>(distance);
+  }
+  glm::dvec3 gradient(const glm::dvec3& point) const {
+    const glm::dvec3 p = toSamples(point);
+    return isNaN_ && bound_.isOutside(p) ? glm::dvec3(kNaN) : between_.gradient(p);
+  }
+
+ private:
+  glm::dvec3 toSamples(const glm::dvec3& point) const { return (point - grid_.origin) / grid_.spacing; }
+
+  const Grid& grid_;
+  bool isNaN_;
+  FieldSampler between_;
+  OutsideBound bound_;
+};
 
 }  // namespace
 
-double distanceAt(const Field& field, const glm::dvec3& point) {
+double distanceAt(const Field& field, const glm::dvec3& point, Outside outside) {
   validateField(field);
-  return field.grid.spacing * FieldSampler(field).value(toSamples(field.grid, point));
+  return PointSampler(field, outside).distance(point);
 }
 
-glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point) {
+glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point, Outside outside) {
   validateField(field);
-  return FieldSampler(field).gradient(toSamples(field.grid, point));
+  return PointSampler(field, outside).gradient(point);
 }
 
-void sampleInto(const Field& field, std::span<const glm::dvec3> points, float* distance,
+void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient) {
   validateField(field);
-  const FieldSampler sampler(field);
+  const PointSampler sampler(field, outside);
   parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const glm::dvec3 p = toSamples(field.grid, points[i]);
-      if (distance) distance[i] = static_cast<float>(field.grid.spacing * sampler.value(p));
-      if (gradient) gradient[i] = glm::vec3(sampler.gradient(p));
+      if (distance) distance[i] = sampler.shortDistance(points[i]);
+      if (gradient) gradient[i] = glm::vec3(sampler.gradient(points[i]));
     }
   });
 }
@@ -49,7 +85,8 @@ void sample(const Field& field, std::span<const glm::dvec3> points, const Sample
   result.distance.resizeUninitialized(points.size());
   result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
   withThreads(options.threads, [&] {
-    sampleInto(field, points, result.distance.data(), options.gradients ? result.gradient.data() : nullptr);
+    sampleInto(field, points, options.outside, result.distance.data(),
+               options.gradients ? result.gradient.data() : nullptr);
   });
 }
 

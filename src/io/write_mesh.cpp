@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/text.h"
 #include "io/3mf/write_3mf.h"
 #include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
@@ -45,12 +46,38 @@ PackedMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& pac
   return mesh;
 }
 
+/// Returns how far single precision moves a vertex of a triangle at most.
+double largestShift(const PackedMesh& mesh) {
+  double shift = 0.0;
+  for (const glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c)
+      shift = std::max(shift, glm::distance(mesh.position(t[c]), glm::dvec3(singlePosition(mesh, t[c]))));
+  return shift;
+}
+
+/// Warns if single precision changes the shape of a mesh, as it does far from 0.
+void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, const WarningCallback& warn) {
+  constexpr double kNoticeable = 1e-5;  // Relative to the mesh's size.
+  if (!warn) return;
+  const glm::dvec3 sides = bounds(mesh).size();
+  const double size = std::max({sides.x, sides.y, sides.z}), shift = largestShift(mesh);
+  if (size == 0.0 || shift <= kNoticeable * size) return;  // A point has no shape.
+  std::string others;
+  for (const Format& format : kFormats)
+    if (format.precision != Precision::Single) (others += " ") += format.extension;
+  warn(path.string() +
+       ": so far from (0, 0, 0), the single precision of this format moves vertices by up to " +
+       numberText(shift, 3) + ", " + numberText(100.0 * shift / size, 3) +
+       " % of the mesh's size; write one of" + others + ", or move the mesh closer");
+}
+
 }  // namespace
 
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
   const Format& format = formatFor(path, options.format);
   MeshPacker packer;
   const PackedMesh mesh = moved(view, options.offset, packer);
+  if (format.precision == Precision::Single) warnOfShift(path, mesh, options.warn);
   try {
     writeAtomically(path, [&](std::ostream& out) {
       if (format.write)

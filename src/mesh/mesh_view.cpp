@@ -65,15 +65,21 @@ Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
   return all;
 }
 
+/// Returns the position of a vertex as its owner knows it: a packed mesh holds it about the origin.
+template <class Scalar>
+std::string positionText(const glm::vec<3, Scalar>& p, const glm::dvec3& origin) {
+  return origin == glm::dvec3(0.0) ? text(p) : text(origin + glm::dvec3(p));
+}
+
 /// Throws if the triangle has an index out of range or a vertex that is not finite.
 template <class Scalar, class Index>
-void checkTriangle(const StridedMesh<Scalar, Index>& mesh, size_t t) {
+void checkTriangle(const StridedMesh<Scalar, Index>& mesh, const glm::dvec3& origin, size_t t) {
   const glm::vec<3, Index> triangle = mesh.triangle(t);
   for (int c = 0; c < 3; ++c) {
     if (triangle[c] >= mesh.vertexCount()) failIndex(t, triangle[c], mesh.vertexCount());
     if (const auto p = mesh.position(triangle[c]); !isFinite(p))
       throw Error(ErrorCode::Input, "vertex " + std::to_string(triangle[c]) + " of triangle " +
-                                        std::to_string(t) + " is not finite: " + text(p));
+                                        std::to_string(t) + " is not finite: " + positionText(p, origin));
   }
 }
 
@@ -153,12 +159,12 @@ Box bounds(const MeshView& view) {
 
 void validate(const MeshView& view) {
   if (view.triangleCount == 0) throw Error(ErrorCode::Input, "the mesh has no triangles");
-  visitTypes(view, [](const auto& mesh) {
+  if (!isFinite(view.origin))
+    throw Error(ErrorCode::Input, "the mesh's origin is not finite: " + text(view.origin));
+  visitTypes(view, [&](const auto& mesh) {
     if (isValid(mesh)) return;
-    for (size_t t = 0; t < mesh.triangleCount(); ++t) checkTriangle(mesh, t);
+    for (size_t t = 0; t < mesh.triangleCount(); ++t) checkTriangle(mesh, view.origin, t);
   });
-  if (!std::isfinite(view.origin.x + view.origin.y + view.origin.z))
-    throw Error(ErrorCode::Input, "the mesh's origin is not finite");
 }
 
 size_t MeshPacker::bytesNeeded(const MeshView& view) {

@@ -2,7 +2,8 @@
 
 // Interface between the pipeline and its backends.
 
-#include <raymap/generate.h>
+#include <raymap/field.h>
+#include <raymap/options.h>
 
 #include <concepts>
 #include <cstdint>

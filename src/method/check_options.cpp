@@ -5,20 +5,21 @@
 #include <cmath>
 #include <string>
 
+#include "base/require.h"
 #include "field/field_sampler.h"
 
 namespace raymap {
 
 void checkOptions(const Grid& grid, const Options& options) {
-  const auto require = [](bool holds, const std::string& what) {
-    if (!holds) throw Error(ErrorCode::Usage, what);
-  };
   validateGrid(grid);
   require(options.band >= 0.0, "the band must not be negative");
   require(options.passes >= 0, "the number of passes must not be negative");
   require(options.threshold >= 0.0, "the threshold must not be negative");
   require(options.threads >= 0, "the number of threads must not be negative");
   require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
+  require(
+      options.sign != SignMode::None || options.thickness > 0.0 || !(options.winding || options.confidence),
+      "winding numbers and confidences need a sign; leave them out, or choose a sign mode");
   require(options.thickness >= 0.0 && std::isfinite(options.thickness), "the thickness must not be negative");
   require(options.thickness == 0.0 || !(options.winding || options.confidence || options.closeHoles),
           "a thickness takes the place of the sign: leave out winding, confidence and closing holes");

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/field.h>
+#include <raymap/options.h>
 
 namespace raymap {
 

@@ -3,9 +3,9 @@
 // Registration of a GPU backend with the core, which does not depend on it. raymap::vulkan registers itself
 // if it is linked.
 
-#include <raymap/devices.h>
-#include <raymap/generate.h>
-#include <raymap/render.h>
+#include <raymap/device_info.h>
+#include <raymap/options.h>
+#include <raymap/picture.h>
 
 #include <cstdint>
 #include <functional>

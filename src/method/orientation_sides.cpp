@@ -7,10 +7,13 @@
 
 #include "method/orientation_sides.h"
 
+#include <raymap/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "base/memory.h"
 #include "mesh/parts.h"
 #include "method/orientation_sheets.h"
 #include "method/orientation_surface.h"
@@ -290,6 +293,18 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
 bool leaveOutTheSame(const Turns& a, const Turns& b) {
   const auto sameFace = [](uint8_t s, uint8_t t) { return (s == kLeftOut) == (t == kLeftOut); };
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), sameFace);
+}
+
+void requireExamining(const PackedMesh& mesh, size_t bytesLeft) {
+  // Bytes while patches and their borders are found. A triangle has three half edges, its patch, its turn,
+  // its area and, if it is double-sided, its group; a vertex has a key, its bucket, an id and the index of
+  // the first vertex at its position.
+  constexpr size_t kOfTriangle = 120, kOfVertex = 26;
+  const size_t needed = mesh.triangles.size() * kOfTriangle + mesh.vertices.size() * kOfVertex;
+  if (needed > bytesLeft)
+    throw Error(ErrorCode::Memory, "finding the reversed faces needs " + neededText(needed) + ", but only " +
+                                       limitText(bytesLeft) +
+                                       " are left; keep the faces' orientation, or use a higher limit");
 }
 
 FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,

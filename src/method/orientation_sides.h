@@ -2,7 +2,8 @@
 
 // Ours: the field decides which way faces point (docs/signs.md).
 
-#include <raymap/generate.h>
+#include <raymap/field.h>
+#include <raymap/options.h>
 
 #include <functional>
 #include <span>
@@ -19,7 +20,7 @@ inline constexpr float kFarSides = 0.7f;
 
 /// Measure of a field beside a face: its rise from behind the face to the front, or how whole it is on both
 /// sides (`NearSides::wholeness`).
-enum class FaceMeasure { Rise, Wholeness };
+enum class SideMeasure { Rise, Wholeness };
 
 /// Turns of the faces, and the misfits before and after. A misfit is the sum of squares by
 /// which the field misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
@@ -74,6 +75,9 @@ bool shouldExamineFaces(const Options& options, double misfit, bool contradictsP
 /// Returns whether two choices leave out the same faces.
 bool leaveOutTheSame(const Turns& a, const Turns& b);
 
+/// Throws `Error(Memory)` if the faces of a mesh are too many to be examined in the memory left.
+void requireExamining(const PackedMesh& mesh, size_t bytesLeft);
+
 /// Chooses which faces the sign takes reversed or not at all. On entry `field` must be solved for the mesh as
 /// given, with misfit `misfitGiven`. On return it is solved for the result's turns.
 ///
@@ -124,6 +128,7 @@ void orientFaces(B& backend) {
     sides.misfitGiven = sides.misfit = misfit;
     return;
   }
+  requireExamining(backend.mesh(), backend.bytesLeft());
   const double doubtfulShare = sides.doubtfulShare;
   sides = chooseSides(examined, misfit, options.orientation, mayReverse,
                       {.solve = solve,

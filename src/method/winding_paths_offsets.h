@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
 namespace raymap {
 

@@ -7,13 +7,10 @@ namespace raymap {
 /// Measures distances of points to a mesh, exactly up to a largest one.
 class CloseDistances {
  public:
-  CloseDistances(const PackedMesh& mesh, double most) : options_{.triangle = true, .maxDistance = most} {
-    surface_.mesh = mesh;
-    surface_.grid = fitGrid(mesh);
-    CellMesh cells;
-    toCellUnits(mesh, surface_.grid, cells);
-    surface_.tree.build(cells);
-  }
+  /// The search works in cells of `grid`, which need not hold the mesh.
+  CloseDistances(const PackedMesh& mesh, const Grid& grid, double most)
+      : surface_(cpu::prepareUnsigned(mesh, grid)), options_{.triangle = true, .maxDistance = most} {}
+  CloseDistances(const PackedMesh& mesh, double most) : CloseDistances(mesh, fitGrid(mesh), most) {}
 
   /// Returns distances and closest triangles.
   QueryResult measure(const PointsView& points) const {

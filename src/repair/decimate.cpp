@@ -44,7 +44,7 @@ double squareOf(const glm::dvec3& v) {
 /// A triangle to measure distances from.
 class FaceShape {
  public:
-  FaceShape() = default;
+  FaceShape() = default;  // Left unset: each try has 24 and uses about six.
   FaceShape(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& normal)
       : corners_{a, b, c}, normal_(normal) {
     for (size_t k = 0; k < 3; ++k) {
@@ -76,9 +76,34 @@ class FaceShape {
   }
 
  private:
-  std::array<glm::dvec3, 3> corners_{}, edges_{}, inwards_{};
-  glm::dvec3 normal_{0.0};
+  std::array<glm::dvec3, 3> corners_, edges_, inwards_;
+  glm::dvec3 normal_;
 };
+
+enum class Nearness : uint8_t { Near, Far, Unsure };
+
+/// Tells whether a point is within the square root of `limit` of a face, where rounding cannot matter.
+Nearness guessNearness(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                       double limit) {
+  // Errors stay below the margin for points and faces of this size, and for faces with this sine at a corner.
+  constexpr double kMargin = 1e-6, kMostSquare = 1e12, kLeastSquaredSine = 1e-6;
+  const glm::dvec3 ab = b - a, ac = c - a, normal = glm::cross(ab, ac), toPoint = p - a;
+  const double area2 = squareOf(normal), height = glm::dot(normal, toPoint);
+  if (squareOf(a) + squareOf(p) > kMostSquare * limit ||
+      area2 <= kLeastSquaredSine * squareOf(ab) * squareOf(ac))
+    return Nearness::Unsure;
+  const double far = limit * (1.0 + kMargin) * area2;
+  if (height * height > far) return Nearness::Far;
+  bool isBeside = true;
+  const auto isBeyond = [&](const glm::dvec3& edge, const glm::dvec3& fromEdge) {
+    const double inwards = glm::dot(glm::cross(normal, edge), fromEdge);
+    if (inwards >= 0.0) return false;
+    isBeside = false;
+    return inwards * inwards > far * squareOf(edge);
+  };
+  if (isBeyond(ab, toPoint) || isBeyond(c - b, p - b) || isBeyond(-ac, toPoint)) return Nearness::Far;
+  return isBeside && height * height <= limit * (1.0 - kMargin) * area2 ? Nearness::Near : Nearness::Unsure;
+}
 
 /// A point, and the face that it goes to.
 struct PlacedPoint {
@@ -141,6 +166,7 @@ Decimator::Decimator(const PackedMesh& mesh, const DecimateOptions& options)
       isFree_(mesh.vertices.size()),
       isKept_(mesh.vertices.size()) {
   listFaces();
+  listNeighbours();
   addPlanes();
   addPoints();
 }
@@ -153,6 +179,20 @@ void Decimator::listFaces() {
   for (size_t v = 2; v < firstFace_.size(); ++v) firstFace_[v] += firstFace_[v - 1];
   for (uint32_t f = 0; f < triangles_.size(); ++f)
     for (int k = 0; k < 3; ++k) facesOfVertex_[firstFace_[triangles_[f][k] + 1]++] = f;
+}
+
+void Decimator::listNeighbours() {
+  neighbours_.resize(facesOfVertex_.size());
+  parallelFor(vertices_.size(), kPerTask, [&](size_t begin, size_t end) {
+    for (auto v = uint32_t(begin); v < end; ++v) {
+      auto next = neighbours_.begin() + firstFace_[v];
+      const auto first = next;
+      for (const uint32_t f : givenFaces(v))
+        for (int k = 0; k < 3; ++k)
+          if (const uint32_t other = triangles_[f][k]; other != v && std::find(first, next, other) == next)
+            *next++ = other;
+    }
+  });
 }
 
 void Decimator::addPlanes() {
@@ -343,6 +383,11 @@ bool Decimator::collapse(uint32_t v, const Ring& ring, uint32_t k, Task& task) {
 
 /// Returns false if a face would turn too far or get too thin.
 bool Decimator::makeFaces(uint32_t v, const Ring& ring, uint32_t k, NewFaces& faces) const {
+  struct Shape {
+    glm::dvec3 b, c, across;
+    double length, longest;
+  };
+  std::array<Shape, CollapsibleMesh::kMostValence> shapes;
   const uint32_t edge = ring.all[k], dropped = mesh_.twin(edge) / 3;
   const glm::dvec3 from = at(v), to = at(mesh_.to(edge));
   for (const uint32_t h : ring.edges()) {
@@ -355,10 +400,14 @@ bool Decimator::makeFaces(uint32_t v, const Ring& ring, uint32_t k, NewFaces& fa
         !(glm::dot(glm::dvec3(normals_[h / 3]), after) >= kMinCosOfAll * length) ||
         !(glm::dot(before, after) >= kMinCosOfChange * length * glm::length(before)))
       return false;
-    const double steps = std::sqrt(longest) / options_.step;
-    faces.shapes[faces.count] = FaceShape(to, b, c, after / length);
-    faces.bare[faces.count] = 0.5 * length / (options_.step * options_.step) - kPerEdge * steps - kAlways;
+    shapes[faces.count] = {b, c, after, length, longest};
     faces.faces[faces.count++] = h / 3;
+  }
+  for (uint32_t i = 0; i < faces.count; ++i) {
+    const auto& [b, c, across, length, longest] = shapes[i];
+    const double steps = std::sqrt(longest) / options_.step;
+    faces.shapes[i] = FaceShape(to, b, c, across / length);
+    faces.bare[i] = 0.5 * length / (options_.step * options_.step) - kPerEdge * steps - kAlways;
   }
   return true;
 }
@@ -407,14 +456,16 @@ bool Decimator::staysNear(const Ring& ring, uint32_t k) const {
 /// Returns whether points of an edge are within the tolerance of the given mesh, as far as a walk over its
 /// vertices tells.
 bool Decimator::isNearGiven(uint32_t start, uint32_t end) const {
-  uint32_t closest = start;
+  NearFace near{start};
   bool isNear = true;
   const glm::dvec3 a = at(start), b = at(end);
   forEachEdgePoint(a, b, partsOf(kEdgePoints * glm::distance(a, b), options_.step), [&](const glm::dvec3& p) {
     if (!isNear) return;
-    closest = walkTo(p, closest);
-    isNear = isNearFacesOf(closest, p);
-    if (!isNear) forEachNeighbour(closest, [&](uint32_t v) { isNear = isNear || isNearFacesOf(v, p); });
+    if (const uint32_t vertex = walkTo(p, near.vertex); vertex != near.vertex) near = {vertex};
+    isNear = isNearFacesOf(p, near) || std::ranges::any_of(givenNeighbours(near.vertex), [&](uint32_t v) {
+               NearFace other{v};
+               return isNearFacesOf(p, other);
+             });
   });
   return isNear;
 }
@@ -425,29 +476,39 @@ uint32_t Decimator::walkTo(const glm::dvec3& p, uint32_t vertex) const {
   double least = squareOf(at(vertex) - p);
   do {
     vertex = closest;
-    forEachNeighbour(vertex, [&](uint32_t v) {
+    for (const uint32_t v : givenNeighbours(vertex))
       if (const double squared = squareOf(at(v) - p); squared < least) least = squared, closest = v;
-    });
   } while (closest != vertex);
   return closest;
 }
 
-/// Visits the neighbours of a vertex in the given mesh, each of them twice.
-template <class Visit>
-void Decimator::forEachNeighbour(uint32_t vertex, Visit&& visit) const {
-  for (uint32_t i = firstFace_[vertex]; i < firstFace_[vertex + 1]; ++i)
-    for (int k = 0; k < 3; ++k)
-      if (const uint32_t v = triangles_[facesOfVertex_[i]][k]; v != vertex) visit(v);
+/// Returns whether a point is within the tolerance of the given faces around a vertex. Begins at the face
+/// that was near the last point.
+bool Decimator::isNearFacesOf(const glm::dvec3& p, NearFace& near) const {
+  std::array<uint32_t, CollapsibleMesh::kMostValence> unsure;
+  const std::span<const uint32_t> faces = givenFaces(near.vertex);
+  size_t count = 0, k = near.place;
+  for (size_t tried = 0; tried < faces.size(); ++tried, k = k + 1 < faces.size() ? k + 1 : 0) {
+    const glm::uvec3 face = triangles_[faces[k]];
+    const Nearness nearness = guessNearness(p, at(face.x), at(face.y), at(face.z), limit_);
+    if (nearness == Nearness::Near) {
+      near.place = uint32_t(k);
+      return true;
+    }
+    if (nearness == Nearness::Far) continue;
+    if (count == unsure.size()) return hasFaceWithin(faces, p);
+    unsure[count++] = faces[k];
+  }
+  return hasFaceWithin({unsure.data(), count}, p);
 }
 
-/// Returns whether a point is within the tolerance of the given faces around a vertex.
-bool Decimator::isNearFacesOf(uint32_t vertex, const glm::dvec3& p) const {
-  for (uint32_t i = firstFace_[vertex]; i < firstFace_[vertex + 1]; ++i) {
-    const glm::uvec3 face = triangles_[facesOfVertex_[i]];
+/// Returns whether a point is within the tolerance of one of these given faces.
+bool Decimator::hasFaceWithin(std::span<const uint32_t> faces, const glm::dvec3& p) const {
+  return std::ranges::any_of(faces, [&](uint32_t f) {
+    const glm::uvec3 face = triangles_[f];
     const cpu::TrianglePoint closest = cpu::closestPoint(p, at(face.x), at(face.y), at(face.z));
-    if (squareOf(closest.position - p) <= limit_) return true;
-  }
-  return false;
+    return squareOf(closest.position - p) <= limit_;
+  });
 }
 
 bool Decimator::undoAt(std::span<const uint32_t> faces) {

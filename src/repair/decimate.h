@@ -51,9 +51,14 @@ class Decimator {
   using Ring = CollapsibleMesh::Ring;
   struct NewFaces;
   struct Task;
+  /// A given vertex, and the place of a face in the list of those around it.
+  struct NearFace {
+    uint32_t vertex, place = 0;
+  };
 
   glm::dvec3 at(uint32_t vertex) const { return glm::dvec3(vertices_[vertex]); }
   void listFaces();
+  void listNeighbours();
   void addPlanes();
   void addPoints();
   void addPoint(uint32_t face, const glm::vec3& point);
@@ -67,16 +72,22 @@ class Decimator {
   bool staysNear(const Ring& ring, uint32_t k) const;
   bool isNearGiven(uint32_t start, uint32_t end) const;
   uint32_t walkTo(const glm::dvec3& p, uint32_t vertex) const;
-  template <class Visit>
-  void forEachNeighbour(uint32_t vertex, Visit&& visit) const;
-  bool isNearFacesOf(uint32_t vertex, const glm::dvec3& p) const;
+  std::span<const uint32_t> givenFaces(uint32_t vertex) const { return atVertex(facesOfVertex_, vertex); }
+  std::span<const uint32_t> givenNeighbours(uint32_t vertex) const { return atVertex(neighbours_, vertex); }
+  std::span<const uint32_t> atVertex(const std::vector<uint32_t>& all, uint32_t vertex) const {
+    return std::span(all).subspan(firstFace_[vertex], firstFace_[vertex + 1] - firstFace_[vertex]);
+  }
+  bool isNearFacesOf(const glm::dvec3& p, NearFace& near) const;
+  bool hasFaceWithin(std::span<const uint32_t> faces, const glm::dvec3& p) const;
   void putPoint(uint32_t point, uint32_t face);
   void takePoint(uint32_t point);
   void spreadPoints(std::span<const uint32_t> faces);
 
   std::span<const glm::vec3> vertices_;
   std::span<const glm::uvec3> triangles_;
-  std::vector<uint32_t> firstFace_, facesOfVertex_;  ///< The given faces around each vertex.
+  std::vector<uint32_t> firstFace_;      ///< Place of each vertex in the next two.
+  std::vector<uint32_t> facesOfVertex_;  ///< The given faces around each vertex.
+  std::vector<uint32_t> neighbours_;     ///< The neighbours of each vertex in the given mesh, as many.
   DecimateOptions options_;
   double limit_;  ///< Square of the tolerance.
   CollapsibleMesh mesh_;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "cpu/points/point_query.h"
 #include "method/cell_mesh.h"
+#include "repair/close_distances.h"
 
 namespace raymap {
 
@@ -70,24 +70,17 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
 
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
-  cpu::PreparedSurface surface;
-  surface.mesh = mesh;
-  surface.grid = grid;
-  CellMesh cells;
-  toCellUnits(mesh, grid, cells);
-  surface.tree.build(cells);
+  const CloseDistances search(mesh, grid, INFINITY);
   std::vector<float> distances(points.size());
   std::vector<glm::dvec3> part;
-  QueryResult result;
-  Progress ofPart;
   for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
     progress.report(double(begin) / double(points.size()));
     const size_t count = std::min(kPointsPerReport, points.size() - begin);
     part.clear();
     for (size_t i = 0; i < count; ++i) part.push_back(grid.position(points[begin + i]));
-    cpu::queryPoints(surface, part, {}, ofPart, result);
+    const QueryResult found = search.measure(part);
     for (size_t i = 0; i < count; ++i)
-      distances[begin + i] = static_cast<float>(result.distance[i] / grid.spacing);
+      distances[begin + i] = static_cast<float>(found.distance[i] / grid.spacing);
   }
   return distances;
 }

@@ -159,7 +159,8 @@ std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int 
 
 HolePlace exitOf(const Field& solid, const DrainHole& hole) {
   const FieldSampler sampler(solid);
-  const glm::dvec3 direction = glm::normalize(hole.end - hole.start);
+  // glm::normalize multiplies by a rounded inverse, and gives -0.9999999999999999 along an axis.
+  const glm::dvec3 way = hole.end - hole.start, direction = way / glm::length(way);
   const auto place = [&](const glm::dvec3& p) { return (p - solid.grid.origin) / solid.grid.spacing; };
   // Back from the end, which is free, to the solid.
   glm::dvec3 p = place(hole.end);

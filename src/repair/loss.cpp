@@ -207,18 +207,21 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
       std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, grid.spacing); });
   LostSides sides;
   std::vector<glm::dvec3> open;
-  double area = 0.0, openArea = 0.0;
+  double solidArea = 0.0, openArea = 0.0;
   for (size_t i = 0; i < lost.size(); ++i) {
-    area += lost[i].area;
     if (isAnyThin && thickness[i].part != Part::Sheet && thickness[i].part != Part::Buried) {
       sides.add(lost[i], thickness[i], repair.offset);
+      solidArea += lost[i].area;
     } else {
       open.push_back(lost[i].position);
       openArea += lost[i].area;
     }
   }
-  loss.openShare = area > 0.0 ? share * openArea / area : 0.0;
-  loss.solidShare = share - loss.openShare;
+  if (const double area = solidArea + openArea;
+      area > 0.0) {  // Either is 0, and not nearly 0, if it has no area.
+    loss.solidShare = share * (solidArea / area);
+    loss.openShare = share * (openArea / area);
+  }
   if (!open.empty()) loss.openBounds = boundsOf(open);
   if (sides.points.empty()) return loss;
   summarize(sides, loss);

@@ -11,7 +11,8 @@ namespace raymap {
 namespace {
 
 constexpr double kStep = 0.5;  // Of the points that are measured, in samples.
-// Farther from the result than this, in samples, a point of the mesh is no surface of it.
+// Farther from the result than this, in samples, a point of the mesh is no surface of it. What a tolerance
+// above the default allows comes on top.
 constexpr double kFar = 1.0;
 // Largest value of the field at a point of the moved surface, in samples: what interpolation gets wrong.
 constexpr double kFieldError = 0.5;
@@ -96,15 +97,20 @@ std::vector<FacePoint> onFaces(const ExpectedPoints& expected, std::span<const s
   return result;
 }
 
+double farOf(const SimplifyReport& simplified, const Grid& grid) {
+  return kFar + std::max(simplified.tolerance / grid.spacing - kDefaultTolerance, 0.0);
+}
+
 /// Tells the buried points from the lost ones, and measures all but the buried ones. Returns the lost ones.
 std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh& result, const Grid& grid,
                                 Progress& progress, RepairReport& report) {
   const std::vector<float> deviations = distancesTo(result, grid, expected.points.positions, progress);
+  const double far = farOf(report.simplified, grid);
   std::vector<float> visible, kept;
   std::vector<size_t> lost;
   double buriedArea = 0.0, lostArea = 0.0;
   for (size_t i = 0; i < deviations.size(); ++i) {
-    const bool isFar = deviations[i] > kFar;
+    const bool isFar = deviations[i] > far;
     const double area = expected.areas[expected.points.faces[i]];
     if (isFar && expected.isInside[i]) {
       buriedArea += area;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <raymap/local_thickness.h>
 #include <raymap/repair.h>
-#include <raymap/thickness.h>
 
 #include <vector>
 
@@ -11,6 +11,9 @@
 #include "repair/hollow.h"
 
 namespace raymap {
+
+/// Default of `RepairOptions::tolerance`, in samples.
+inline constexpr double kDefaultTolerance = 0.1;
 
 /// Points of a mesh, moved by the offset, that the result should show.
 struct ExpectedPoints {

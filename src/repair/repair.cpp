@@ -10,8 +10,10 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/require.h"
 #include "base/text.h"
-#include "field/field_sampler.h"
+#include "method/check_options.h"
+#include "method/stage_times.h"
 #include "repair/deviation.h"
 #include "repair/drop_pieces.h"
 #include "repair/fill_holes.h"
@@ -26,12 +28,21 @@ namespace raymap {
 
 namespace {
 
-constexpr double kTolerance = 0.1;  // Of a simplified surface, in samples.
+/// Refuses options of a field that a solid leaves no place for.
+void check(const Options& options) {
+  require(options.sign != SignMode::None, "a repair needs a sign, so the sign mode must not be none");
+  require(
+      options.thickness == 0.0,
+      "a repair needs a sign, so Options::thickness must be 0; for sheets use RepairOptions::minThickness");
+  require(!options.invert, "a repair needs distances that are negative inside; leave out Options::invert");
+  require(options.band == 0.0, "a repair needs distances that are not clamped; leave out Options::band");
+  require(!options.closeHoles,
+          "use RepairOptions::closeHoles, not Options::closeHoles: a repair closes holes");
+  require(!options.winding && !options.confidence && !options.triangleIds,
+          "a repair gives no field; leave out Options::winding, confidence and triangleIds");
+}
 
 void check(const Grid& grid, const RepairOptions& repair) {
-  const auto require = [](bool holds, const std::string& what) {
-    if (!holds) throw Error(ErrorCode::Usage, what);
-  };
   const auto atLeast = [&](double length, const char* what) {
     require(length == 0.0 || length >= 2.0 * grid.spacing,
             std::string(what) + " of " + numberText(length) + " is thinner than two samples (" +
@@ -57,18 +68,18 @@ void check(const Grid& grid, const RepairOptions& repair) {
 }
 
 /// The solid with its surface moved by the offset.
-Field makeSolid(const PackedMesh& mesh, const Grid& grid, const Options& options, double offset,
+Field makeSolid(const PackedMesh& mesh, const Grid& grid, Options options, const RepairOptions& repair,
                 Stats& stats) {
+  options.closeHoles = repair.closeHoles;
   auto [field, cost] = generate(mesh, grid, options);
   stats = std::move(cost);
-  for (float& d : field.distance) d = static_cast<float>(double(d) - offset);
+  for (float& d : field.distance) d = static_cast<float>(double(d) - repair.offset);
   return std::move(field);
 }
 
 /// Returns the field of what is left of a solid after parts of it were dropped or filled.
 Field remade(const Mesh& surface, const Grid& grid, Options options) {
   options.orientation = Orientation::Keep;
-  options.closeHoles = false;
   return generate(surface, grid, options).field;
 }
 
@@ -124,7 +135,7 @@ void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOp
   if (asksForChange(repair) || !hasOnlyHoles(report.before) || !crossesNowhere(report.crossingBefore)) return;
   if (looksRight(report.before))
     keep(mesh, options, repair, repaired);
-  else if (options.closeHoles && !report.before.watertight)
+  else if (repair.closeHoles && !report.before.watertight)
     keepFilled(mesh, options, repair, repaired);
 }
 
@@ -187,7 +198,7 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
 void simplifySurface(Mesh& surface, const Grid& grid, const Options& options, const RepairOptions& repair,
                      RepairReport& report) {
   SimplifyReport& simplified = report.simplified;
-  simplified.tolerance = repair.tolerance.value_or(kTolerance * grid.spacing);
+  simplified.tolerance = repair.tolerance.value_or(kDefaultTolerance * grid.spacing);
   simplified.facesBefore = surface.triangles.size();
   if (simplified.tolerance > 0.0) {
     auto [mesh, deviation, undone] = simplify(surface, {.tolerance = simplified.tolerance,
@@ -223,17 +234,16 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
 }  // namespace
 
 Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair) {
-  const Box box = bounds(mesh);
-  const glm::dvec3 size = box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  const double room = options.padding * longest + std::max({repair.offset, 0.5 * repair.minThickness, 0.0});
   GridOptions covering = options;
-  covering.box = Box{box.min - room, box.max + room};
+  covering.resolution = options.resolution.value_or(kRepairResolution);
+  covering.box.reset();
+  covering.thickness = std::max({2.0 * repair.offset, repair.minThickness, 0.0});
   return fitGrid(mesh, covering);
 }
 
 Repaired repair(const MeshView& view, const Grid& grid, const Options& options, const RepairOptions& repair) {
-  validateGrid(grid);
+  checkOptions(grid, options);
+  check(options);
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
@@ -245,13 +255,12 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     progress.stage(name, [&] { withThreads(options.threads, work); });
   };
   const auto finish = [&] {
-    for (const Progress::Time& time : progress.times())
-      report.stats.stages.push_back({time.stage, time.milliseconds});
+    addStages(progress, report.stats);
     return std::move(repaired);
   };
   stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
   if (report.isKept) return finish();
-  Field solid = makeSolid(mesh, grid, options, repair.offset, report.stats);
+  Field solid = makeSolid(mesh, grid, options, repair, report.stats);
   report.thickenedShare = thickenThinParts(mesh, options, repair, solid);
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/require.h"
 #include "mesh/disjoint_sets.h"
 #include "repair/close_distances.h"
 #include "repair/decimate.h"
@@ -200,9 +201,6 @@ bool isGood(const Simplified& result, double tolerance) {
 }  // namespace
 
 Simplified simplify(const MeshView& view, const SimplifyOptions& options) {
-  const auto require = [](bool holds, const char* what) {
-    if (!holds) throw Error(ErrorCode::Usage, what);
-  };
   require(options.tolerance >= 0.0 && std::isfinite(options.tolerance), "the tolerance must not be negative");
   require(options.step >= 0.0 && std::isfinite(options.step), "the step must not be negative");
   validate(view);

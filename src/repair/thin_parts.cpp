@@ -5,7 +5,7 @@
 
 #include "repair/thin_parts.h"
 
-#include <raymap/surface.h>
+#include <raymap/thickness.h>
 
 #include <algorithm>
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/field.h>
 #include <raymap/repair.h>
 
 #include "mesh/packed_mesh.h"

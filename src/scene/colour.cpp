@@ -1,6 +1,7 @@
 #include "scene/colour.h"
 
 #include <raymap/error.h>
+#include <raymap/field.h>
 
 #include <algorithm>
 #include <string>

@@ -1,5 +1,5 @@
 #include <raymap/error.h>
-#include <raymap/render.h>
+#include <raymap/picture.h>
 
 #include <algorithm>
 #include <string>

@@ -61,7 +61,7 @@ TEST_F(AnimatedExample, DrawsATube) {
 
 TEST_F(AnimatedExample, DrawsASkinnedFile) {
   const std::filesystem::path path = meshFolder() / "draco__CesiumMan.glb";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   expectTheCpusPictures(readAnimatedMesh(path), path);
 }
 

@@ -263,7 +263,6 @@ TEST_F(Cli, ShowsWhereTheTimeGoes) {
   std::istringstream out(
       succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu --stats stats.json").out);
   std::vector<std::string> names;
-  double sum = 0.0, elapsed = 0.0;
   for (std::string line; std::getline(out, line);) {
     if (!line.starts_with("  ")) continue;
     std::istringstream words(line);
@@ -273,14 +272,12 @@ TEST_F(Cli, ShowsWhereTheTimeGoes) {
     EXPECT_EQ(unit, "ms") << line;
     EXPECT_GE(milliseconds, 0.0) << line;
     names.push_back(name);
-    (name == "elapsed" ? elapsed : sum) += milliseconds;
   }
   ASSERT_GT(names.size(), 9u);
   EXPECT_EQ(std::vector(names.begin(), names.begin() + 4),
             (std::vector<std::string>{"load", "diagnose", "fit", "begin"}));
   EXPECT_EQ(std::vector(names.end() - 4, names.end()),
             (std::vector<std::string>{"write", "report", "other", "elapsed"}));
-  EXPECT_NEAR(sum, elapsed, 0.05 * double(names.size()) + 0.05);  // Rounded to a tenth each.
   EXPECT_GE(json("stats.json")["mesh"]["diagnose_ms"], 0.0);
   EXPECT_EQ(succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu").out.find("  report  "),
             std::string::npos);
@@ -298,6 +295,56 @@ TEST_F(Cli, WritesNamesThatAreNoText) {
   EXPECT_EQ(json("s.json")["mesh"], "t\xef\xbf\xbd.ply");
   EXPECT_EQ(shell("$R query $'t\\xff.ply' $'t\\xff.ply' -o r.csv --stats s.json").code, 0);
   EXPECT_EQ(json("s.json")["points"]["file"], "t\xef\xbf\xbd.ply");
+}
+
+TEST_F(Cli, SendsNoControlCharactersOfFileNamesToTheTerminal) {
+  writeTorus();
+  const std::string name = "t\x1b[31m\n\x7f\xc2\x9b\\'.ply",
+                    quoted = "$'t\\x1b[31m\\n\\x7f\\xc2\\x9b\\\\\\'.ply'";
+  const std::string shown = "t\\x1b[31m\\x0a\\x7f\\xc2\\x9b\\'.ply";
+  Mesh torn = readMesh(path("torus.ply"));
+  torn.triangles.pop_back();
+  writeMesh(path(name), torn);
+  const auto expectPlain = [&](const Result& result, int code) {
+    const std::string text = result.out + result.err;
+    EXPECT_EQ(result.code, code) << text;
+    EXPECT_NE(text.find(shown), std::string::npos) << text;
+    for (size_t i = 0; i < text.size(); ++i)
+      EXPECT_TRUE(text[i] == '\n' || (static_cast<unsigned char>(text[i]) >= 0x20 && text[i] != '\x7f'))
+          << text;
+    EXPECT_EQ(text.find("\xc2\x9b"), std::string::npos) << text;
+    EXPECT_EQ(text.find(".ply\n'"), std::string::npos) << text;
+  };
+  expectPlain(shell("$R generate " + quoted + " -o f.nrrd --resolution 8 --device cpu"), 0);
+  expectPlain(shell("$R query " + quoted + " " + quoted + " -o " + quoted + " --overwrite"), 0);
+  expectPlain(shell("$R info gone_" + quoted), static_cast<int>(ErrorCode::File));
+  expectPlain(shell("$R generate " + quoted + " -o " + quoted), static_cast<int>(ErrorCode::Usage));
+  expectPlain(shell("$R --gone" + quoted), static_cast<int>(ErrorCode::Usage));
+  writeMesh(path(name), torn);  // The query has written its results there.
+  const Result info = shell("$R info " + quoted);
+  const size_t command = info.out.find("raymap repair ");
+  ASSERT_NE(command, std::string::npos) << info.out;
+  // The shown command works in bash as it stands.
+  std::string line = info.out.substr(command, info.out.find('\n', command) - command);
+  EXPECT_EQ(line,
+            "raymap repair $'t\\x1b[31m\\x0a\\x7f\\xc2\\x9b\\\\\\'.ply' -o "
+            "$'t\\x1b[31m\\x0a\\x7f\\xc2\\x9b\\\\\\'.solid.ply'");
+  expectPlain(shell(line.replace(0, 6, "$R")), 0);
+  EXPECT_EQ(fs::exists(path("t\x1b[31m\n\x7f\xc2\x9b\\'.solid.ply")), true);
+  // Other characters stay as they are.
+  fs::rename(path(name), path("t\xc3\xa9 \xe2\x82\xac \xff.ply"));
+  EXPECT_NE(
+      shell("$R generate $'t\\xc3\\xa9 \\xe2\\x82\\xac \\xff.ply' -o f.nrrd --resolution 8 --device cpu")
+          .out.find("t\xc3\xa9 \xe2\x82\xac \xff.ply: "),
+      std::string::npos);
+}
+
+TEST_F(Cli, FailsWhereItsTextIsLost) {
+  for (const char* arguments : {"--version", "--help", "repair --help"}) {
+    const Result result = shell(std::string("$R ") + arguments + " >/dev/full");
+    EXPECT_EQ(result.code, static_cast<int>(ErrorCode::File)) << arguments;
+    EXPECT_EQ(result.err, "raymap: error: standard output: cannot write the text: No space left on device\n");
+  }
 }
 
 TEST_F(Cli, ShowsOptionsAsTheyAreWritten) {
@@ -594,7 +641,8 @@ TEST_F(Cli, RefusesUnitsThatMeanNothing) {
   std::ranges::fill(field.distance, 1.0F);
   writeField(path("field.nrrd"), field);
   expectFailure("convert field.nrrd a.npz --scale 2", ErrorCode::Usage,
-                "--unit, --scale and --up are for meshes, and field.nrrd is a field");
+                "--unit, --scale, --up and --recenter are for meshes, and field.nrrd is a field");
+  expectFailure("convert field.nrrd a.npz --recenter", ErrorCode::Usage, "are for meshes");
   EXPECT_EQ(fileCount(), 2u);
 }
 
@@ -824,11 +872,31 @@ TEST_F(Cli, RefusesAFormatThatBreaksTheResult) {
   EXPECT_LT(json("far.json")["mesh_from_result"]["max"], 0.02);
 }
 
+TEST_F(Cli, WarnsThatAFormatMovesTheMesh) {
+  Mesh ball = shapes::sphere(10.0, 3);
+  ball.origin = {5e6, 4e6, 100.0};
+  writeMesh(path("far.ply"), ball);
+  for (const std::string command :
+       {"convert far.ply ", "repair far.ply -o ", "mesh far.ply --resolution 32 -o "}) {
+    const Result moved = run(command + "far.stl --overwrite");
+    EXPECT_EQ(moved.code, 0) << moved.err;
+    EXPECT_TRUE(std::regex_search(
+        moved.err,
+        std::regex("^raymap: warning: far.stl: so far from \\(0, 0, 0\\), the single precision of this "
+                   "format moves vertices by up to 0.2[5-9][0-9]*, 1.[2-4][0-9]* % of the mesh's size; "
+                   "write one of .ply .obj .glb .3mf, or move the mesh closer by --recenter\n$")))
+        << moved.err;
+    const std::string text = succeed(command + "near.stl --recenter --overwrite").out;
+    EXPECT_NE(text.find("recentered: add 5e+06 4e+06 100 to the positions"), std::string::npos) << text;
+    EXPECT_LT(glm::length(bounds(readMesh(path("near.stl"))).centre()), 0.1);
+  }
+}
+
 TEST_F(Cli, MeasuresTheMeshAsStored) {
   // Steps of 2^-6 are small enough to keep the box whole, but larger than the result's other deviations.
   writeMesh(path("far.obj"), shapes::box({2e5, 0.0, 0.0}, {2e5 + 10.003, 8.0, 6.0}));
   const auto deviation = [&](const std::string& file) {
-    succeed("repair far.obj --resolution 64 --remesh --tolerance 0 --stats s.json -o " + file);
+    EXPECT_EQ(run("repair far.obj --resolution 64 --remesh --tolerance 0 --stats s.json -o " + file).code, 0);
     return json("s.json")["result_from_mesh"]["mean"].get<double>();
   };
   EXPECT_GT(deviation("far.stl"), 2.0 * deviation("far.ply"));
@@ -1044,6 +1112,14 @@ TEST_F(Cli, MakesRoomForThePlateAroundASheet) {
   succeed("mesh sheet.ply -o plate.ply --thickness 0.6 --resolution 40");
   EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().x, 1.6, 0.03);
   EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().z, 0.6, 0.03);
+  succeed("generate sheet.ply -o plate.nrrd --thickness 0.6 --resolution 40");
+  const Field field = readField(path("plate.nrrd"));
+  EXPECT_NEAR(field.grid.spacing, (1.0 + 2.0 * (0.1 + 0.3)) / 40, 1e-9);
+  EXPECT_NEAR(field.grid.origin.x, -0.4 + 0.5 * field.grid.spacing, 1e-9);
+  EXPECT_LE(field.grid.origin.z, -0.4 + 0.5 * field.grid.spacing + 1e-9);
+  EXPECT_GT(field.distance[0], 0.0f);
+  succeed("generate sheet.ply -o cut.nrrd --thickness 0.6 --voxel-size 0.1 --bounds 0 0 0 1 1 0.2");
+  EXPECT_EQ(readField(path("cut.nrrd")).grid.dims, glm::ivec3(10, 10, 2));
 }
 
 TEST_F(Cli, RefusesBadOptions) {
@@ -1098,6 +1174,27 @@ TEST_F(Cli, NamesTheFileThatIsWrong) {
   expectFailure("generate torus.ply -o no/f.nrrd", ErrorCode::File, "there is no folder no");
   expectFailure("generate torus.ply -o f.nrrd --memory-limit 1MB --resolution 200", ErrorCode::Memory, "");
   EXPECT_FALSE(fs::exists(path("f.nrrd")));
+}
+
+TEST_F(Cli, ReadsSizesOfMemory) {
+  writeTorus();
+  const std::string generate = "generate torus.ply -o f.nrrd --resolution 32 --memory-limit ";
+  for (const char* enough : {"1.5GB", "1e9", "'1.5 gb'", "2000000k", "0.5GiB", "300M", "9437184", "1T", "0"})
+    succeed(generate + enough);
+  const auto refuses = [&](const std::string& size, const std::string& limit) {
+    expectFailure(generate + size, ErrorCode::Memory, ", but only " + limit + " may be used");
+  };
+  refuses("12", "12 bytes");
+  refuses("1.5", "1 byte");
+  refuses("1e3", "1000 bytes");
+  refuses("0.5KB", "512 bytes");
+  refuses("3.75k", "3 KiB");
+  refuses("1e5B", "97 KiB");
+  refuses("0.0001GiB", "104 KiB");
+  refuses("0.1MB", "102 KiB");
+  for (const char* wrong :
+       {"much", "-1", "1.5XB", "GB", "1e", "nan", "inf", "1e30", "5000000T", "1.5GBs", "''"})
+    expectFailure(generate + wrong, ErrorCode::Usage, "must be a size such as 500MB, 1.5GB or 1e9, not ");
 }
 
 TEST_F(Cli, ReadsMeshesFromPipes) {
@@ -1204,17 +1301,6 @@ TEST_F(Cli, NamesTheFormatsOfPipes) {
   expectFailure("generate torus.ply -o f --format nrrd --stats f.txt", usage, "must end in .json");
   expectFailure("compare - -", usage, "standard input can be read once only");
   expectFailure("info -", ErrorCode::Unsupported, "/dev/stdin: neither its name nor its bytes tell");
-  EXPECT_EQ(fileCount(), 1u);
-}
-
-TEST_F(Cli, LeavesNothingBehindWhenStopped) {
-  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
-  mesh.triangles.pop_back();
-  writeMesh(path("torn.ply"), mesh);
-  // Takes far longer than the test waits.
-  const std::string forever = "generate torn.ply -o f.nrrd --sign paths --passes 10000000 --winding w.npy";
-  EXPECT_EQ(run(forever, "timeout --preserve-status -s INT 1").code, 130);
-  EXPECT_EQ(run(forever, "timeout --preserve-status -s TERM 1").code, 143);
   EXPECT_EQ(fileCount(), 1u);
 }
 

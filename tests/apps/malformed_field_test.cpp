@@ -217,6 +217,24 @@ TEST(MalformedNpz, Bombs) {
   EXPECT_NE(refusal(".npz", zipFile({{"distance.npy", npy(slightlyMore, zeros)}}, Zip::DeflatedLying)), "");
 }
 
+TEST(MalformedNpz, HugeDirectories) {
+  const std::string one = zipFile({{"distance.npy", npy(kDictionary)}}, Zip::StoredIn64Bits);
+  ASSERT_EQ(refusal(".npz", one), "");
+  const size_t end64 = one.rfind("PK\6\6");
+  const auto changed = [&](size_t at, uint64_t value) {
+    std::string damaged = one;
+    return damaged.replace(end64 + at, sizeof value, raw(value));
+  };
+  const std::string damage =
+      "it is no whole zip file, as a .3mf or .npz must be: its directory is missing or damaged\n";
+  for (const uint64_t huge : {uint64_t{1} << 24, uint64_t{1} << 40, UINT64_MAX}) {
+    std::string entries = changed(24, huge);
+    EXPECT_EQ(refusal(".npz", entries.replace(end64 + 32, sizeof huge, raw(huge))), damage) << huge;
+    EXPECT_EQ(refusal(".npz", changed(40, huge)), damage) << huge << " bytes";
+    EXPECT_EQ(refusal(".npz", changed(48, huge)), damage) << huge << " bytes before it";
+  }
+}
+
 TEST(MalformedVti, WrongHeaders) {
   const std::string whole =
       R"(<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">)"

@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <string>
-#include <thread>
 
+#include "base/temporary_file.h"
 #include "files.h"
 
 namespace raymap {
@@ -53,9 +53,31 @@ class AtomicFile : public testing::Test {
   static void writeForever(const fs::path& path, int begun) {
     writeAtomically(path, [&](std::ostream& out) {
       out << std::string(1 << 20, 'x') << std::flush;
-      if (::write(begun, "b", 1) != 1) _exit(1);
-      std::this_thread::sleep_for(std::chrono::minutes(1));
+      waitForever(begun);
     });
+  }
+  /// The same under a hidden name.
+  static void writeHiddenForever(const fs::path& path, int begun) {
+    TemporaryFile file(path, path, TemporaryFile::Name::Hidden);
+    if (::write(file.descriptor(), "x", 1) == 1) waitForever(begun);
+  }
+  static void waitForever(int begun) {
+    if (::write(begun, "b", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  static void publish(TemporaryFile& file, const std::string& text) {
+    EXPECT_EQ(::write(file.descriptor(), text.data(), text.size()), ssize_t(text.size()));
+    file.publish();
+  }
+  /// Returns the hidden name that the class gives.
+  fs::path hidden(const char* name, unsigned number) const {
+    return file(("." + std::string(name) + ".tmp" + std::to_string(geteuid()) + "-" + std::to_string(number))
+                    .c_str());
+  }
+  bool hasNamelessFiles() const {
+    const int descriptor = open(folder_.path().c_str(), O_TMPFILE | O_WRONLY, 0600);
+    if (descriptor >= 0) close(descriptor);
+    return descriptor >= 0;
   }
 
   TemporaryFolder folder_;
@@ -186,11 +208,13 @@ TEST_F(AtomicFile, AFullDiskLeavesNothing) {
   EXPECT_EQ(entries(), 0U);
 }
 
-TEST_F(AtomicFile, AKillLeavesTheOldFile) {
+TEST_F(AtomicFile, AKillLeavesTheOldFileAlone) {
+  if (!hasNamelessFiles()) GTEST_SKIP() << "no files without names here";
   writeText(file("a"), "old");
   const int status = endedBy(SIGKILL, [&](int begun) { writeForever(file("a"), begun); });
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(readBytes(file("a")), "old");
+  EXPECT_EQ(entries(), 1U);
 }
 
 TEST_F(AtomicFile, AHandledSignalLeavesNothing) {
@@ -199,10 +223,93 @@ TEST_F(AtomicFile, AHandledSignalLeavesNothing) {
       removeTemporaries();
       _exit(5);
     });
-    writeForever(file("a"), begun);
+    writeHiddenForever(file("a"), begun);
   });
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 5);
   EXPECT_EQ(entries(), 0U);
+}
+
+TEST_F(AtomicFile, TheNextWriteRemovesWhatAKillLeft) {
+  const auto kill = [&] { endedBy(SIGKILL, [&](int begun) { writeHiddenForever(file("a"), begun); }); };
+  kill();
+  EXPECT_TRUE(fs::exists(hidden("a", 0)));
+  EXPECT_EQ(entries(), 1U);
+  writeText(file("a"), "new");
+  EXPECT_EQ(entries(), 1U) << "also where files have no names";
+  EXPECT_EQ(readBytes(file("a")), "new");
+  kill();
+  EXPECT_EQ(entries(), 2U);
+  {
+    TemporaryFile next(file("a"), file("a"), TemporaryFile::Name::Hidden);
+    EXPECT_TRUE(fs::exists(hidden("a", 0)));
+    EXPECT_EQ(entries(), 2U);
+    publish(next, "newer");
+  }
+  EXPECT_EQ(entries(), 1U);
+  EXPECT_EQ(readBytes(file("a")), "newer");
+}
+
+TEST_F(AtomicFile, WritersOfOneFileLeaveEachOtherAlone) {
+  for (const auto name : {TemporaryFile::Name::None, TemporaryFile::Name::Hidden}) {
+    writeText(file("a"), "old");
+    TemporaryFile first(file("a"), file("a"), TemporaryFile::Name::Hidden);
+    EXPECT_TRUE(fs::exists(hidden("a", 0)));
+    TemporaryFile second(file("a"), file("a"), name);
+    EXPECT_EQ(fs::exists(hidden("a", 1)), name == TemporaryFile::Name::Hidden || !hasNamelessFiles());
+    EXPECT_TRUE(fs::exists(hidden("a", 0)));
+    publish(second, "second");
+    EXPECT_EQ(readBytes(file("a")), "second");
+    EXPECT_TRUE(fs::exists(hidden("a", 0)));
+    EXPECT_EQ(entries(), 2U);
+    publish(first, "first");
+    EXPECT_EQ(readBytes(file("a")), "first");
+    EXPECT_EQ(entries(), 1U);
+  }
+}
+
+TEST_F(AtomicFile, FilesThatAreNotPublishedGo) {
+  for (const auto name : {TemporaryFile::Name::None, TemporaryFile::Name::Hidden}) {
+    { const TemporaryFile file(this->file("a"), this->file("a"), name); }
+    EXPECT_EQ(entries(), 0U);
+    TemporaryFile made(file("a"), file("a"), name);
+    publish(made, "text");
+    EXPECT_EQ(readBytes(file("a")), "text");
+    EXPECT_EQ(entries(), 1U);
+    fs::remove(file("a"));
+  }
+}
+
+TEST_F(AtomicFile, LeavesWhatOnlyHasAHiddenName) {
+  std::ofstream(file("other")) << "other";
+  fs::create_symlink("other", hidden("a", 0));
+  fs::create_directory(hidden("a", 1));
+  ASSERT_EQ(mkfifo(hidden("a", 2).c_str(), 0600), 0);
+  std::ofstream(hidden("a", 3)) << "of another user";
+  const bool isGiven = chown(hidden("a", 3).c_str(), geteuid() + 1, gid_t(-1)) == 0;  // Root may.
+  {
+    TemporaryFile made(file("a"), file("a"), TemporaryFile::Name::Hidden);
+    EXPECT_EQ(fs::exists(hidden("a", 4)), isGiven);
+    publish(made, "text");
+  }
+  writeText(file("a"), "again");
+  EXPECT_EQ(readBytes(file("a")), "again");
+  EXPECT_EQ(readBytes(file("other")), "other");
+  EXPECT_TRUE(fs::is_symlink(hidden("a", 0)));
+  EXPECT_TRUE(fs::is_directory(hidden("a", 1)));
+  EXPECT_TRUE(fs::is_fifo(hidden("a", 2)));
+  EXPECT_EQ(entries(), isGiven ? 6U : 5U);
+}
+
+TEST_F(AtomicFile, NewFilesHaveThePermissionsOfTheUser) {
+  const mode_t before = umask(027);
+  writeText(file("a"), "text");
+  {
+    TemporaryFile made(file("b"), file("b"), TemporaryFile::Name::Hidden);
+    publish(made, "text");
+  }
+  umask(before);
+  EXPECT_EQ(fs::status(file("a")).permissions(), fs::perms(0640));
+  EXPECT_EQ(fs::status(file("b")).permissions(), fs::perms(0640));
 }
 
 }  // namespace

@@ -23,6 +23,25 @@ TEST(Grid, OfARepairHoldsThePaddingAndAPositiveOffset) {
   EXPECT_EQ(fitRepairGrid(mesh, options, {.offset = -0.3}).dims, glm::ivec3(28, 18, 18));
 }
 
+TEST(Grid, OfARepairHasMoreSamples) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {2, 1, 1});
+  EXPECT_EQ(fitGrid(mesh).dims.x, 128);
+  EXPECT_EQ(fitRepairGrid(mesh).dims.x, 256);
+  EXPECT_EQ(fitRepairGrid(mesh, {.resolution = 30}).dims.x, 30);
+}
+
+TEST(Grid, HoldsTheWallAroundASheet) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {2, 1, 1});
+  const Grid grid = fitGrid(mesh, {.voxelSize = 0.1, .padding = 0.2, .thickness = 0.6});
+  EXPECT_EQ(grid.dims, glm::ivec3(34, 24, 24));
+  EXPECT_NEAR(grid.origin.y, -0.7 + 0.05, 1e-12);
+  const Box box{glm::dvec3(0), glm::dvec3(1)};
+  EXPECT_EQ(fitGrid(mesh, {.resolution = 4, .box = box, .thickness = 0.6}),
+            fitGrid(mesh, {.resolution = 4, .box = box}));
+  for (const double thickness : {-0.1, double(NAN), double(INFINITY)})
+    EXPECT_THROW(fitGrid(mesh, {.thickness = thickness}), Error) << thickness;
+}
+
 TEST(Grid, RefusesAnEmptyBox) {
   GridOptions options;
   options.box = Box{glm::dvec3(1), glm::dvec3(0)};

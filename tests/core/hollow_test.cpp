@@ -54,6 +54,15 @@ TEST(Hollow, HasAHoleInItsLowestPoint) {
   expectExit(solid, holes[0], -3.5, -1, -3.5, -2.5);
 }
 
+TEST(Hollow, HasHolesThatPointExactlyAlongAnAxis) {
+  const Field solid = solidTable();
+  for (int k = 1; k <= 40; ++k) {
+    const glm::dvec3 start(-3, 0.1 * k, 0.3), end = start - glm::dvec3(0, 0, 0.1 * k);
+    EXPECT_EQ(exitOf(solid, {start, end, kRadius}).direction, kDown) << k;
+    EXPECT_EQ(exitOf(solid, {end, start, kRadius}).direction, -kDown) << k;
+  }
+}
+
 TEST(Hollow, HasAVentAndAHoleInTheOtherLeg) {
   Field solid = solidTable();
   size_t filled = 0;

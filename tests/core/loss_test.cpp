@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "repair/loss.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -31,6 +32,16 @@ double boundsOff(const Outcome& outcome) {
   const Box &before = outcome.report.before.bounds, &after = outcome.report.after.bounds;
   const glm::dvec3 off = glm::max(glm::abs(before.min - after.min), glm::abs(before.max - after.max));
   return std::max({off.x, off.y, off.z}) / outcome.grid.spacing;
+}
+
+TEST(Loss, DoesNotCountWhatTheToleranceAllows) {
+  const Mesh ball = shapes::sphere(10.0, 4);
+  const Outcome outcome = runAt(ball, 0.5, {.tolerance = 3.0});
+  EXPECT_GT(outcome.report.ofMesh.max, 1.0);  // Far more than a sample.
+  EXPECT_LE(outcome.report.ofMesh.max, 3.5);
+  EXPECT_EQ(outcome.report.lostShare, 0.0);
+  EXPECT_EQ(outcome.report.buriedShare, 0.0);
+  EXPECT_EQ(outcome.warnings, "");
 }
 
 /// Returns a box of 10 x 10 x 10 with a plate, 6 high and 8 wide. A corner of the plate is inside the box.
@@ -162,6 +173,19 @@ TEST(Loss, TellsOfHollowsThatWereNotMade) {
   EXPECT_EQ(made.report.hollows, 1u);
   EXPECT_EQ(made.report.filledHollows, 0u);
   EXPECT_EQ(made.warnings, "");
+}
+
+TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
+  const std::vector<glm::dvec3> corners{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}};
+  const Mesh sheet = makeMesh(corners, {{0, 1, 2}, {0, 2, 3}});
+  const Grid grid = fitGrid(sheet, {.voxelSize = 1.0});
+  std::vector<FacePoint> lost;
+  for (int k = 1; k <= 20; ++k) {
+    lost.push_back({.position = {0.3 * k, 1, 0}, .triangle = 0, .area = 0.1 / k});
+    const Loss loss = inspectLoss(sheet, grid, lost, 0.07 * k, {.device = "cpu"}, {});
+    EXPECT_EQ(loss.solidShare, 0.0) << k;
+    EXPECT_EQ(loss.openShare, 0.07 * k) << k;
+  }
 }
 
 }  // namespace

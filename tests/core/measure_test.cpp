@@ -9,7 +9,8 @@ namespace raymap {
 namespace {
 
 /// Returns the report of a repair with samples `spacing` apart.
-RepairReport reportOf(const Mesh& mesh, double spacing, const RepairOptions& repair = {}) {
+RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {}) {
+  repair.closeHoles = false;
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = spacing}, repair);
   return raymap::repair(mesh, grid, {.device = "cpu"}, repair).report;
 }
@@ -44,6 +45,10 @@ TEST(Measure, RaisesNoFalseAlarmWhereFacesLieInPlanesOfSamples) {
 TEST(Measure, CountsAsLostWhatIsMoreThanASampleOutside) {
   const RepairReport closer = reportOf(withSquare(kBox, 10.98, 4.0), 1.0);
   expectAllShown(closer, 1.0);
+  // What the tolerance allows beyond its default of 0.1 is no loss.
+  expectAllShown(reportOf(withSquare(kBox, 11.48, 4.0), 1.0, {.tolerance = 0.6}), 1.5);
+  EXPECT_GT(reportOf(withSquare(kBox, 11.52, 4.0), 1.0, {.tolerance = 0.6}).lostShare, 0.0);
+  EXPECT_GT(reportOf(withSquare(kBox, 11.02, 4.0), 1.0, {.tolerance = 0.0}).lostShare, 0.0);
   const RepairReport farther = reportOf(withSquare(kBox, 11.02, 4.0), 1.0);
   EXPECT_GT(farther.lostShare, 0.0);
   EXPECT_EQ(farther.buriedShare, 0.0);

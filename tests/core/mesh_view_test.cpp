@@ -137,11 +137,31 @@ TEST(MeshView, RefusesWideIndicesOutOfRange) {
 }
 
 TEST(MeshView, RefusesWhatIsNotFinite) {
-  std::vector<glm::dvec3> positions = positionsOf(shapes::box({0, 0, 0}, {1, 1, 1}));
-  const std::vector<glm::uvec3> triangles = shapes::box({0, 0, 0}, {1, 1, 1}).triangles;
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  std::vector<glm::dvec3> positions = positionsOf(box);
+  const std::vector<glm::uvec3>& triangles = box.triangles;
   positions[5].z = NAN;
   expectInputError(MeshView(positions, triangles), "vertex 5 of triangle");
   expectInputError(MeshView(positions, std::vector<glm::uvec3>()), "no triangles");
+  expectInputError(MeshView(box.vertices, triangles, {0, NAN, 0}),
+                   "the mesh's origin is not finite: (0, nan, 0)");
+}
+
+TEST(MeshView, NamesPositionsAsTheCallerGaveThem) {
+  Mesh box = shapes::box({1e6, 0, 0}, {1e6 + 1, 2, 4});
+  std::vector<glm::dvec3> positions = positionsOf(box);
+  for (uint32_t v = 0; v < positions.size(); ++v) {
+    if (positions[v] != glm::dvec3(1e6 + 1, 2, 0)) continue;
+    positions[v].y = box.vertices[v].y = NAN;
+    const std::string name = "vertex " + std::to_string(v) + " of triangle ",
+                      at = " is not finite: (1000001, nan, 0)";
+    for (const MeshView& view : {MeshView(box), MeshView(positions, box.triangles)}) {
+      expectInputError(view, name);
+      expectInputError(view, at);
+    }
+    MeshPacker packer;
+    expectInputError(packer.pack(MeshView(positions, box.triangles)), at);
+  }
 }
 
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "broken_meshes.h"
+#include "reference.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -65,8 +67,10 @@ TEST(Sample, PointsAwayFromASphere) {
 }
 
 TEST(Sample, BoundsTheDistanceOutsideFromBelow) {
-  const auto ball = [](const glm::dvec3& p) { return glm::distance(p, glm::dvec3(11.0, -3.2, 3.0)) - 0.3; };
-  const Field field = fieldOf(kGrid, ball);
+  const glm::dvec3 centre(11.0, -3.2, 3.0);
+  const auto ball = [&](const glm::dvec3& p) { return glm::distance(p, centre) - 0.3; };
+  Field field = fieldOf(kGrid, ball);
+  field.surfaceBounds = {centre - 0.3, centre + 0.3};
   const glm::dvec3 last = kGrid.position(kGrid.dims - 1);
   std::mt19937 random(2);
   std::uniform_real_distribution<> far(-5.0, 5.0);
@@ -76,16 +80,112 @@ TEST(Sample, BoundsTheDistanceOutsideFromBelow) {
     const glm::dvec3 q = glm::clamp(p, kGrid.origin, last);
     if (q == p) continue;
     const double bound = distanceAt(field, p), there = distanceAt(field, q);
-    EXPECT_NEAR(bound, std::hypot(glm::distance(p, q), std::max(there, 0.0)), 1e-9);
-    EXPECT_LE(bound, ball(p) + 0.02);
-    EXPECT_GT(bound, 0.0);
+    const double least = std::max(there - 0.7072 * kGrid.spacing, 0.0);
+    EXPECT_GE(bound, std::hypot(glm::distance(p, q), least) - 1e-9);
+    EXPECT_LE(bound, ball(p) + 1e-6);
   }
 }
 
-/// The solid ends at the box, whatever the samples there say.
-TEST(Sample, IsPositiveOutsideOfASolidThatReachesTheBox) {
-  const Field field = fieldOf(kGrid, [](const glm::dvec3&) { return -1.0; });
-  EXPECT_NEAR(distanceAt(field, kGrid.origin - glm::dvec3(0.5, 0, 0)), 0.5, 1e-12);
+/// A field of one sample with distance 3, at the origin, in the units of its spacing of 2.
+Field oneSample(const Box& surfaceBounds = {}) {
+  Field field = fieldOf({.dims = {1, 1, 1}, .spacing = 2.0}, [](const glm::dvec3&) { return 3.0; });
+  field.surfaceBounds = surfaceBounds;
+  return field;
+}
+
+TEST(Sample, KnowsOutsideWhatTheBoundsOfTheSurfaceTell) {
+  const glm::dvec3 p(4, 0, 0);
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample(), p), 3.0 - 4.0);
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({glm::dvec3(0), glm::dvec3(0)}), p), 5.0);     // Held: Pythagoras.
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({glm::dvec3(-9), glm::dvec3(9)}), p), -1.0);   // It may be here.
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({glm::dvec3(-1), glm::dvec3(1.5)}), p), 2.5);  // Not here.
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({{0, 3, 4}, {9, 3, 4}}), p), 5.0);             // Beside the grid.
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({{-9, 3, 0}, {9, 9, 0}}), {0, 1, 0}), 2.0);  // The sample knows more.
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample({{4, -1, -1}, {4, 1, 1}}), p), -1.0);        // On their border.
+  EXPECT_EQ(distanceAt(oneSample(), glm::dvec3(INFINITY, 0, 0)), -INFINITY);
+  EXPECT_EQ(distanceAt(oneSample({glm::dvec3(0), glm::dvec3(0)}), glm::dvec3(INFINITY, 0, 0)), INFINITY);
+  EXPECT_DOUBLE_EQ(distanceAt(oneSample(), {1e300, 0, 0}), -1e300);
+}
+
+TEST(Sample, IsNaNOutsideOnRequest) {
+  const Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return p.x - 11.0; });
+  const glm::dvec3 last = kGrid.position(kGrid.dims - 1);
+  const std::vector<glm::dvec3> points{kGrid.origin,
+                                       last,
+                                       last + glm::dvec3(0, 0, 1e-9),
+                                       kGrid.origin - glm::dvec3(0, 1e-9, 0),
+                                       {1e100, 0, 0}};
+  const Samples samples = sample(field, points, {.gradients = true, .outside = Outside::NaN});
+  const Samples bounds = sample(field, points, {.gradients = true});
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(std::isnan(samples.distance[i]), i > 1) << i;
+    EXPECT_EQ(std::isnan(samples.gradient[i].y), i > 1) << i;
+    EXPECT_EQ(std::isnan(distanceAt(field, points[i], Outside::NaN)), i > 1) << i;
+    EXPECT_EQ(std::isnan(gradientAt(field, points[i], Outside::NaN).x), i > 1) << i;
+    EXPECT_FALSE(std::isnan(bounds.distance[i]) || std::isnan(bounds.gradient[i].x)) << i;
+    if (i < 2) {
+      EXPECT_EQ(samples.distance[i], bounds.distance[i]);
+    }
+  }
+}
+
+/// Checks, in boxes that cut a mesh, that no distance outside exceeds the true one.
+void expectBounds(const Mesh& mesh, const Options& options, unsigned seed) {
+  std::mt19937 random(seed);
+  const Box all = bounds(mesh);
+  const glm::dvec3 size = all.size();
+  const auto place = [&](double reach) {
+    std::uniform_real_distribution<> share(-reach, 1.0 + reach);
+    return all.min + size * glm::dvec3(share(random), share(random), share(random));
+  };
+  for (int n = 0; n < 12; ++n) {
+    GridOptions gridOptions{.resolution = 14};
+    if (n > 0) {
+      const glm::dvec3 a = place(0.2), b = place(0.2);
+      gridOptions.box = Box{glm::min(a, b), glm::max(a, b)};
+    }
+    Field field = generate(mesh, fitGrid(mesh, gridOptions), options).field;
+    const double tolerance = 2e-6 * glm::length(size);
+    for (int k = 0; k < 60; ++k) {
+      const glm::dvec3 p = place(k % 3 == 0 ? 5.0 : 0.3);
+      if (std::isnan(distanceAt(field, p, Outside::NaN))) {
+        const bool isInside = std::abs(reference::windingNumber(mesh, p)) > 0.5;
+        const double truth = (isInside != options.invert ? -1.0 : 1.0) * reference::distance(mesh, p);
+        const double bound = distanceAt(field, p);
+        ASSERT_LE(bound, truth + tolerance) << "box " << n << ", point " << k;
+        ASSERT_LE(sample(field, {&p, 1}).distance[0], bound);
+        const Box known = std::exchange(field.surfaceBounds, {});
+        ASSERT_LE(distanceAt(field, p), bound);
+        field.surfaceBounds = known;
+      }
+    }
+  }
+}
+
+TEST(Sample, BoundsTheDistanceOutsideOfBoxesThatCutTheMesh) {
+  const Mesh apart = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::sphere(0.5, 2, {4, 1, 0}));
+  unsigned seed = 1;
+  for (const Mesh& mesh : {apart, shapes::torus(1.0, 0.3, 30, 16), shapes::box({0, 0, 0}, {1, 3, 2})})
+    for (const bool invert : {false, true}) expectBounds(mesh, {.invert = invert, .device = "cpu"}, seed++);
+}
+
+TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
+  const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
+  const Box thick = generate(sheet, fitGrid(sheet, {.resolution = 12, .thickness = 0.5}),
+                             {.thickness = 0.5, .device = "cpu"})
+                        .field.surfaceBounds;
+  EXPECT_EQ(thick.min, glm::dvec3(-0.25));
+  EXPECT_EQ(thick.max, glm::dvec3(2.25, 2.25, 0.25));
+  const Mesh bowl = keepTriangles(shapes::sphere(1.0, 3), [&](const glm::uvec3& t) {
+    return shapes::sphere(1.0, 3).position(t.x).z < 0.0;
+  });
+  const Grid grid = fitGrid(bowl, {.resolution = 16, .box = Box{glm::dvec3(-2), glm::dvec3(2)}});
+  const Box open = generate(bowl, grid, {.device = "cpu"}).field.surfaceBounds;
+  EXPECT_NEAR(open.max.x, 1.0, 0.02);
+  const Box closed = generate(bowl, grid, {.closeHoles = true, .device = "cpu"}).field.surfaceBounds;
+  EXPECT_EQ(closed.min, grid.position({0, 0, 0}));
+  EXPECT_EQ(closed.max, grid.position(grid.dims - 1));
+  EXPECT_TRUE(generate(bowl, grid, {.invert = true, .device = "cpu"}).field.surfaceBounds.isEmpty());
 }
 
 TEST(Sample, InterpolatesClampedDistancesAsTheyAre) {
@@ -103,17 +203,11 @@ TEST(Sample, PassesOnWhatIsNotANumber) {
   EXPECT_FALSE(std::isnan(distanceAt(field, kGrid.position({4.5, 4.5, 1.5}))));
   EXPECT_TRUE(std::isnan(distanceAt(field, {kNaN, 0, 0})));
   EXPECT_TRUE(std::isnan(gradientAt(field, {kNaN, 0, 0}).x));
-  EXPECT_EQ(distanceAt(field, {INFINITY, 0, 0}), INFINITY);
+  EXPECT_EQ(distanceAt(field, {INFINITY, 0, 0}), -INFINITY);
 }
 
 TEST(Sample, ReadsGridsOfOneSample) {
-  const Field point{.grid = {.dims = {1, 1, 1}, .spacing = 2.0}, .distance = [] {
-                      Buffer<float> one(1);
-                      one[0] = 3.0f;
-                      return one;
-                    }()};
-  EXPECT_EQ(distanceAt(point, {0, 0, 0}), 3.0);
-  EXPECT_NEAR(distanceAt(point, {4, 0, 0}), 5.0, 1e-12);
+  EXPECT_EQ(distanceAt(oneSample(), {0, 0, 0}), 3.0);
 }
 
 TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
@@ -133,7 +227,14 @@ TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
   all = sample(field, points, {.gradients = true});
   for (size_t n = 0; n < points.size(); ++n) {
     ASSERT_EQ(one.distance[n], all.distance[n]);
-    ASSERT_EQ(one.distance[n], float(distanceAt(field, points[n])));
+    const bool isOutside = std::isnan(distanceAt(field, points[n], Outside::NaN));
+    const auto exact = distanceAt(field, points[n]);
+    if (isOutside) {  // Rounded down.
+      ASSERT_LE(one.distance[n], exact);
+      ASSERT_GT(std::nextafter(one.distance[n], INFINITY), exact);
+    } else {
+      ASSERT_EQ(one.distance[n], float(exact));
+    }
     ASSERT_EQ(one.gradient[n], glm::vec3(gradientAt(field, points[n])));
   }
 }

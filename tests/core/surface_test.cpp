@@ -2,6 +2,7 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <barrier>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -106,6 +107,36 @@ TEST(Surface, MeasuresPointsFarFromTheMesh) {
     EXPECT_EQ(result.winding[i], 0.0f) << i;
   }
   EXPECT_EQ(result.closest[3], glm::dvec3(0.0));
+}
+
+// Squares of such coordinates overflow, and those in cells do as well.
+TEST(Surface, MeasuresPointsAsFarAsNumbersReach) {
+  const double most = std::numeric_limits<double>::max();
+  const std::vector<glm::dvec3> points{{1e150, 0.001, 0}, {-1e155, 0, 0}, {0, 1e200, -1e200},
+                                       {1e307, 1e307, 0}, {0, 0, -most},  {most, most, most}};
+  const double half = std::sqrt(0.5), third = std::sqrt(1.0 / 3.0);
+  const double distances[] = {1e150, 1e155, 1e200 / half, 1e307 / half, most, INFINITY};
+  const glm::dvec3 directions[] = {{-1, 0, 0},        {1, 0, 0}, {0, -half, half},
+                                   {-half, -half, 0}, {0, 0, 1}, {-third, -third, -third}};
+  const double side = 1e-3;
+  for (const Mesh& mesh :
+       {shapes::box({0, 0, 0}, glm::vec3(side)), withHoles(shapes::sphere(side, 3), 3, 0.1, 1)}) {
+    const QueryResult result = Surface(mesh).query(points, kEverything);
+    for (size_t i = 0; i < points.size(); ++i) {
+      SCOPED_TRACE(testing::Message() << "point " << i);
+      EXPECT_DOUBLE_EQ(result.distance[i], distances[i]);
+      EXPECT_LT(glm::distance(result.direction[i], directions[i]), 1e-12);
+      EXPECT_LT(glm::length(result.closest[i]), 2.0 * side);
+      EXPECT_LT(result.triangle[i], mesh.triangles.size());
+      EXPECT_NEAR(result.winding[i], 0.0f, 1e-3f);
+      EXPECT_TRUE(result.confidence[i] >= 0.0f && result.confidence[i] <= 1.0f);
+    }
+    const QueryResult near = Surface(mesh).query(points, {.triangle = true, .maxDistance = 1e154});
+    for (size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(near.distance[i], i == 0 ? 1e150 : 1e154) << i;
+      EXPECT_EQ(near.triangle[i] == kNoTriangle, i > 0) << i;
+    }
+  }
 }
 
 TEST(Surface, HasNoWrongSignOnClosedMeshes) {
@@ -265,15 +296,24 @@ TEST(Surface, AnswersEachPointByItself) {
 }
 
 TEST(Surface, MayBeUsedByManyThreads) {
-  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
-  const Surface surface(mesh);
-  const std::vector<glm::dvec3> points = uniformPoints(mesh, 2000);
-  const QueryResult expected = surface.query(points);
-  std::vector<QueryResult> results(4);
-  std::vector<std::thread> threads;
-  for (QueryResult& result : results) threads.emplace_back([&] { surface.query(points, {}, result); });
-  for (std::thread& thread : threads) thread.join();
-  for (const QueryResult& result : results) EXPECT_TRUE(sameBits(result.distance, expected.distance));
+  for (const Mesh& mesh : {shapes::torus(1.0, 0.3, 40, 20), shapes::soup(300, 1)}) {
+    const Surface surface(mesh);
+    const std::vector<glm::dvec3> points = uniformPoints(mesh, 500);
+    const QueryResult expected = surface.query(points, kEverything);
+    // All of them begin at once: none of them has answered before.
+    const Surface fresh(mesh);
+    std::vector<QueryResult> results(8);
+    std::barrier start(std::ptrdiff_t(results.size()));
+    std::vector<std::thread> threads;
+    for (QueryResult& result : results)
+      threads.emplace_back([&] {
+        start.arrive_and_wait();
+        fresh.query(points, kEverything, result);
+      });
+    for (std::thread& thread : threads) thread.join();
+    for (const QueryResult& result : results)
+      for (size_t i = 0; i < points.size(); ++i) ASSERT_TRUE(sameAt(result, i, expected, i)) << i;
+  }
 }
 
 TEST(Surface, ReadsPointsInAnyLayout) {

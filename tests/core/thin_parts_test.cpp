@@ -40,7 +40,6 @@ Repaired solidOf(const Mesh& mesh, RepairOptions repairOptions, int threads = 0)
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, repairOptions);
   Options options;
   options.device = "cpu";
-  options.closeHoles = true;
   options.threads = threads;
   repairOptions.remesh = true;
   repairOptions.tolerance = 0.0;
@@ -91,7 +90,6 @@ TEST(ThinParts, LeaveThickOnesAsTheyAre) {
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, {.minThickness = kLeast});
   Options options;
   options.device = "cpu";
-  options.closeHoles = true;
   EXPECT_EQ(repair(mesh, grid, options, {.remesh = true}).mesh.vertices,
             repair(mesh, grid, options, {.minThickness = kLeast}).mesh.vertices);
   EXPECT_NEAR(thick.report.after.signedVolume, plain.report.after.signedVolume, 0.1);

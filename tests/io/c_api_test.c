@@ -41,7 +41,14 @@ static raymap_mesh* make_tetrahedron(void) {
 static raymap_grid fit(const raymap_mesh* mesh) {
   raymap_grid_options options = raymap_grid_options_default();
   raymap_grid grid;
-  CHECK(options.resolution == 128);
+  double padded;
+  CHECK(options.resolution == 128 && options.thickness == 0.0);
+  options.thickness = 1.0;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
+  padded = grid.spacing * (double)grid.dims[0];
+  options.thickness = 0.0;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
+  CHECK(fabs(padded - grid.spacing * (double)grid.dims[0] - 1.0) < 1e-9);
   options.resolution = 21;
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
   CHECK(grid.dims[0] == 21 && grid.spacing > 0.0);
@@ -133,11 +140,17 @@ static void test_field(void) {
   /* Positions and the numbers of a sample agree. */
   const double points[2][3] = {{grid.origin[0], grid.origin[1], grid.origin[2]}, {0, 0, 0}};
   float distances[2], gradients[2][3];
-  CHECK(raymap_field_sample(field, &points[0][0], 2, distances, &gradients[0][0]) == RAYMAP_OK);
+  CHECK(raymap_field_sample(field, &points[0][0], 2, RAYMAP_OUTSIDE_BOUND, distances, &gradients[0][0]) ==
+        RAYMAP_OK);
   CHECK(fabsf(distances[0] - distance[0]) < 1e-5f && distances[1] < 0.0f);
   CHECK(gradients[0][0] < 0.0f);
-  CHECK(raymap_field_sample(field, &points[0][0], 2, NULL, NULL) == RAYMAP_OK);
-  CHECK(raymap_field_sample(field, NULL, 0, NULL, NULL) == RAYMAP_OK);
+  CHECK(raymap_field_sample(field, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, NULL, NULL) == RAYMAP_OK);
+  CHECK(raymap_field_sample(field, NULL, 0, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == RAYMAP_OK);
+  const double beyond[3] = {0, 0, 100}; /* The tetrahedron reaches to 1. */
+  CHECK(raymap_field_sample(field, beyond, 1, RAYMAP_OUTSIDE_BOUND, distances, NULL) == RAYMAP_OK);
+  CHECK(distances[0] >= 99.0f && distances[0] < 100.0f);
+  CHECK(raymap_field_sample(field, beyond, 1, RAYMAP_OUTSIDE_NAN, distances, &gradients[0][0]) == RAYMAP_OK);
+  CHECK(isnan(distances[0]) && isnan(gradients[0][2]));
 
   /* The same through a generator, into a field that is reused. */
   raymap_generator* generator = raymap_generator_create();
@@ -215,6 +228,17 @@ static void test_surface(void) {
   raymap_mesh_free(mesh);
 }
 
+static void test_threads(void) {
+  int32_t threads = -1;
+  CHECK(raymap_default_threads(&threads) == RAYMAP_OK && threads == 0);
+  CHECK(raymap_set_default_threads(3) == RAYMAP_OK);
+  CHECK(raymap_default_threads(&threads) == RAYMAP_OK && threads == 3);
+  CHECK(raymap_set_default_threads(-1) == RAYMAP_ERROR_USAGE);
+  CHECK(raymap_default_threads(&threads) == RAYMAP_OK && threads == 3);
+  CHECK(raymap_default_threads(NULL) == RAYMAP_ERROR_USAGE);
+  CHECK(raymap_set_default_threads(0) == RAYMAP_OK);
+}
+
 static void test_options(void) {
   raymap_options* options = raymap_options_create();
   CHECK(raymap_options_set_text(options, "distance", "cell") == RAYMAP_OK);
@@ -251,6 +275,22 @@ static double sum_of_winding(const raymap_options* options) {
   raymap_field_free(field);
   raymap_mesh_free(mesh);
   return sum;
+}
+
+static void test_signless(void) {
+  static const char* const arrays[] = {"winding", "confidence"};
+  const raymap_grid grid = {{6, 5, 4}, {-0.9, -0.8, -0.7}, 0.4};
+  raymap_mesh* mesh = make_tetrahedron();
+  for (int i = 0; i < 2; ++i) {
+    raymap_options* options = on_cpu();
+    CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
+    CHECK(raymap_options_set_number(options, arrays[i], 1) == RAYMAP_OK);
+    CHECK(raymap_generate(mesh, &grid, options) == NULL);
+    CHECK(raymap_last_error() == RAYMAP_ERROR_USAGE);
+    CHECK(strstr(raymap_last_error_message(), "need a sign") != NULL);
+    raymap_options_free(options);
+  }
+  raymap_mesh_free(mesh);
 }
 
 static void test_offsets(void) {
@@ -319,14 +359,35 @@ static void test_callbacks(void) {
   raymap_mesh_free(mesh);
 }
 
+/* Single precision keeps half a unit of it. */
+static void test_far_stl(const char* folder) {
+  char path[4096];
+  snprintf(path, sizeof path, "%s/c_api.stl", folder);
+  raymap_mesh_arrays arrays = {0};
+  arrays.vertices = kVertices;
+  arrays.vertex_count = 4;
+  arrays.triangles = kTriangles;
+  arrays.triangle_count = 4;
+  arrays.origin[0] = 5000000.2;
+  raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
+  raymap_options* options = raymap_options_create();
+  struct calls calls = {0, 0, true};
+  CHECK(raymap_options_set_warning(options, on_warning, &calls) == RAYMAP_OK);
+  CHECK(raymap_mesh_write(mesh, path, options) == RAYMAP_OK && calls.warnings == 1);
+  CHECK(raymap_mesh_write(mesh, path, NULL) == RAYMAP_OK && calls.warnings == 1);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
 static void test_files(const char* folder) {
   char path[4096];
   raymap_mesh* mesh = make_tetrahedron();
   const raymap_grid grid = fit(mesh);
   snprintf(path, sizeof path, "%s/c_api.ply", folder);
-  CHECK(raymap_mesh_write(mesh, path) == RAYMAP_OK);
+  CHECK(raymap_mesh_write(mesh, path, NULL) == RAYMAP_OK);
   raymap_mesh* read = raymap_mesh_load(path, NULL);
   CHECK(raymap_mesh_triangle_count(read) == 4);
+  test_far_stl(folder);
   raymap_field* field = raymap_generate(read, &grid, NULL);
   CHECK(field != NULL);
   snprintf(path, sizeof path, "%s/c_api.nrrd", folder);
@@ -389,7 +450,7 @@ static void test_null(void) {
   CHECK(raymap_mesh_copy_positions(NULL, low) == usage && raymap_mesh_copy_positions(mesh, NULL) == usage);
   CHECK(raymap_mesh_copy_triangles(NULL, NULL) == usage && raymap_mesh_copy_triangles(mesh, NULL) == usage);
   CHECK(raymap_mesh_bounds(NULL, low, low) == usage && raymap_mesh_bounds(mesh, NULL, low) == usage);
-  CHECK(raymap_mesh_write(NULL, "a.ply") == usage && raymap_mesh_write(mesh, NULL) == usage);
+  CHECK(raymap_mesh_write(NULL, "a.ply", NULL) == usage && raymap_mesh_write(mesh, NULL, NULL) == usage);
   CHECK(raymap_fit_grid(NULL, NULL, &grid) == usage && raymap_fit_grid(mesh, NULL, NULL) == usage);
   CHECK(raymap_generate(NULL, &grid, NULL) == NULL && raymap_generate(mesh, NULL, NULL) == NULL);
   CHECK(raymap_generator_run(NULL, mesh, &grid, NULL, field) == usage);
@@ -398,8 +459,8 @@ static void test_null(void) {
   CHECK(raymap_field_winding(NULL) == NULL && raymap_field_confidence(NULL) == NULL);
   CHECK(raymap_field_band(NULL) == 0.0 && raymap_field_device(NULL)[0] == 0);
   CHECK(raymap_field_stats(NULL, &stats) == usage && raymap_field_stats(field, NULL) == usage);
-  CHECK(raymap_field_sample(NULL, low, 1, NULL, NULL) == usage);
-  CHECK_FAILS(raymap_field_sample(field, low, 1, NULL, NULL), usage, "the field is empty");
+  CHECK(raymap_field_sample(NULL, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == usage);
+  CHECK_FAILS(raymap_field_sample(field, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL), usage, "the field is empty");
   CHECK(raymap_isosurface(NULL, 0.0, NULL) == NULL);
   CHECK(raymap_surface_create(NULL, NULL) == NULL && raymap_surface_bytes(NULL) == 0);
   CHECK(raymap_surface_stats(NULL, &stats) == usage);
@@ -425,7 +486,9 @@ int main(int argc, char** argv) {
   test_other_arrays();
   test_field();
   test_surface();
+  test_threads();
   test_options();
+  test_signless();
   test_offsets();
   test_callbacks();
   test_files(argc > 1 ? argv[1] : ".");

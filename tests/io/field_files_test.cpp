@@ -27,6 +27,7 @@ Field sphereField(const Grid& grid, double band) {
   Field field;
   field.grid = grid;
   field.band = band;
+  field.surfaceBounds = {{-1e-7, 1e6 + 1.0 / 3.0, -0.1}, {2.0 / 3.0, 1e6 + 7.0, -0.1}};
   field.distance.resizeUninitialized(grid.sampleCount());
   field.triangle.resizeUninitialized(grid.sampleCount());
   field.winding.resizeUninitialized(grid.sampleCount());
@@ -62,6 +63,8 @@ class FieldFiles : public testing::TestWithParam<std::string> {
     if (!hasGrid()) return;
     EXPECT_EQ(a.grid, b.grid);
     EXPECT_EQ(a.band, b.band);
+    EXPECT_EQ(a.surfaceBounds.min, b.surfaceBounds.min);
+    EXPECT_EQ(a.surfaceBounds.max, b.surfaceBounds.max);
   }
   std::string bytes() const { return readBytes(file()); }
   void setBytes(const std::string& content) const { std::ofstream(file(), std::ios::binary) << content; }
@@ -320,6 +323,8 @@ TEST_P(HeaderFiles, RefuseWrongCounts) {
   expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nspacings: 1 2 1\n"), "boxes");
   expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nspace origin: (inf,0,0)\n"), "an infinite origin");
   expectRefused(nrrd("sizes: 2 1 1\nencoding: raw\nband:=-1\n"), "a negative band");
+  for (const char* wrong : {"0 0 0 1 1", "0 0 0 1 -1 1", "0 0 0 1 inf 1", "nan 0 0 1 1 1"})
+    expectRefused(nrrd(std::string("sizes: 2 1 1\nencoding: raw\nsurface_bounds:=") + wrong + "\n"), wrong);
 }
 
 TEST_P(HeaderFiles, ConvertDoublesAndBigEndian) {

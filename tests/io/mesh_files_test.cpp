@@ -38,7 +38,7 @@ class MeshFiles : public testing::Test {
  protected:
   void SetUp() override {
     rows_ = meshRows();
-    if (rows_.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+    RAYMAP_NEED_MESHES();
   }
   std::vector<MeshRow> rows_;
 };

@@ -71,6 +71,33 @@ TEST_P(WriteMesh, HoldsWhatAsStoredSays) {
   }
 }
 
+TEST_P(WriteMesh, SaysHowFarRoundingMovesVertices) {
+  std::string warnings;
+  const auto written = [&](const Mesh& mesh, const glm::dvec3& offset = glm::dvec3(0.0)) {
+    warnings.clear();
+    writeMesh(path(), mesh, {.offset = offset, .warn = [&](std::string_view text) { warnings += text; }});
+    return warnings;
+  };
+  // Between 256 and 512, numbers of single precision are 3.05e-5 apart.
+  const auto moving = [](float shift, const glm::vec3& last) {
+    return Mesh{
+        {{0, 0, 0}, {1, 0, 0}, last + glm::vec3(shift, 0, 0), {0.1F, 99, 0}}, {{0, 1, 2}}, {256, 0, 0}};
+  };
+  const std::string expected =
+      path().string() +
+      ": so far from (0, 0, 0), the single precision of this format moves vertices by up to 1.25e-05, "
+      "0.00125 % "
+      "of the mesh's size; write one of .ply .obj .glb .3mf, or move the mesh closer";
+  EXPECT_EQ(written(moving(1.25e-5F, {0, 1, 0})), hasShared() ? "" : expected);
+  EXPECT_EQ(written(moving(1.25e-5F, {0, 1, 0}), {256, 0, 0}), "") << "after the offset";
+  EXPECT_EQ(written(moving(0.99e-5F, {0, 1, 0})), "");
+  for (const glm::vec3& last : {glm::vec3(2, 0, 0), {0, 2, 0}, {0, 0, 2}})
+    EXPECT_EQ(written(moving(1.25e-5F, last)), "") << "of the longest side";
+  if (hasShared()) return;
+  const glm::vec3 point(1e-6F, 0, 0);
+  EXPECT_EQ(written({{point, point, point}, {{0, 1, 2}}, {256, 0, 0}}), "") << "a point has no shape";
+}
+
 /// Returns the content of a part of a 3MF.
 std::string partOf(const std::filesystem::path& path, const std::string& name) {
   const std::string bytes = readBytes(path);

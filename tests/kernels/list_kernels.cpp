@@ -125,7 +125,7 @@ class EveryStage : public FrameBackend {
     start(nowhere_, grid_, options_);
     setResults({});
     recordMisfit();
-    recordSides(0.0f, FaceMeasure::Rise);
+    recordSides(0.0f, SideMeasure::Rise);
     recordParity();
     recordMissingEdges();
     recordWindingAt(std::vector<glm::vec3>(1));

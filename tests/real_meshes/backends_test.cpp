@@ -24,7 +24,7 @@ Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {
 
 TEST(Backends, GiveTheSameFieldOfEveryMesh) {
   const std::vector<std::string> names = wellFormedMeshes();
-  if (names.empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   if (devices().devices.size() < 2) GTEST_SKIP() << devices().note;
   for (const std::string& name : names) {
     SCOPED_TRACE(name);
@@ -46,7 +46,7 @@ TEST(Backends, GiveTheSameFieldOfEveryMesh) {
 }
 
 TEST(Backends, CloseTheSameHolesOfEveryMesh) {
-  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   if (devices().devices.size() < 2) GTEST_SKIP() << devices().note;
   for (const MeshRow& row : meshRows()) {
     if (row.at("kind") == "malformed" || row.at("boundary_edges") == "0") continue;

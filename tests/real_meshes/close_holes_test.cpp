@@ -9,7 +9,7 @@ namespace {
 
 TEST(CloseHoles, MakesDistanceFieldsOfRealMeshes) {
   const std::vector<MeshRow> rows = meshRows();
-  if (rows.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  RAYMAP_NEED_MESHES();
   size_t holed = 0, closed = 0;
   for (const MeshRow& row : rows) {
     if (row.at("kind") == "malformed" || row.at("boundary_edges") == "0") continue;

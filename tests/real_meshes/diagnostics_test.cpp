@@ -52,7 +52,7 @@ void expectRow(const Diagnostics& found, const std::map<std::string, std::string
 
 TEST(Diagnostics, AgreesWithTheTableOfRealMeshes) {
   const std::vector<MeshRow> table = meshRows();
-  if (table.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  RAYMAP_NEED_MESHES();
   int compared = 0, closedGaps = 0;
   for (const auto& row : table) {
     SCOPED_TRACE(row.at("file"));
@@ -78,7 +78,7 @@ TEST(Diagnostics, AgreesWithTheTableOfRealMeshes) {
 }
 
 TEST(Diagnostics, CountsCrossingsAsExactArithmeticDoes) {
-  if (meshRows().empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  RAYMAP_NEED_MESHES();
   const std::map<std::string, size_t> pairs{{"vtkdata__greatWhite.stl", 401},
                                             {"assimp__Wuson.stl", 494},
                                             {"prusa3__mgs-body.stl", 231},

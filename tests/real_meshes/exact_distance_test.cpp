@@ -107,7 +107,7 @@ Grid offCentreGrid(const Mesh& mesh) {
 
 TEST(ExactDistance, IsExactOnEveryMesh) {
   const std::vector<std::string> names = wellFormedMeshes();
-  if (names.empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   double worst = 0.0;
   std::string worstName;
   const auto expectExact = [&](const std::string& name, const char* where, const Mesh& mesh,

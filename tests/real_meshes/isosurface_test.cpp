@@ -11,7 +11,7 @@ namespace {
 
 TEST(IsosurfaceOfRealMeshes, IsClosedForEveryMesh) {
   const std::vector<std::string> names = wellFormedMeshes();
-  if (names.empty()) GTEST_SKIP() << "no MESHES.tsv in " << meshFolder();
+  RAYMAP_NEED_MESHES();
   Generator generator;
   Field field;
   for (const std::string& name : names) {
@@ -37,11 +37,10 @@ TEST(IsosurfaceOfRealMeshes, IsClosedForEveryMesh) {
 }
 
 TEST(IsosurfaceOfRealMeshes, HasNoFacesThatCross) {
+  RAYMAP_NEED_MESHES();
   // There would be 4 pairs without fans, and 383 where walls are thinner than a sample.
   for (const char* name : {"common3d__fandisk.obj", "vtkdata__trumpet.obj"}) {
-    const std::filesystem::path path = meshFolder() / name;
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
-    const Mesh mesh = readMesh(path);
+    const Mesh mesh = readMesh(meshFolder() / name);
     const Mesh surface = isosurface(generate(mesh, fitGrid(mesh, {.resolution = 256})).field);
     EXPECT_TRUE(isClosed(surface));
     EXPECT_EQ(findSelfIntersections(surface).pairs, 0u);

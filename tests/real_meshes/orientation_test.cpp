@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kMostTriangles = 130'000;
 
 TEST(OrientationOfRealMeshes, AutoKeepsEveryConsistentMesh) {
-  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   size_t tried = 0;
   for (MeshRow& row : meshRows()) {
     if (row["kind"] == "malformed" || row["consistently_oriented"] != "yes") continue;
@@ -31,7 +31,7 @@ TEST(OrientationOfRealMeshes, AutoKeepsEveryConsistentMesh) {
 }
 
 TEST(OrientationOfRealMeshes, AutoNeverFitsWorse) {
-  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   size_t turned = 0;
   for (MeshRow& row : meshRows()) {
     if (row["kind"] == "malformed" || row["consistently_oriented"] == "yes") continue;
@@ -45,7 +45,7 @@ TEST(OrientationOfRealMeshes, AutoNeverFitsWorse) {
 }
 
 TEST(OrientationOfRealMeshes, TurnsRandomFacesBack) {
-  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   for (const char* name : {"libigl__bunny.off", "common3d__homer.obj", "thingi10k__79741.stl"}) {
     SCOPED_TRACE(name);
     if (!std::filesystem::exists(meshFolder() / name)) continue;

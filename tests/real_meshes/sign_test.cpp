@@ -38,7 +38,7 @@ size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const std::vector<Buf
 }
 
 TEST(Sign, NoBalancedMeshHasAWrongSign) {
-  if (!std::filesystem::exists(meshFolder() / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   size_t tried = 0;
   for (const std::string& name : balancedMeshes()) {
     SCOPED_TRACE(name);

@@ -156,6 +156,7 @@ TEST(Orientation, StopsWhenCancelled) {
   const Mesh mesh = flipped(withoutCap(shapes::sphere(1.0, 4), 0.7), 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   Options options;
+  options.threads = 1;  // Of several threads, all but one may be skipped.
   options.device = "cpu";
   double last = 0.0;
   options.progress = [&](std::string_view stage, double done) {
@@ -422,7 +423,7 @@ TEST(Orientation, KeepsWhatIsGivenWhereNothingFits) {
 }
 
 /// Returns what `measureSides` says of a face, in double precision.
-double sidesOf(const Trilinear<double>& field, double farSides, FaceMeasure measure, const glm::dvec3& a,
+double sidesOf(const Trilinear<double>& field, double farSides, SideMeasure measure, const glm::dvec3& a,
                const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 across = glm::cross(b - a, c - a);
   const double area2 = glm::length(across);
@@ -441,7 +442,7 @@ double sidesOf(const Trilinear<double>& field, double farSides, FaceMeasure meas
         };
         const double before = at(p + step), behind = at(p - step);
         const double toOdd = std::abs(std::remainder(before + behind - 1.0, 2.0));
-        sum += measure == FaceMeasure::Rise ? before - behind : 1.0 - toOdd;
+        sum += measure == SideMeasure::Rise ? before - behind : 1.0 - toOdd;
       }
   return sum / (parts * parts);
 }
@@ -479,12 +480,12 @@ TEST(Orientation, MeasuresTheFieldBesideEachFace) {
         ASSERT_EQ(rises.size(), faces.size());
         ASSERT_EQ(wholeness.size(), faces.size());
         for (uint32_t f = 0; f < faces.size(); ++f) {
-          const auto expected = [&](FaceMeasure measure) {
+          const auto expected = [&](SideMeasure measure) {
             if (!taken.empty() && taken[f] == kLeftOut) return 0.0;
             return sidesOf(exact, farSides, measure, mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
           };
-          ASSERT_NEAR(rises[f], expected(FaceMeasure::Rise), 2e-4) << "face " << f;
-          ASSERT_NEAR(wholeness[f], expected(FaceMeasure::Wholeness), 2e-4) << "face " << f;
+          ASSERT_NEAR(rises[f], expected(SideMeasure::Rise), 2e-4) << "face " << f;
+          ASSERT_NEAR(wholeness[f], expected(SideMeasure::Wholeness), 2e-4) << "face " << f;
         }
       }
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The folder of real meshes, for tests that are skipped without it.
+// The folder of real meshes, which some tests need.
 
 #include <gtest/gtest.h>
 
@@ -53,3 +53,11 @@ inline std::vector<std::string> wellFormedMeshes() {
 }
 
 }  // namespace raymap
+
+/// Leaves a test that needs the folder where there is none. Fails it where RAYMAP_REQUIRE_MESHES is set.
+#define RAYMAP_NEED_MESHES()                                                                         \
+  if (raymap::meshRows().empty()) {                                                                  \
+    if (std::getenv("RAYMAP_REQUIRE_MESHES")) FAIL() << "no MESHES.tsv in " << raymap::meshFolder(); \
+    GTEST_SKIP() << "no MESHES.tsv in " << raymap::meshFolder();                                     \
+  }                                                                                                  \
+  static_assert(true)

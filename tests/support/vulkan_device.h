@@ -14,9 +14,17 @@
 
 namespace raymap::vulkan {
 
+/// Returns whether tests run under the validation layer. RAYMAP_VULKAN_VALIDATION=off is for machines without
+/// it.
+inline bool isValidated() {
+  const char* value = std::getenv("RAYMAP_VULKAN_VALIDATION");
+  return !value || std::string(value) != "off";
+}
+
 /// A test on a device under the validation layer, with guards around every buffer. The layer checks for
-/// hazards unless the environment asks for other checks. The test fails on any message of the layer and on
-/// any damaged guard. It is skipped where there is no driver, but fails there if RAYMAP_REQUIRE_VULKAN=1.
+/// hazards unless the environment asks for other checks, or for none. The test fails on any message of the
+/// layer and on any damaged guard. It is skipped where there is no driver, but fails there if
+/// RAYMAP_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
  protected:
   /// Returns the device that all tests of a program share. RAYMAP_VULKAN_DEVICE=K selects one.
@@ -58,7 +66,7 @@ class VulkanTest : public ::testing::Test {
                                 },
                             .guards = true};
       if (index) options.index = std::stoul(index);
-      if (options.validation == Validation::Off) options.validation = Validation::Sync;
+      if (isValidated() && options.validation == Validation::Off) options.validation = Validation::Sync;
       try {
         device = std::make_unique<Device>(options);
       } catch (const Error& error) {

@@ -11,6 +11,8 @@
 #include "vulkan/runtime/backend.h"
 #include "vulkan_device.h"
 
+#include <raymap/vulkan.h>
+
 namespace raymap::vulkan {
 
 inline Mesh holedSphere(int levels = 3) {

@@ -82,7 +82,7 @@ std::vector<std::string> someMeshes() {
 }
 
 TEST_F(VulkanCells, MatchTheCpuOnRealMeshes) {
-  if (!std::filesystem::exists(meshFolder() / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   size_t tried = 0;
   for (const std::string& name : someMeshes()) {
     SCOPED_TRACE(name);

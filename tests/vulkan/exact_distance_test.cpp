@@ -224,7 +224,7 @@ INSTANTIATE_TEST_SUITE_P(Subgroups, VulkanExactDistanceGroups, ::testing::Values
                          ::testing::PrintToStringParamName());
 
 TEST_F(VulkanExactDistance, IsExactOnRealMeshes) {
-  if (meshRows().empty()) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   for (const char* name :
        {"pymesh__tet.obj", "libigl__cube.off", "trimesh__20mm-xyz-cube.stl", "trimesh__featuretype.ply",
         "prusaslicer__M3x10_screw.stl", "libigl__bunny.off", "common3d__spot.obj", "sellan__eiffel.obj",

@@ -9,6 +9,8 @@
 #include "shapes.h"
 #include "vulkan_device.h"
 
+#include <raymap/vulkan.h>
+
 namespace raymap::vulkan {
 namespace {
 

@@ -24,13 +24,20 @@ enum Op : uint32_t {
   OpName = 5,
   OpCapability = 17,
   OpTypeFloat = 22,
+  OpConstant = 43,
   OpFunction = 54,
+  OpVariable = 59,
+  OpAccessChain = 65,
+  OpInBoundsAccessChain = 66,
+  OpPtrAccessChain = 67,
+  OpInBoundsPtrAccessChain = 70,
   OpDecorate = 71,
   OpFAdd = 129,
   OpFSub = 131,
   OpFMul = 133
 };
 constexpr uint32_t kDecorationNoContraction = 42;
+constexpr uint32_t kStoragePushConstant = 9;
 
 enum Capability : uint32_t {
   Shader = 1,
@@ -157,6 +164,45 @@ TEST(Kernels, ForbidDriversToContractWhatMustBeRounded) {
       EXPECT_GT(function->second.all, 0u) << name;
       EXPECT_EQ(function->second.contractable, 0u) << name << " of " << shader.name;
     }
+  }
+}
+
+/// Access chains into the push constants of a module, and those of them with an index that is no constant.
+struct PushReads {
+  std::vector<std::span<const uint32_t>> all;
+  size_t variable = 0;
+};
+
+PushReads pushReadsOf(std::span<const uint32_t> code) {
+  constexpr size_t kFirstIndex = 4;
+  PushReads reads;
+  std::set<uint32_t> constants, pointers;
+  forEachInstruction(code, [&](std::span<const uint32_t> words) {
+    const uint32_t op = opOf(words);
+    if (op == OpConstant) constants.insert(words[2]);
+    if (op == OpVariable && words[3] == kStoragePushConstant) pointers.insert(words[2]);
+    const std::set<uint32_t> chains{OpAccessChain, OpInBoundsAccessChain, OpPtrAccessChain,
+                                    OpInBoundsPtrAccessChain};
+    if (!chains.contains(op) || !pointers.contains(words[3])) return;
+    pointers.insert(words[2]);
+    reads.all.push_back(words);
+    for (const uint32_t index : words.subspan(kFirstIndex))
+      reads.variable += constants.contains(index) ? 0 : 1;
+  });
+  return reads;
+}
+
+// Vulkan wants an index that is the same in all invocations. AMD's compiler takes that of the first one for
+// the others, which no software driver shows.
+TEST(Kernels, ReadPushConstantsAtConstantPlaces) {
+  for (const struct Shader& shader : shaders::kAll) {
+    const PushReads reads = pushReadsOf(shader.code);
+    EXPECT_EQ(reads.variable, 0u) << shader.name;
+    ASSERT_FALSE(reads.all.empty()) << shader.name;
+    std::vector<uint32_t> code(shader.code.begin(), shader.code.end());
+    const std::span<const uint32_t> last = reads.all.back();
+    code[static_cast<size_t>(&last.back() - shader.code.data())] = last[2];  // Its own result.
+    EXPECT_EQ(pushReadsOf(code).variable, 1u) << shader.name;
   }
 }
 

@@ -123,7 +123,7 @@ TEST_F(VulkanWindingRays, TheOrderOfTrianglesDoesNotMatter) {
 
 TEST_F(VulkanWindingRays, MeshesOfAllKinds) {
   const std::filesystem::path meshes = meshFolder();
-  if (!std::filesystem::exists(meshes / "MESHES.tsv")) GTEST_SKIP() << "no folder of meshes";
+  RAYMAP_NEED_MESHES();
   for (const char* name :
        {"pymesh__tet.obj", "common3d__spot.obj", "libigl__bunny.off", "prusaslicer__M3x10_screw.stl",
         "common3d__teapot.obj", "common3d__beetle.obj", "bff__inverted_triangles.obj", "meshlab__conrod.stl",

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "cpu/cells/cell_runs.h"
 
@@ -42,10 +43,9 @@ uint64_t prefixSum(Buffer<uint64_t>& starts) {
 
 void checkListBytes(uint64_t entries, size_t maxListBytes) {
   if (entries <= maxListBytes / sizeof(uint32_t)) return;
-  throw Error(ErrorCode::Memory, "the cells' triangle lists need " +
-                                     std::to_string((entries * sizeof(uint32_t)) >> 20) +
-                                     " MiB, but the limit is " + std::to_string(maxListBytes >> 20) +
-                                     " MiB; use a lower resolution or exact distance");
+  throw Error(ErrorCode::Memory, "the cells' triangle lists need " + neededText(entries * sizeof(uint32_t)) +
+                                     ", but only " + limitText(maxListBytes) +
+                                     " are left; use a lower resolution or exact distance");
 }
 
 }  // namespace

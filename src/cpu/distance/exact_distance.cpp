@@ -30,6 +30,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu {
 namespace HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kLargeSide = 32;
@@ -240,6 +241,7 @@ void refineBlocks(const ExactDistanceJob& job, Progress& progress) {
   });
 }
 
+}  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace raymap::cpu
 HWY_AFTER_NAMESPACE();

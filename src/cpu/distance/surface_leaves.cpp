@@ -13,6 +13,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Vectors, one per lane.
@@ -180,6 +181,7 @@ void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t 
   boundLeaf(corners, lane, discs);
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -14,6 +14,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Fields of a place, 16 bits each, from the lowest on. Field 0 is the index.
@@ -113,6 +114,7 @@ void sortRun(Place* places, size_t count) {
   sortRun(places + half, count - half);
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -16,6 +16,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kLanes = 8;  // At most.
@@ -170,6 +171,7 @@ void findAll(const PackedMesh& mesh, std::span<const glm::dvec3> points, std::sp
   }
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

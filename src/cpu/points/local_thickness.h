@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/thickness.h>
+#include <raymap/local_thickness.h>
 
 #include "base/progress.h"
 #include "cpu/points/point_query.h"

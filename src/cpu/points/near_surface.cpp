@@ -14,6 +14,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 
 /// Nodes of a packet that a ball meets, and whether one of them lies in it as a whole.
 struct Met {
@@ -69,6 +70,7 @@ bool isNear(const SurfaceTree& tree, const glm::vec3& p, float radius) {
   return false;
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -21,6 +21,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 
 /// Most points that a block is not halved for.
 constexpr size_t kFewPoints = 128;
@@ -254,6 +255,7 @@ void findNearest(const SurfaceTree& tree, const SortedPoints& sorted, float most
   PointBlocks(tree, sorted, most, nearest).run();
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -44,6 +44,17 @@ glm::dvec3 pointAt(const PointsView& view, size_t i) {
   return view.scalar == PointsView::Scalar::Float ? read(float{}) : read(double{});
 }
 
+double largestOf(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Returns the factor by which an offset shrinks so that its square does not overflow; 1 for most.
+double shrinkingOf(const glm::dvec3& offset) {
+  constexpr double kSafe = 1e150;
+  const double largest = largestOf(offset);
+  return largest > kSafe ? kSafe / largest : 1.0;
+}
+
 bool isFinite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -60,8 +71,9 @@ uint64_t spread(uint64_t v) {
 /// Returns a point in the cells of a grid.
 glm::vec3 toCells(const Grid& grid, const glm::dvec3& p) {
   if (!isFinite(p)) return glm::vec3(NAN);
-  glm::dvec3 q = (p - grid.origin) * (1.0 / grid.spacing);
-  const double far = std::max({std::abs(q.x), std::abs(q.y), std::abs(q.z)}),
+  const glm::dvec3 offset = p - grid.origin;
+  glm::dvec3 q = offset * shrinkingOf(offset) * (1.0 / grid.spacing);
+  const double far = largestOf(q),
                most = double(kFarthest) * double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   if (far > most) q = q / far * most;
   return glm::vec3(q);
@@ -206,13 +218,15 @@ class Answers {
     constexpr size_t kAhead = 32;
     nearest_.resize(count), cells_.resize(count), codes_.resize(count), exact_.resize(count);
     distances_.resize(count), numbers_.resize(count), triangles_.resize(count), closest_.resize(count);
-    unsigned_.resize(count);
+    unsigned_.resize(count), shrinking_.resize(count);
     for (size_t k = 0; k < count; ++k) {
       if (k + kAhead < count) hwy::Prefetch(bytesAt(view_, batch.number(begin + k + kAhead)));
       const glm::dvec3 p = pointAt(view_, batch.number(begin + k));
       cells_[k] = toCells(surface_.grid, p);
       codes_[k] = batch.code(begin + k);
-      exact_[k] = p - surface_.mesh.origin;
+      const glm::dvec3 offset = p - surface_.mesh.origin;
+      shrinking_[k] = shrinkingOf(offset);
+      exact_[k] = offset * shrinking_[k];
     }
   }
 
@@ -220,7 +234,8 @@ class Answers {
   void measure(size_t k, size_t number) {
     TrianglePoint closest = closest_[k];
     uint32_t triangle = triangles_[k];
-    double distance = triangle == kNoTriangle ? INFINITY : glm::length(exact_[k] - closest.position);
+    const double length = triangle == kNoTriangle ? INFINITY : glm::length(exact_[k] - closest.position);
+    double distance = length / shrinking_[k];
     // Beyond the largest distance nothing more is known of points without a triangle. The sign must not
     // depend on which points those are.
     const double known = std::min(distance, options_.maxDistance);
@@ -238,8 +253,7 @@ class Answers {
     if (options_.triangle) result_.triangle[number] = triangle;
     if (options_.barycentric) result_.barycentric[number] = closest.weights;
     if (options_.direction)
-      result_.direction[number] =
-          distance > 0.0 ? (closest.position - exact_[k]) / distance : glm::dvec3(0.0);
+      result_.direction[number] = distance > 0.0 ? (closest.position - exact_[k]) / length : glm::dvec3(0.0);
   }
 
   void computeSigns(const Batch& batch, size_t begin) {
@@ -266,7 +280,8 @@ class Answers {
   std::vector<NearestTriangle> nearest_;
   std::vector<glm::vec3> cells_;
   std::vector<uint64_t> codes_;
-  std::vector<glm::dvec3> exact_;
+  std::vector<glm::dvec3> exact_;  // relative to the mesh's origin, times `shrinking_`
+  std::vector<double> shrinking_;
   std::vector<float> distances_, numbers_;
   std::vector<uint32_t> triangles_;
   std::vector<TrianglePoint> closest_;
@@ -302,12 +317,6 @@ void fillRest(const PointsView& view, size_t begin, size_t end, QueryResult& res
 }
 
 }  // namespace
-
-size_t PreparedSurface::bytes() const {
-  return tree.bytes() + (turnedTree ? turnedTree->bytes() : 0) + turns.capacity() + dipoles.bytes() +
-         lattice.distance.capacityBytes() + lattice.winding.capacityBytes() +
-         lattice.confidence.capacityBytes() + lattice.isNearRim.capacityBytes();
-}
 
 void queryPoints(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
                  Progress& progress, QueryResult& result) {

@@ -15,6 +15,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 
 /// Capsule: all points within `radius` of a segment.
 struct Capsule {
@@ -187,6 +188,7 @@ void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& 
   });
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -13,6 +13,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr size_t kLanes = 16;  // At most; see `lanes`.
@@ -178,6 +179,7 @@ void measureFaces(const CellMesh& mesh, const Turns& turns, const Buffer<float>&
   measureThem();
 }
 
+}  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

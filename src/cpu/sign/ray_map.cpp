@@ -56,6 +56,19 @@ int32_t RayMap::total(int axis, size_t line) const {
   return steps.empty() ? 0 : steps.front().signedSum;
 }
 
+size_t RayMap::bytes() const {
+  size_t sum = 0;
+  for (const Axis& axis : axes) sum += axis.starts.capacityBytes() + axis.steps.capacityBytes();
+  return sum;
+}
+
+size_t RayMap::bytesNeeded(const Crossings& crossings) {
+  size_t sum = 0;
+  for (const AxisCrossings& axis : crossings)
+    sum += axis.starts.size() * sizeof(uint64_t) + axis.entries.size() * sizeof(RayStep);
+  return sum;
+}
+
 void buildRayMap(glm::ivec3 dims, const Crossings& crossings, RayMap& map) {
   map.dims = dims;
   for (int axis = 0; axis < 3; ++axis) {

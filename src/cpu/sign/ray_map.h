@@ -37,6 +37,10 @@ struct RayMap {
   /// Returns the signed crossings of a whole line: the ray from before the first sample.
   int32_t total(int axis, size_t line) const;
 
+  size_t bytes() const;
+  /// Returns the bytes of the ray map of these crossings.
+  static size_t bytesNeeded(const Crossings& crossings);
+
  private:
   const RayStep* find(int axis, const glm::ivec3& sample) const;
 };

@@ -2,6 +2,8 @@
 
 #include "cpu/sign/winding.h"
 
+#include <algorithm>
+
 #include "cpu/sign/winding_harmonic.h"
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
@@ -23,6 +25,16 @@ double shareOfRays(SignMode mode, const Options& options) {
 struct Winding::Impl {
   PathScratch paths;
   HarmonicScratch harmonic;
+
+  /// Returns the bytes that a mode has yet to allocate if rays disagree.
+  size_t bytesToAllocate(const RaySweep& sweep, SignMode mode) const {
+    const bool isHarmonic = mode == SignMode::Harmonic;
+    if (!isHarmonic && mode != SignMode::Paths && mode != SignMode::Evolution) return 0;
+    const size_t held = isHarmonic ? harmonic.bytes() : paths.bytes();
+    const size_t needed = isHarmonic ? HarmonicScratch::bytesNeeded(sweep.map())
+                                     : PathScratch::bytesNeeded(sweep.sampleCount());
+    return needed - std::min(needed, held);
+  }
 };
 
 Winding::Winding() : impl_(std::make_unique<Impl>()) {}
@@ -32,14 +44,15 @@ size_t Winding::bytes() const {
   return impl_->paths.bytes() + impl_->harmonic.bytes();
 }
 
-double Winding::compute(const RayMap& map, SignMode mode, const Options& options, Progress& progress,
-                        Buffer<float>& winding) {
+double Winding::compute(const RayMap& map, SignMode mode, const Options& options, FunctionView<size_t> ask,
+                        Progress& progress, Buffer<float>& winding) {
   const double rays = shareOfRays(mode, options);
   const RaySweep sweep(map);
   const size_t doubtful = mode == SignMode::Ray ? takeOneRay(sweep, progress, rays, winding)
                                                 : averageRays(sweep, progress, rays, winding);
   // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
+    ask(impl_->bytesToAllocate(sweep, mode));
     if (mode == SignMode::Paths)
       averagePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Evolution)

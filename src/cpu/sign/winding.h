@@ -1,7 +1,8 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "cpu/sign/ray_map.h"
 
@@ -13,10 +14,11 @@ class Winding {
  public:
   Winding();
   ~Winding();
-  /// Computes the winding number, with the passes and offsets of `options`. Returns the share of samples
+  /// Computes the winding number, with the passes and offsets of `options`. If rays disagree, first calls
+  /// `ask` with the bytes to allocate, which throws if there are not so many. Returns the share of samples
   /// whose six rays disagree.
-  double compute(const RayMap& map, SignMode mode, const Options& options, Progress& progress,
-                 Buffer<float>& winding);
+  double compute(const RayMap& map, SignMode mode, const Options& options, FunctionView<size_t> ask,
+                 Progress& progress, Buffer<float>& winding);
   size_t bytes() const;
 
  private:

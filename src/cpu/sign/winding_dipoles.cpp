@@ -25,6 +25,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu {
 namespace HWY_NAMESPACE {
+namespace {
 
 using Moments = WindingDipoles::Moments;
 
@@ -252,6 +253,7 @@ void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<con
     winding[p] = settle(solidAngles, points[p], threshold, firstLook);
 }
 
+}  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace raymap::cpu
 HWY_AFTER_NAMESPACE();

@@ -86,6 +86,16 @@ size_t HarmonicScratch::bytes() const {
   return sum;
 }
 
+size_t HarmonicScratch::bytesNeeded(const RayMap& map) {
+  size_t sum = 0;
+  for (int l = 0; l <= coarsestHarmonicLevel(map.dims); ++l) {
+    const LatticeBox box = harmonicBox(map.dims, l);
+    if (l > 0) sum += 3 * sizeof(float) * box.sampleCount();
+    for (const RayMap::Axis& axis : map.axes) sum += JumpRows::bytesNeeded(box, axis.steps.size());
+  }
+  return sum;
+}
+
 void solveHarmonic(const RayMap& map, Progress& progress, double begin, HarmonicScratch& scratch,
                    Buffer<float>& winding) {
   scratch.levels.resize(size_t(coarsestHarmonicLevel(map.dims)) + 1);

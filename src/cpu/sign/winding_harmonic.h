@@ -20,6 +20,8 @@ struct HarmonicScratch {
   std::vector<HarmonicLevel> levels;
 
   size_t bytes() const;
+  /// Returns about how many bytes it holds after a run on this map.
+  static size_t bytesNeeded(const RayMap& map);
 };
 
 /// Fills `winding` with the field that meets w(i) - w(i + 1) = w_l(i) on all lattice edges as well as

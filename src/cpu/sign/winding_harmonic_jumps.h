@@ -28,6 +28,11 @@ class JumpRows {
   void addTo(float* samples, size_t id, float scale) const {
     for (const Jump& jump : row(id)) samples[jump.x] += scale * jump.height;
   }
+  /// Returns about how many bytes the jumps of a lattice take, if this many crossings lie along the axis.
+  static size_t bytesNeeded(const LatticeBox& box, size_t crossings) {
+    const size_t rows = size_t(box.dims.y) * size_t(box.dims.z), jumps = 2 * crossings >> (2 * box.level);
+    return (rows + 2) * sizeof(size_t) + jumps * sizeof(Jump);
+  }
   size_t bytes() const { return starts_.capacity() * sizeof(size_t) + jumps_.capacity() * sizeof(Jump); }
 
  private:

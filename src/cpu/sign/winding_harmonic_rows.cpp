@@ -10,6 +10,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu {
 namespace HWY_NAMESPACE {
+namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void relaxRow(const RowStencil& around, size_t first, size_t count, float* row) {
@@ -39,6 +40,7 @@ void relaxRow(const RowStencil& around, size_t first, size_t count, float* row) 
   }
 }
 
+}  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace raymap::cpu
 HWY_AFTER_NAMESPACE();

@@ -161,6 +161,10 @@ size_t PathScratch::bytes() const {
   return rays[0].capacityBytes() + rays[1].capacityBytes() + rays[2].capacityBytes() + next.capacityBytes();
 }
 
+size_t PathScratch::bytesNeeded(size_t samples) {
+  return samples * (3 * sizeof(int32_t) + sizeof(float));
+}
+
 void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
                   PathScratch& scratch, Buffer<float>& winding) {
   const RayMap& map = sweep.map();

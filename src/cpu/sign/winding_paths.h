@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
 #include "base/progress.h"
 #include "cpu/sign/ray_sweep.h"
@@ -16,6 +16,8 @@ struct PathScratch {
   Buffer<float> next;
 
   size_t bytes() const;
+  /// Returns the bytes that it holds after a run on so many samples.
+  static size_t bytesNeeded(size_t samples);
 };
 
 /// Averages over P passes (§3.5, Eq. 9), the paper's simpler technique. Each offset point q of a pass has the

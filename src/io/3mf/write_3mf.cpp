@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "io/3mf/units.h"
-#include "io/field/zip_writer.h"
+#include "io/zip/zip_writer.h"
 #include "mesh/weld.h"
 
 namespace raymap {
@@ -55,38 +55,15 @@ std::string xmlText(std::string_view text) {
   return xml;
 }
 
-/// Collects text and writes it to the zip in large pieces.
-class Text {
- public:
-  explicit Text(ZipWriter& zip) : zip_(zip) {}
-
-  Text& operator<<(std::string_view text) {
-    buffer_ += text;
-    if (buffer_.size() >= kPiece) flush();
-    return *this;
-  }
-  /// Writes a number with the fewest digits that read back exactly.
-  template <class T>
-  Text& number(T value) {
-    char digits[32];
-    return *this << std::string_view(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
-  }
-  void flush() {
-    zip_.write(buffer_);
-    buffer_.clear();
-  }
-
- private:
-  static constexpr size_t kPiece = size_t{1} << 18;
-  ZipWriter& zip_;
-  std::string buffer_;
-};
+/// Appends a number with the fewest digits that read back exactly.
+template <class T>
+void append(std::string& text, T value) {
+  char digits[32];
+  text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
+}
 
 void addText(ZipWriter& zip, const std::string& name, std::string_view text) {
-  zip.beginDeflated(name, ZipWriter::Size::Below4GiB);
-  zip.write(kXml);
-  zip.write(text);
-  zip.endFile();
+  zip.addDeflated(name, 1, [text](size_t) { return std::string(kXml).append(text); });
 }
 
 /// Returns whether no two corners of triangles share a vertex, as in an STL.
@@ -120,45 +97,72 @@ Mesh joined(const PackedMesh& mesh) {
   return result;
 }
 
-void writeVertices(Text& text, const PackedMesh& mesh) {
-  // Vertices that no triangle uses may be anything, but 3MF holds finite numbers only.
-  const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    const glm::dvec3 p = mesh.position(v);
-    text << "<vertex x=\"";
-    text.number(finite(p.x)) << "\" y=\"";
-    text.number(finite(p.y)) << "\" z=\"";
-    text.number(finite(p.z)) << "\"/>\n";
-  }
-}
+/// The part that holds the mesh, as the pieces of its text: what comes before the vertices, blocks of them,
+/// what comes before the triangles, blocks of them, and the end.
+class Model {
+ public:
+  Model(const PackedMesh& mesh, const About3mf& about) : mesh_(mesh), about_(about) {}
 
-void writeTriangles(Text& text, const PackedMesh& mesh) {
-  for (const glm::uvec3& t : mesh.triangles) {
-    if (!isIn3mf(t)) continue;
-    text << "<triangle v1=\"";
-    text.number(t.x) << "\" v2=\"";
-    text.number(t.y) << "\" v3=\"";
-    text.number(t.z) << "\"/>\n";
+  size_t pieces() const { return trianglesAt() + blocks(mesh_.triangles.size()) + 1; }
+  std::string piece(size_t i) const {
+    if (i == 0) return begin();
+    if (i < trianglesAt() - 1) return vertices(i - 1);
+    if (i < trianglesAt()) return "</vertices>\n<triangles>\n";
+    if (i < pieces() - 1) return triangles(i - trianglesAt());
+    return "</triangles>\n</mesh>\n</object>\n</resources>\n"
+           "<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n";
   }
-}
 
-void writeModel(Text& text, const PackedMesh& mesh, const About3mf& about) {
-  text << kXml << "<model unit=\"" << nameIn3mf(about.unit)
-       << "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n";
-  const auto metadata = [&](const char* name, const std::string& value) {
-    if (!value.empty()) text << "<metadata name=\"" << name << "\">" << xmlText(value) << "</metadata>\n";
-  };
-  metadata("Title", about.title);
-  metadata("Description", about.description);
-  metadata("Application", std::string("raymap ") + version().text);
-  text << "<resources>\n<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n";
-  writeVertices(text, mesh);
-  text << "</vertices>\n<triangles>\n";
-  writeTriangles(text, mesh);
-  text << "</triangles>\n</mesh>\n</object>\n</resources>\n"
-       << "<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n";
-  text.flush();
-}
+ private:
+  static constexpr size_t kBlock = 4096;
+  static size_t blocks(size_t count) { return (count + kBlock - 1) / kBlock; }
+  size_t trianglesAt() const { return blocks(mesh_.vertices.size()) + 2; }
+
+  std::string begin() const {
+    std::string text(kXml);
+    text += "<model unit=\"" + std::string(nameIn3mf(about_.unit)) +
+            "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n";
+    const auto metadata = [&](const char* name, const std::string& value) {
+      if (!value.empty())
+        text += "<metadata name=\"" + std::string(name) + "\">" + xmlText(value) + "</metadata>\n";
+    };
+    metadata("Title", about_.title);
+    metadata("Description", about_.description);
+    metadata("Application", std::string("raymap ") + version().text);
+    return text + "<resources>\n<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n";
+  }
+
+  std::string vertices(size_t block) const {
+    // Vertices that no triangle uses may be anything, but 3MF holds finite numbers only.
+    const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+    std::string text;
+    const size_t end = std::min((block + 1) * kBlock, mesh_.vertices.size());
+    for (size_t v = block * kBlock; v < end; ++v) {
+      const glm::dvec3 p = mesh_.position(static_cast<uint32_t>(v));
+      append(text += "<vertex x=\"", finite(p.x));
+      append(text += "\" y=\"", finite(p.y));
+      append(text += "\" z=\"", finite(p.z));
+      text += "\"/>\n";
+    }
+    return text;
+  }
+
+  std::string triangles(size_t block) const {
+    std::string text;
+    const size_t begin = block * kBlock, count = std::min(kBlock, mesh_.triangles.size() - begin);
+    for (const glm::uvec3& t : mesh_.triangles.subspan(begin, count)) {
+      if (!isIn3mf(t)) continue;
+      append(text += "<triangle v1=\"", t.x);
+      append(text += "\" v2=\"", t.y);
+      append(text += "\" v3=\"", t.z);
+      text += "\"/>\n";
+    }
+    return text;
+  }
+
+  const PackedMesh& mesh_;
+  const About3mf& about_;
+};
 
 /// Writes the parts of the package.
 void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
@@ -176,14 +180,8 @@ void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about
           "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\n"
           "<Relationship Target=\"/3D/3dmodel.model\" Id=\"model\" "
           "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n</Relationships>\n");
-  // The longest lines of a vertex and a triangle.
-  constexpr uint64_t kVertexBytes = 100, kTriangleBytes = 64;
-  const uint64_t most = kVertexBytes * mesh.vertices.size() + kTriangleBytes * mesh.triangles.size();
-  zip.beginDeflated("3D/3dmodel.model", most < (uint64_t{1} << 32) - (1 << 20) ? ZipWriter::Size::Below4GiB
-                                                                               : ZipWriter::Size::Any);
-  Text text(zip);
-  writeModel(text, mesh, about);
-  zip.endFile();
+  const Model model(mesh, about);
+  zip.addDeflated("3D/3dmodel.model", model.pieces(), [&](size_t i) { return model.piece(i); });
   zip.finish();
 }
 

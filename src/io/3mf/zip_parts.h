@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "io/mesh/mesh_file.h"
+#include "io/zip/zip_reader.h"
 
 namespace raymap {
 
@@ -24,19 +25,9 @@ class ZipParts {
   void read(std::string_view name, const std::function<void(std::string_view piece)>& take);
 
  private:
-  /// Entry of the directory.
-  struct Entry {
-    bool isEncrypted = false;
-    uint16_t method = 0;
-    uint32_t checksum = 0;
-    uint64_t packedBytes = 0;
-    uint64_t header = 0;  ///< Where the part begins, with a header of its own.
-  };
-
-  std::string_view contentOf(const Entry& entry, const std::string& name) const;
-
   const MeshFile& file_;
-  std::map<std::string, Entry> entries_;
+  ZipReader zip_;
+  std::map<std::string, size_t> indices_;
   uint64_t inflated_ = 0;
 };
 

@@ -175,6 +175,19 @@ void checkPlacement(const std::filesystem::path& path, const Field& field) {
     throwInvalid(path, "the field's band is " + toText(field.band) + ", not a width");
 }
 
+std::array<double, 6> surfaceBoundsOf(const Field& field) {
+  const auto& [low, high] = field.surfaceBounds;
+  return {low.x, low.y, low.z, high.x, high.y, high.z};
+}
+
+void setSurfaceBounds(const std::filesystem::path& path, std::span<const double> numbers, Field& field) {
+  const Box box{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+  const bool areFinite = std::ranges::all_of(numbers, [](double number) { return std::isfinite(number); });
+  if (!areFinite || box.isEmpty())
+    throwInvalid(path, std::string("its ") + kSurfaceBounds + " are not x0 y0 z0 x1 y1 z1 in order");
+  field.surfaceBounds = box;
+}
+
 void readArray(const std::filesystem::path& path, Field& field, std::string_view name,
                const ArrayLayout& layout, const ReadBytes& read) {
   const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
@@ -206,6 +219,12 @@ void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes&
 std::string toText(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+std::string toText(std::span<const double> values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + toText(value);
+  return text;
 }
 
 std::optional<std::vector<double>> parseNumbers(std::string_view text, size_t count) {

@@ -83,6 +83,13 @@ void setDims(Grid& grid, const std::array<int64_t, 3>& dims);
 /// not negative.
 void checkPlacement(const std::filesystem::path& path, const Field& field);
 
+/// Name of `Field::surfaceBounds` in files. Its numbers are x0 y0 z0 x1 y1 z1.
+inline constexpr const char* kSurfaceBounds = "surface_bounds";
+/// Returns the numbers to store; the bounds must not be empty.
+std::array<double, 6> surfaceBoundsOf(const Field& field);
+/// Sets the bounds. Throws `Error(Input)` unless the numbers are finite and in order.
+void setSurfaceBounds(const std::filesystem::path& path, std::span<const double> numbers, Field& field);
+
 /// Reads the array into the field member called `name` and converts the elements to that member's type. An
 /// unknown name means the triangles if the elements are integers, else the distance.
 void readArray(const std::filesystem::path& path, Field& field, std::string_view name,
@@ -93,6 +100,8 @@ void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes&
 
 /// Returns the shortest text that reads back as the same number, whatever the locale.
 std::string toText(double value);
+/// Returns the texts of numbers, separated by blanks.
+std::string toText(std::span<const double> values);
 /// Parses numbers separated by blanks, commas or parentheses. Returns nothing unless the text holds exactly
 /// `count` numbers and nothing else.
 std::optional<std::vector<double>> parseNumbers(std::string_view text, size_t count);

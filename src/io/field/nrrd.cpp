@@ -124,6 +124,8 @@ Field readNrrd(const SourceFile& source) {
   setDims(field.grid, *dims);
   readPlacement(path, header, field.grid);
   if (header.contains("band")) field.band = numbersOf(path, header, "band", 1)[0];
+  if (header.contains(kSurfaceBounds))
+    setSurfaceBounds(path, numbersOf(path, header, kSurfaceBounds, 6), field);
   checkPlacement(path, field);
   readArray(
       path, field, valueOf(header, "content"), layout,
@@ -147,6 +149,7 @@ void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array) {
       << toText(grid.origin.z) << ")\n"
       << "content: " << array.name << "\n";
   if (field.band > 0.0) out << "band:=" << toText(field.band) << "\n";
+  if (!field.surfaceBounds.isEmpty()) out << kSurfaceBounds << ":=" << toText(surfaceBoundsOf(field)) << "\n";
   out << '\n';
   out.write(reinterpret_cast<const char*>(array.bytes.data()),
             static_cast<std::streamsize>(array.bytes.size()));

@@ -100,6 +100,10 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   grid->setCreator("raymap");
   grid->insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
   if (field.band > 0.0) grid->insertMeta(kVdbBandKey, openvdb::DoubleMetadata(field.band));
+  if (const auto& [low, high] = field.surfaceBounds; !field.surfaceBounds.isEmpty()) {
+    grid->insertMeta(kVdbSurfaceMinKey, openvdb::Vec3DMetadata({low.x, low.y, low.z}));
+    grid->insertMeta(kVdbSurfaceMaxKey, openvdb::Vec3DMetadata({high.x, high.y, high.z}));
+  }
   return grid;
 }
 

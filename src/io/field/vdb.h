@@ -5,6 +5,8 @@ namespace raymap {
 // Keys of our own metadata in .vdb files.
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbBandKey = "raymap_band";
+inline constexpr const char* kVdbSurfaceMinKey = "raymap_surface_min";
+inline constexpr const char* kVdbSurfaceMaxKey = "raymap_surface_max";
 inline constexpr const char* kVdbBackgroundKey =
     "raymap_background";  ///< Meaning of the background, in words.
 

@@ -190,14 +190,30 @@ void readSamples(const VtiFile& file, const pugi::xml_node& array, const std::ar
   readArray(file.path, field, array.attribute("Name").as_string(), elements.layout, elements.read);
 }
 
-/// Reads the band, which other programs encode as they encode all arrays. Without one, it is 0.
-double readBand(const VtiFile& file, const pugi::xml_node& image) {
-  const pugi::xml_node array = image.child("FieldData").find_child_by_attribute("DataArray", "Name", "band");
-  double band = 0.0;
-  if (!array) return band;
-  const Elements elements = openArray(file, array, {1, 1, 1});
-  readReals({&band, 1}, elements.layout, elements.read);
-  return band;
+/// Reads numbers of the field, which other programs encode as they encode all arrays. Returns whether they
+/// are there.
+bool readNumbers(const VtiFile& file, const pugi::xml_node& image, const char* name,
+                 std::span<double> numbers) {
+  const pugi::xml_node array = image.child("FieldData").find_child_by_attribute("DataArray", "Name", name);
+  if (!array) return false;
+  const Elements elements = openArray(file, array, {int64_t(numbers.size()), 1, 1});
+  readReals(numbers, elements.layout, elements.read);
+  return true;
+}
+
+void writeNumbers(std::ostream& out, const char* name, std::span<const double> numbers) {
+  out << "      <DataArray type=\"Float64\" Name=\"" << name << "\" NumberOfTuples=\"" << numbers.size()
+      << "\" format=\"ascii\">" << toText(numbers) << "</DataArray>\n";
+}
+
+/// Writes what the field knows besides its arrays.
+void writeFieldData(std::ostream& out, const Field& field) {
+  const bool hasBand = field.band > 0.0, hasBounds = !field.surfaceBounds.isEmpty();
+  if (!hasBand && !hasBounds) return;
+  out << "    <FieldData>\n";
+  if (hasBand) writeNumbers(out, "band", {&field.band, 1});
+  if (hasBounds) writeNumbers(out, kSurfaceBounds, surfaceBoundsOf(field));
+  out << "    </FieldData>\n";
 }
 
 }  // namespace
@@ -220,7 +236,9 @@ Field readVti(const SourceFile& source) {
 
   Field field;
   const auto dims = readGrid(file, image, field.grid);
-  field.band = readBand(file, image);
+  readNumbers(file, image, "band", {&field.band, 1});
+  if (std::array<double, 6> box{}; readNumbers(file, image, kSurfaceBounds, box))
+    setSurfaceBounds(path, box, field);
   checkPlacement(path, field);
   for (const pugi::xml_node& array : findArrays(file, image)) readSamples(file, array, dims, field);
   return field;
@@ -237,10 +255,7 @@ void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
       << "  <ImageData WholeExtent=\"" << extent << "\" Origin=\"" << toText(grid.origin.x) << ' '
       << toText(grid.origin.y) << ' ' << toText(grid.origin.z) << "\" Spacing=\"" << h << ' ' << h << ' ' << h
       << "\">\n";
-  if (field.band > 0.0)
-    out << "    <FieldData>\n      <DataArray type=\"Float64\" Name=\"band\" NumberOfTuples=\"1\" "
-           "format=\"ascii\">"
-        << toText(field.band) << "</DataArray>\n    </FieldData>\n";
+  writeFieldData(out, field);
   out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << array.name << "\">\n";
   uint64_t offset = 0;
   for (const NamedArray& each : arrays) {

@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x33494d52;  // RMI3
+inline constexpr uint32_t kImportMagic = 0x34494d52;  // RMI4
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
@@ -30,10 +30,12 @@ struct VdbHeader {
   std::array<double, 3> origin{};
   double spacing = 0.0;
   double band = 0.0;
+  uint64_t hasSurface = 0;  ///< 1 if the bounds of the surface are known, x0 y0 z0 x1 y1 z1.
+  std::array<double, 6> surface{};
   uint64_t isWhole = 0;     ///< 1 if the samples are signed integers, 0 if they are floats.
   uint64_t gridsAfter = 0;  ///< Number of grids that follow this one.
   std::array<char, 16> name{};
 };
-static_assert(sizeof(VdbHeader) == 96);
+static_assert(sizeof(VdbHeader) == 152);
 
 }  // namespace raymap

@@ -81,10 +81,16 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
     header.band = bandOf(grid);
   }
   if (const auto band = grid.getMetadata<openvdb::DoubleMetadata>(kVdbBandKey)) header.band = band->value();
+  const auto low = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMinKey),
+             high = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMaxKey);
+  header.hasSurface = low && high ? 1 : 0;
   const openvdb::Vec3d origin = transform.indexToWorld(box.min());
   for (int axis = 0; axis < 3; ++axis) {
     header.dims[axis] = int64_t{box.max()[axis]} - box.min()[axis] + 1;
     header.origin[axis] = origin[axis];
+    if (header.hasSurface == 0) continue;
+    header.surface[axis] = low->value()[axis];
+    header.surface[3 + axis] = high->value()[axis];
   }
   grid.getName().copy(header.name.data(), header.name.size() - 1);
   header.isWhole = grid.isType<openvdb::Int32Grid>() ? 1 : 0;

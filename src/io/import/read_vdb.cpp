@@ -24,11 +24,13 @@ uint64_t readGrid(Importer& importer, const std::filesystem::path& path, uint64_
   placed.grid.origin = {header.origin[0], header.origin[1], header.origin[2]};
   placed.grid.spacing = header.spacing;
   placed.band = header.band;
+  if (header.hasSurface != 0) setSurfaceBounds(path, header.surface, placed);
   checkPlacement(path, placed);
   const bool isFirst = field.grid.dims == glm::ivec3(0);
   if (isFirst) {
     field.grid = placed.grid;
     field.band = placed.band;
+    field.surfaceBounds = placed.surfaceBounds;
   }
   header.name.back() = '\0';
   const std::string name = header.name.data();

@@ -2,7 +2,7 @@
 
 // One reader and one writer per format, for `readPoints` and `writeQuery`.
 
-#include <raymap/surface.h>
+#include <raymap/query.h>
 
 #include <filesystem>
 #include <iosfwd>

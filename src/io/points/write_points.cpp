@@ -8,9 +8,9 @@
 #include <type_traits>
 
 #include "io/field/npy.h"
-#include "io/field/zip_writer.h"
 #include "io/mesh/mesh_formats.h"
 #include "io/points/point_formats.h"
+#include "io/zip/zip_writer.h"
 
 namespace raymap {
 

@@ -15,7 +15,7 @@ constexpr VkBufferUsageFlags kUsage =
 
 /// `most` says what there is at most: "only 5 MiB is available".
 [[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, const std::string& most) {
-  throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + mebibytes(bytes) + ", but " +
+  throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + neededText(bytes) + ", but " +
                                      most + "; use a lower resolution or another device");
 }
 
@@ -67,7 +67,7 @@ void DeviceBuffer::allocate(uint64_t bytes) {
   const DeviceLimits& limits = device_->limits();
   const uint64_t guardBytes = device_->guards() ? 2 * Guards::kBytes : 0;
   if (bytes > limits.bufferSize - guardBytes)
-    throwTooLarge(name_, bytes, "one buffer can have at most " + mebibytes(limits.bufferSize - guardBytes));
+    throwTooLarge(name_, bytes, "one buffer can have at most " + limitText(limits.bufferSize - guardBytes));
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                 .size = bytes + guardBytes,
                                 .usage = kUsage,
@@ -89,7 +89,7 @@ uint32_t DeviceBuffer::allocateMemory() {
   const uint32_t type = device_->memoryType(use_, needs.memoryTypeBits);
   const uint64_t available = device_->availableMemory(type);
   if (needs.size > available)
-    throwTooLarge(name_, needs.size, "only " + mebibytes(available) + " is available");
+    throwTooLarge(name_, needs.size, "only " + limitText(available) + " is available");
   const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
                                         .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,

@@ -1,5 +1,7 @@
 #include "vulkan/device/buffer_range.h"
 
+#include <raymap/error.h>
+
 #include <string>
 
 namespace raymap::vulkan {

@@ -2,7 +2,7 @@
 
 #include "vulkan/device/api.h"
 // raymap/vulkan.h must follow Vulkan's declarations.
-#include <raymap/vulkan.h>
+#include <raymap/vulkan_device.h>
 
 namespace raymap::vulkan {
 

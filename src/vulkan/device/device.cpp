@@ -122,16 +122,17 @@ void Device::readLimits() {
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
-  limits_ = {
-      .sharedMemory = basic.maxComputeSharedMemorySize,
-      .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
-      .minSubgroupSize = v13.minSubgroupSize,
-      .maxSubgroupSize = v13.maxSubgroupSize,
-      .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),
-      .timestampPeriod = families.at(queueFamily()).timestampValidBits > 0 ? basic.timestampPeriod : 0.0,
-      // Vulkan cannot report whether a caller enabled them on a borrowed device.
-      .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),
-      .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
+  const uint32_t timestampBits = families.at(queueFamily()).timestampValidBits;
+  limits_ = {.sharedMemory = basic.maxComputeSharedMemorySize,
+             .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
+             .minSubgroupSize = v13.minSubgroupSize,
+             .maxSubgroupSize = v13.maxSubgroupSize,
+             .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),
+             .timestampPeriod = timestampBits > 0 ? basic.timestampPeriod : 0.0,
+             .timestampBits = timestampBits,
+             // Vulkan cannot report whether a caller enabled them on a borrowed device.
+             .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),
+             .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
   vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
 }
 

@@ -5,6 +5,7 @@
 namespace raymap::vulkan {
 
 StageTimer::StageTimer(Device& device) : device_(device.handle()), period_(device.limits().timestampPeriod) {
+  if (period_ != 0.0) read_.emplace(device.limits().timestampBits);
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                    .queryCount = 2 * kMaxStages};
@@ -14,6 +15,7 @@ StageTimer::StageTimer(Device& device) : device_(device.handle()), period_(devic
 }
 
 void StageTimer::reset(VkCommandBuffer buffer) {
+  counter_ = read_;
   times_.clear();
   stamps_ = 0;
   vkCmdResetQueryPool(buffer, pool_.get(), 0, 2 * kMaxStages);
@@ -42,10 +44,12 @@ std::span<const StageTime> StageTimer::read() {
       vkGetQueryPoolResults(device_, pool_.get(), 0, stamps_, ticks_.size() * sizeof(uint64_t), ticks_.data(),
                             sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
       "reading timestamps");
+  read_ = counter_;
   const auto milliseconds = [&](uint64_t ticks) { return static_cast<double>(ticks) * period_ * 1e-6; };
   for (size_t i = 0; i < times_.size(); ++i) {
-    times_[i].milliseconds = milliseconds(ticks_[2 * i + 1] - ticks_[2 * i]);
-    times_[i].start = milliseconds(ticks_[2 * i]);
+    const uint64_t start = read_->advanceTo(ticks_[2 * i]), stop = read_->advanceTo(ticks_[2 * i + 1]);
+    times_[i].start = milliseconds(start);
+    times_[i].milliseconds = milliseconds(stop - start);
   }
   return times_;
 }

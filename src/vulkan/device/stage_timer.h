@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,27 @@ namespace raymap::vulkan {
 struct StageTime {
   const char* name;
   double milliseconds;
-  double start;  ///< Milliseconds since an arbitrary time.
+  double start;  ///< Milliseconds since the first stage that the timer timed.
+};
+
+/// Counts ticks on from timestamps that begin again at 0 when their bits are used up.
+class TickCounter {
+ public:
+  /// `validBits`: the number of lowest bits that count, 1 to 64.
+  explicit TickCounter(uint32_t validBits) : mask_(~uint64_t{0} >> (64 - validBits)) {}
+
+  /// Returns the ticks from the first timestamp to this one. It must be less than one round after the last
+  /// one.
+  uint64_t advanceTo(uint64_t timestamp) {
+    if (last_) ticks_ += (timestamp - *last_) & mask_;
+    last_ = timestamp;
+    return ticks_;
+  }
+
+ private:
+  uint64_t mask_;
+  uint64_t ticks_ = 0;
+  std::optional<uint64_t> last_;
 };
 
 /// Timestamps before and after each stage of one command buffer. Without timestamps on the device there are
@@ -34,6 +55,8 @@ class StageTimer {
 
   VkDevice device_;
   double period_;
+  // At the last reset, and after the last reading; none if the device has no timestamps.
+  std::optional<TickCounter> counter_, read_;
   QueryPool pool_;
   uint32_t stamps_ = 0;
   std::vector<StageTime> times_;

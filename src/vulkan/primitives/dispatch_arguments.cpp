@@ -1,6 +1,7 @@
 #include "vulkan/primitives/dispatch_arguments.h"
 
 #include <cstddef>
+#include <stdexcept>
 
 #include "shaders/dispatch_arguments_spv.h"
 
@@ -18,6 +19,8 @@ DispatchArguments::DispatchArguments(Device& device, const std::string& name, ui
 }
 
 void DispatchArguments::record(Commands& commands, uint32_t index, const Entry& entry) {
+  if (entry.parts > 1 && entry.mostGroups > kMaxGroups)
+    throw std::logic_error("surplus groups of a part would be groups of the next one");
   const DispatchArgumentsPush push{.count = entry.count.address,
                                    .entry = entries_.address() + index * sizeof(DispatchArgumentsEntry),
                                    .most = entry.count.most,

@@ -1,6 +1,7 @@
 #include "vulkan/primitives/gate.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "shaders/gate_spv.h"
 #include "vulkan/device/dispatch_limits.h"
@@ -31,6 +32,8 @@ void Gate::plan(std::span<const uint64_t> groups, uint32_t most) {
   for (const uint64_t count : groups)
     firstParts_.push_back(firstParts_.back() +
                           static_cast<uint32_t>(std::max<uint64_t>(ceilDiv(count, most), 1)));
+  if (firstParts_.back() > groups.size() && most > kMaxGroups)
+    throw std::logic_error("surplus groups of a part would be groups of the next one");
   planned_.resize<VkDispatchIndirectCommand>(firstParts_.back());
   actual_.resize<VkDispatchIndirectCommand>(firstParts_.back());
   const std::span<VkDispatchIndirectCommand> planned = planned_.mapped<VkDispatchIndirectCommand>();

@@ -15,7 +15,7 @@ class Gate {
   Gate(Device& device, const std::string& name);
 
   /// Sets the number of groups of each dispatch for an open gate. A dispatch of more than `most` becomes
-  /// several. All previously recorded work must have completed.
+  /// several, if `most` is no more than kMaxGroups. All previously recorded work must have completed.
   void plan(std::span<const uint64_t> groups, uint32_t most = UINT32_MAX);
   /// Opens or closes the gate for the dispatches recorded after it. `word` is the number's address.
   void record(Commands& commands, VkDeviceAddress word);

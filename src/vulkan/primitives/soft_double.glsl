@@ -150,7 +150,7 @@ Double maximum(Double a, Double b) {
 int floorOf(Double a) {
   const int shift = 52 - min(exponentBits(a) - kDoubleBias, 30);
   const uint64_t mantissa = mantissaOf(a);
-  const int whole = shift > 52 ? 0 : int(uint(mantissa >> shift));
+  const int whole = shift > 52 ? 0 : min(int(uint(mantissa >> shift)), 0x7ffffffe);  // Its negative must exist.
   const bool isWhole = shift > 52 ? mantissa == 0ul : (mantissa & ((1ul << shift) - 1ul)) == 0ul;
   return (a & kDoubleSign) != 0ul ? -whole - int(!isWhole) : whole;
 }

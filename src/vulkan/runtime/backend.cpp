@@ -198,14 +198,14 @@ std::span<const float> Backend::parityRises() {
 
 NearSides Backend::nearSides() {
   const std::span<const float> rises = measureRises(0.0f);
-  recordSides(0.0f, FaceMeasure::Wholeness);
+  recordSides(0.0f, SideMeasure::Wholeness);
   run();
   return {.rises = rises, .wholeness = orientationStage().sides()};
 }
 
 /// Negates the values of reversed faces, because the host counts them as given.
 std::span<const float> Backend::measureRises(float farSides) {
-  recordSides(farSides, FaceMeasure::Rise);
+  recordSides(farSides, SideMeasure::Rise);
   run();
   const std::span<const float> rises = orientationStage().sides();
   rises_.assign(rises.begin(), rises.end());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/render.h>
+#include <raymap/picture.h>
 
 #include <cstddef>
 

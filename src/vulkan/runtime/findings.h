@@ -6,6 +6,8 @@
 #include "vulkan/stages/cell_runs_push.h"
 #include "vulkan/stages/crossings_push.h"
 
+#include <raymap/vulkan.h>
+
 namespace raymap::vulkan {
 
 /// Results of the stages for the host. Stages that did not run leave their part unchanged.

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <string>
 
+#include "base/require.h"
 #include "base/text.h"
 #include "method/check_options.h"
 #include "method/device_name.h"
@@ -13,10 +14,6 @@
 namespace raymap::vulkan {
 
 namespace {
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw Error(ErrorCode::Usage, what);
-}
 
 void checkRoom(const Room& room) {
   constexpr uint32_t kMostVertices = uint32_t{1} << 29, kMostTriangles = uint32_t{1} << 29;

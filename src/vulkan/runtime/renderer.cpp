@@ -2,6 +2,8 @@
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/stages/render_field.h"
 
+#include <raymap/vulkan.h>
+
 namespace raymap::vulkan {
 
 struct Renderer::Impl {

@@ -1,6 +1,8 @@
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/stages/skin.h"
 
+#include <raymap/vulkan.h>
+
 namespace raymap::vulkan {
 
 struct Skinner::Impl {

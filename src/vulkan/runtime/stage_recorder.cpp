@@ -96,7 +96,7 @@ void StageRecorder::recordMisfit() {
   orientation_.recordMisfit(*commands_, orientationFields());
 }
 
-void StageRecorder::recordSides(float farSides, FaceMeasure measure) {
+void StageRecorder::recordSides(float farSides, SideMeasure measure) {
   orientation_.recordSides(*commands_, orientationFields(), farSides, measure);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
 #include <array>
 
@@ -88,7 +88,7 @@ class StageRecorder {
   void recordMesh(const CellMeshStage::Source& source);
   // For the stage `orientation`.
   void recordMisfit();
-  void recordSides(float farSides, FaceMeasure measure);
+  void recordSides(float farSides, SideMeasure measure);
   void recordParity();
   const OrientationStage& orientationStage() const { return orientation_; }
   // For the stage `close_holes`.

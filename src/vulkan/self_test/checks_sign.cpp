@@ -120,9 +120,9 @@ void checkOrientation(Subject& subject) {
                                         .mesh = uploaded.addresses()};
   Buffer<float> rises, wholeness;
   cpu::measureSides(mesh, {}, field, 0.5f, progress, rises, &wholeness);
-  for (const FaceMeasure measure : {FaceMeasure::Rise, FaceMeasure::Wholeness}) {
+  for (const SideMeasure measure : {SideMeasure::Rise, SideMeasure::Wholeness}) {
     probe.run([&](Commands& commands) { stage.recordSides(commands, fields, 0.5f, measure); });
-    requireNear("measures of the faces", stage.sides(), measure == FaceMeasure::Rise ? rises : wholeness,
+    requireNear("measures of the faces", stage.sides(), measure == SideMeasure::Rise ? rises : wholeness,
                 1e-4);
   }
   probe.run([&](Commands& commands) { stage.recordMisfit(commands, fields); });

@@ -2,7 +2,7 @@
 
 // Comparisons of stages with the CPU's, on any mesh. Each throws a `Difference`.
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
 #include "vulkan/self_test/cell_probe.h"
 #include "vulkan/self_test/sign_probe.h"

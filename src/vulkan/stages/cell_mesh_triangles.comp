@@ -16,12 +16,12 @@ bool isOutside(uvec3 corners) {
          any(greaterThan(max(max(a, b), c), vec3(push.highX, push.highY, push.highZ)));
 }
 
-// Updates the status once per subgroup, and only if there is something to change.
+// Updates the status once per subgroup.
 void note(uint good, uint outside) {
   const uint first = subgroupMax(good);
   const uint outsideOfAll = subgroupAdd(outside);
   if (!subgroupElect()) return;
-  if (first > push.status.now.firstGood) atomicMax(push.status.now.firstGood, first);
+  if (first > 0) atomicMax(push.status.now.firstGood, first);
   if (outsideOfAll > 0) atomicAdd(push.status.now.outside, outsideOfAll);
 }
 

@@ -86,6 +86,10 @@ void addCrossing(uint axis, ivec3 at, int direction) {
   const uvec3 place = uvec3(fromFrame(at, axis));
   const uint nx = push.dims[0] + uint(axis == 0), ny = push.dims[1] + uint(axis == 1);
   const uint edge = (place.z * ny + place.y) * nx + place.x;
-  atomicAdd(push.lines[axis].at[edge], direction);
+  // Invocations of a subgroup may have different axes, and an index into push constants must be the same for all of
+  // them: AMD's compiler takes the first one's.
+  if (axis == 0) atomicAdd(push.lines[0].at[edge], direction);
+  if (axis == 1) atomicAdd(push.lines[1].at[edge], direction);
+  if (axis == 2) atomicAdd(push.lines[2].at[edge], direction);
   if (uint64_t(push.crossed) != 0) markCrossed(push.crossed, push.crossedWords, axis, edge);
 }

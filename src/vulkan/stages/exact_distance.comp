@@ -89,7 +89,7 @@ void measureOctant(Block block, uvec3 octant, uint count) {
     Closest closest = before;
     for (uint i = lane() / 8; i < count; i += max(gl_SubgroupSize / 8, 1))
       measureTriangle(octantTriangles[waitingAt(i)], p, closest);
-    takeClosestOfLanes(s, before, closest);
+    takeClosestOfLanes(s, lane() < 8, before, closest);
     work += count + 2;
   }
 }

@@ -18,14 +18,15 @@ void keepSample(uint s, Closest closest) {
   sampleTriangle[at] = closest.triangle;
 }
 
-// Keeps the closest of the triangles that several lanes found for a sample; among equals, the lowest index.
-void takeClosestOfLanes(uint s, Closest before, Closest closest) {
+// Keeps the closest of the triangles that several lanes found for a sample; among equals, the lowest index. One of
+// these lanes is the first.
+void takeClosestOfLanes(uint s, bool isFirst, Closest before, Closest closest) {
   const uint at = gl_SubgroupID * kSamples + s, squared = floatBitsToUint(closest.squared);
   atomicMin(sampleSquared[at], squared);
   shareWithSubgroup();
   const uint least = sampleSquared[at];
   const bool isNew = least < floatBitsToUint(before.squared);
-  if (isNew) sampleTriangle[at] = kNoTriangle;
+  if (isNew && isFirst) sampleTriangle[at] = kNoTriangle;
   shareWithSubgroup();
   if (isNew && squared == least) atomicMin(sampleTriangle[at], closest.triangle);
   shareWithSubgroup();

@@ -30,7 +30,7 @@ void OrientationStage::reserve(const glm::ivec3& dims, uint32_t triangleCount) {
   for (DeviceBuffer* sides : {&sides_, &hostSides_}) sides->resize<float>(triangleCount);
 }
 
-OrientationPush OrientationStage::push(const Fields& fields, float farSides, FaceMeasure measure) const {
+OrientationPush OrientationStage::push(const Fields& fields, float farSides, SideMeasure measure) const {
   return {.rays = {fields.rays.axes[0], fields.rays.axes[1], fields.rays.axes[2]},
           .field = fields.field,
           .vertices = fields.mesh.vertices,
@@ -43,7 +43,7 @@ OrientationPush OrientationStage::push(const Fields& fields, float farSides, Fac
           .triangleCount = triangleCount_,
           .farSides = farSides,
           .threshold = static_cast<float>(fields.threshold),
-          .isWholeness = measure == FaceMeasure::Wholeness ? 1u : 0u};
+          .isWholeness = measure == SideMeasure::Wholeness ? 1u : 0u};
 }
 
 void OrientationStage::recordMisfit(Commands& commands, const Fields& fields) {
@@ -56,7 +56,7 @@ void OrientationStage::recordParity(Commands& commands, const Fields& fields) {
 }
 
 void OrientationStage::recordSides(Commands& commands, const Fields& fields, float farSides,
-                                   FaceMeasure measure) {
+                                   SideMeasure measure) {
   commands.dispatch(sidesOf_, push(fields, farSides, measure), triangleCount_);
   commands.copy(sides_, hostSides_, hostSides_.bytes());
 }

@@ -27,7 +27,7 @@ class OrientationStage {
   void recordParity(Commands& commands, const Fields& fields);
   /// Measures, in the mean over each face, the field a step in front of it and a step behind it. The step is
   /// `farSides` times the root of twice the face's area, and at least one cell.
-  void recordSides(Commands& commands, const Fields& fields, float farSides, FaceMeasure measure);
+  void recordSides(Commands& commands, const Fields& fields, float farSides, SideMeasure measure);
 
   // Valid when the work is done:
   double misfit() const;
@@ -37,7 +37,7 @@ class OrientationStage {
 
  private:
   OrientationPush push(const Fields& fields, float farSides = 0.0f,
-                       FaceMeasure measure = FaceMeasure::Rise) const;
+                       SideMeasure measure = SideMeasure::Rise) const;
 
   Kernel<OrientationPush> misfitOf_, parityOf_, sidesOf_;
   DeviceBuffer sums_, hostSums_, sides_, hostSides_;

@@ -7,12 +7,12 @@
 
 shared vec3 sumsOf[kMisfitGroup];
 
-void addEdge(uint index, ivec3 s, uint axis, uint stride, inout vec3 sums) {
+void addEdge(Ints rays, uint axis, uint index, ivec3 s, uint stride, inout vec3 sums) {
   const ivec3 dims = gridDims();
   if (s[axis] + 1 >= dims[axis]) return;
   ivec3 next = s;
   next[axis] += 1;
-  const int jump = rayFrom(push.rays[axis], axis, dims, s) - rayFrom(push.rays[axis], axis, dims, next);
+  const int jump = rayFrom(rays, axis, dims, s) - rayFrom(rays, axis, dims, next);
   if (jump == 0) return;
   const float fall = push.field.at[index] - push.field.at[index + stride];
   sums.xy += vec2(float(jump) * (float(jump) - fall), abs(float(jump)));
@@ -21,14 +21,7 @@ void addEdge(uint index, ivec3 s, uint axis, uint stride, inout vec3 sums) {
 // Returns whether the winding number is far from the threshold but the parity of all six rays contradicts its
 // sign.
 bool contradictsParity(uint index, ivec3 s) {
-  const ivec3 dims = gridDims();
-  int odd = 0;
-  for (uint axis = 0; axis < 3; ++axis) {
-    ivec3 beforeAll = s;
-    beforeAll[axis] = -1;
-    const int ray = rayFrom(push.rays[axis], axis, dims, s);
-    odd += (ray & 1) + ((ray - rayFrom(push.rays[axis], axis, dims, beforeAll)) & 1);
-  }
+  const int odd = countOddRays(s);
   const float excess = abs(push.field.at[index]) - push.threshold;
   return abs(excess) > kSureSign && odd == (excess > 0.0 ? 0 : 6);
 }
@@ -40,9 +33,9 @@ void main() {
     const uint index = (groupIndex() * kMisfitSamples + n) * kMisfitGroup + lane;
     if (index >= sampleCount()) break;
     const ivec3 s = sampleAt(index);
-    addEdge(index, s, 0, 1, sums);
-    addEdge(index, s, 1, push.gridX, sums);
-    addEdge(index, s, 2, push.gridX * push.gridY, sums);
+    addEdge(push.rays[0], 0, index, s, 1, sums);
+    addEdge(push.rays[1], 1, index, s, push.gridX, sums);
+    addEdge(push.rays[2], 2, index, s, push.gridX * push.gridY, sums);
     sums.z += float(contradictsParity(index, s));
   }
   sumsOf[lane] = sums;

@@ -9,11 +9,11 @@
 layout(push_constant, scalar) uniform Push { SignPush push; };
 
 // Returns how many of the two rays along an axis give the same sign, each on its own.
-uint votes(uint axis, ivec3 s, ivec3 dims, bool inside) {
+uint votes(Ints rays, uint axis, ivec3 s, ivec3 dims, bool inside) {
   ivec3 beforeAll = s;
   beforeAll[axis] = -1;
-  const int ray = rayFrom(push.rays[axis], axis, dims, s);
-  const int back = ray - rayFrom(push.rays[axis], axis, dims, beforeAll);
+  const int ray = rayFrom(rays, axis, dims, s);
+  const int back = ray - rayFrom(rays, axis, dims, beforeAll);
   return uint((abs(float(ray)) > push.threshold) == inside) + uint((abs(float(back)) > push.threshold) == inside);
 }
 
@@ -21,7 +21,8 @@ float rate(float w, bool inside, ivec3 s, ivec3 dims) {
   const float below = 1.0 / push.threshold;
   const float above = push.threshold < 1.0 ? 1.0 / (1.0 - push.threshold) : below;
   const float margin = inside ? (w - push.threshold) * above : (push.threshold - w) * below;
-  const uint agreeing = votes(0, s, dims, inside) + votes(1, s, dims, inside) + votes(2, s, dims, inside);
+  const uint agreeing = votes(push.rays[0], 0, s, dims, inside) + votes(push.rays[1], 1, s, dims, inside) +
+                        votes(push.rays[2], 2, s, dims, inside);
   return min(margin, 1.0) * (6.0 + float(agreeing)) / 12.0;
 }
 

@@ -6,6 +6,10 @@
 #include "vulkan/stages/winding_dipoles.glsl"
 #include "vulkan/stages/winding_number.glsl"
 
+// Doubts of the group's samples, read by one invocation each. `settle` writes the numbers that they depend on, and all
+// invocations of a group must reach its barriers.
+shared bool areDoubtful[kSamplesPerListed];
+
 void settle(uint index, uint mostTurns) {
   const uint row = index / push.gridX;
   const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
@@ -23,11 +27,12 @@ void main() {
   const bool isListed = count <= push.mostListed;
   const uint group = push.firstGroup + groupIndex();
   if (group >= (isListed ? count : ceilDiv(sampleCount(), kSamplesPerListed))) return;
-  const uint samples = isListed ? 1 : kSamplesPerListed;
-  for (uint i = 0; i < samples; ++i) {
-    const uint place = group * samples + i;
-    if (place >= sampleCount()) return;
-    const uint index = isListed ? push.doubts.at[1 + place] : place;
-    if (isDoubtful(index)) settle(index, push.mostTurns / samples * (i + 1));
-  }
+  const uint first = isListed ? push.doubts.at[1 + group] : group * kSamplesPerListed;
+  const uint samples = isListed ? 1 : min(kSamplesPerListed, sampleCount() - first);
+  if (gl_LocalInvocationIndex < samples)
+    areDoubtful[gl_LocalInvocationIndex] = isDoubtful(first + gl_LocalInvocationIndex);
+  barrier();
+  const uint turnsOfEach = push.mostTurns / (isListed ? 1 : kSamplesPerListed);
+  for (uint i = 0; i < samples; ++i)
+    if (areDoubtful[i]) settle(first + i, turnsOfEach * (i + 1));
 }

@@ -10,14 +10,17 @@
 #include "shaders/winding_dipoles_moments_spv.h"
 #include "shaders/winding_dipoles_points_spv.h"
 #include "shaders/winding_dipoles_spv.h"
+#include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
 
 namespace {
 
+static_assert(kMostGroups <= kMaxGroups);    // A part has no surplus groups: they would be the next one's.
+static_assert(kSamplesPerListed <= kArity);  // A group has an invocation for each of its samples.
+
 constexpr uint32_t kDoubtsGroup = 128;
 constexpr uint32_t kMomentsGroup = 64;
-constexpr uint32_t kMostSettled = 1 << 17;  // Groups, and so samples, of a dispatch.
 // Most turns of a group in total. Mesa's software driver silently ends loops after 65,535 iterations, and a
 // turn has up to two: one in an inner loop, one in the outer.
 constexpr uint32_t kFewTurns = 30000;
@@ -71,7 +74,7 @@ uint64_t WindingDipolesStage::mostListed() const {
 }
 
 uint32_t WindingDipolesStage::parts() const {
-  return static_cast<uint32_t>(ceilDiv(mostListed(), kMostSettled));
+  return static_cast<uint32_t>(ceilDiv(mostListed(), kMostGroups));
 }
 
 WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, double threshold) const {
@@ -112,7 +115,7 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   const Count doubts{.most = static_cast<uint32_t>(samplesOf(dims_)), .address = doubtful_.address()};
   commands.concurrent([&] {
     gate_.record(commands, doubts.address);
-    arguments_.record(commands, 0, {.count = doubts, .parts = parts(), .mostGroups = kMostSettled});
+    arguments_.record(commands, 0, {.count = doubts, .parts = parts(), .mostGroups = kMostGroups});
   });
   recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
     gate_.dispatch(commands, momentsOf_, ofLevel, level);
@@ -120,7 +123,7 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   // One group for each sample. There are more groups than the list has capacity for if it does not hold all:
   // enough for the whole grid.
   for (uint32_t part = 0; part < parts(); ++part) {
-    push.firstGroup = part * kMostSettled;
+    push.firstGroup = part * kMostGroups;
     arguments_.dispatch(commands, settle_, push, part, part > 0);
   }
 }

@@ -47,7 +47,7 @@ bool isInner(ivec3 s, ivec3 dims) {
 
 // Returns the sum of the amounts by which w at a sample should exceed its two neighbours along an axis (Eq.
 // 5). An edge of the lattice is a chain of the grid's edges, and its count is the sum of theirs.
-int jumpAlong(uint axis, ivec3 s) {
+int jumpAlong(Ints rays, uint axis, ivec3 s) {
   const ivec3 dims = gridDims();
   const ivec3 at = (s + boxLow(push.level)) << int(push.level);
   ivec3 across = at;
@@ -56,13 +56,16 @@ int jumpAlong(uint axis, ivec3 s) {
   ivec3 before = at, after = at;
   before[axis] -= 1 << push.level;
   after[axis] += 1 << push.level;
-  return 2 * rayFrom(push.rays[axis], axis, dims, at) - rayFrom(push.rays[axis], axis, dims, before) -
-         rayFrom(push.rays[axis], axis, dims, after);
+  return 2 * rayFrom(rays, axis, dims, at) - rayFrom(rays, axis, dims, before) - rayFrom(rays, axis, dims, after);
+}
+
+int sumJumps(ivec3 s) {
+  return jumpAlong(push.rays[0], 0, s) + jumpAlong(push.rays[1], 1, s) + jumpAlong(push.rays[2], 2, s);
 }
 
 float rightHandSide(ivec3 s, ivec3 dims) {
   if (uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
-  return float(jumpAlong(0, s) + jumpAlong(1, s) + jumpAlong(2, s));
+  return float(sumJumps(s));
 }
 
 // Returns six times the value of an inner sample that its neighbours and the right-hand side require.

@@ -9,5 +9,5 @@ void main() {
   const uint i = wholeInvocationIndex();
   if (i >= sampleCount(dims)) return;
   const ivec3 s = sampleAt(i, dims);
-  push.values.at[i] = float(jumpAlong(0, s) + jumpAlong(1, s) + jumpAlong(2, s));
+  push.values.at[i] = float(sumJumps(s));
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/generate.h>
+#include <raymap/options.h>
 
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/winding_rays_push.h"

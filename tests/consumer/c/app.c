@@ -19,7 +19,7 @@ int main(void) {
   raymap_mesh* mesh = raymap_mesh_load("tetrahedron.dae", NULL);
   if (!mesh || raymap_fit_grid(mesh, &options, &grid) != RAYMAP_OK) return fail();
   raymap_field* field = raymap_generate(mesh, &grid, NULL);
-  if (!field || raymap_field_sample(field, middle, 1, &distance, NULL) != RAYMAP_OK) return fail();
+  if (!field || raymap_field_sample(field, middle, 1, RAYMAP_OUTSIDE_NAN, &distance, NULL) != RAYMAP_OK) return fail();
   if (raymap_field_write(field, "field.vdb", NULL) != RAYMAP_OK) return fail();
   double nearest = 1.0;
   raymap_query_arrays arrays = {0};

@@ -1,14 +1,12 @@
 // The thickness of a mesh's thinnest part, for the verdict on it.
 
-#include <raymap/surface.h>
 #include <raymap/thickness.h>
-#include <raymap/verdict.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "mesh/packed_mesh.h"
+#include "measure/spread_points.h"
 
 namespace raymap {
 
@@ -16,41 +14,6 @@ namespace {
 
 constexpr size_t kPoints = 5000;
 constexpr double kLeftOut = 0.002;  // Share of the area that may be thinner.
-
-double areaOf(const PackedMesh& mesh, const glm::uvec3& face) {
-  const glm::dvec3 a(mesh.vertices[face.x]), b(mesh.vertices[face.y]), c(mesh.vertices[face.z]);
-  return 0.5 * glm::length(glm::cross(b - a, c - a));
-}
-
-/// Returns the point of a face with two coordinates in [0, 1). Such points spread evenly if the coordinates
-/// do.
-glm::dvec3 pointOf(const PackedMesh& mesh, const glm::uvec3& face, double u, double v) {
-  if (u + v > 1.0) {
-    u = 1.0 - u;
-    v = 1.0 - v;
-  }
-  const glm::dvec3 a = mesh.position(face.x), b = mesh.position(face.y), c = mesh.position(face.z);
-  return a + u * (b - a) + v * (c - a);
-}
-
-/// Returns points that stand for equal areas. Places within a face follow the R2 sequence (Roberts 2018).
-std::vector<FacePoint> spreadPoints(const PackedMesh& mesh) {
-  double total = 0.0;
-  for (const glm::uvec3& face : mesh.triangles) total += areaOf(mesh, face);
-  const double each = total / double(kPoints);
-  std::vector<FacePoint> points;
-  if (!(each > 0.0)) return points;
-  double before = 0.0;
-  for (uint32_t f = 0; f < mesh.triangles.size() && points.size() < kPoints; ++f) {
-    before += areaOf(mesh, mesh.triangles[f]);
-    for (; points.size() < kPoints && (double(points.size()) + 0.5) * each <= before;) {
-      const auto k = double(points.size());
-      const double u = k * 0.7548776662466927, v = k * 0.5698402909980532;
-      points.push_back({pointOf(mesh, mesh.triangles[f], u - std::floor(u), v - std::floor(v)), f, each});
-    }
-  }
-  return points;
-}
 
 /// Rounds a positive number down to two digits.
 double roundDown(double number) {
@@ -63,7 +26,7 @@ double roundDown(double number) {
 std::optional<double> findThinnest(const MeshView& view, double most, const ProgressCallback& progress) {
   const Surface surface(view, {.progress = progress});
   MeshPacker packer;
-  const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()));
+  const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kPoints);
   std::vector<float> diameters;
   for (const Thickness& t : surface.thickness(points, {.most = most, .progress = progress}))
     if (t.part == Part::Wall) diameters.push_back(t.diameter);

@@ -1,0 +1,33 @@
+#include "base/descriptor.h"
+
+#include <raymap/error.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace raymap {
+
+void throwWriteError(const std::filesystem::path& path, int error) {
+  std::string message = path.string() + ": cannot write: " + std::generic_category().message(error);
+  if (error == ENOSPC || error == EDQUOT) message += "; free some space or choose another folder";
+  if (error == EPIPE) message += "; the program that reads it has ended";
+  if (error == ENOENT) message += "; create the folder first";
+  throw Error(ErrorCode::File, message);
+}
+
+Descriptor::Descriptor(int value, const std::filesystem::path& path) : value_(value) {
+  if (value_ < 0) throwWriteError(path, errno);
+}
+
+Descriptor::~Descriptor() {
+  if (value_ >= 0) close(value_);
+}
+
+void Descriptor::finish(const std::filesystem::path& path) {
+  if (close(std::exchange(value_, -1)) != 0 && errno != EINTR) throwWriteError(path, errno);
+}
+
+}  // namespace raymap

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+
+namespace raymap {
+
+/// Throws `Error(File)`: the path cannot be written, by an error of the system.
+[[noreturn]] void throwWriteError(const std::filesystem::path& path, int error);
+
+/// Descriptor of a file that is written. It closes the file.
+class Descriptor {
+ public:
+  /// Takes what `open` or `fcntl` returned. Throws `Error(File)` if that failed.
+  Descriptor(int value, const std::filesystem::path& path);
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int get() const { return value_; }
+  /// Closes the file. Throws `Error(File)` for an error that the system reports only now, as network file
+  /// systems do.
+  void finish(const std::filesystem::path& path);
+
+ private:
+  int value_;
+};
+
+}  // namespace raymap

@@ -1,0 +1,121 @@
+#include "cpu/points/prepared_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "cpu/points/rims.h"
+#include "cpu/run_on_cpu.h"
+#include "method/stage_times.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+/// Samples along the longest side of the lattice that knows the inside. About 16 triangles of an even mesh
+/// touch each of its cells at the surface, within these limits.
+int latticeResolution(size_t triangles) {
+  constexpr double kFewest = 64.0, kMost = 96.0;
+  return static_cast<int>(std::clamp(std::sqrt(double(triangles)) / 4.0, kFewest, kMost));
+}
+
+/// Farthest distance that the lattice needs to know, in samples. Points are closer to their cell's corners.
+constexpr double kLatticeBand = 3.0;
+
+WindingLattice makeLattice(const Backend& backend, const Grid& grid, Field& samples) {
+  WindingLattice lattice;
+  lattice.grid = grid;
+  lattice.isNearRim = markRims(backend.cellMesh());
+  lattice.distance = std::move(samples.distance);
+  const auto scale = static_cast<float>(1.0 / grid.spacing);
+  for (float& distance : lattice.distance) distance = std::abs(distance) * scale;
+  lattice.winding = std::move(samples.winding);
+  lattice.confidence = std::move(samples.confidence);
+  return lattice;
+}
+
+/// Builds a tree of the faces as the sign takes them, if that differs from the other tree.
+void turnFaces(PreparedSurface& surface) {
+  const Turns& turns = surface.turns;
+  const std::span<const glm::uvec3> given = surface.mesh.triangles;
+  const bool isAsGiven = std::ranges::all_of(turns, [](uint8_t turn) { return turn == kAsGiven; });
+  if (isAsGiven && surface.tree.triangleCount() == given.size()) {
+    surface.turns.clear();
+    return;
+  }
+  surface.turnedTriangles.resizeUninitialized(given.size());
+  for (size_t f = 0; f < given.size(); ++f)
+    surface.turnedTriangles[f] = turned(given[f], turns.empty() ? kAsGiven : turns[f]);
+  CellMesh cells;
+  toCellUnits(surface.turnedMesh(), surface.grid, cells);
+  surface.turnedTree.emplace().build(cells);
+}
+
+/// Makes a field on the lattice, and keeps what points need of it.
+PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const SurfaceOptions& options,
+                              size_t meshBytes, Progress& progress, Stats& stats) {
+  Options field;
+  field.orientation = options.orientation;
+  field.threshold = options.threshold;
+  field.threads = options.threads;
+  field.memoryLimit = options.memoryLimit;
+  field.winding = field.confidence = true;
+  field.band = kLatticeBand;
+  Backend backend;
+  Field samples;
+  stats = runOnCpu(backend, {mesh, grid, field, progress, samples}, meshBytes);
+  PreparedSurface surface;
+  progress.stage("tree", [&] {
+    surface.mesh = mesh;
+    surface.grid = grid;
+    surface.isSigned = true;
+    surface.threshold = options.threshold;
+    surface.lattice = makeLattice(backend, grid, samples);
+    surface.turns = backend.faceSides().turns;
+    std::tie(surface.tree, surface.dipoles) = backend.takeTree();
+    turnFaces(surface);
+    if (surface.turnedTree || !surface.dipoles.isPrepared()) surface.dipoles.prepare(surface.signTree());
+  });
+  return surface;
+}
+
+}  // namespace
+
+PackedMesh PreparedSurface::turnedMesh() const {
+  if (turnedTriangles.empty()) return mesh;
+  return {mesh.vertices, turnedTriangles, mesh.origin};
+}
+
+size_t PreparedSurface::bytes() const {
+  return tree.bytes() + (turnedTree ? turnedTree->bytes() : 0) + turns.capacity() +
+         turnedTriangles.capacityBytes() + dipoles.bytes() + lattice.distance.capacityBytes() +
+         lattice.winding.capacityBytes() + lattice.confidence.capacityBytes() +
+         lattice.isNearRim.capacityBytes();
+}
+
+PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid) {
+  PreparedSurface surface;
+  surface.mesh = mesh;
+  surface.grid = grid;
+  CellMesh cells;
+  toCellUnits(mesh, grid, cells);
+  surface.tree.buildSingleSided(cells, mesh.vertices);
+  return surface;
+}
+
+PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options, size_t meshBytes,
+                               Progress& progress, Stats& stats) {
+  const Grid grid = fitGrid(mesh, {.resolution = latticeResolution(mesh.triangles.size())});
+  PreparedSurface surface;
+  if (options.sign) {
+    surface = prepareSigned(mesh, grid, options, meshBytes, progress, stats);
+  } else {
+    progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid); });
+    stats.device = "cpu";
+  }
+  stats.stages.clear();
+  addStages(progress, stats);
+  return surface;
+}
+
+}  // namespace raymap::cpu

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <raymap/query.h>
+
+#include <optional>
+
+#include "base/progress.h"
+#include "cpu/distance/surface_tree.h"
+#include "cpu/points/point_winding.h"
+#include "cpu/sign/winding_dipoles.h"
+#include "mesh/packed_mesh.h"
+
+namespace raymap::cpu {
+
+/// A mesh prepared for queries, which change nothing in it. Refers to the mesh's arrays.
+struct PreparedSurface {
+  PackedMesh mesh;
+  Grid grid;         ///< Grid in whose cells the trees are.
+  SurfaceTree tree;  ///< Faces as given; only one of each pair of double-sided ones.
+  bool isSigned = false;
+
+  // Filled if `isSigned`.
+  Turns turns;                            ///< How the sign takes each face; empty: all as given.
+  Buffer<glm::uvec3> turnedTriangles;     ///< Faces as the sign takes them; empty: as given.
+  std::optional<SurfaceTree> turnedTree;  ///< Tree of them; none: `tree` serves.
+  WindingDipoles dipoles;                 ///< Dipoles of the faces as the sign takes them.
+  WindingLattice lattice;
+  double threshold = 0.5;
+
+  const SurfaceTree& signTree() const { return turnedTree ? *turnedTree : tree; }
+  /// Returns the mesh with its faces as the sign takes them.
+  PackedMesh turnedMesh() const;
+  /// Returns the bytes held, without those of `mesh`.
+  size_t bytes() const;
+};
+
+/// Prepares a mesh for distances alone. The tree is in cells of the grid, which need not hold the mesh.
+PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid);
+
+/// Prepares a mesh for distances, with a sign if the options ask for one. The caller's copy of the mesh holds
+/// `meshBytes` bytes. Fills `stats` but for the total time.
+PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options, size_t meshBytes,
+                               Progress& progress, Stats& stats);
+
+}  // namespace raymap::cpu

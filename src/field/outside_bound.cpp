@@ -1,0 +1,61 @@
+#include "field/outside_bound.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raymap {
+
+namespace {
+
+/// Returns a length that neither overflows nor is NaN if a coordinate is infinite.
+double lengthOf(const glm::dvec3& v) {
+  return std::hypot(std::hypot(v.x, v.y), v.z);
+}
+
+glm::dvec3 closestIn(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& p) {
+  return glm::clamp(p, low, high);
+}
+
+}  // namespace
+
+OutsideBound::OutsideBound(const Field& field) : field_(field), last_(field.grid.dims - 1) {
+  if (field.surfaceBounds.isEmpty()) return;
+  surface_.min = (field.surfaceBounds.min - field.grid.origin) / field.grid.spacing;
+  surface_.max = (field.surfaceBounds.max - field.grid.origin) / field.grid.spacing;
+  isHeld_ = glm::all(glm::greaterThanEqual(surface_.min, glm::dvec3(0.0))) &&
+            glm::all(glm::lessThanEqual(surface_.max, last_));
+}
+
+bool OutsideBound::isOutside(const glm::dvec3& p) const {
+  return glm::any(glm::lessThan(p, glm::dvec3(0.0))) || glm::any(glm::greaterThan(p, last_));
+}
+
+/// A distance changes by no more than the way from a sample. Takes the best of the samples around q, the
+/// point of the box that is closest to p. NaN if one of them is.
+OutsideBound::Bounds OutsideBound::fromSamples(const glm::dvec3& p, const glm::dvec3& q) const {
+  const glm::ivec3 dims = field_.grid.dims, cell = glm::min(glm::ivec3(q), glm::max(dims - 2, 0));
+  Bounds best{-INFINITY, -INFINITY};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);
+    const double distance = field_.distance[field_.grid.index(sample)] / field_.grid.spacing;
+    if (std::isnan(distance)) return {NAN, NAN};
+    best.there = std::max(best.there, distance - lengthOf(p - glm::dvec3(sample)));
+    best.atBox = std::max(best.atBox, distance - lengthOf(q - glm::dvec3(sample)));
+  }
+  return best;
+}
+
+double OutsideBound::at(const glm::dvec3& p) const {
+  if (glm::any(glm::isnan(p))) return NAN;
+  const glm::dvec3 q = closestIn(glm::dvec3(0.0), last_, p);
+  const auto [there, atBox] = fromSamples(p, q);
+  if (std::isnan(there) || surface_.isEmpty()) return there;
+  const double toSurface = lengthOf(p - closestIn(surface_.min, surface_.max, p));
+  double bound = there;
+  if (toSurface > 0.0) bound = std::max(bound, toSurface);
+  // Seen from q, the surface in the box is never at an acute angle to p.
+  if (isHeld_) bound = std::max(bound, std::hypot(lengthOf(p - q), std::max(atBox, 0.0)));
+  return bound;
+}
+
+}  // namespace raymap

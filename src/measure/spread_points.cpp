@@ -1,0 +1,63 @@
+#include "measure/spread_points.h"
+
+#include <raymap/thickness.h>
+
+#include <cmath>
+
+#include "mesh/face_parts.h"
+#include "mesh/triangle.h"
+
+namespace raymap {
+
+namespace {
+
+double areaOf(const PackedMesh& mesh, const glm::uvec3& face) {
+  return triangleArea(mesh.vertices[face.x], mesh.vertices[face.y], mesh.vertices[face.z]);
+}
+
+/// Returns the point of a face with two coordinates in [0, 1). Such points spread evenly if the coordinates
+/// do.
+glm::dvec3 pointOf(const PackedMesh& mesh, const glm::uvec3& face, double u, double v) {
+  if (u + v > 1.0) {
+    u = 1.0 - u;
+    v = 1.0 - v;
+  }
+  const glm::dvec3 a = mesh.position(face.x), b = mesh.position(face.y), c = mesh.position(face.z);
+  return a + u * (b - a) + v * (c - a);
+}
+
+}  // namespace
+
+std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
+  double total = 0.0;
+  for (const glm::uvec3& face : mesh.triangles) total += areaOf(mesh, face);
+  const double each = total / double(count);
+  std::vector<FacePoint> points;
+  if (!(each > 0.0)) return points;
+  double before = 0.0;
+  for (uint32_t f = 0; f < mesh.triangles.size() && points.size() < count; ++f) {
+    before += areaOf(mesh, mesh.triangles[f]);
+    for (; points.size() < count && (double(points.size()) + 0.5) * each <= before;) {
+      const auto k = double(points.size());
+      const double u = k * 0.7548776662466927, v = k * 0.5698402909980532;
+      points.push_back({pointOf(mesh, mesh.triangles[f], u - std::floor(u), v - std::floor(v)), f, each});
+    }
+  }
+  return points;
+}
+
+std::vector<FacePoint> sampleFaces(const MeshView& view, double step) {
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
+  std::vector<FacePoint> points;
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& face = mesh.triangles[t];
+    forEachFacePart(mesh.vertices[face.x], mesh.vertices[face.y], mesh.vertices[face.z], step,
+                    [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+                      points.push_back({mesh.origin + (a + b + c) / 3.0, t, triangleArea(a, b, c)});
+                    });
+  }
+  return points;
+}
+
+}  // namespace raymap

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""Plants mistakes into copies of the documentation: scripts/check_docs.py must find each and name it."""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+class CheckDocs(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = Path(folder.name)
+        files = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"], capture_output=True,
+                               text=True, check=True).stdout.splitlines()
+        for name in files:
+            if (ROOT / name).is_file():
+                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+                is_read = name.endswith((".md", ".cpp", ".h", "layers.txt"))
+                shutil.copy(ROOT / name, self.root / name) if is_read else (self.root / name).touch()
+
+    def edit(self, name, old, new):
+        text = (self.root / name).read_text()
+        self.assertIn(old, text)
+        (self.root / name).write_text(text.replace(old, new, 1))
+
+    def append(self, name, text):
+        with (self.root / name).open("a") as file:
+            file.write(text + "\n")
+
+    def check(self):
+        run = subprocess.run([sys.executable, ROOT / "scripts/check_docs.py", self.root], capture_output=True, text=True)
+        return run.returncode, run.stdout.splitlines()
+
+    def assert_found(self, *messages):
+        code, lines = self.check()
+        self.assertEqual(code, 1, lines)
+        for message in messages:
+            self.assertTrue(any(message in line for line in lines), (message, lines))
+        self.assertEqual(len(lines), len(messages) + 1, lines)
+
+    def test_accepts_the_documentation(self):
+        code, lines = self.check()
+        self.assertEqual(code, 0, lines)
+        self.assertTrue(lines[-1].endswith(" 0 faults"), lines)
+
+    def test_finds_files_that_are_gone(self):
+        self.edit("docs/algorithm.md", "`orientation_sides.comp`", "`orientation_rises.comp`")
+        self.append("docs/points.md", "See `src/cpu/points/gone.h`, and `quarantine/MESH/log.txt`.")
+        self.assert_found("docs/algorithm.md:64: no file is named orientation_rises.comp",
+                          "no file is named src/cpu/points/gone.h")
+
+    def test_finds_pages_that_no_index_lists_once(self):
+        self.edit("docs/README.md", "| [points.md](points.md)", "| [cli.md](cli.md)")
+        self.edit("docs/decisions/README.md", "[first_card](first_card.md)", "[first_card](3mf.md)")
+        self.assert_found("docs/README.md: lists points.md 0 times", "docs/README.md: lists cli.md 2 times",
+                          "docs/decisions/README.md: lists first_card.md 0 times",
+                          "docs/decisions/README.md: lists 3mf.md 2 times")
+
+    def test_finds_links_that_lead_nowhere(self):
+        self.append("docs/points.md", "[a](gone.md) [b](cli.md#gone) [c](#gone) [d](cli.md#exit-codes) [e](https://x.y)")
+        self.assert_found("gone.md does not exist", "cli.md has no heading #gone", "points.md has no heading #gone")
+
+    def test_finds_libraries_in_files_that_are_not_named(self):
+        self.append("src/mesh/weld.cpp", "#include <hwy/highway.h>")
+        self.append("apps/report.cpp", "#include <png.h>")
+        self.assert_found("src/mesh/weld.cpp includes Highway", "apps/report.cpp includes libpng")
+
+    def test_finds_layers_that_are_not_named(self):
+        self.append("src/layers.txt", "cpu/bands: base")
+        self.assert_found("docs/decisions/layers.md: does not name the layer cpu/bands")
+
+    def test_finds_exit_codes_that_are_listed_once_only(self):
+        self.edit("docs/cli.md", "| 9 | ", "| 10 | ")
+        self.assert_found("exit code 9 is only in the program's help", "exit code 10 is only in this table")
+
+    def test_finds_long_lines_of_prose_only(self):
+        long = "word " * 20 + "x"
+        self.append("docs/points.md", f"{long}\n{long[:100]}\n\n| {long} |\n\n    {long}\n\n```\n{long}\n```")
+        self.assert_found("101 columns; wrap at 100")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,73 @@
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <thread>
+
+namespace raymap {
+namespace {
+
+TEST(Parallel, VisitsEachElementOnce) {
+  for (const size_t count : {size_t{0}, size_t{1}, size_t{999}, size_t{1000}})
+    for (const size_t grain : {size_t{1}, size_t{7}, size_t{1000}}) {
+      std::vector<int> visits(count, 0);
+      parallelFor(count, grain, [&](size_t begin, size_t end) {
+        EXPECT_LE(end - begin, grain);
+        for (size_t k = begin; k < end; ++k) ++visits[k];
+      });
+      EXPECT_EQ(visits, std::vector<int>(count, 1)) << count << " by " << grain;
+    }
+}
+
+TEST(Parallel, HandsOutEachNumberOnce) {
+  std::vector<int> visits(1000, 0);
+  parallelWorkers(visits.size(), [&](auto& next) {
+    for (size_t k = next(); k < visits.size(); k = next()) ++visits[k];
+  });
+  EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
+}
+
+TEST(Parallel, SelectsInOrder) {
+  const std::vector<uint32_t> selected = parallelSelect(200000, [](uint32_t k) { return k % 3 == 0; });
+  ASSERT_EQ(selected.size(), 66667u);
+  for (uint32_t k = 0; k < selected.size(); ++k) ASSERT_EQ(selected[k], 3 * k);
+}
+
+TEST(Parallel, PassesErrorsOn) {
+  EXPECT_THROW(parallelFor(100, 1,
+                           [](size_t begin, size_t) {
+                             if (begin == 42) throw std::runtime_error("42");
+                           }),
+               std::runtime_error);
+}
+
+#ifdef __SANITIZE_THREAD__
+
+/// Two parts of a loop, each on a thread of its own, write to the same place. The count orders nothing.
+void race() {
+  int written = 0;
+  std::atomic<int> parts{0};
+  parallelFor(2, 1, [&](size_t begin, size_t) {
+    parts.fetch_add(1, std::memory_order_relaxed);
+    while (parts.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
+    written = int(begin);
+  });
+  std::fprintf(stderr, "no race in %d\n", written);
+  std::exit(0);
+}
+
+// The suppressions for TBB must not hide what a loop does itself.
+TEST(ParallelDeathTest, ThreadSanitizerSeesRacesBetweenParts) {
+  if (parallelThreads() < 2) GTEST_SKIP() << "needs two processors";
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(race(), testing::ExitedWithCode(66), "data race");
+}
+
+#endif
+
+}  // namespace
+}  // namespace raymap
