@@ -1,11 +1,14 @@
 """Signed distance fields from any triangle mesh, negative inside.
 
->>> field = raymap.signed_distance("ball.ply", resolution=64)
+>>> field = raymap.generate("ball.ply", resolution=64)
 >>> field.distance.shape
 (64, 64, 64)
 >>> field.sample([(0, 0, 0.5), (0, 0, 1.1)]).round(2)
 array([-0.5,  0.1], dtype=float32)
 """
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 from . import dataset
 from ._devices import Device, devices, test_device
@@ -21,12 +24,24 @@ from ._errors import (
     UsageError,
 )
 from ._field import NO_TRIANGLE, Field, Stats, load_field
-from ._generate import FieldOptions, Generator, signed_distance
+from ._generate import FieldOptions, Generator, generate
 from ._mesh import Mesh, load_mesh
 from ._raymap import version as _version
-from ._repair import Info, Repaired, RepairReport, info, isosurface, repair
+from ._repair import FastInfo, Info, Repaired, RepairReport, info, isosurface, repair
 from ._samples import Samples, sample_points
-from ._surface import Closest, Query, Surface
+from ._surface import Closest, Query, Surface, signed_distance
+from ._threads import get_threads, set_threads
+
+if TYPE_CHECKING:
+    from . import torch as torch
+else:
+
+    def __getattr__(name: str) -> Any:
+        """Imports raymap.torch, which needs PyTorch, when it is first used."""
+        if name == "torch":
+            return importlib.import_module(".torch", __name__)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __version__ = _version()
 
@@ -37,6 +52,7 @@ __all__ = [
     "Device",
     "DeviceLostError",
     "Error",
+    "FastInfo",
     "Field",
     "FieldOptions",
     "FileError",
@@ -56,12 +72,15 @@ __all__ = [
     "UsageError",
     "dataset",
     "devices",
+    "generate",
+    "get_threads",
     "info",
     "isosurface",
     "load_field",
     "load_mesh",
     "repair",
     "sample_points",
+    "set_threads",
     "signed_distance",
     "test_device",
 ]

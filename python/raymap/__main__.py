@@ -1,12 +1,17 @@
-"""The command line of the package: ``python -m raymap dataset FOLDER -o OUT``."""
+"""What the program raymap has not: ``python -m raymap dataset FOLDER -o OUT``."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import logging
+import os
 import re
 import sys
-from contextlib import nullcontext
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
 from typing import Any
 
 from . import dataset
@@ -20,6 +25,8 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
+from .dataset.files import readable
+from .dataset.pages import page_paths
 
 _EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
     UsageError: 2,
@@ -36,23 +43,46 @@ _STOPPED = 130
 
 def main(arguments: list[str] | None = None) -> int:
     """Runs a command. Returns the exit code."""
-    given = vars(_parser().parse_args(arguments))
-    del given["command"]
+    warnings.showwarning = _show_warning
     try:
+        with _stdout_errors():
+            given = vars(_parser().parse_args(arguments))
+        del given["command"]
         return _dataset(**given)
     except Error as error:
         print(f"raymap: error: {error}", file=sys.stderr)
         return _EXIT_CODES.get(type(error), _UNFINISHED)
     except KeyboardInterrupt:
+        print("raymap: stopped; run it again to go on", file=sys.stderr)
         return _STOPPED
 
 
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    print(f"raymap: warning: {message}", file=sys.stderr)
+
+
+@contextmanager
+def _stdout_errors() -> Iterator[None]:
+    """Turns the system's errors about standard output into FileError."""
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # The rest must not fail again at the end.
+        reason = "the program that reads it has ended" if isinstance(error, BrokenPipeError) else error.strerror
+        raise FileError(f"standard output: cannot write the text: {reason}") from error
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m raymap", description="Signed distance fields, negative inside.")
+    parser = argparse.ArgumentParser(prog="python -m raymap", description=_DESCRIPTION)
     commands = parser.add_subparsers(dest="command", required=True)
     _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
     return parser
 
+
+_DESCRIPTION = "Makes the signed distance fields of many meshes. For one mesh, there is the program raymap."
 
 _DATASET = """Makes the signed distance field of every mesh of a folder, or points with their distances.
 It may be stopped and run again at any time: a second run makes what is missing or has changed.
@@ -90,25 +120,27 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
+    add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as tcp://host:8786, for its cluster")
 
 
 def _bytes(text: str) -> int:
     """Returns a size in bytes, as the program raymap reads it."""
-    if not (match := re.fullmatch(r"(\d+(?:\.\d+)?) ?([KMGT]?)B?", text, re.IGNORECASE)):
+    if not (match := re.fullmatch(r"(\d+(?:\.\d*)?(?:e\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
         raise argparse.ArgumentTypeError(f"{text!r} is no size; give one as 500MB or 4GB")
-    return int(float(match[1]) * 1024 ** " KMGT".index(match[2].upper() or " "))
+    return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
 
 
 def _dataset(meshes: list[str], output: str, scheduler: str | None, **options: Any) -> int:
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
         summary = dataset.generate(given, output, client=client, progress=True, **options)
-    print(
-        f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
-        f"{len(summary.new)} of them new, in {summary.seconds:.1f} s"
-    )
-    print(f"See {output}/index.html")
+    with _stdout_errors():
+        print(
+            f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
+            f"{len(summary.new)} of them new, in {summary.seconds:.1f} s"
+        )
+        print(f"See {readable(page_paths(Path(output), options.get('what', 'field'))[1])}")
     return _UNFINISHED if summary.unfinished else 0
 
 
@@ -119,6 +151,7 @@ def _client(scheduler: str | None) -> Any:
         distributed = importlib.import_module("distributed")
     except ImportError:
         raise UsageError("--scheduler needs Dask: pip install 'raymap[dask]'") from None
+    logging.disable()  # What matters of Dask's log is an error of ours.
     try:
         return distributed.Client(scheduler)
     except (OSError, ValueError) as error:

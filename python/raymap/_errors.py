@@ -59,6 +59,11 @@ def make_error(code: str, message: str) -> Error:
     return _BY_CODE[code](message)
 
 
+def code_of(error: Error) -> str:
+    """Returns the code for which `make_error` makes such an exception."""
+    return next(code for code, kind in _BY_CODE.items() if isinstance(error, kind))
+
+
 def warn(message: str) -> None:
     """Warns at the line outside of this package that called it. The extension module calls it."""
     package = str(Path(__file__).parent)

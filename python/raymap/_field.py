@@ -9,9 +9,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from . import _devices, _html, _inputs, _raymap
+from . import _arrays, _devices, _html, _raymap
+from ._arrays import to_box, to_vector
 from ._errors import UsageError
-from ._mesh import Mesh
+from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
 
 #: Name of one of a field's arrays.
@@ -58,7 +59,7 @@ class Stats:
 class Field:
     """A signed distance field, negative inside: distances on a regular grid.
 
-    ``raymap.signed_distance`` and ``raymap.load_field`` return fields. To make one of an array of your own, give it to
+    ``raymap.generate`` and ``raymap.load_field`` return fields. To make one of an array of your own, give it to
     this class, which copies it.
 
     Sample (i, j, k) lies at ``origin + spacing * (i, j, k)``. Arrays have the shape (nx, ny, nz), i along x. In memory
@@ -70,6 +71,8 @@ class Field:
         origin: Position of sample (0, 0, 0).
         spacing: Distance between neighbouring samples, in the mesh's units.
         band: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
+        surface_bounds: Box that holds the whole surface, ((x0, y0, z0), (x1, y1, z1)); None = not known. ``sample``
+            uses it outside of the grid.
         winding: Winding numbers, of the same shape.
         confidence: Confidences in the sign, of the same shape.
         triangle: Indices of closest triangles, of the same shape.
@@ -92,19 +95,21 @@ class Field:
         spacing: float = 1.0,
         *,
         band: float = 0.0,
+        surface_bounds: npt.ArrayLike | None = None,
         winding: npt.ArrayLike | None = None,
         confidence: npt.ArrayLike | None = None,
         triangle: npt.ArrayLike | None = None,
     ) -> None:
         arrays = {"distance": distance, "winding": winding, "confidence": confidence, "triangle": triangle}
-        shape = np.shape(_inputs.to_numpy(distance))
+        shape = np.shape(_arrays.to_numpy(distance))
         if len(shape) != 3 or 0 in shape:
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
         x, y, z = (float(v) for v in np.asarray(origin, np.float64))
-        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band)), Stats())
+        box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
+        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band), box), Stats())
         for name, array in arrays.items():
             if array is not None:
-                self._set(name, _inputs.to_numpy(array), shape)
+                self._set(name, _arrays.to_numpy(array), shape)
 
     def _take(self, core: _raymap.Field, stats: Stats) -> None:
         self._core, self._stats = core, stats
@@ -117,12 +122,6 @@ class Field:
             self._core.set_wholes(name, np.asfortranarray(array, np.uint32))
         else:
             self._core.set_floats(name, np.asfortranarray(array, np.float32))
-
-    @classmethod
-    def _from_core(cls, core: _raymap.Field) -> Field:
-        made = cls.__new__(cls)
-        made._take(core, Stats(**core.stats()))
-        return made
 
     def _array(self, name: ArrayName) -> npt.NDArray[Any]:
         if name in self._views:
@@ -194,50 +193,69 @@ class Field:
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
         return self._core.band
 
-    def sample(self, points: Any, *, threads: int | None = None) -> Any:
+    @property
+    def surface_bounds(self) -> npt.NDArray[np.float64] | None:
+        """Bounds of the surface that distances lead to, (2, 3); None if they are not known."""
+        bounds = self._core.surface_bounds
+        return None if bounds is None else np.array(bounds)
+
+    def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
 
-        Within the box of the samples the distance is trilinear between the eight samples around a point. Outside of
-        it, it is a positive lower bound: no surface in the box is closer. It is NaN for points that are NaN.
+        Within the box of the samples the distance is trilinear between the eight samples around a point. It is NaN for
+        points that are NaN.
+
+        Outside of the box, it is a lower bound of the signed distance, also where the box cuts the mesh: the largest
+        distance of a sample around the closest point of the box, less the way from there. Outside of
+        ``surface_bounds`` it is at least the distance to them. If the box holds them, it is nearly the distance. If
+        they are not known, or reach there, it falls below 0 farther out: the mesh may be there.
 
         Args:
             points: Positions in the mesh's units: NumPy, or any array with ``__dlpack__``. PyTorch, JAX and CuPy get
                 arrays of their own back, on the same device.
-            threads: Number of CPU threads; None = all.
+            outside: Result outside of the box: ``"bound"``, or ``"nan"``.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
         Raises:
             InputError: Points of another shape.
+            UsageError: ``outside`` is something else.
 
-        >>> ball = raymap.signed_distance("ball.ply", resolution=32)
-        >>> ball.sample([(0, 0, 0), (0, 0, 1.25)]).round(2)
-        array([-0.99,  0.25], dtype=float32)
+        >>> ball = raymap.generate("ball.ply", resolution=32)
+        >>> ball.sample([(0, 0, 0), (0, 0, 1.1), (0, 0, 9)]).round(2)
+        array([-0.99,  0.1 ,  8.  ], dtype=float32)
+        >>> ball.sample((0, 0, 9), outside="nan")
+        array(nan, dtype=float32)
         """
-        return self._sample(points, False, threads)
+        return self._sample(points, False, outside, threads)
 
-    def gradient(self, points: Any, *, threads: int | None = None) -> Any:
+    def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
 
-        A gradient is the central difference of ``sample`` over one spacing to either side. Its length is close to 1,
-        but less where surfaces are equally near, and 0 where distances are clamped.
+        A gradient is the central difference of the distance over one spacing to either side. Its length is close to 1,
+        but less where surfaces are equally near, and 0 where distances are clamped. Outside of the box of the samples it
+        leads away from the box.
 
         Args:
             points: Positions in the mesh's units, (..., 3), as for ``sample``.
-            threads: Number of CPU threads; None = all.
+            outside: ``"nan"`` for NaN outside of the box.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
         Raises:
             InputError: Points of another shape.
 
-        >>> ball = raymap.signed_distance("ball.ply", resolution=32)
+        >>> ball = raymap.generate("ball.ply", resolution=32)
         >>> ball.gradient((0, 0, 1)).round(1) + 0.0
         array([0., 0., 1.], dtype=float32)
         """
-        return self._sample(points, True, threads)
+        return self._sample(points, True, outside, threads)
 
-    def _sample(self, points: Any, gradients: bool, threads: int | None) -> Any:
+    def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
+        if outside not in ("bound", "nan"):
+            raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
         shape = np.shape(points)
-        flat = _inputs.to_points(points)
-        result = self._core.sample(flat, gradients, threads or 0)
-        return _inputs.like(result.reshape(shape if gradients else shape[:-1]), points)
+        flat = _arrays.to_points(points)
+        result = self._core.sample(flat, gradients, outside == "nan", threads or 0)
+        return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
 
     def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
         """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
@@ -246,7 +264,7 @@ class Field:
 
         Args:
             iso: Distance of the surface in the mesh's units; above 0 outside of the shape.
-            threads: Number of CPU threads; None = all.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
         Raises:
@@ -254,12 +272,12 @@ class Field:
             InputError: A sample is not finite.
             MemoryLimitError: The mesh does not fit into memory.
 
-        >>> raymap.signed_distance("ball.ply", resolution=16).to_mesh(iso=0.1).bounds.round(1)
+        >>> raymap.generate("ball.ply", resolution=16).to_mesh(iso=0.1).bounds.round(1)
         array([[-1.1, -1.1, -1.1],
                [ 1.1,  1.1,  1.1]])
         """
         with reporting(progress) as report:
-            return Mesh._from_core(_raymap.isosurface(self._core, float(iso), threads or 0, report))
+            return mesh_of_core(_raymap.isosurface(self._core, float(iso), threads or 0, report))
 
     def save(self, path: str | os.PathLike[str], array: ArrayName = "distance") -> None:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
@@ -272,7 +290,7 @@ class Field:
             UsageError: Another extension, or an array that the field does not have.
             FileError: The file cannot be written.
 
-        >>> field = raymap.signed_distance("ball.ply", resolution=16)
+        >>> field = raymap.generate("ball.ply", resolution=16)
         >>> field.save("ball.npz")
         >>> bool((raymap.load_field("ball.npz").distance == field.distance).all())
         True
@@ -301,7 +319,7 @@ class Field:
         Raises:
             UsageError: No such axis, sample or array.
 
-        >>> raymap.signed_distance("ball.ply", resolution=16).slice("z", width=100).shape
+        >>> raymap.generate("ball.ply", resolution=16).slice("z", width=100).shape
         (100, 100, 3)
         """
         if axis not in (0, 1, 2, "x", "y", "z"):
@@ -338,19 +356,19 @@ class Field:
             cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
             shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
             device: Device that draws; see ``raymap.devices``.
-            threads: Number of CPU threads; None = all.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
         Raises:
             UsageError: Arguments that make no picture.
             InputError: A sample is not finite.
 
-        >>> raymap.signed_distance("ball.ply", resolution=16).render(width=64, height=48).shape
+        >>> raymap.generate("ball.ply", resolution=16).render(width=64, height=48).shape
         (48, 64, 3)
         """
         options = _raymap.RenderOptions()
         options.width, options.height, options.field_of_view = int(width), int(height), float(field_of_view)
-        options.direction, options.up = _vector(direction), _vector(up)
+        options.direction, options.up = to_vector(direction), to_vector(up)
         options.cut, options.shell, options.threads = bool(cut), float(shell), threads or 0
         options.device = _devices.tested(device)
         with reporting(progress) as report:
@@ -363,16 +381,36 @@ class Field:
         )
 
     def _repr_html_(self) -> str:
-        return _html.describe(self)
+        rows: dict[str, Any] = {
+            "samples": " × ".join(str(n) for n in self.shape),
+            "spacing": f"{self.spacing:.6g}",
+            "origin": ", ".join(f"{v:.6g}" for v in self.origin),
+            "arrays": ", ".join(self.arrays),
+        }
+        if "distance" in self.arrays:
+            rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
+        if self.band > 0:
+            rows["band"] = f"{self.band:.6g}"
+        if self.stats.device:
+            rows["made"] = f"in {self.stats.milliseconds:.0f} ms on {self.stats.device}"
+        shown: Any = self.arrays[0]
+        return _html.describe("raymap.Field", rows, "slice across z", self.slice("z", array=shown, width=256))
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = {name: self._array(name) for name in self.arrays}  # type: ignore[arg-type]
-        return _restore, (self.shape, self.origin, self.spacing, self.band, arrays, self.stats)
+        return _restore, (self.shape, self.origin, self.spacing, self.band, self._core.surface_bounds, arrays, self.stats)
 
 
-def _vector(v: Any) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in v)
-    return x, y, z
+def field_of_core(core: _raymap.Field) -> Field:
+    """Returns the field that the extension module has made."""
+    made = Field.__new__(Field)
+    made._take(core, Stats(**core.stats()))
+    return made
+
+
+def save_as(field: Field, path: str, extension: str) -> None:
+    """Writes a field in the format of an extension, whatever the path ends with."""
+    field._core.save(path, "distance", extension)
 
 
 def _restore(
@@ -380,12 +418,13 @@ def _restore(
     origin: npt.NDArray[np.float64],
     spacing: float,
     band: float,
+    surface_bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     arrays: dict[str, npt.NDArray[Any]],
     stats: Stats,
 ) -> Field:
     """Makes a field of what was pickled."""
     restored = Field.__new__(Field)
-    restored._take(_raymap.Field(shape, _vector(origin), spacing, band), stats)
+    restored._take(_raymap.Field(shape, to_vector(origin), spacing, band, surface_bounds), stats)
     for name, array in arrays.items():
         restored._set(name, array, shape)
     return restored
@@ -402,8 +441,8 @@ def load_field(path: str | os.PathLike[str]) -> Field:
         InputError: Its content is not valid.
         UnsupportedError: For example a rotated grid.
 
-    >>> raymap.signed_distance("ball.ply", resolution=16).save("ball.vdb")
+    >>> raymap.generate("ball.ply", resolution=16).save("ball.vdb")
     >>> raymap.load_field("ball.vdb")
     raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
     """
-    return Field._from_core(_raymap.load_field(os.fspath(path)))
+    return field_of_core(_raymap.load_field(os.fspath(path)))

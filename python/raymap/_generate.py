@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
-import numpy as np
 import numpy.typing as npt
 
 from . import _devices, _inputs, _raymap
+from ._arrays import to_box
 from ._errors import UsageError
-from ._field import ArrayName, Field
+from ._field import ArrayName, Field, field_of_core
+from ._mesh import core_of
 from ._progress import Progress, reporting
 
 Distance: TypeAlias = Literal["exact", "neighbours", "cell", "raster"]
@@ -21,7 +22,7 @@ Orientation: TypeAlias = Literal["auto", "keep", "repair"]
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
-    """Keyword arguments of ``raymap.Surface.field``; ``raymap.signed_distance`` documents them."""
+    """Keyword arguments of ``raymap.Surface.generate``; ``raymap.generate`` documents them."""
 
     resolution: int
     voxel_size: float | None
@@ -40,12 +41,12 @@ class SurfaceFieldOptions(TypedDict, total=False):
 
 
 class FieldOptions(SurfaceFieldOptions, total=False):
-    """Keyword arguments of ``raymap.signed_distance``, which documents them."""
+    """Keyword arguments of ``raymap.generate``, which documents them."""
 
     orientation: Orientation
 
 
-def signed_distance(
+def generate(
     mesh_or_vertices: Any,
     faces: Any = None,
     *,
@@ -90,13 +91,13 @@ def signed_distance(
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
         close_holes: Whether distances count the surface that is missing in holes.
         thickness: Thickness of a wall around the surface, in the mesh's units, in place of the sign: for sheets that
-            enclose nothing.
+            enclose nothing. Half of it pads the mesh's bounds besides.
         band: Number of samples at which distances are clamped; None = not clamped.
         arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
             which every field has.
         device: Device that computes: ``"cpu"``, ``"vulkan"``, ``"vulkan:K"``, or ``"auto"``, a GPU if there is a real
             one, else the CPU; see ``raymap.devices``.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the work and the field may take; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
             times a second. It cancels by returning False or by raising. True for a line on stderr.
@@ -110,7 +111,7 @@ def signed_distance(
         UnsupportedError: There is no such device.
         DeviceLostError: The GPU stopped answering.
 
-    >>> field = raymap.signed_distance("ball.ply", resolution=32)
+    >>> field = raymap.generate("ball.ply", resolution=32)
     >>> field.distance.shape, field.distance.dtype
     ((32, 32, 32), dtype('float32'))
     >>> bool(field.distance[16, 16, 16] < 0 < field.distance[0, 0, 0])
@@ -118,7 +119,7 @@ def signed_distance(
     >>> field.origin.round(2), round(field.spacing, 4)
     (array([-1.16, -1.16, -1.16]), 0.075)
     """
-    return Generator().signed_distance(
+    return Generator().generate(
         mesh_or_vertices,
         faces,
         resolution=resolution,
@@ -148,7 +149,7 @@ class Generator:
     >>> generator = raymap.Generator()
     >>> ball = raymap.load_mesh("ball.ply")
     >>> for size in 1.0, 2.0:
-    ...     field = generator.signed_distance(ball.vertices * size, ball.faces, resolution=16)
+    ...     field = generator.generate(ball.vertices * size, ball.faces, resolution=16)
     ...     print(field.spacing.__round__(3))
     0.15
     0.3
@@ -157,17 +158,17 @@ class Generator:
     def __init__(self) -> None:
         self._core = _raymap.Generator()
 
-    def signed_distance(self, mesh_or_vertices: Any, faces: Any = None, **options: Unpack[FieldOptions]) -> Field:
+    def generate(self, mesh_or_vertices: Any, faces: Any = None, **options: Unpack[FieldOptions]) -> Field:
         """Returns the signed distance field of a mesh, negative inside.
 
-        Arguments and errors are those of ``raymap.signed_distance``.
+        Arguments and errors are those of ``raymap.generate``.
         """
-        check_names("signed_distance", options, FieldOptions)
-        mesh = _inputs.to_mesh(mesh_or_vertices, faces)
-        grid = fit_grid(partial(_raymap.fit_grid, mesh._core), options)
+        check_names("generate", options, FieldOptions)
+        mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         core_options = to_options(options, options.get("orientation", "auto"))
+        grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         with reporting(options.get("progress")) as report:
-            return Field._from_core(self._core.generate(mesh._core, grid, core_options, report))
+            return field_of_core(self._core.generate(mesh, grid, core_options, report))
 
 
 def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
@@ -183,14 +184,11 @@ def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> 
         raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
     box = None
     if (bounds := options.get("bounds")) is not None:
-        corners = np.asarray(bounds, np.float64)
-        if corners.shape != (2, 3):
-            raise UsageError(f"bounds must be ((x0, y0, z0), (x1, y1, z1)), not of the shape {corners.shape}")
-        if not (corners[0] < corners[1]).all():
+        box = to_box("bounds", bounds)
+        if any(low == high for low, high in zip(*box)):
             raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
-        box = tuple(corners[0].tolist()), tuple(corners[1].tolist())
     resolution = operator.index(options.get("resolution", 128))
-    return fit(resolution, voxel_size or 0.0, box, options.get("padding", 0.1))
+    return fit(resolution, voxel_size or 0.0, box, options.get("padding", 0.1), options.get("thickness") or 0.0)
 
 
 def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.Options:

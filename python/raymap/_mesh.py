@@ -10,12 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raymap
+from ._arrays import checked_arrays
 
 _Origin: TypeAlias = tuple[float, float, float] | None  # Of the library's own meshes, whose vertices are about it.
 
 
 class Mesh:
-    """A triangle mesh that never changes.
+    """A triangle mesh that never changes, whatever becomes of the arrays that it was made from: it copies them.
 
     Every function of this package that takes a mesh also takes arrays, the path of a file, and meshes of trimesh,
     Open3D, meshio and PyVista. What returns a mesh returns one of these. Other packages take its two arrays:
@@ -39,19 +40,12 @@ class Mesh:
     """
 
     def __init__(self, vertices: Any, faces: Any) -> None:
-        from . import _inputs
-
-        self._set(*_inputs.checked_arrays(vertices, faces), None)
+        positions, corners = checked_arrays(vertices, faces)
+        self._set(positions.copy(), corners.copy(), None)
 
     def _set(self, vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> None:
         self._core = _raymap.Mesh(vertices, faces, origin or (0.0, 0.0, 0.0))
         self._vertices, self._faces, self._origin = _read_only(vertices), _read_only(faces), origin
-
-    @classmethod
-    def _from_core(cls, core: _raymap.Mesh) -> Mesh:
-        mesh = cls.__new__(cls)
-        mesh._core, mesh._vertices, mesh._faces, mesh._origin = core, core.vertices(), core.faces(), core.origin
-        return mesh
 
     @cached_property
     def vertices(self) -> npt.NDArray[Any]:
@@ -75,7 +69,8 @@ class Mesh:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension.
 
-        The file appears whole or not at all.
+        The file appears whole or not at all. A warning (``RaymapWarning``) says if the single precision of a .stl moves
+        vertices by more than 1e-5 of the mesh's size, as it does far from 0.
 
         Raises:
             UsageError: Another extension.
@@ -88,7 +83,7 @@ class Mesh:
         return f"raymap.Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (self._vertices, self._faces, self._origin)
+        return mesh_of_arrays, (self._vertices, self._faces, self._origin)
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -97,11 +92,29 @@ def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return view
 
 
-def _restore(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> Mesh:
-    """Makes a mesh of what was pickled."""
+def core_of(mesh: Mesh) -> _raymap.Mesh:
+    """Returns the mesh as the extension module takes it."""
+    return mesh._core
+
+
+def mesh_of_core(core: _raymap.Mesh) -> Mesh:
+    """Returns the mesh that the extension module has made."""
+    mesh = Mesh.__new__(Mesh)
+    mesh._core, mesh._vertices, mesh._faces, mesh._origin = core, core.vertices(), core.faces(), core.origin
+    return mesh
+
+
+def mesh_of_arrays(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin = None) -> Mesh:
+    """Makes a mesh that views arrays, for example those that were pickled."""
     mesh = Mesh.__new__(Mesh)
     mesh._set(vertices, faces, origin)
     return mesh
+
+
+def tetrahedron(size: float = 1.0) -> Mesh:
+    """Returns a mesh to try options and devices with."""
+    corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
+    return Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
 
 
 def load_mesh(path: str | os.PathLike[str]) -> Mesh:
@@ -119,4 +132,4 @@ def load_mesh(path: str | os.PathLike[str]) -> Mesh:
     >>> mesh.vertices.shape, mesh.faces.shape
     ((4, 3), (4, 3))
     """
-    return Mesh._from_core(_raymap.load_mesh(os.fspath(path)))
+    return mesh_of_core(_raymap.load_mesh(os.fspath(path)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Literal, NamedTuple, TypedDict
+from typing import Any, Literal, NamedTuple, TypedDict, overload
 
 from . import _inputs, _raymap
+from ._arrays import to_vector
 from ._errors import UsageError
-from ._field import Stats, _vector
+from ._field import Field, Stats
 from ._generate import Orientation, set_machine
-from ._mesh import Mesh
+from ._mesh import Mesh, core_of, mesh_of_core
 from ._progress import Progress, reporting
 
 
@@ -42,15 +43,19 @@ class Hole(TypedDict):
     """Twice the distance from the centre to the farthest vertex."""
 
 
-class SelfIntersections(TypedDict, total=False):
+class SelfIntersections(TypedDict):
     """Faces that cross others."""
 
     pairs: int
     faces: int
     complete: bool
     """False if the search stopped early: there are at least so many pairs."""
-    counted: bool
-    """False, and nothing else, if they were not counted."""
+
+
+class NotCounted(TypedDict):
+    """Stands for a count that was not made."""
+
+    counted: Literal[False]
 
 
 class Verdict(TypedDict):
@@ -66,7 +71,7 @@ class Verdict(TypedDict):
     """Largest distance between samples that keeps that part."""
 
 
-class Diagnostics(TypedDict):
+class FastDiagnostics(TypedDict):
     """Size, topology and defects of a mesh, measured after welding vertices at exactly equal positions."""
 
     vertices: int
@@ -102,6 +107,11 @@ class Diagnostics(TypedDict):
     area: float
     bbox_min: list[float]
     bbox_max: list[float]
+
+
+class Diagnostics(FastDiagnostics):
+    """The same with the faces that cross others."""
+
     self_intersections: SelfIntersections
 
 
@@ -111,13 +121,27 @@ class Info(Diagnostics):
     verdict: Verdict
 
 
-def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progress: Progress = None) -> Info:
+class FastInfo(FastDiagnostics):
+    """What ``raymap.info`` returns with ``fast=True``."""
+
+    self_intersections: NotCounted
+    verdict: Verdict
+
+
+@overload
+def info(mesh_or_vertices: Any, faces: Any = None, *, fast: Literal[False] = False, progress: Progress = None) -> Info: ...
+@overload
+def info(mesh_or_vertices: Any, faces: Any = None, *, fast: Literal[True], progress: Progress = None) -> FastInfo: ...
+@overload
+def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool, progress: Progress = None) -> Info | FastInfo: ...
+def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progress: Progress = None) -> Info | FastInfo:
     """Returns size, topology and defects of a mesh: what ``raymap info --json`` prints.
 
     Args:
-        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         fast: Whether not to count faces that cross others, nor to measure the thickness. Takes less than half of the time.
+            ``self_intersections`` is then ``{"counted": False}``.
         progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
     Raises:
@@ -130,9 +154,9 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     >>> found["verdict"]["kind"], found["verdict"]["remedy"]
     ('clean_solid', 'none')
     """
-    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:
-        return _raymap.info(mesh._core, bool(fast), report)  # type: ignore[return-value]
+        return _raymap.info(mesh, bool(fast), report)  # type: ignore[return-value]
 
 
 class Deviation(TypedDict):
@@ -213,7 +237,8 @@ class RepairReport(TypedDict):
     kept_from_result: Deviation
     """The same without the lost points."""
     buried_share: float
-    """Share of the mesh's area more than a sample inside the result."""
+    """Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as much more,
+    here and in ``lost_share``."""
     lost_share: float
     """Share of it more than a sample outside: parts thinner than the samples, or open."""
     trimmed_share: float
@@ -263,7 +288,7 @@ def repair(
     mesh_or_vertices: Any,
     faces: Any = None,
     *,
-    resolution: int = 256,
+    resolution: int = _raymap.repair_resolution,
     voxel_size: float | None = None,
     orientation: Orientation = "auto",
     close_holes: bool = True,
@@ -288,7 +313,7 @@ def repair(
     get faces. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
 
     Args:
-        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.signed_distance``.
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         resolution: Number of samples along the longest side. Without effect if ``voxel_size`` is given.
         voxel_size: Distance between samples, in the mesh's units.
@@ -309,7 +334,7 @@ def repair(
         tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
             triangles; None = a tenth of the distance between samples; 0 = all triangles.
         device: Device that computes; see ``raymap.devices``.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the field may take; None = what is available.
         progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
@@ -322,14 +347,15 @@ def repair(
     >>> report["after"]["watertight"], report["after"]["boundary_edges"]
     (True, 0)
     """
-    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     if voxel_size is not None and not voxel_size > 0:
         raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
     options = _raymap.Options()
-    options.orientation, options.close_holes = orientation, bool(close_holes)
+    options.orientation = orientation
     set_machine(options, device, threads, memory_limit)
     how = _raymap.RepairOptions()
-    how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), _vector(down)
+    how.close_holes = bool(close_holes)
+    how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), to_vector(down)
     how.drain_holes = operator.index(drain_holes)
     how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
@@ -338,9 +364,9 @@ def repair(
         how.tolerance = float(tolerance)
     with reporting(progress) as report:
         result, found, stats = _raymap.repair(
-            mesh._core, operator.index(resolution), voxel_size or 0.0, options, how, report
+            mesh, operator.index(resolution), voxel_size or 0.0, options, how, report
         )
-    return Repaired(Mesh._from_core(result), found, Stats(**stats))  # type: ignore[arg-type]
+    return Repaired(mesh_of_core(result), found, Stats(**stats))  # type: ignore[arg-type]
 
 
 def isosurface(
@@ -361,7 +387,7 @@ def isosurface(
         iso: Distance of the surface; above 0 outside of the shape.
         origin: Position of sample (0, 0, 0).
         spacing: Distance between samples.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
     Raises:
@@ -374,6 +400,4 @@ def isosurface(
     array([[-1.5, -1.5, -1.5],
            [ 1.5,  1.5,  1.5]])
     """
-    from ._field import Field
-
     return Field(distance, origin, spacing).to_mesh(iso, threads=threads, progress=progress)

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _inputs
-from ._errors import FileError, InputError, UsageError
+from ._errors import InputError, UsageError
 from ._progress import Progress
-from ._surface import Surface
+from ._surface import Query, Surface, has_sign
+from ._whole_file import file_errors, write_whole
 
 _Doubles = npt.NDArray[np.float64]
+
+#: Length of the steps to both sides of a face, as a share of the bounding sphere's radius. The mesh is rounded by less,
+#: and thinner solids do not matter.
+_BESIDE = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +31,10 @@ class Samples:
     """Points near a surface and around it, with signed distances, negative inside. ``raymap.sample_points`` makes them."""
 
     points: _Doubles
-    """Positions, (n, 3) float64: those on the surface, then those near it, then the uniform ones."""
+    """Positions, (n, 3) float64: those on the surface, then those near it, then the uniform ones. They are numbers of
+    float32 wherever those lie close enough."""
     distance: _Doubles
-    """Signed distances, (n,) float64, negative inside, in the units of the points."""
+    """Signed distances of ``points``, (n,) float64, negative inside, in the units of the points."""
     gradient: _Doubles
     """Gradients of the distance, (n, 3) float64: unit vectors that point outwards."""
     centre: _Doubles
@@ -36,17 +43,19 @@ class Samples:
     """Length in ``points`` of one unit of the mesh: points = (mesh's positions - centre) * scale."""
 
     @property
-    def pos(self) -> npt.NDArray[np.float32]:
-        """Points that are not inside, (k, 4) float32: x, y, z, distance."""
+    def pos(self) -> npt.NDArray[Any]:
+        """Points that are not inside, (k, 4): x, y, z, distance. Float32 if all of ``points`` are, else float64."""
         return self._rows(self.distance >= 0)
 
     @property
-    def neg(self) -> npt.NDArray[np.float32]:
-        """Points inside, (k, 4) float32: x, y, z, distance."""
+    def neg(self) -> npt.NDArray[Any]:
+        """Points inside, (k, 4): x, y, z, distance, of the type of ``pos``."""
         return self._rows(self.distance < 0)
 
-    def _rows(self, chosen: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
-        return np.column_stack([self.points, self.distance])[chosen].astype(np.float32)
+    def _rows(self, chosen: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
+        is_single = bool((self.points == _single(self.points)).all())
+        rows = np.column_stack([self.points, self.distance])[chosen]
+        return rows.astype(np.float32) if is_single else rows
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a .npz as DeepSDF reads it: ``pos`` and ``neg``. The file appears whole or not at all.
@@ -62,16 +71,8 @@ class Samples:
         target = Path(path)
         if target.suffix.lower() != ".npz":
             raise UsageError(f"{target}: samples are written as .npz, not {target.suffix!r}")
-        temporary = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-        try:
-            try:
-                with open(temporary, "xb") as file:
-                    np.savez(file, pos=self.pos, neg=self.neg)
-                os.replace(temporary, target)
-            finally:
-                temporary.unlink(missing_ok=True)
-        except OSError as error:
-            raise FileError(f"cannot write {target}: {error.strerror}") from error
+        with file_errors():
+            write_whole(target, npz_content(self))
 
 
 def sample_points(
@@ -95,6 +96,10 @@ def sample_points(
     The bounding sphere is about the centre of the mesh's bounds and reaches its farthest vertex. Nothing is scaled
     unless ``normalize`` asks for it.
 
+    Points are rounded to float32 before their distances are measured, so that files have the right signs. Where steps
+    of float32 exceed a sixteenth of the least ``sigma``, far from 0, points and files keep float64. ``normalize`` or
+    smaller coordinates avoid that.
+
     Points of the same mesh and arguments are the same, bit for bit, on any machine and for any number of threads.
     Distances are, on the same kind of processor.
 
@@ -103,8 +108,10 @@ def sample_points(
         n: Number of points.
         near: Share of the points that are near the surface, 0 to 1.
         sigma: Standard deviations of the offsets, as shares of the bounding sphere's radius. Each gets as many points.
-        surface: Share of the points that are on the surface, 0 to 1. They have the distance 0, and the outward normal
-            as their gradient.
+        surface: Share of the points that are on the surface, 0 to 1. They have the distance 0, and the normal as their
+            gradient. It points to the outside, however the face is wound. If both sides are inside or both outside, it
+            points to that whose winding number is closer to 0. The face decides where both numbers are equally close,
+            as beside a sheet.
         seed: Whole number from 0 on. Another one gives other points.
         normalize: Whether to move and scale all results so that the bounding sphere is the unit sphere about 0.
             ``Samples.centre`` and ``Samples.scale`` say how.
@@ -124,30 +131,60 @@ def sample_points(
     >>> samples.pos.shape[0] + samples.neg.shape[0]
     1000
     """
-    counts, deviations = _plan(operator.index(n), float(near), float(surface), sigma)
+    counts, deviations = point_counts(operator.index(n), float(near), float(surface), sigma)
     prepared = mesh if isinstance(mesh, Surface) else Surface(_inputs.to_mesh(mesh), threads=threads, progress=progress)
-    if not prepared._sign:
+    if not has_sign(prepared):
         raise UsageError("the surface was made with sign=False, so its points have no sign")
     kept = prepared.mesh
     centre, radius = _sphere(kept.vertices, kept.faces)
     random = _Random(operator.index(seed))
-    areas = _Areas(kept.vertices, kept.faces)
+    areas = _Areas(kept.vertices, kept.faces, prepared.stats.left_out_faces)
     on_surface, triangles = areas.points(counts[0], random)
     parts = [on_surface]
     for count, deviation in zip(counts[1:-1], deviations, strict=True):
         parts.append(areas.points(count, random)[0] + random.normal((count, 3)) * (deviation * radius))
     parts.append(centre + random.in_ball(counts[-1]) * radius)
-    points = np.concatenate(parts)
-    found = prepared.query(points, ("distance", "direction"), threads=threads, progress=progress)
+    origin, unit = (centre, radius) if normalize else (np.zeros(3), 1.0)
+    stored = (np.concatenate(parts) - origin) / unit
+    if _is_single_enough((np.abs(centre - origin).max() + radius) / unit, deviations.min() * radius / unit):
+        stored = _single(stored)
+    found = prepared.query(stored * unit + origin, ("distance", "direction"), threads=threads, progress=progress)
     distance, gradient = found.distance, np.where(found.distance[:, None] < 0, found.direction, -found.direction)
     distance[: counts[0]] = 0.0
-    gradient[: counts[0]] = areas.normals(triangles, prepared.stats.turned_faces)
-    if not normalize:
-        return Samples(points, distance, gradient + 0.0, np.zeros(3), 1.0)
-    return Samples((points - centre) / radius, distance / radius, gradient + 0.0, centre, 1.0 / radius)
+    normals = areas.normals(triangles, prepared.stats.turned_faces)
+    ask = partial(prepared.query, threads=threads, progress=progress)
+    gradient[: counts[0]] = _outward(normals, on_surface, _BESIDE * radius, ask)
+    return Samples(stored, distance / unit, gradient + 0.0, origin, 1.0 / unit)
 
 
-def _plan(n: int, near: float, surface: float, sigma: float | Iterable[float]) -> tuple[list[int], _Doubles]:
+def npz_content(samples: Samples, **more: Any) -> Callable[[IO[bytes]], None]:
+    """Returns a function that writes a .npz as DeepSDF reads it, with more arrays."""
+    return partial(np.savez, pos=samples.pos, neg=samples.neg, **more)
+
+
+def _is_single_enough(reach: float, deviation: float) -> bool:
+    """Returns whether the steps of float32 are short beside a deviation, up to a distance from 0."""
+    with np.errstate(over="ignore"):
+        return bool(np.spacing(np.float32(reach)) <= deviation / 16)
+
+
+def _single(points: _Doubles) -> _Doubles:
+    with np.errstate(over="ignore"):
+        return points.astype(np.float32).astype(np.float64)
+
+
+def _outward(normals: _Doubles, points: _Doubles, step: float, ask: Callable[..., Query]) -> _Doubles:
+    """Returns normals at points of a surface, reversed where they point to the inside, as `sample_points` says."""
+    sides = np.concatenate([points + step * normals, points - step * normals]).reshape(2, -1, 3)
+    is_above_inside, is_below_inside = ask(sides).distance < 0
+    is_inward = is_above_inside & ~is_below_inside
+    unsure = np.flatnonzero(is_above_inside == is_below_inside)
+    above, below = np.abs(ask(sides[:, unsure], "winding").winding)
+    is_inward[unsure] = above - below > 0.5  # Across a face the number changes by 1, else by much less.
+    return np.where(is_inward[:, None], -normals, normals)
+
+
+def point_counts(n: int, near: float, surface: float, sigma: float | Iterable[float]) -> tuple[list[int], _Doubles]:
     """Returns numbers of points: on the surface, near it for each deviation, uniform. And the deviations."""
     if n < 0:
         raise UsageError(f"n must not be negative, not {n}")
@@ -183,14 +220,15 @@ def _lengths(v: _Doubles) -> _Doubles:
 
 
 class _Areas:
-    """Chooses points of a mesh evenly by area."""
+    """Chooses points of a mesh evenly by area, but none of faces that are left out."""
 
-    def __init__(self, vertices: _Doubles, faces: npt.NDArray[Any]) -> None:
+    def __init__(self, vertices: _Doubles, faces: npt.NDArray[Any], left_out: npt.NDArray[np.uint32]) -> None:
         self._corners = vertices[faces]
         u, v = self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0]
         axes = ((1, 2), (2, 0), (0, 1))
         self._normals = np.stack([u[:, a] * v[:, b] - u[:, b] * v[:, a] for a, b in axes], axis=1)
         self._lengths = _lengths(self._normals)
+        self._lengths[left_out] = 0.0
         self._sums = np.cumsum(self._lengths)  # One after the other, in this order.
         if not self._sums[-1] > 0:
             raise InputError("the mesh has no area: all of its faces are degenerate")

@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
 
 import numpy as np
 
-from . import _inputs, _raymap
+from . import _arrays, _inputs, _raymap
 from ._errors import UsageError
-from ._field import Field, Stats
+from ._field import Field, Stats, field_of_core
 from ._generate import Orientation, SurfaceFieldOptions, check_names, fit_grid, to_memory_limit, to_options
-from ._mesh import Mesh, _restore
+from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 
 #: Name of what ``Surface.query`` can compute.
@@ -58,7 +58,7 @@ class Surface:
 
     Distances are those to the mesh itself, within a millionth of its diagonal. (Farther from the mesh than its size,
     they are within a millionth of the distance.) Signs follow the winding number, as those of
-    ``raymap.signed_distance``: the mesh may have holes, overlaps, or faces that point the wrong way. The result of a
+    ``raymap.generate``: the mesh may have holes, overlaps, or faces that point the wrong way. The result of a
     point depends neither on the other points, nor on the number of threads.
 
     Points have any shape (..., 3): NumPy, lists, or any array with ``__dlpack__``. Results are float32 for float32
@@ -74,7 +74,7 @@ class Surface:
         sign: Whether to tell inside from outside. Without, preparing takes less time and memory.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the mesh then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
             times a second. It cancels by returning False or by raising. True for a line on stderr.
@@ -104,14 +104,14 @@ class Surface:
         memory_limit: int | None = None,
         progress: Progress = None,
     ) -> None:
-        mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+        mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         options = _raymap.SurfaceOptions()
         options.sign = bool(sign)
         options.threads = operator.index(threads or 0)
         options.memory_limit = to_memory_limit(memory_limit)
         self._sign, self._orientation, self._threads, self._memory_limit = options.sign, orientation, threads, memory_limit
         with reporting(progress) as report:
-            self._core = _raymap.Surface(mesh._core, options, orientation, report)
+            self._core = _raymap.Surface(mesh, options, orientation, report)
         self._stats = Stats(**self._core.stats())
 
     def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
@@ -121,7 +121,7 @@ class Surface:
 
         Args:
             points: Positions in the mesh's units, (..., 3).
-            threads: Number of CPU threads; None = all.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
         Raises:
@@ -153,7 +153,7 @@ class Surface:
         if not self._sign:
             raise UsageError("the surface was made with sign=False, so it does not know what is inside")
         found = self._query(points, {"distance"}, None, threads, progress)
-        return _inputs.like(np.asarray(found["distance"] < 0), points)
+        return _arrays.like(np.asarray(found["distance"] < 0), points)
 
     def closest(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Closest:
         """Returns closest points of the surface, distances, triangles and barycentric coordinates.
@@ -191,7 +191,7 @@ class Surface:
                 ``"direction"``, ``"winding"``, ``"confidence"``.
             max_distance: Farther points get this distance, with their sign, ``raymap.NO_TRIANGLE``, and NaN for what
                 else depends on the closest point. Smaller is faster. In the mesh's units; None = no limit.
-            threads: Number of CPU threads; None = all.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
         Raises:
@@ -207,7 +207,7 @@ class Surface:
         """
         names: set[str] = {arrays} if isinstance(arrays, str) else set(arrays)
         found = self._query(points, names, max_distance, threads, progress)
-        return Query(*(_inputs.like(found[name], points) if name in names else None for name in Query._fields))
+        return Query(*(_arrays.like(found[name], points) if name in names else None for name in Query._fields))
 
     def _query(
         self, points: Any, names: set[str], max_distance: float | None, threads: int | None, progress: Progress
@@ -222,7 +222,7 @@ class Surface:
         if max_distance is not None:
             options.max_distance = float(max_distance)
         options.threads = operator.index(threads or 0)
-        flat = _inputs.to_points(points, keep_single=True)
+        flat = _arrays.to_points(points, keep_single=True)
         shape = tuple(np.shape(points))
         with reporting(progress) as report:
             found = self._core.query(flat, options, report)
@@ -231,30 +231,30 @@ class Surface:
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
 
-    def field(self, **options: Unpack[SurfaceFieldOptions]) -> Field:
+    def generate(self, **options: Unpack[SurfaceFieldOptions]) -> Field:
         """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
 
-        Arguments and errors are those of ``raymap.signed_distance``, without ``orientation``: faces are turned as the
+        Arguments and errors are those of ``raymap.generate``, without ``orientation``: faces are turned as the
         surface found best. A surface without a sign gives a field without one, unless ``sign`` asks for it.
 
         >>> surface = raymap.Surface("ball.ply")
-        >>> field = surface.field(resolution=32)
+        >>> field = surface.generate(resolution=32)
         >>> position = field.origin + field.spacing * np.array((16, 16, 16))
         >>> bool(np.isclose(field.distance[16, 16, 16], surface.signed_distance(position)))
         True
         """
-        check_names("field", options, SurfaceFieldOptions)
+        check_names("generate", options, SurfaceFieldOptions)
         if not self._sign:
             options = {"sign": "none", **options}
-        grid = fit_grid(self._core.fit_grid, options)
         core_options = to_options(options, self._orientation)
+        grid = fit_grid(self._core.fit_grid, options)
         with reporting(options.get("progress")) as report:
-            return Field._from_core(self._core.generate(grid, core_options, report))
+            return field_of_core(self._core.generate(grid, core_options, report))
 
     @property
     def mesh(self) -> Mesh:
         """The mesh as the surface keeps it: the given faces; positions in single precision about an origin."""
-        return _restore(self._core.vertices(), self._core.faces(), self._core.origin)
+        return mesh_of_arrays(self._core.vertices(), self._core.faces(), self._core.origin)
 
     @property
     def stats(self) -> Stats:
@@ -267,6 +267,52 @@ class Surface:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _prepare, (self.mesh, self._sign, self._orientation, self._threads, self._memory_limit)
+
+
+def signed_distance(
+    mesh: Any,
+    points: Any,
+    *,
+    sign: bool = True,
+    orientation: Orientation = "auto",
+    threads: int | None = None,
+    memory_limit: int | None = None,
+    progress: Progress = None,
+) -> Any:
+    """Returns distances of a mesh at points, (...) for points (..., 3), negative inside, in the mesh's units.
+
+    They are those of ``raymap.Surface(mesh).signed_distance(points)``: float32 for float32 points, float64 for all
+    others. Each call prepares the mesh. To ask for more than once, make a ``raymap.Surface``. For distances on a grid,
+    use ``raymap.generate``.
+
+    Args:
+        mesh: A mesh or path as for ``raymap.Surface``. Arrays: ``raymap.Mesh(vertices, faces)``.
+        points: Positions in the mesh's units, (..., 3).
+        sign: Whether to tell inside from outside; without, distances are not negative.
+        orientation: Whether faces that point the wrong way are reversed: ``"auto"``, ``"keep"`` or ``"repair"``.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
+        memory_limit: Most bytes that the prepared mesh may take; None = what is available.
+        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+    Raises:
+        InputError: The mesh is not valid, or points of another shape.
+        UsageError: Arguments that make no sense.
+        MemoryLimitError: The mesh needs more memory than allowed.
+        FileError: The file cannot be read.
+        Cancelled: ``progress`` returned False.
+
+    >>> raymap.signed_distance("ball.ply", [(0, 0, 0.5), (0, 0, 1.5)]).round(2)
+    array([-0.5,  0.5])
+    """
+    surface = Surface(
+        mesh, sign=sign, orientation=orientation, threads=threads, memory_limit=memory_limit, progress=progress
+    )
+    return surface.signed_distance(points, threads=threads, progress=progress)
+
+
+def has_sign(surface: Surface) -> bool:
+    """Returns whether a surface tells inside from outside."""
+    return surface._sign
 
 
 def _prepare(

@@ -1,6 +1,6 @@
 """Signed distances that PyTorch can differentiate, negative inside.
 
->>> import torch, raymap.torch  # doctest: +SKIP
+>>> import raymap, torch  # doctest: +SKIP
 >>> surface = raymap.Surface("ball.ply")  # doctest: +SKIP
 >>> points = torch.tensor([(0.0, 0.0, 1.5)], requires_grad=True)  # doctest: +SKIP
 >>> raymap.torch.signed_distance(surface, points).sum().backward()  # doctest: +SKIP
@@ -46,7 +46,7 @@ def signed_distance(surface: Surface, points: Any, *, threads: int | None = None
         surface: A surface; without a sign, distances are not negative.
         points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
             on the CPU. The result has its type and is on its device.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
         InputError: Points of another shape.

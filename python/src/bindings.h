@@ -21,6 +21,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -29,8 +30,6 @@ namespace raymap::python {
 namespace nb = nanobind;
 using namespace nb::literals;
 
-/// An array of any type in host memory, by its own strides.
-using AnyArray = nb::ndarray<nb::ro, nb::device::cpu>;
 using Triple = std::tuple<double, double, double>;
 /// Lowest and highest corner.
 using Bounds = std::pair<Triple, Triple>;
@@ -38,8 +37,10 @@ using Bounds = std::pair<Triple, Triple>;
 /// A mesh of our own, or a view of arrays that Python owns.
 struct MeshHandle {
   Mesh owned = {};
-  AnyArray vertices = {}, faces = {};  ///< Keep the viewed arrays alive.
-  MeshView view = {};                  ///< View of `owned` or of the arrays.
+  /// Keep the viewed arrays alive. They are no `nb::ndarray`: NumPy does not let go of what DLPack exported
+  /// once the interpreter ends.
+  nb::object vertices = {}, faces = {};
+  MeshView view = {};  ///< View of `owned` or of the arrays.
 
   MeshHandle() = default;
   MeshHandle(const MeshHandle&) = delete;
@@ -65,12 +66,15 @@ inline nb::list toList(const glm::dvec3& v) {
   return list;
 }
 
+/// Returns a message as text. A path in it need not be UTF-8.
+nb::str toText(std::string_view message);
+
 /// Returns a handle that owns the mesh.
 std::shared_ptr<MeshHandle> own(Mesh mesh);
 
 /// Returns the grid that these options lay over a valid mesh.
 Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
-         double padding);
+         double padding, double thickness);
 
 /// Returns a NumPy array of this shape that owns the elements, for example of a vector.
 template <class Number, class Elements>

@@ -71,14 +71,14 @@ void Call::deliver() {
   }
   if (report_.is_none()) return;
   for (const Report& report : reports)
-    if (report_(nb::str(report.stage.c_str(), report.stage.size()), report.done).ptr() == Py_False)
+    if (report_(toText(report.stage), report.done).ptr() == Py_False)
       throw Error(ErrorCode::Cancelled, "cancelled during " + report.stage);
 }
 
 void Call::passOnWarnings() {
   if (warnings_.empty()) return;
   const nb::object warnUser = nb::module_::import_("raymap._errors").attr("warn");
-  for (const std::string& message : warnings_) warnUser(nb::str(message.c_str(), message.size()));
+  for (const std::string& message : warnings_) warnUser(toText(message));
 }
 
 }  // namespace raymap::python

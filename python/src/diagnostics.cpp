@@ -1,6 +1,6 @@
 #include <raymap/diagnostics.h>
 #include <raymap/names.h>
-#include <raymap/verdict.h>
+#include <raymap/thickness.h>
 
 #include <optional>
 #include <string>

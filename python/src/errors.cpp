@@ -2,22 +2,24 @@
 #include <raymap/names.h>
 
 #include <exception>
-#include <string>
+#include <string_view>
 
 #include "bindings.h"
 
 namespace raymap::python {
 
+nb::str toText(std::string_view message) {
+  return nb::steal<nb::str>(
+      PyUnicode_DecodeUTF8(message.data(), Py_ssize_t(message.size()), "backslashreplace"));
+}
+
 namespace {
 
-/// Raises the class of raymap._errors for this code. A path in the message need not be UTF-8.
+/// Raises the class of raymap._errors for this code.
 void raise(const Error& error) {
   try {
     const nb::object make = nb::module_::import_("raymap._errors").attr("make_error");
-    const std::string text = error.what();
-    const std::string_view code = name(error.code());
-    PyObject* decoded = PyUnicode_DecodeUTF8(text.data(), Py_ssize_t(text.size()), "backslashreplace");
-    const nb::object made = make(nb::str(code.data(), code.size()), nb::steal<nb::str>(decoded));
+    const nb::object made = make(toText(name(error.code())), toText(error.what()));
     PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
   } catch (nb::python_error& other) {
     other.restore();

@@ -56,11 +56,12 @@ using WholeGrid = nb::ndarray<const uint32_t, nb::ndim<3>, nb::f_contig, nb::dev
 
 /// Returns a field without arrays, for `setArray`.
 std::shared_ptr<FieldHandle> makeField(const std::tuple<int, int, int>& dims, const Triple& origin,
-                                       double spacing, double band) {
+                                       double spacing, double band, const std::optional<Bounds>& surface) {
   auto handle = std::make_shared<FieldHandle>();
   const auto [x, y, z] = dims;
   handle->field.grid = {.dims = {x, y, z}, .origin = toVector(origin), .spacing = spacing};
   handle->field.band = band;
+  if (surface) handle->field.surfaceBounds = Box{toVector(surface->first), toVector(surface->second)};
   return handle;
 }
 
@@ -78,12 +79,13 @@ void setArray(FieldHandle& handle, std::string_view name, const Array& array) {
 using Points = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 nb::ndarray<nb::numpy, float> samplePoints(const FieldHandle& handle, const Points& points, bool gradients,
-                                           int threads) {
+                                           bool isNanOutside, int threads) {
+  const Outside outside = isNanOutside ? Outside::NaN : Outside::Bound;
   Samples samples;
   {
     const nb::gil_scoped_release release;
     const std::span all(reinterpret_cast<const glm::dvec3*>(points.data()), points.shape(0));
-    sample(handle.field, all, {.gradients = gradients, .threads = threads}, samples);
+    sample(handle.field, all, {.gradients = gradients, .outside = outside, .threads = threads}, samples);
   }
   if (gradients) return toArray<float>(std::move(samples.gradient), {points.shape(0), 3});
   return toArray<float>(std::move(samples.distance), {points.shape(0)});
@@ -119,7 +121,7 @@ nb::dict describe(const Stats& stats) {
 
 void bindField(nb::module_& module) {
   nb::class_<FieldHandle>(module, "Field")
-      .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "band"_a)
+      .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "band"_a, "surface_bounds"_a.none())
       .def("set_floats", &setArray<FloatGrid>, "name"_a, "array"_a.noconvert())
       .def("set_wholes", &setArray<WholeGrid>, "name"_a, "array"_a.noconvert())
       .def("array", &viewArray, "name"_a)
@@ -132,14 +134,19 @@ void bindField(nb::module_& module) {
       .def_prop_ro("origin", [](const FieldHandle& self) { return toTriple(self.field.grid.origin); })
       .def_prop_ro("spacing", [](const FieldHandle& self) { return self.field.grid.spacing; })
       .def_prop_ro("band", [](const FieldHandle& self) { return self.field.band; })
+      .def_prop_ro("surface_bounds",
+                   [](const FieldHandle& self) -> std::optional<Bounds> {
+                     const Box& box = self.field.surfaceBounds;
+                     if (box.isEmpty()) return std::nullopt;
+                     return Bounds{toTriple(box.min), toTriple(box.max)};
+                   })
       .def("stats", [](const FieldHandle& self) { return describe(self.stats); })
-      .def("sample", &samplePoints, "points"_a.noconvert(), "gradients"_a, "threads"_a)
+      .def("sample", &samplePoints, "points"_a.noconvert(), "gradients"_a, "nan_outside"_a, "threads"_a)
       .def(
           "save",
-          [](const FieldHandle& self, const std::filesystem::path& path, const std::string& array) {
-            writeField(path, self.field, array);
-          },
-          "path"_a, "array"_a, nb::call_guard<nb::gil_scoped_release>());
+          [](const FieldHandle& self, const std::filesystem::path& path, const std::string& array,
+             const std::string& format) { writeField(path, self.field, array, format); },
+          "path"_a, "array"_a, "format"_a = "", nb::call_guard<nb::gil_scoped_release>());
   module.def("load_field", &load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
 }
 

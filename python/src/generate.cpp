@@ -70,8 +70,9 @@ void bindOptions(nb::module_& module) {
 }  // namespace
 
 Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
-         double padding) {
-  GridOptions options{.resolution = resolution, .voxelSize = voxelSize, .padding = padding};
+         double padding, double thickness) {
+  GridOptions options{
+      .resolution = resolution, .voxelSize = voxelSize, .padding = padding, .thickness = thickness};
   if (box) options.box = Box{toVector(box->first), toVector(box->second)};
   return fitGrid(mesh, options);
 }
@@ -81,11 +82,11 @@ void bindGenerate(nb::module_& module) {
   module.def(
       "fit_grid",
       [](const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
-         double padding) {
+         double padding, double thickness) {
         validate(mesh.view);
-        return fit(mesh.view, resolution, voxelSize, bounds, padding);
+        return fit(mesh.view, resolution, voxelSize, bounds, padding, thickness);
       },
-      "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a);
+      "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a);
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())

@@ -17,9 +17,13 @@ std::shared_ptr<MeshHandle> own(Mesh mesh) {
 
 namespace {
 
+/// An array of any type in host memory, by its own strides.
+using AnyArray = nb::ndarray<nb::ro, nb::device::cpu>;
+
 /// Views arrays whose layout python/raymap/_inputs.py has checked: three native numbers after each other in
 /// each row.
-std::shared_ptr<MeshHandle> view(AnyArray vertices, AnyArray faces, const Triple& origin) {
+std::shared_ptr<MeshHandle> view(nb::object vertexArray, nb::object faceArray, const Triple& origin) {
+  const auto vertices = nb::cast<AnyArray>(vertexArray, false), faces = nb::cast<AnyArray>(faceArray, false);
   auto handle = std::make_shared<MeshHandle>();
   MeshView& mesh = handle->view;
   const auto check = [](const AnyArray& array, bool isType, const char* what) {
@@ -39,8 +43,8 @@ std::shared_ptr<MeshHandle> view(AnyArray vertices, AnyArray faces, const Triple
   mesh.triangleCount = faces.shape(0);
   mesh.triangleStride = size_t(faces.stride(0)) * faces.itemsize();
   mesh.origin = toVector(origin);
-  handle->vertices = std::move(vertices);
-  handle->faces = std::move(faces);
+  handle->vertices = std::move(vertexArray);
+  handle->faces = std::move(faceArray);
   return handle;
 }
 
@@ -69,7 +73,7 @@ nb::ndarray<nb::numpy, const uint32_t> faces(nb::handle_t<MeshHandle> self) {
 
 void bindMesh(nb::module_& module) {
   nb::class_<MeshHandle>(module, "Mesh")
-      .def(nb::new_(&view), "vertices"_a.noconvert(), "faces"_a.noconvert(), "origin"_a)
+      .def(nb::new_(&view), "vertices"_a, "faces"_a, "origin"_a)
       .def("vertices", &vertices)
       .def("faces", &faces)
       .def_prop_ro("origin", [](const MeshHandle& mesh) { return toTriple(mesh.view.origin); })
@@ -81,8 +85,11 @@ void bindMesh(nb::module_& module) {
            })
       .def(
           "save",
-          [](const MeshHandle& mesh, const std::filesystem::path& path) { writeMesh(path, mesh.view); },
-          "path"_a, nb::call_guard<nb::gil_scoped_release>());
+          [](const MeshHandle& mesh, const std::filesystem::path& path) {
+            Call call{nb::none()};
+            call.run([&] { writeMesh(path, mesh.view, {.warn = call.warn()}); });
+          },
+          "path"_a);
   module.def("load_mesh", &load, "path"_a);
   module.def("mesh_extensions", &meshExtensions);
 }

@@ -117,6 +117,7 @@ Result repairMesh(const MeshHandle& mesh, int resolution, double voxelSize, Opti
 void bindRepair(nb::module_& module) {
   nb::class_<RepairOptions>(module, "RepairOptions")
       .def(nb::init<>())
+      .def_rw("close_holes", &RepairOptions::closeHoles)
       .def_rw("offset", &RepairOptions::offset)
       .def_rw("shell", &RepairOptions::shell)
       .def_rw("drain_hole", &RepairOptions::drainHole)
@@ -131,6 +132,7 @@ void bindRepair(nb::module_& module) {
       .def_prop_rw(
           "down", [](const RepairOptions& self) { return toTriple(self.down); },
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });
+  module.attr("repair_resolution") = kRepairResolution;
   module.def("repair", &repairMesh, "mesh"_a, "resolution"_a, "voxel_size"_a, "options"_a, "repair"_a,
              "progress"_a.none());
 }

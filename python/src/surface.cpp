@@ -100,8 +100,10 @@ void bindSurface(nb::module_& module) {
       .def(
           "fit_grid",
           [](const Surface& self, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
-             double padding) { return fit(self.mesh(), resolution, voxelSize, bounds, padding); },
-          "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a)
+             double padding, double thickness) {
+            return fit(self.mesh(), resolution, voxelSize, bounds, padding, thickness);
+          },
+          "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a)
       .def("generate", &generate, "grid"_a, "options"_a, "progress"_a.none())
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "progress"_a.none())

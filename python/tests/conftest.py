@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import os
+import shutil
+import signal
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import raymap
+from held_mesh import HeldMesh
 
 ROOT = Path(__file__).parents[2]
+
+# A shell starts what runs in the background with Ctrl-C ignored. The tests need it, also in the processes they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def make_ball(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
@@ -43,7 +50,7 @@ def ball() -> raymap.Mesh:
 
 @pytest.fixture(scope="session")
 def large_ball() -> raymap.Mesh:
-    """A mesh whose field takes seconds at a high resolution."""
+    """A ball of 81,920 faces."""
     return raymap.Mesh(*make_ball(6))
 
 
@@ -55,6 +62,29 @@ def files(tmp_path_factory: pytest.TempPathFactory, ball: raymap.Mesh) -> Path:
     corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
     raymap.Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]).save(folder / "tetrahedron.ply")
     return folder
+
+
+@pytest.fixture
+def meshes(tmp_path: Path, own_folder: None) -> Path:
+    """A folder with four meshes, one of them in a folder, one open, and a file that is none."""
+    folder = tmp_path / "meshes"
+    (folder / "deep").mkdir(parents=True)
+    shutil.copy("ball.ply", folder)
+    shutil.copy("tetrahedron.ply", folder / "deep")
+    vertices, faces = make_ball(1)
+    raymap.Mesh(vertices, faces[:-7]).save("open.obj")
+    shutil.move("open.obj", folder / "open.OBJ")
+    raymap.Mesh(vertices, faces).save(folder / "small.ply")
+    (folder / "notes.txt").write_text("no mesh")
+    return folder
+
+
+@pytest.fixture
+def held(tmp_path: Path, own_folder: None) -> Iterator[HeldMesh]:
+    """The mesh held.ply, whose readers wait for the test."""
+    mesh = HeldMesh(tmp_path / "held.ply", (tmp_path / "ball.ply").read_bytes())
+    yield mesh
+    mesh.let_go()
 
 
 @pytest.fixture

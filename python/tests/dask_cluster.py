@@ -6,9 +6,10 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 from types import TracebackType
+
+from held_mesh import wait_for
 
 
 class Cluster:
@@ -24,8 +25,7 @@ class Cluster:
     def _start(self, what: str, *options: str) -> subprocess.Popen[bytes]:
         file = self._folder / "scheduler.json"
         if what == "worker":
-            while not file.exists():
-                time.sleep(0.05)
+            wait_for(lambda: self._address)
             options = (*options, "--local-directory", str(self._folder))
         with open(self._folder / "log.txt", "ab") as log:
             return subprocess.Popen(
@@ -37,9 +37,19 @@ class Cluster:
             )
 
     @property
+    def _address(self) -> str | None:
+        """Address of the scheduler, or None if it has not written it yet."""
+        try:
+            return str(json.loads((self._folder / "scheduler.json").read_text())["address"])
+        except (OSError, ValueError):
+            return None
+
+    @property
     def address(self) -> str:
         """Address of the scheduler, tcp://..."""
-        return str(json.loads((self._folder / "scheduler.json").read_text())["address"])
+        wait_for(lambda: self._address)
+        assert self._address
+        return self._address
 
     def __enter__(self) -> Cluster:
         return self
@@ -52,15 +62,18 @@ class Cluster:
             process.wait()
 
 
-def children_of(pid: int) -> list[int]:
-    """Returns the processes that a process has started and that still run."""
-    found: list[int] = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                state, parent = (entry / "stat").read_text().rpartition(")")[2].split()[:2]
-            except OSError:
-                continue
-            if int(parent) == pid and state != "Z":
-                found.append(int(entry.name))
-    return found
+def _state_and_parent(pid: int) -> tuple[str, int]:
+    """Returns a letter and the parent's number. A process that has ended and that nobody waits for has none."""
+    try:
+        state, parent = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[:2]
+    except OSError:
+        return "Z", 0
+    return state, int(parent)
+
+
+def is_running(pid: int) -> bool:
+    return _state_and_parent(pid)[0] not in "ZX"
+
+
+def parent_of(pid: int) -> int:
+    return _state_and_parent(pid)[1]

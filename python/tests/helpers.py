@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import os
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -42,16 +41,14 @@ def right_in_threads(check: Callable[[int], bool]) -> bool:
 
 
 @contextmanager
-def interrupted() -> Iterator[threading.Event]:
-    """Expects KeyboardInterrupt. Another thread interrupts this one as soon as the event is set."""
-    begun = threading.Event()
+def interrupted() -> Iterator[Callable[[str, float], None]]:
+    """Expects KeyboardInterrupt. Yields a progress callable that interrupts the work at its first report."""
+    reports: list[str] = []
 
-    def interrupt() -> None:
-        begun.wait()
-        os.kill(os.getpid(), signal.SIGINT)
+    def progress(stage: str, done: float) -> None:
+        reports.append(stage)
+        signal.raise_signal(signal.SIGINT)
 
-    interrupter = threading.Thread(target=interrupt)
-    interrupter.start()
     with pytest.raises(KeyboardInterrupt):
-        yield begun
-    interrupter.join()
+        yield progress
+    assert len(reports) == 1

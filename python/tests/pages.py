@@ -13,10 +13,16 @@ def run_test(test: doctest.DocTest) -> None:
         raise AssertionError("".join(report))
 
 
-def run_page(text: str, name: str) -> None:
-    """Runs all Python blocks of a page, one after the other: doctests, or a program."""
+def code_of(text: str, name: str) -> str:
+    """Returns all Python blocks of a page, one after the other: doctests, or a program."""
     code = "\n".join(re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
     assert code, f"{name} has no Python"
+    return code
+
+
+def run_page(text: str, name: str) -> None:
+    """Runs the Python code of a page."""
+    code = code_of(text, name)
     if ">>>" in code:
         run_test(doctest.DocTestParser().get_doctest(code, {}, name, name, 0))
     else:

@@ -12,7 +12,7 @@ from conftest import ROOT, make_ball
 from helpers import load
 
 PAGE = (ROOT / "docs/coming_from.md").read_text()
-BLOCKS = dict(re.findall(r"^## (\S+)\n\n```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
+BLOCKS = dict(re.findall(r"^## (\S+)\n(?:(?!## |```)[^\n]*\n)*```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL))
 EXACT, APPROXIMATE = 2e-6, 0.01
 AGREEMENT = {
     "trimesh": EXACT,
@@ -21,27 +21,48 @@ AGREEMENT = {
     "point-cloud-utils": APPROXIMATE,
     "pysdf": EXACT,
     "mesh_to_sdf": APPROXIMATE,
+    "mesh_to_voxels": APPROXIMATE,  # of mesh_to_sdf
     "mesh2sdf": APPROXIMATE,
 }
 
 
-def test_every_package_has_a_block_and_a_row():
-    assert list(BLOCKS) == list(AGREEMENT)
-    assert re.findall(r"^\| (\S+) \| [0-9]", PAGE, re.MULTILINE) == list(AGREEMENT)
+ROWS = dict(re.findall(r"^\| (\S+) \| [0-9.]+ \| [^|]* \| (inside|outside)\b", PAGE, re.MULTILINE))
 
 
-@pytest.mark.parametrize("package", BLOCKS)
-def test_results_agree(package, monkeypatch):
+def run(package, monkeypatch, vertices, faces, points):
+    """Runs the block of a package. Returns the package's results and ours."""
     monkeypatch.setitem(os.environ, "PYOPENGL_PLATFORM", "egl")  # mesh_to_sdf: no display
     for name in re.findall(r"^import (\w+)", BLOCKS[package], re.MULTILINE):
         load(name)
     load("rtree" if package == "trimesh" else "numpy")
-    vertices, faces = make_ball()
-    vertices = vertices * 3 + (1, 2, 3)
-    points = np.random.default_rng(0).uniform(-4, 4, (500, 3)) + (1, 2, 3)
     names = dict(np=np, raymap=raymap, vertices=vertices, faces=faces.astype(np.int32), points=points)
     exec(BLOCKS[package], names)
-    theirs, ours = np.asarray(names["theirs"]), names["ours"]
+    return np.asarray(names["theirs"]), names["ours"]
+
+
+def test_every_package_has_a_block_and_a_row():
+    assert list(BLOCKS) == list(AGREEMENT)
+    assert list(ROWS) == [package for package in AGREEMENT if package != "mesh_to_voxels"]
+
+
+@pytest.mark.parametrize("package", BLOCKS)
+def test_results_agree(package, monkeypatch):
+    vertices, faces = make_ball()
+    points = np.random.default_rng(0).uniform(-4, 4, (500, 3)) + (1, 2, 3)
+    theirs, ours = run(package, monkeypatch, vertices * 3 + (1, 2, 3), faces, points)
     assert theirs.shape == ours.shape
     np.testing.assert_allclose(theirs, ours, atol=AGREEMENT[package], rtol=0)
-    assert ours.min() < -1 and ours.max() > 1
+    assert ours.min() < (-0.85 if package == "mesh_to_voxels" else -1)
+    assert ours.max() > (0.7 if package == "mesh_to_voxels" else 1)
+
+
+@pytest.mark.parametrize("package", ROWS)
+def test_overlaps_have_the_sign_that_the_page_says(package, monkeypatch):
+    ball, faces = make_ball()
+    vertices = np.concatenate((ball * 3, ball * 2)) + (1, 2, 3)  # The smaller ball overlaps the larger one.
+    faces = np.concatenate((faces, faces + len(ball)))
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (50, 3)) + (1, 2, 3)
+    theirs, ours = run(package, monkeypatch, vertices, faces, points)
+    middle = (np.s_[:],) if theirs.ndim == 1 else (np.s_[31:34],) * 3
+    assert (ours[middle] < 0).all()
+    assert ((theirs[middle] < 0) == (ROWS[package] == "inside")).all()

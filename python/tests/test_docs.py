@@ -14,7 +14,8 @@ import raymap
 from conftest import ROOT
 from pages import run_page, run_test
 
-MODULES = ["raymap", *(f"raymap.{m.name}" for m in pkgutil.iter_modules(raymap.__path__) if m.name not in ("_raymap", "torch"))]
+FOUND = [module.name for module in pkgutil.walk_packages(raymap.__path__, "raymap.")]
+MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.torch"))]
 PAGES = ["README.md", "docs/python.md", "docs/datasets.md", "python/README.md"]
 
 

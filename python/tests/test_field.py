@@ -19,7 +19,7 @@ ALL = ("distance", "winding", "confidence", "triangle")
 @pytest.fixture(scope="module")
 def field(ball: raymap.Mesh) -> raymap.Field:
     box = ((-1.25, -1.55, -1.85), (1.25, 1.55, 1.85))
-    return raymap.signed_distance(ball, bounds=box, voxel_size=0.1, arrays=ALL, device="cpu")
+    return raymap.generate(ball, bounds=box, voxel_size=0.1, arrays=ALL, device="cpu")
 
 
 def positions(field: raymap.Field) -> np.ndarray:
@@ -66,19 +66,19 @@ def test_grid(field):
 
 
 def test_views_outlive_the_field(ball):
-    distance = raymap.signed_distance(ball, resolution=16, device="cpu").distance
+    distance = raymap.generate(ball, resolution=16, device="cpu").distance
     gc.collect()
     assert distance[8, 8, 8] == pytest.approx(-1, abs=0.2)
 
 
 def test_writing_into_a_view_changes_the_field(ball):
-    field = raymap.signed_distance(ball, resolution=16, padding=0.3, device="cpu")
+    field = raymap.generate(ball, resolution=16, padding=0.3, device="cpu")
     field.distance[...] -= 0.25
     assert field.to_mesh().bounds[1] == pytest.approx(np.full(3, 1.25), abs=0.02)
 
 
 def test_missing_arrays_say_how_to_get_them(ball):
-    field = raymap.signed_distance(ball, resolution=8, device="cpu")
+    field = raymap.generate(ball, resolution=8, device="cpu")
     for name in ALL[1:]:
         assert not hasattr(field, name)
         with pytest.raises(AttributeError, match=f"ask for it, as in arrays=\\('distance', '{name}'\\)"):
@@ -108,8 +108,39 @@ def test_sample_is_trilinear_for_any_shape_of_points(field):
     np.testing.assert_array_equal(field.sample(points[:, ::2]), sampled[:, ::2])
     assert field.sample(np.empty((0, 3))).shape == (0,)
     assert np.isnan(field.sample((np.nan, 0, 0)))
-    outside = np.array((1.2 + 3, 0, 0))
-    assert field.sample(outside) == pytest.approx(np.hypot(3, 0.2), abs=0.01)
+
+
+def test_samples_outside_of_the_box_are_lower_bounds(ball):
+    rng = np.random.default_rng(3)
+    for bounds in (None, ((-0.5, -2, -2), (0.7, 1, 0.2)), ((0.2, 0.2, 0.2), (0.4, 0.5, 0.6)), ((1, 1, 1), (2, 3, 2))):
+        field = raymap.generate(ball, resolution=12, bounds=bounds, device="cpu")
+        np.testing.assert_allclose(field.surface_bounds, ball.bounds, atol=1e-6)
+        last = field.origin + field.spacing * (np.array(field.shape) - 1)
+        points = rng.uniform(-3, 3, (2000, 3))
+        points = points[((points < field.origin) | (points > last)).any(axis=1)]
+        truth = raymap.Surface(ball).signed_distance(points)
+        assert (field.sample(points) <= truth + 1e-5).all()
+        assert np.isnan(field.sample(points, outside="nan")).all()
+        assert np.isnan(field.gradient(points, outside="nan")).all()
+        middle = (field.origin + last) / 2
+        assert field.sample(middle, outside="nan") == field.sample(middle)
+        unknown = raymap.Field(field.distance, field.origin, field.spacing)
+        assert unknown.surface_bounds is None
+        assert (unknown.sample(points) <= field.sample(points)).all()
+        known = raymap.Field(field.distance, field.origin, field.spacing, surface_bounds=field.surface_bounds)
+        np.testing.assert_array_equal(known.sample(points), field.sample(points))
+    assert raymap.generate(ball, resolution=12, device="cpu").sample((0, 0, 9)) == pytest.approx(8, abs=1e-6)
+    with pytest.raises(raymap.UsageError, match="outside must be 'bound' or 'nan', not 'zero'"):
+        field.sample((0, 0, 0), outside="zero")
+    for wrong in (((1, 2, 3), (1, 1, 4)), (1, 2, 3)):
+        with pytest.raises(raymap.UsageError, match="surface_bounds"):
+            raymap.Field(field.distance, surface_bounds=wrong)
+
+
+@pytest.mark.parametrize("ending", [".nrrd", ".npz", ".vti", ".vdb"])
+def test_files_keep_the_bounds_of_the_surface(field, ending):
+    field.save("kept" + ending)
+    np.testing.assert_array_equal(raymap.load_field("kept" + ending).surface_bounds, field.surface_bounds)
 
 
 def test_gradient_is_a_central_difference(field):
@@ -241,8 +272,10 @@ def test_pickling_keeps_everything(field):
         np.testing.assert_array_equal(getattr(copy, name), getattr(field, name))
         assert getattr(copy, name).strides == (4, 100, 3100)
     assert copy.stats.device == "cpu" and copy.stats.stages == field.stats.stages
+    np.testing.assert_array_equal(copy.surface_bounds, field.surface_bounds)
     clamped = raymap.Field(np.zeros((2, 2, 2)), band=1.5)
     assert pickle.loads(pickle.dumps(clamped)).band == 1.5
+    assert pickle.loads(pickle.dumps(clamped)).surface_bounds is None
 
 
 def test_pickling_a_field_without_distances(field):

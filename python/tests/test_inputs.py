@@ -11,8 +11,8 @@ from helpers import Exporter, load
 
 
 def check(ball: raymap.Mesh, given, faces=None, atol: float = 0.0) -> None:
-    expected = raymap.signed_distance(ball, resolution=12, device="cpu").distance
-    for call in (raymap.signed_distance, raymap.Generator().signed_distance):
+    expected = raymap.generate(ball, resolution=12, device="cpu").distance
+    for call in (raymap.generate, raymap.Generator().generate):
         np.testing.assert_allclose(call(given, faces, resolution=12, device="cpu").distance, expected, atol=atol, rtol=0)
     assert raymap.info(given, faces)["triangles"] == len(ball.faces)
 
@@ -23,7 +23,7 @@ def test_trimesh(ball):
     check(ball, mesh)
     scene = trimesh.Scene()
     scene.add_geometry(mesh, transform=trimesh.transformations.translation_matrix((5, 0, 0)))
-    field = raymap.signed_distance(scene, resolution=12, device="cpu")
+    field = raymap.generate(scene, resolution=12, device="cpu")
     assert field.sample((5, 0, 0)) < -0.5
     made = field.to_mesh()
     assert trimesh.Trimesh(made.vertices, made.faces).is_watertight
@@ -63,7 +63,7 @@ def test_open3d(ball):
     legacy = open3d.geometry.TriangleMesh(vertices, triangles)
     check(ball, legacy)
     check(ball, open3d.t.geometry.TriangleMesh.from_legacy(legacy), atol=1e-6)
-    field = raymap.signed_distance(legacy, resolution=12, device="cpu")
+    field = raymap.generate(legacy, resolution=12, device="cpu")
     points = open3d.core.Tensor(np.zeros((4, 3), np.float32))
     assert field.sample(points).shape == (4,)
 
@@ -71,8 +71,8 @@ def test_open3d(ball):
 def test_jax(ball):
     jax = load("jax")
     vertices, faces = jax.numpy.asarray(ball.vertices), jax.numpy.asarray(ball.faces)
-    field = raymap.signed_distance(vertices, faces, resolution=12, device="cpu")
-    expected = raymap.signed_distance(np.asarray(vertices), ball.faces, resolution=12, device="cpu")
+    field = raymap.generate(vertices, faces, resolution=12, device="cpu")
+    expected = raymap.generate(np.asarray(vertices), ball.faces, resolution=12, device="cpu")
     np.testing.assert_array_equal(field.distance, expected.distance)
     points = jax.numpy.linspace(-1, 1, 30).reshape(2, 5, 3)
     for call, shape in ((field.sample, (2, 5)), (field.gradient, (2, 5, 3))):
@@ -103,7 +103,7 @@ def test_torch(ball):
     torch = load("torch")
     vertices, faces = torch.from_numpy(ball.vertices.copy()), torch.from_numpy(ball.faces.astype(np.int64))
     check(ball, torch.nn.Parameter(vertices), faces)
-    field = raymap.signed_distance(ball, resolution=12, device="cpu")
+    field = raymap.generate(ball, resolution=12, device="cpu")
     for dtype in (torch.float32, torch.float64):
         points = torch.linspace(-1, 1, 30, dtype=dtype).reshape(2, 5, 3)
         check_surface(ball, points, torch.Tensor.numpy, torch.Tensor)
@@ -166,17 +166,17 @@ class CuPyArray:
 
 
 def test_arrays_on_a_gpu_come_through_the_host(ball):
-    expected = raymap.signed_distance(ball, resolution=12, device="cpu")
+    expected = raymap.generate(ball, resolution=12, device="cpu")
     for kind in (Tensor, CuPyArray, Exporter):
         vertices, faces = kind(ball.vertices.copy()), kind(ball.faces.copy())
-        field = raymap.signed_distance(vertices, faces, resolution=12, device="cpu")
+        field = raymap.generate(vertices, faces, resolution=12, device="cpu")
         np.testing.assert_array_equal(field.distance, expected.distance)
     answer = expected.sample(CuPyArray(np.zeros((2, 4, 3))))
     assert isinstance(answer, CuPyArray) and answer.shape == (2, 4)
 
 
 def test_fields_are_exported_without_a_copy(ball):
-    field = raymap.signed_distance(ball, resolution=12, device="cpu")
+    field = raymap.generate(ball, resolution=12, device="cpu")
     assert np.shares_memory(np.from_dlpack(field.distance), field.distance)
 
 
@@ -186,6 +186,6 @@ def test_numpy_stays_numpy_if_torch_is_loaded(ball, monkeypatch):
             pass
 
     monkeypatch.setitem(sys.modules, "torch", Torch)
-    field = raymap.signed_distance(ball, resolution=12, device="cpu")
+    field = raymap.generate(ball, resolution=12, device="cpu")
     assert type(field.sample(np.zeros((2, 3)))) is np.ndarray
     assert type(field.sample([(0.0, 0.0, 0.0)])) is np.ndarray

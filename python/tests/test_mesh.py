@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import os
 import pickle
+import subprocess
+import sys
+import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,22 +25,48 @@ def test_files_give_back_the_mesh(ball, extension):
     assert read.vertices.dtype == np.float64 and read.faces.dtype == np.uint32
 
 
+def test_a_format_that_moves_a_mesh_far_away_warns(ball):
+    far = raymap.Mesh(ball.vertices + (5e6, 4e6, 100), ball.faces)
+    with pytest.warns(raymap.RaymapWarning, match="moves vertices by up to 0.* or move the mesh closer"):
+        far.save("far.stl")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        far.save("far.ply")
+        ball.save("near.stl")
+
+
 def test_meshes_far_away_lose_no_precision(ball):
     far = ball.vertices + (1e7, -2e7, 3e7)
     raymap.Mesh(far, ball.faces).save("far.ply")
     read = raymap.load_mesh("far.ply")
     assert np.abs(read.vertices - far).max() < 1e-7
-    field = raymap.signed_distance("far.ply", resolution=16, device="cpu")
-    near = raymap.signed_distance(ball, resolution=16, device="cpu")
+    field = raymap.generate("far.ply", resolution=16, device="cpu")
+    near = raymap.generate(ball, resolution=16, device="cpu")
     np.testing.assert_allclose(field.distance, near.distance, atol=1e-6)
 
 
-def test_arrays_are_read_only_views(ball):
+def test_a_mesh_never_changes(ball):
     vertices, faces = ball.vertices.copy(), ball.faces.copy()
     mesh = raymap.Mesh(vertices, faces)
-    assert np.shares_memory(mesh.vertices, vertices) and np.shares_memory(mesh.faces, faces)
     assert not mesh.vertices.flags.writeable and not mesh.faces.flags.writeable
-    assert vertices.flags.writeable
+    vertices[:], faces[:] = 7, 0
+    np.testing.assert_array_equal(mesh.vertices, ball.vertices)
+    np.testing.assert_array_equal(mesh.faces, ball.faces)
+    np.testing.assert_array_equal(mesh.bounds, ball.bounds)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(mesh)).vertices, ball.vertices)
+
+
+def test_functions_read_arrays_in_place(ball):
+    vertices, faces = ball.vertices.copy(), ball.faces.copy()
+    viewed = raymap._inputs.to_mesh(vertices, faces)
+    assert np.shares_memory(viewed.vertices, vertices) and np.shares_memory(viewed.faces, faces)
+    assert vertices.flags.writeable and faces.flags.writeable
+    single, large = vertices.astype(np.float32), faces.astype(np.int64)
+    viewed = raymap._inputs.to_mesh(single, large)
+    assert np.shares_memory(viewed.vertices, single) and np.shares_memory(viewed.faces, large)
+
+
+def test_arrays_of_loaded_meshes_are_read_only(ball):
     loaded = raymap.load_mesh("ball.ply")
     assert not loaded.vertices.flags.writeable and not loaded.faces.flags.writeable
     assert loaded.vertices is loaded.vertices
@@ -45,14 +77,37 @@ def test_arrays_are_read_only_views(ball):
 
 def test_pickling(ball):
     loaded = raymap.load_mesh("ball.ply")
-    made = raymap.signed_distance(ball.vertices + (7, 8, 9), ball.faces, resolution=12, device="cpu").to_mesh()
+    made = raymap.generate(ball.vertices + (7, 8, 9), ball.faces, resolution=12, device="cpu").to_mesh()
     for mesh in (ball, loaded, made):
         copy = pickle.loads(pickle.dumps(mesh))
         np.testing.assert_array_equal(copy.vertices, mesh.vertices)
         np.testing.assert_array_equal(copy.faces, mesh.faces)
         assert copy.vertices.dtype == np.float64
-        same = [raymap.signed_distance(m, resolution=12, device="cpu").distance for m in (copy, mesh)]
+        same = [raymap.generate(m, resolution=12, device="cpu").distance for m in (copy, mesh)]
         np.testing.assert_array_equal(*same)
+
+
+@pytest.mark.parametrize("kept", [
+    "raymap.Surface(ball).mesh",
+    "raymap.Surface(ball).mesh.vertices",
+    "raymap.Mesh(ball.vertices, ball.faces)",
+    "raymap.Surface(raymap.Mesh(ball.vertices, ball.faces))",
+    "pickle.loads(pickle.dumps(ball))",
+    "raymap._inputs.to_mesh(ball.vertices, ball.faces)",
+])
+def test_what_is_kept_until_the_end_is_no_leak(kept):
+    program = f"import pickle, raymap; ball = raymap.load_mesh('ball.ply'); kept = {kept}"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stdout, ran.stderr) == (0, "", "")
+
+
+def test_names_that_are_not_utf_8():
+    name = os.fsdecode(b"caf\xe9.obj")
+    Path(name).write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncurv2 1 2\n")
+    with pytest.warns(raymap.RaymapWarning, match=r"^caf\\xe9\.obj: "):
+        assert len(raymap.load_mesh(name).faces) == 1
+    with pytest.raises(raymap.FileError, match=r"^gone\\xe9\.obj: "):
+        raymap.load_mesh(os.fsdecode(b"gone\xe9.obj"))
 
 
 def strided(array: np.ndarray) -> np.ndarray:
@@ -76,9 +131,9 @@ def strided(array: np.ndarray) -> np.ndarray:
     lambda v, f: (np.repeat(v, 2, axis=0)[::2], f),
 ])
 def test_layouts_of_arrays(ball, change):
-    expected = raymap.signed_distance(ball, resolution=12, device="cpu").distance
+    expected = raymap.generate(ball, resolution=12, device="cpu").distance
     vertices, faces = change(ball.vertices, ball.faces)
-    made = raymap.signed_distance(vertices, faces, resolution=12, device="cpu").distance
+    made = raymap.generate(vertices, faces, resolution=12, device="cpu").distance
     np.testing.assert_array_equal(made, expected)
 
 
@@ -87,17 +142,17 @@ def test_faces_keep_their_size(ball, given, read):
     faces = ball.faces.astype(given)
     mesh = raymap.Mesh(ball.vertices, faces)
     assert mesh.faces.dtype == read
-    assert np.shares_memory(mesh.faces, faces) == (given != "i2")
+    np.testing.assert_array_equal(mesh.faces, ball.faces)
 
 
-def test_single_precision_is_read_in_place(ball):
+def test_single_precision(ball):
     vertices = ball.vertices.astype(np.float32)
     mesh = raymap.Mesh(vertices, ball.faces)
-    assert mesh.vertices.dtype == np.float32 and np.shares_memory(mesh.vertices, vertices)
-    single = raymap.signed_distance(mesh, resolution=12, device="cpu")
-    double = raymap.signed_distance(ball, resolution=12, device="cpu")
+    assert mesh.vertices.dtype == np.float32
+    single = raymap.generate(mesh, resolution=12, device="cpu")
+    double = raymap.generate(ball, resolution=12, device="cpu")
     np.testing.assert_allclose(single.distance, double.distance, atol=1e-6)
-    half = raymap.signed_distance(vertices.astype(np.float16), ball.faces, resolution=12, device="cpu")
+    half = raymap.generate(vertices.astype(np.float16), ball.faces, resolution=12, device="cpu")
     np.testing.assert_allclose(half.distance, double.distance, atol=1e-2)
 
 
@@ -116,9 +171,20 @@ def test_arrays_that_are_no_mesh(vertices, faces, text):
 
 def test_things_that_are_no_mesh():
     with pytest.raises(raymap.UsageError, match="vertices without faces"):
-        raymap.signed_distance(np.zeros((4, 3)))
+        raymap.generate(np.zeros((4, 3)))
     with pytest.raises(TypeError, match="no mesh: builtins.int"):
-        raymap.signed_distance(3)
+        raymap.generate(3)
+
+
+@pytest.mark.parametrize("function", [raymap.generate, raymap.Generator().generate, raymap.Surface, raymap.info])
+def test_points_in_place_of_faces(function, ball):
+    hint = r"for distances at points, use raymap.signed_distance\(mesh, points\), or raymap.Surface"
+    points = np.zeros((5, 3))
+    for mesh in (ball, "ball.ply", Path("ball.ply"), SimpleNamespace(vertices=ball.vertices, faces=ball.faces)):
+        with pytest.raises(raymap.UsageError, match="a mesh and faces: give the mesh alone; " + hint):
+            function(mesh, points)
+    with pytest.raises(raymap.InputError, match="faces must be whole numbers, not float64; " + hint):
+        function(ball.vertices, points)
 
 
 def test_info_is_that_of_the_command_line(ball, run_raymap):
@@ -184,3 +250,13 @@ def test_repair_without_options(ball):
                     dict(down=(0, 0, 0)), dict(orientation="up"), dict(memory_limit=0)):
         with pytest.raises(raymap.UsageError):
             raymap.repair(ball, **{"resolution": 16, **options})
+
+
+def test_the_defaults_of_a_repair_are_those_of_the_command_line(ball, run_raymap):
+    open_ball = raymap.Mesh(ball.vertices, ball.faces[1:])
+    open_ball.save("mesh.ply")
+    run_raymap("repair", "mesh.ply", "-o", "solid.ply", "--stats", "solid.json")
+    stats = json.loads(Path("solid.json").read_text())
+    report = raymap.repair(open_ball).report
+    assert report["closed_holes"] == stats["closed_holes"] == 1 and stats["options"]["close_holes"]
+    assert max(stats["grid"]["dims"]) == inspect.signature(raymap.repair).parameters["resolution"].default == 256

@@ -59,7 +59,7 @@ def test_points_of_the_surface(ball):
     surface = raymap.Surface(flipped, orientation="repair")
     samples = raymap.sample_points(surface, COUNT, near=0, surface=1)
     assert (samples.distance == 0).all() and samples.pos.shape == (COUNT, 4)
-    np.testing.assert_allclose(surface.query(samples.points).distance, 0, atol=1e-9)
+    np.testing.assert_allclose(surface.query(samples.points).distance, 0, atol=1e-7)  # Float32 rounds by 6e-8.
     assert np.einsum("ij,ij->i", samples.gradient, samples.points).min() > 0.9
     np.testing.assert_allclose(np.linalg.norm(samples.gradient, axis=1), 1, atol=1e-12)
     long = raymap.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0), (0, 3, 0), (0, 0, 1)], [(0, 1, 2), (3, 4, 5)])
@@ -69,18 +69,62 @@ def test_points_of_the_surface(ball):
     assert first[:, 0].mean() == pytest.approx(1 / 3, abs=0.01) and first[:, 1].mean() == pytest.approx(1 / 3, abs=0.01)
 
 
+def turned(ball: raymap.Mesh, faces: np.ndarray, orientation: str = "auto") -> raymap.Surface:
+    return raymap.Surface(raymap.Mesh(ball.vertices, faces), orientation=orientation)
+
+
+def test_normals_point_outwards_whatever_the_faces_say(ball):
+    """Inside out, double-sided, and with faces that only the sign tells from others."""
+    inside_out, f = ball.faces[:, ::-1], ball.faces
+    both = np.concatenate([f, inside_out])
+    mixed = np.concatenate([inside_out[:600], f[600:]])
+    for surface in (turned(ball, inside_out), turned(ball, inside_out, "keep"), turned(ball, both), turned(ball, mixed)):
+        samples = raymap.sample_points(surface, COUNT, near=0, surface=1)
+        assert np.einsum("ij,ij->i", samples.gradient, samples.points).min() > 0.9
+    assert turned(ball, both).stats.left_out_faces.size == len(f)
+
+
+def test_other_sides_that_are_left_out_get_no_points(ball):
+    """Two balls, one of them double-sided, get points by area: as many each."""
+    vertices = np.concatenate([ball.vertices, ball.vertices + (3, 0, 0)])
+    faces = np.concatenate([ball.faces, ball.faces[:, ::-1], ball.faces + len(ball.vertices)])
+    surface = raymap.Surface(vertices, faces)
+    left_out = surface.stats.left_out_faces
+    assert left_out.size == len(ball.faces)
+    for options in ({"near": 0, "surface": 1}, {"near": 1}):
+        points = raymap.sample_points(surface, COUNT, **options).points
+        assert np.mean(points[:, 0] < 1.5) == pytest.approx(0.5, abs=0.01)
+    areas = _samples._Areas(surface.mesh.vertices, surface.mesh.faces, left_out)
+    assert not np.isin(areas.points(COUNT, _samples._Random(0))[1], left_out).any()
+
+
+def test_normals_where_both_sides_are_alike(ball):
+    """Faces within a solid point to the lower winding number, and those of a sheet as they are wound."""
+    inner = np.concatenate([ball.vertices, ball.vertices / 2])
+    for side in (1, -1):
+        faces = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])[:, ::side]
+        surface = raymap.Surface(raymap.Mesh(inner, faces), orientation="keep")
+        samples = raymap.sample_points(surface, COUNT, near=0, surface=1)
+        is_buried = np.linalg.norm(samples.points, axis=1) < 0.7
+        assert 0.1 < is_buried.mean() < 0.3
+        assert np.einsum("ij,ij->i", samples.gradient, samples.points).min() > 0.4
+        sheet = raymap.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], np.array([(0, 1, 2)])[:, ::side])
+        flat = raymap.sample_points(sheet, 100, near=0, surface=1)
+        np.testing.assert_array_equal(flat.gradient, np.tile((0, 0, side), (100, 1)))
+
+
 def test_counts(surface):
     samples = raymap.sample_points(surface, 11, near=0.5, surface=0.3, sigma=(0.1, 0.2, 0.3))
     assert samples.points.shape == (11, 3) and (samples.distance == 0).sum() == 3
-    assert _samples._plan(11, 0.5, 0.3, (1, 2, 3))[0] == [3, 2, 2, 2, 2]
-    assert _samples._plan(10, 0.94, 0, 0.5)[0] == [0, 9, 1]
+    assert _samples.point_counts(11, 0.5, 0.3, (1, 2, 3))[0] == [3, 2, 2, 2, 2]
+    assert _samples.point_counts(10, 0.94, 0, 0.5)[0] == [0, 9, 1]
     empty = raymap.sample_points(surface, 0)
     assert empty.points.shape == (0, 3) and empty.pos.shape == (0, 4) and empty.neg.shape == (0, 4)
 
 
 def test_the_same_seed_gives_the_same_bits(ball, surface, samples):
     exact = raymap.sample_points("tetrahedron.ply", 1000, surface=0.01).points
-    assert hashlib.sha256(exact.tobytes()).hexdigest() == "d8f37e215edaa14e6213a603e02740a73f4e8c7307acee95830656eb8f35fbc5"
+    assert hashlib.sha256(exact.tobytes()).hexdigest() == "97f54c7534005b7032bd8e06a6f882d1d2bc7c21f4192634db438888c5a566f7"
     for other in (raymap.sample_points(ball, COUNT, threads=1), raymap.sample_points(surface, COUNT, seed=0)):
         for name in ("points", "distance", "gradient"):
             np.testing.assert_array_equal(getattr(other, name), getattr(samples, name))
@@ -102,9 +146,12 @@ def test_normalized(ball):
     given, scaled = (raymap.sample_points(moved, 500, normalize=normalize) for normalize in (False, True))
     np.testing.assert_allclose(scaled.centre, (10, -20, 30), atol=1e-5)
     assert scaled.scale == pytest.approx(1 / 3, rel=1e-6)
-    np.testing.assert_allclose((given.points - scaled.centre) * scaled.scale, scaled.points, atol=1e-12)
-    np.testing.assert_allclose(given.distance * scaled.scale, scaled.distance, atol=1e-12)
-    np.testing.assert_array_equal(given.gradient, scaled.gradient)
+    # Coordinates of up to 33 are rounded by up to 2e-6.
+    np.testing.assert_allclose((given.points - scaled.centre) * scaled.scale, scaled.points, atol=1e-6)
+    np.testing.assert_allclose(given.distance * scaled.scale, scaled.distance, atol=2e-6)
+    exact = raymap.Surface(moved).query(scaled.points / scaled.scale + scaled.centre, ("distance", "direction"))
+    np.testing.assert_allclose(scaled.distance, exact.distance * scaled.scale, atol=1e-12)
+    assert (np.abs(np.einsum("ij,ij->i", scaled.gradient, exact.direction)) > 1 - 1e-6).all()
     assert np.linalg.norm(scaled.points[-30:], axis=1).max() <= 1
 
 
@@ -119,23 +166,52 @@ def test_files(samples):
     assert len(stored["neg"]) + len(stored["pos"]) == COUNT
     with pytest.raises(raymap.UsageError, match="points.txt: samples are written as .npz, not '.txt'"):
         samples.save("points.txt")
-    with pytest.raises(raymap.FileError, match="cannot write .*points.npz: No such file"):
+    with pytest.raises(raymap.FileError, match="^gone/points.npz: cannot write: No such file"):
         samples.save("gone/points.npz")
+
+
+@pytest.mark.parametrize("place", [(0, 0, 0), (3, -40, 100), (5e5, 4.5e6, 0)])
+@pytest.mark.parametrize("normalize", [False, True])
+def test_stored_points_have_the_sign_of_their_place(ball, place, normalize):
+    surface = raymap.Surface(ball.vertices + place, ball.faces)
+    samples = raymap.sample_points(surface, COUNT, normalize=normalize)
+    samples.save("points.npz")
+    stored = np.load("points.npz")
+    for name, is_inside in (("pos", False), ("neg", True)):
+        rows = stored[name].astype(np.float64)
+        distance = surface.signed_distance(rows[:, :3] / samples.scale + samples.centre)
+        np.testing.assert_array_equal(distance < 0, is_inside)
+        np.testing.assert_allclose(rows[:, 3], distance * samples.scale, rtol=1e-6, atol=1e-12)
+        is_far = max(place) > 1e6 and not normalize
+        assert stored[name].dtype == (np.float64 if is_far else np.float32)
+
+
+def test_rows_are_float32_where_its_steps_are_short(ball):
+    """Steps are at most a sixteenth of the least deviation, up to the end of the bounding sphere."""
+    exact = 2.0**-19  # A sixteenth of 2^-15. Steps of float32 have this length from 16 to 32.
+    for far, sigma, dtype in (
+        (30.9, 16 * exact, np.float32), (31.1, 16 * exact, np.float64), (30.9, 15.9 * exact, np.float64),
+        (0.0, 0.0, np.float64), (30.9, (1.0, 16 * exact), np.float32), (30.9, (1.0, 15.9 * exact), np.float64),
+    ):  # fmt: skip
+        mesh = raymap.Mesh(ball.vertices + (0, -far, 0), ball.faces)
+        samples = raymap.sample_points(mesh, 100, sigma=sigma)
+        assert samples.pos.dtype == samples.neg.dtype == dtype
+        np.testing.assert_array_equal(samples.pos[:, :3], samples.points[samples.distance >= 0])
+    assert raymap.sample_points(ball, 0).pos.dtype == np.float32
 
 
 def test_a_file_that_cannot_be_written_leaves_the_old_one(samples, monkeypatch):
     samples.save("points.npz")
     before = open("points.npz", "rb").read()
 
-    def fail(file, **arrays):
-        file.write(b"half")
+    def fail(descriptor):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(np, "savez", fail)
-    with pytest.raises(raymap.FileError, match="No space left"):
+    files = os.listdir()
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(raymap.FileError, match="^points.npz: cannot write: No space left on device"):
         samples.save("points.npz")
-    assert open("points.npz", "rb").read() == before
-    assert not [name for name in os.listdir() if name.endswith(".tmp")]
+    assert open("points.npz", "rb").read() == before and os.listdir() == files
 
 
 @pytest.mark.parametrize("arguments, error, text", [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import pickle
 
 import numpy as np
@@ -160,17 +161,17 @@ def broken(ball: raymap.Mesh) -> raymap.Mesh:
     dict(distance="cell"), dict(sign="rays"), dict(sign="none"), dict(close_holes=True), dict(thickness=0.5),
     dict(band=2.5),
 ])
-def test_fields_are_those_of_signed_distance(ball, options):
+def test_fields_are_those_of_generate(ball, options):
     """In a mesh in double precision far from 0, which the surface rounds."""
     far = raymap.Mesh(broken(ball).vertices / 3 + (1e5, 0, -7e4), broken(ball).faces)
     options = {"resolution": 24, "device": "cpu", **options}
     if "bounds" in options:
         options["bounds"] = np.array(options["bounds"]) / 3 + (1e5, 0, -7e4)
     for orientation in ("keep", "repair"):
-        expected = raymap.signed_distance(far, orientation=orientation, **options)
+        expected = raymap.generate(far, orientation=orientation, **options)
         surface = raymap.Surface(far, orientation=orientation)
         for made in (surface, pickle.loads(pickle.dumps(surface))):
-            field = made.field(**options)
+            field = made.generate(**options)
             np.testing.assert_array_equal(field.origin, expected.origin)
             assert (field.spacing, field.band) == (expected.spacing, expected.band)
             if orientation == "keep":
@@ -182,7 +183,7 @@ def test_fields_are_those_of_signed_distance(ball, options):
 def test_fields_agree_with_points(ball):
     flipped = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[:40, ::-1], ball.faces[40:]]))
     surface = raymap.Surface(flipped, orientation="repair")
-    field = surface.field(resolution=16, arrays=("winding", "confidence", "triangle"), device="cpu", threads=1)
+    field = surface.generate(resolution=16, arrays=("winding", "confidence", "triangle"), device="cpu", threads=1)
     positions = field.origin + field.spacing * np.moveaxis(np.indices(field.shape), 0, -1)
     found = surface.query(positions, ("distance", "winding"))
     np.testing.assert_allclose(field.distance, found.distance, atol=4e-6)
@@ -194,16 +195,38 @@ def test_fields_agree_with_points(ball):
     assert kept.stats.turned_faces.size == 0
 
 
-def test_progress_and_unknown_arguments_of_field(surface):
+def test_progress_and_unknown_arguments_of_generate(surface):
     stages = []
-    surface.field(resolution=8, device="cpu", progress=lambda stage, done: stages.append(stage))
+    surface.generate(resolution=8, device="cpu", progress=lambda stage, done: stages.append(stage))
     assert "exact_distance" in stages
-    with pytest.raises(TypeError, match="field.. got an unexpected keyword argument 'orientation'"):
-        surface.field(orientation="keep")
+    with pytest.raises(TypeError, match="generate.. got an unexpected keyword argument 'orientation'"):
+        surface.generate(orientation="keep")
     with pytest.raises(raymap.MemoryLimitError):
-        surface.field(resolution=64, memory_limit=1000)
+        surface.generate(resolution=64, memory_limit=1000)
     with pytest.raises(raymap.UsageError, match="voxel_size"):
-        surface.field(voxel_size=-1)
+        surface.generate(voxel_size=-1)
+
+
+@pytest.mark.parametrize("options", [{}, {"sign": False}, {"orientation": "keep"}, {"threads": 1}])
+def test_signed_distance_is_that_of_a_surface(ball, options):
+    mesh = broken(ball)
+    expected = raymap.Surface(mesh, **options)
+    for points in (random_points(100), random_points(6).reshape(2, 3, 3), random_points(9).astype(np.float32)):
+        distance = raymap.signed_distance(mesh, points, **options)
+        assert (distance.dtype, distance.shape) == (points.dtype, points.shape[:-1])
+        np.testing.assert_array_equal(distance, expected.signed_distance(points))
+
+
+def test_arguments_of_signed_distance(ball):
+    function, surface = (inspect.signature(callable).parameters for callable in (raymap.signed_distance, raymap.Surface))
+    assert list(function.values())[2:] == list(surface.values())[2:]
+    stages = []
+    raymap.signed_distance(ball, (0, 0, 0), progress=lambda stage, done: stages.append(stage))
+    assert len(set(stages)) > 1
+    with pytest.raises(raymap.MemoryLimitError):
+        raymap.signed_distance(ball, (0, 0, 0), memory_limit=1000)
+    with pytest.raises(raymap.UsageError, match=r"vertices without faces: give raymap.Mesh\(vertices, faces\)"):
+        raymap.signed_distance(ball.vertices, ball.faces)
 
 
 def test_without_a_sign(ball, surface):
@@ -216,8 +239,8 @@ def test_without_a_sign(ball, surface):
         for array in ("winding", "confidence"):
             with pytest.raises(raymap.UsageError, match="made without a sign"):
                 make.query(points, array)
-        assert make.field(resolution=12, device="cpu").distance.min() >= 0
-        assert make.field(resolution=12, device="cpu", sign="harmonic").distance.min() < 0
+        assert make.generate(resolution=12, device="cpu").distance.min() >= 0
+        assert make.generate(resolution=12, device="cpu", sign="harmonic").distance.min() < 0
     assert repr(unsigned) == "raymap.Surface(642 vertices, 1280 faces, no sign)"
 
 
@@ -318,22 +341,17 @@ def test_threads_may_share_one(surface):
     assert right_in_threads(lambda k: (surface.signed_distance(points[k:]) == expected[k:]).all())
 
 
-@pytest.mark.parametrize("call", ["surface", "query"])
-def test_ctrl_c_stops_the_work(large_ball, call):
-    """The interruption comes as soon as the work reports, long before its end."""
-    surface = raymap.Surface(large_ball)
-    points = random_points(1 << 20).repeat(4, axis=0)
-    with interrupted() as begun:
-
-        def progress(stage: str, done: float) -> None:
-            assert done < 1 or stage != "query"
-            begun.set()
-
-        while True:
-            if call == "query":
-                surface.signed_distance(points, threads=1, progress=progress)
-            else:  # It may end before the signal comes.
-                raymap.Surface(large_ball, threads=1, progress=progress)
+@pytest.mark.parametrize("call", ["surface", "query", "field", "samples"])
+def test_ctrl_c_stops_the_work(ball, surface, call):
+    with interrupted() as progress:
+        if call == "surface":
+            raymap.Surface(ball, progress=progress)
+        elif call == "query":
+            surface.signed_distance(random_points(1000), progress=progress)
+        elif call == "field":
+            surface.generate(resolution=16, device="cpu", progress=progress)
+        else:
+            raymap.sample_points(surface, 1000, progress=progress)
     np.testing.assert_allclose(surface.signed_distance((0, 0, 2)), 1, atol=1e-6)
 
 

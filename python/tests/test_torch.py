@@ -96,9 +96,30 @@ def test_arguments_that_make_no_sense(surface):
         signed_distance(surface, torch.zeros(2, 2))
 
 
+def run(program: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+
+
 def test_without_torch():
-    program = "import sys; sys.modules['torch'] = None; import raymap, raymap.torch"
-    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert "ImportError: raymap.torch needs PyTorch; install it with: pip install torch" in ran.stderr
-    ran = subprocess.run([sys.executable, "-c", "import sys, raymap; sys.exit('torch' in sys.modules)"], check=False)
-    assert ran.returncode == 0
+    for use in ("import raymap.torch", "import raymap; raymap.torch.signed_distance"):
+        ran = run(f"import sys; sys.modules['torch'] = None; {use}")
+        assert "ImportError: raymap.torch needs PyTorch; install it with: pip install torch" in ran.stderr
+    ran = run("import raymap; raymap.toch")
+    assert "AttributeError: module 'raymap' has no attribute 'toch'" in ran.stderr
+
+
+def test_it_is_imported_when_it_is_used():
+    """With a module in the place of PyTorch, so that the test needs none."""
+    program = """
+import sys, types
+torch = types.ModuleType("torch")
+torch.autograd = types.SimpleNamespace(
+    Function=object, function=types.SimpleNamespace(once_differentiable=lambda function: function))
+torch.Tensor = type("Tensor", (), {})
+sys.modules["torch"] = torch
+import raymap
+assert "raymap.torch" not in sys.modules
+raymap.torch.signed_distance(None, 3)
+"""
+    error = "TypeError: points must be a tensor, not int; NumPy: surface.signed_distance(points)\n"
+    assert run(program).stderr.endswith(error)

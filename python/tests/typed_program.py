@@ -7,19 +7,21 @@ import numpy.typing as npt
 import raymap
 
 mesh: raymap.Mesh = raymap.load_mesh("ball.ply")
-field: raymap.Field = raymap.signed_distance(mesh, resolution=16, sign="rays", arrays=("winding",), device="cpu")
+field: raymap.Field = raymap.generate(mesh, resolution=16, sign="rays", arrays=("winding",), device="cpu")
 distance: npt.NDArray[np.float32] = field.distance
 nx, ny, nz = field.shape
 spacing: float = field.spacing
 surface: raymap.Mesh = field.to_mesh(iso=0.1, progress=lambda stage, done: print(stage, done))
 prepared = raymap.Surface(mesh, orientation="keep")
 winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).winding
-again_field: raymap.Field = prepared.field(resolution=16, threads=1)
+distances: npt.NDArray[np.float64] = raymap.signed_distance(mesh, [(0, 0, 0)], sign=False)
+again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
 generator = raymap.Generator()
-again: raymap.Field = generator.signed_distance(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
+again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
 picture: npt.NDArray[np.uint8] = field.slice("z", width=64)
-found: raymap.Info = raymap.info(mesh, fast=True)
-holes: int = found["hole_count"]
+found: raymap.Info = raymap.info(mesh)
+holes: int = found["hole_count"] + found["self_intersections"]["pairs"]
+is_counted: bool = raymap.info(mesh, fast=True)["self_intersections"]["counted"]
 milliseconds: float = field.stats.milliseconds
 solid, report, stats = raymap.repair(mesh, resolution=16)
 deviation: float = report["result_from_mesh"]["p99"]
@@ -31,11 +33,13 @@ except raymap.FileError as error:
     reason: str = str(error)
 
 if TYPE_CHECKING:
-    raymap.signed_distance(mesh, distance="near")  # type: ignore[arg-type]
-    raymap.signed_distance(mesh, resolutoin=3)  # type: ignore[call-arg]
-    generator.signed_distance(mesh, threads="all")  # type: ignore[arg-type]
+    raymap.generate(mesh, distance="near")  # type: ignore[arg-type]
+    raymap.generate(mesh, resolutoin=3)  # type: ignore[call-arg]
+    generator.generate(mesh, threads="all")  # type: ignore[arg-type]
+    raymap.signed_distance(mesh)  # type: ignore[call-arg]
     field.distance = distance  # type: ignore[misc]
     field.slice("w")  # type: ignore[arg-type]
     prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
-    prepared.field(orientation="keep")  # type: ignore[call-arg]
+    prepared.generate(orientation="keep")  # type: ignore[call-arg]
     found["colour"]  # type: ignore[typeddict-item]
+    raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[typeddict-item]

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ._dataset_work import Job, read_marker
-from ._errors import FileError, UsageError
-from ._whole_file import write_whole
+from .._errors import UsageError
+from .._whole_file import write_whole
+from .files import readable
+from .work import KINDS, Job, Outcome, read_marker
 
 _INFO = [
     "vertices", "vertices_welded", "triangles", "watertight", "consistently_oriented", "balanced", "components",
@@ -34,8 +35,6 @@ def parquet_path(table: str | os.PathLike[str]) -> Path:
     path = Path(table).resolve()
     if path.suffix.lower() != ".parquet":
         raise UsageError(f"{table}: the table is written as .parquet, and always as table.csv")
-    if not path.parent.is_dir():
-        raise FileError(f"{table}: cannot write: there is no folder {path.parent}; create it first")
     try:
         importlib.import_module("pyarrow.parquet")
     except ImportError:
@@ -43,24 +42,33 @@ def parquet_path(table: str | os.PathLike[str]) -> Path:
     return path
 
 
-def write_pages(jobs: Iterable[Job], out: Path, parquet: Path | None = None) -> None:
-    """Writes table.csv and index.html from the markers of all meshes. They hold no times: runs can be compared.
+def page_paths(out: Path, what: str) -> tuple[Path, Path]:
+    """Returns the paths of the table and of the page."""
+    return out / f"table{KINDS[what]}.csv", out / f"index{KINDS[what]}.html"
 
-    Writes the table as Parquet, too, if there is a path for it.
+
+def write_pages(
+    jobs: Iterable[Job], outcomes: Iterable[Outcome], others: list[str], pages: tuple[Path, Path], parquet: Path | None
+) -> None:
+    """Writes the table and the page from the markers of all meshes. They hold no times: runs can be compared.
+
+    Writes the table as Parquet, too, if there is a path for it. The page also lists other results of the folder.
 
     Raises:
         OSError: A file cannot be written.
     """
-    rows = [(job, _row(job)) for job in jobs]
+    unfinished = {outcome.name: outcome.reason for outcome in outcomes if outcome.state == "unfinished"}
+    rows = [(job, _row(job, unfinished)) for job in jobs]
+    table_path, page_path = pages
     columns = list(dict.fromkeys(name for _, row in rows for name in row))
     text = io.StringIO()
     table = csv.DictWriter(text, columns, lineterminator="\n")
     table.writeheader()
     table.writerows(row for _, row in rows)
-    write_whole(out / "table.csv", text.getvalue())
+    write_whole(table_path, text.getvalue())
     if parquet is not None:
         write_whole(parquet, _parquet(columns, [row for _, row in rows]))
-    write_whole(out / "index.html", _page(rows))
+    write_whole(page_path, _page(rows, table_path.name, others))
 
 
 def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
@@ -72,15 +80,17 @@ def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
     return bytes(content.getvalue())
 
 
-def _row(job: Job) -> dict[str, Any]:
-    marker = read_marker(job.marker) or {"state": "unfinished"}
+def _row(job: Job, unfinished: dict[str, str]) -> dict[str, Any]:
+    marker = None if job.name in unfinished else read_marker(job.marker)
+    if marker is None:
+        marker = {"state": "unfinished", "reason": unfinished.get(job.name, "")}
     found = marker.get("info", {})
     crossings = found.get("self_intersections", {})
     row = {
-        "mesh": job.name,
+        "mesh": readable(job.name),
         "state": marker["state"],
         "reason": marker.get("reason", ""),
-        "mesh_sha256": marker.get("mesh_sha256") or "",
+        "mesh_sha256": marker.get("mesh_sha256", ""),
         **_cells(found, _INFO),
         "self_intersections": crossings.get("pairs", ""),
         "self_intersections_complete": crossings.get("complete", ""),
@@ -109,35 +119,45 @@ td { padding: 0.2em 1em 0.2em 0; vertical-align: top; }
 """
 
 
-def _page(rows: list[tuple[Job, dict[str, Any]]]) -> str:
+def _page(rows: list[tuple[Job, dict[str, Any]]], table: str, others: list[str]) -> str:
     done = [(job, row) for job, row in rows if row["state"] == "done"]
-    others = [(job, row) for job, row in rows if row["state"] != "done"]
+    failed = [(job, row) for job, row in rows if row["state"] != "done"]
     parts = [
         f"<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>Data set</title><style>{_STYLE}</style>",
         f"<h1>{len(done)} of {len(rows)} meshes done</h1>",
-        '<p><a href="table.csv">Table of all meshes</a></p>',
+        f'<p><a href="{table}">Table of all meshes</a></p>',
     ]
+    if failed:
+        parts += ["<h2>Not done</h2>", "<table>", *(_failed(job, row) for job, row in failed), "</table>"]
     if others:
-        parts += ["<h2>Not done</h2>", "<table>", *(_other(job, row) for job, row in others), "</table>"]
+        parts += ["<h2>Of other options, formats or meshes</h2>", "<table>", *map(_other, others), "</table>"]
     parts += ["<h2>Done</h2>", "<main>", *(_figure(job, row) for job, row in done), "</main>", "</html>"]
     return "\n".join(parts) + "\n"
 
 
-def _other(job: Job, row: dict[str, Any]) -> str:
-    name = html.escape(job.name)
+def _failed(job: Job, row: dict[str, Any]) -> str:
+    name = html.escape(row["mesh"])
     if row["state"] == "quarantined":
         name = f'<a href="{_link(job, job.quarantine / "log.txt")}">{name}</a>'
     return f"<tr><td>{name}<td>{html.escape(row['reason'] or row['state'])}"
+
+
+def _other(name: str) -> str:
+    return f'<tr><td><a href="{_quoted(name)}">{html.escape(readable(name))}</a>'
 
 
 def _figure(job: Job, row: dict[str, Any]) -> str:
     watertight = "watertight" if row["watertight"] else f"{row['boundary_edges']} boundary edges"
     return (
         f'<figure><a href="{_link(job, job.result)}"><img src="{_link(job, job.thumbnail)}" alt="" loading=lazy '
-        f"width=192 height=144></a><figcaption>{html.escape(job.name)}<br>{row['triangles']} triangles, {watertight}"
+        f"width=192 height=144></a><figcaption>{html.escape(row['mesh'])}<br>{row['triangles']} triangles, {watertight}"
         "</figcaption></figure>"
     )
 
 
 def _link(job: Job, path: Path) -> str:
-    return html.escape(quote(os.path.relpath(path, job.out)))
+    return _quoted(os.path.relpath(path, job.out))
+
+
+def _quoted(path: str) -> str:
+    return html.escape(quote(os.fsencode(path)))

@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ._errors import Cancelled, Error
+from .._errors import Cancelled, Error, make_error
 
 _START_SECONDS = 300.0
 _LONGEST_WAIT = 1e6  # Seconds; more does not fit into what the system call takes.
@@ -34,13 +34,13 @@ class _Ended(Exception):
 
 
 class _Child:
-    """A process of raymap/_dataset_child.py. It sees the same packages as this one."""
+    """A process of raymap/dataset/child.py. It sees the same packages as this one."""
 
     def __init__(self) -> None:
         self._log = tempfile.TemporaryFile("a+b")
-        path = os.pathsep.join([str(Path(__file__).parents[1]), *filter(None, sys.path)])
+        path = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, sys.path)])
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "raymap._dataset_child"],
+            [sys.executable, "-m", "raymap.dataset.child"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._log,
@@ -124,7 +124,7 @@ class Children:
         lacks memory, is tried again in a fresh process. Only that counts: the result does not depend on other jobs.
 
         Raises:
-            Error: No process can be started, or the result cannot be written.
+            Error: No process can be started, the result cannot be written, or the device cannot be used.
             Cancelled: `close` was called.
         """
         child = self._take()
@@ -147,19 +147,15 @@ class Children:
         except _Ended:
             status = self._end(child)
             return Failure(_death(status), child.log()), False
-        if "unwritable" in answer:
-            self._give_back(child)
-            raise Error(answer["unwritable"])
-        if "reason" not in answer:
-            self._give_back(child)
-            return answer["figures"], True
-        failure = Failure(answer["reason"], child.log())
-        if answer["memory"]:  # The memory that it holds would be missing for the next mesh.
+        failure = Failure(answer.get("reason", ""), child.log())
+        if answer.get("again"):  # The memory that it holds would be missing for the next mesh.
             child.kill()
             self._end(child)
-        else:
-            self._give_back(child)
-        return failure, not answer["memory"]
+            return failure, False
+        self._give_back(child)
+        if "trouble" in answer:
+            raise make_error(answer["trouble"], answer["reason"])
+        return (failure if "reason" in answer else answer["figures"]), True
 
     def _take(self) -> _Child:
         with self._lock:

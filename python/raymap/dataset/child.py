@@ -1,4 +1,4 @@
-"""The process that makes the results of a data set, one mesh after the other: ``python -m raymap._dataset_child``.
+"""The process that makes the results of a data set, one mesh after the other: ``python -m raymap.dataset.child``.
 
 It reads one job a line from stdin, and writes one reply a line to stdout, both as JSON. All else that is printed goes
 to stderr, which is the log. It ends with its parent, or if it has nothing to do for a while.
@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import errno
 import faulthandler
-import io
 import json
 import os
 import queue
 import resource
 import signal
+import socket
 import sys
 import threading
 import traceback
@@ -24,14 +24,14 @@ from typing import Any
 
 import numpy as np
 
-from . import _html
-from ._errors import Error, MemoryLimitError
-from ._field import Field
-from ._generate import signed_distance
-from ._mesh import Mesh, load_mesh
-from ._repair import info
-from ._samples import sample_points
-from ._whole_file import write_whole
+from .. import _html
+from .._errors import DeviceLostError, Error, MemoryLimitError, UnsupportedError, code_of
+from .._field import Field, save_as
+from .._generate import generate
+from .._mesh import Mesh, load_mesh, tetrahedron
+from .._repair import info
+from .._samples import npz_content, sample_points
+from .._whole_file import file_errors, write_whole
 
 _IDLE_SECONDS = 60.0
 _THUMBNAIL = {"width": 192, "height": 144, "device": "cpu"}
@@ -64,22 +64,43 @@ def _receive(jobs: queue.SimpleQueue[str]) -> None:
 
 
 def _answer(job: dict[str, Any], own_memory: int) -> dict[str, Any]:
-    """Does a job. Returns figures; or a reason, and whether it is memory; or why the result cannot be written."""
+    """Does a job. Returns figures, or what `_explain` returns, or why the result cannot be written."""
     _, most = resource.getrlimit(resource.RLIMIT_DATA)
     resource.setrlimit(resource.RLIMIT_DATA, (own_memory + job["memory_limit"], most))
     try:
         figures, write = _make(job)
     except Exception as error:
         traceback.print_exc()
-        if _is_memory(error):
-            return {"reason": _memory_reason(error, job["memory_limit"]), "memory": True}
-        text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
-        return {"reason": text, "memory": False}
+        return _explain(error, job)
     try:
-        write()
-    except (Error, OSError) as error:  # For example a build without OpenVDB
-        return {"unwritable": str(error)}
+        with file_errors():
+            write()
+    except Error as error:  # For example a build without OpenVDB
+        return {"trouble": code_of(error), "reason": str(error)}
     return {"figures": figures}
+
+
+def _explain(error: Exception, job: dict[str, Any]) -> dict[str, Any]:
+    """Returns why a mesh failed, and whether a fresh process must try again, or what is wrong with the machine."""
+    if _is_memory(error):
+        return {"reason": _memory_reason(error, job["memory_limit"]), "again": True}
+    if isinstance(error, (UnsupportedError, DeviceLostError)):
+        if (trouble := _device_trouble(job["options"].get("device", "cpu"))) is not None:
+            return {"trouble": code_of(trouble), "reason": f"{trouble} (on the machine {socket.gethostname()})"}
+    text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
+    text = text.encode(errors="backslashreplace").decode()  # It may hold a path that is not UTF-8.
+    return {"reason": text, "again": isinstance(error, DeviceLostError)}
+
+
+def _device_trouble(device: str) -> Error | None:
+    """Returns why a device cannot make any field at all, or None if nothing speaks against it."""
+    try:
+        generate(tetrahedron(), resolution=8, device=device)
+    except (UnsupportedError, DeviceLostError) as error:
+        return error
+    except MemoryError:
+        pass
+    return None
 
 
 def _is_memory(error: Exception) -> bool:
@@ -110,11 +131,11 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
 
 
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
-    field = signed_distance(mesh, **job["options"], threads=job["threads"], memory_limit=job["memory_limit"])
+    field = generate(mesh, **job["options"], threads=job["threads"], memory_limit=job["memory_limit"])
     picture = _picture(field, job["threads"])
 
     def write() -> None:
-        field.save(job["result"])
+        save_as(field, job["result"], "." + job["format"])
         write_whole(job["thumbnail"], picture)
 
     return write, {"field": _field_figures(field)}
@@ -147,15 +168,12 @@ def _field_figures(field: Field) -> dict[str, Any]:
 
 def _make_points(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
     samples = sample_points(mesh, **job["options"], threads=job["threads"])
-    small = signed_distance(
-        mesh, resolution=48, device="cpu", threads=job["threads"], memory_limit=job["memory_limit"]
-    )
+    small = generate(mesh, resolution=48, device="cpu", threads=job["threads"], memory_limit=job["memory_limit"])
     picture = _picture(small, job["threads"])
-    content = io.BytesIO()
-    np.savez(content, pos=samples.pos, neg=samples.neg, centre=samples.centre, scale=samples.scale)
+    content = npz_content(samples, centre=samples.centre, scale=samples.scale)
 
     def write() -> None:
-        write_whole(job["result"], content.getvalue())
+        write_whole(job["result"], content)
         write_whole(job["thumbnail"], picture)
 
     figures = {

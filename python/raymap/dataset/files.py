@@ -1,4 +1,4 @@
-"""Files of which a mesh consists, and their hashes."""
+"""Files of which a mesh consists, their names and their hashes."""
 
 from __future__ import annotations
 
@@ -12,29 +12,42 @@ from urllib.parse import unquote_to_bytes
 _JSON_CHUNK = 0x4E4F534A
 
 
-def file_hash(path: str | os.PathLike[str]) -> str | None:
-    """Returns the hash of a file's bytes, or None if it cannot be read."""
-    try:
-        with open(path, "rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except (OSError, ValueError):
-        return None  # The process that loads the mesh says why.
+def readable(path: str | os.PathLike[str]) -> str:
+    """Returns a path as text. Bytes that are not UTF-8 become \\xe9, as in the library's messages."""
+    return os.fsencode(path).decode(errors="backslashreplace")
+
+
+def file_hash(path: str | os.PathLike[str]) -> str:
+    """Returns the hash of a file's bytes.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def buffer_hashes(mesh: str, most: int) -> dict[str, str | None]:
     """Returns hashes of the buffers of a .gltf or .glb that are files, by their names as it gives them.
 
-    No other format refers to files with positions or faces. More than `most` bytes of JSON are not read: the process
-    that loads the mesh must not take so many either.
+    The hash of a file that cannot be read is None. No other format refers to files with positions or faces. More than
+    `most` bytes of JSON are not read: the process that loads the mesh must not take so many either.
     """
     if not mesh.lower().endswith((".gltf", ".glb")):
         return {}
     try:
         buffers = json.loads(_json(mesh, most))["buffers"]
         uris = {buffer["uri"] for buffer in buffers if "uri" in buffer and not buffer["uri"].startswith("data:")}
-        return {uri: file_hash(Path(mesh).parent / os.fsdecode(unquote_to_bytes(uri))) for uri in sorted(uris)}
+        return {uri: _buffer_hash(Path(mesh).parent / os.fsdecode(unquote_to_bytes(uri))) for uri in sorted(uris)}
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return {}  # There are no buffers, or it is malformed: the process that loads the mesh says why.
+
+
+def _buffer_hash(path: Path) -> str | None:
+    try:
+        return file_hash(path)
+    except (OSError, ValueError):
+        return None  # The process that loads the mesh says why.
 
 
 def _json(path: str, most: int) -> bytes:

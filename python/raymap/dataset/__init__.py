@@ -1,0 +1,159 @@
+"""Fields of many meshes, on this machine or on a cluster."""
+
+from __future__ import annotations
+
+import operator
+import os
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, Unpack
+
+from .._errors import UsageError, warn
+from .._progress import reporting
+from .._whole_file import file_errors, only_writer, remove_leftovers
+from .jobs import Options, PathLike, make_jobs
+from .pages import page_paths, parquet_path, write_pages
+from .run import run_jobs
+from .work import FORMATS, Job, Outcome, other_results
+
+__all__ = ["FORMATS", "Format", "Options", "Summary", "What", "generate"]
+
+What: TypeAlias = Literal["field", "points"]
+Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
+
+@dataclass(frozen=True)
+class Summary:
+    """States of the meshes of a data set after a run. Names are paths below the folder of the meshes."""
+
+    done: list[str]
+    """Names of the meshes that have a result."""
+    quarantined: list[str]
+    """Names of the meshes that failed."""
+    unfinished: list[str]
+    """Names of the meshes that could not be read, or whose workers were killed again and again. The next run tries them
+    again. The results of earlier runs stay."""
+    new: list[str]
+    """Names of the meshes that this call has made or quarantined. The others were finished before."""
+    others: list[str]
+    """Paths below ``out`` of results that are of other options, formats or meshes than this call's."""
+    seconds: float
+    """Time that the call took, by the clock."""
+
+    def __repr__(self) -> str:
+        return (
+            f"raymap.dataset.Summary({len(self.done)} done, {len(self.quarantined)} quarantined, "
+            f"{len(self.unfinished)} unfinished; {len(self.new)} of them new, in {self.seconds:.1f} s)"
+        )
+
+
+def generate(
+    paths_or_folder: PathLike | Iterable[PathLike],
+    out: PathLike,
+    *,
+    what: What = "field",
+    format: Format = "npz",
+    table: PathLike | None = None,
+    workers: int | None = None,
+    time_limit: float = 600.0,
+    retry: bool = False,
+    client: Any = None,
+    **options: Unpack[Options],
+) -> Summary:
+    """Makes the signed distance fields of many meshes, negative inside, or points with their distances.
+
+    It may be stopped and run again at any time.
+
+    A mesh MESH becomes ``out/MESH.npz``, with a thumbnail ``.png`` and a marker ``.json`` beside it. ``out`` also gets
+    ``table.csv``, with figures of all meshes, and the page ``index.html``. Names of points have ``.points`` before
+    their endings: ``out/MESH.points.npz``. Each mesh is made in a process apart. If it fails there, crashes, or exceeds
+    a limit, ``out/quarantine/MESH`` says why, and the run goes on.
+
+    A second run makes what is missing, and what differs in the mesh's files, the options or raymap's version. Results
+    are the same, bit for bit, for any number of workers, and whatever was killed meanwhile. An earlier result stays
+    until the new one is whole. If the mesh fails instead, it moves into ``out/quarantine/MESH``. A warning
+    (``RaymapWarning``) counts the results in ``out`` that are of other options, formats or meshes.
+
+    Args:
+        paths_or_folder: Folder whose meshes are made, with all folders in it; or paths of meshes with different names.
+        out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
+        what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
+            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``.
+        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"`` or ``"vdb"``; see ``raymap.Field.save``.
+            OpenVDB's files hold the same numbers, but not the same bytes, whenever they are written.
+        table: A .parquet to which the table is written as well, with types. Its folder is made if it does not exist.
+            It needs pyarrow.
+        workers: Number of meshes at a time on this machine; None = as many as processors. With ``client``, that has
+            its own.
+        time_limit: Most seconds that a mesh may take.
+        retry: Whether to try quarantined meshes again although nothing has changed.
+        client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
+        **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
+            ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
+            ``memory_limit=4 << 30``, which counts all that its process takes for it.
+
+    Raises:
+        UsageError: Arguments that make no sense, or two meshes with one name.
+        FileError: A folder cannot be read, a result cannot be written, or another run writes into ``out``.
+        UnsupportedError, DeviceLostError: The device cannot be used. That is no fault of the meshes.
+        Cancelled: ``progress`` returned False.
+        Error: The scheduler of Dask was lost. The finished meshes stay finished.
+
+    >>> summary = raymap.dataset.generate(["ball.ply", "tetrahedron.ply"], "fields", resolution=16)
+    >>> summary.done, summary.quarantined, len(summary.new)
+    (['ball.ply', 'tetrahedron.ply'], [], 2)
+    >>> raymap.load_field("fields/ball.ply.npz")
+    raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
+    >>> raymap.dataset.generate(["ball.ply", "tetrahedron.ply"], "fields", resolution=16).new
+    []
+    """
+    start = time.monotonic()
+    folder = Path(out).resolve()
+    jobs = make_jobs(paths_or_folder, folder, what, format, time_limit, retry, options)
+    parquet = None if table is None else parquet_path(table)
+    workers = _worker_count(workers)
+    with only_writer(folder):
+        if parquet is not None:
+            with file_errors():
+                parquet.parent.mkdir(parents=True, exist_ok=True)
+        before = [_identity(job) for job in jobs]
+        with reporting(options.get("progress")) as report:
+            results = run_jobs(jobs, workers, client, report)
+        others, pages = other_results(jobs, results, folder, what), page_paths(folder, what)
+        with file_errors():
+            write_pages(jobs, results, others, pages, parquet)
+            remove_leftovers(folder)
+    _warn_of(others, pages[1])
+    new = [job.name for job, identity in zip(jobs, before, strict=True) if _identity(job) != identity]
+    return _summary(results, new, others, time.monotonic() - start)
+
+
+def _warn_of(others: list[str], page: Path) -> None:
+    if others:
+        results = f"{len(others)} results" if len(others) > 1 else "a result"
+        warn(f"{page.parent} also holds {results} of other options, formats or meshes; {page.name} lists them")
+
+
+def _worker_count(workers: int | None) -> int:
+    if workers is None:
+        return len(os.sched_getaffinity(0))
+    if operator.index(workers) < 1:
+        raise UsageError(f"workers must be at least 1, not {workers}")
+    return workers
+
+
+def _identity(job: Job) -> tuple[int, int] | None:
+    """Returns what changes when a marker is written. Workers do not know: Dask may repeat a task that has ended."""
+    try:
+        status = job.marker.stat()
+    except OSError:
+        return None
+    return status.st_ino, status.st_mtime_ns
+
+
+def _summary(outcomes: list[Outcome], new: list[str], others: list[str], seconds: float) -> Summary:
+    def names(state: str) -> list[str]:
+        return sorted(outcome.name for outcome in outcomes if outcome.state == state)
+
+    return Summary(names("done"), names("quarantined"), names("unfinished"), new, others, seconds)

@@ -1,0 +1,140 @@
+"""Meshes of a data set, and what to make of each."""
+
+from __future__ import annotations
+
+import inspect
+import operator
+import os
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from .. import _raymap
+from .._errors import Cancelled, FileError, MemoryLimitError, UsageError
+from .._generate import FieldOptions, generate
+from .._mesh import tetrahedron
+from .._samples import point_counts, sample_points
+from .work import FORMATS, Job
+
+PathLike: TypeAlias = str | os.PathLike[str]
+
+
+class Options(FieldOptions, total=False):
+    """Keyword arguments of ``raymap.generate`` and ``raymap.sample_points``, which document them."""
+
+    n: int
+    near: float
+    sigma: float | Iterable[float]
+    surface: float
+    seed: int
+    normalize: bool
+
+
+def make_jobs(
+    given: PathLike | Iterable[PathLike],
+    out: Path,
+    what: str,
+    format: str,
+    time_limit: float,
+    retry: bool,
+    options: Options,
+) -> list[Job]:
+    """Returns the jobs of `raymap.dataset.generate`, in the order of their names. Checks all arguments."""
+    if what not in ("field", "points"):
+        raise UsageError(f"what must be 'field' or 'points', not {what!r}")
+    if what == "points" and format != "npz":
+        raise UsageError(f"points are written as npz only, not {format!r}")
+    if format not in FORMATS:
+        raise UsageError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
+    if not time_limit > 0:
+        raise UsageError(f"time_limit must be above 0 seconds, not {time_limit}")
+    threads = operator.index(options.get("threads") or 1)
+    memory_limit = operator.index(options.get("memory_limit") or 4 << 30)
+    if not memory_limit > 0:
+        raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+    result_options = _field_options(options) if what == "field" else _point_options(options)
+    return [
+        Job(str(mesh), name, str(out), what, format, result_options, threads, memory_limit, time_limit, retry)
+        for name, mesh in sorted(_meshes(given, out).items())
+    ]
+
+
+def _meshes(given: PathLike | Iterable[PathLike], out: Path) -> dict[str, Path]:
+    """Returns meshes by name."""
+    if isinstance(given, (str, os.PathLike)):
+        if Path(given).is_dir():
+            return _meshes_below(Path(given).resolve(), out)
+        given = [given]
+    meshes: dict[str, Path] = {}
+    for path in map(Path, given):
+        if not path.exists():
+            raise FileError(f"{path}: no such file or folder")
+        if path.is_dir():
+            raise UsageError(f"{path}: a folder among paths; give one folder alone, or meshes")
+        if path.name in meshes:
+            raise UsageError(f"{meshes[path.name]} and {path}: both results would be {path.name}; give their folder")
+        meshes[path.name] = path.resolve()
+    return meshes
+
+
+def _meshes_below(folder: Path, out: Path) -> dict[str, Path]:
+    endings = tuple(_raymap.mesh_extensions())
+    meshes: dict[str, Path] = {}
+
+    def fail(error: OSError) -> None:
+        raise FileError(f"{error.filename}: cannot read: {error.strerror}")
+
+    for place, folders, names in os.walk(folder, onerror=fail):
+        folders[:] = [name for name in folders if Path(place, name) != out]
+        for name in names:
+            if name.lower().endswith(endings) and Path(place, name).is_file():
+                meshes[str(Path(place, name).relative_to(folder))] = Path(place, name)
+    if not meshes:
+        raise UsageError(f"{folder}: no meshes here; their names end with {', '.join(endings)}")
+    return meshes
+
+
+_APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
+
+
+def _field_options(options: Options) -> dict[str, Any]:
+    """Returns all options on which fields depend, the defaults included, in JSON's types. Checks them."""
+    given: FieldOptions = {"device": "cpu", **options}  # type: ignore[typeddict-unknown-key]
+    result = _with_defaults(given, generate)
+    _check(given)
+    arrays = result["arrays"]
+    result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
+    if result["bounds"] is not None:
+        result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
+    return result
+
+
+def _point_options(options: Options) -> dict[str, Any]:
+    """Returns all options on which points depend, as `_field_options` does."""
+    if "n" not in options:
+        raise UsageError("what='points' needs n, the number of points of each mesh")
+    result = _with_defaults(options, sample_points)
+    result["sigma"] = np.atleast_1d(np.asarray(result["sigma"], np.float64)).tolist()
+    point_counts(result["n"], result["near"], result["surface"], result["sigma"])
+    return result
+
+
+def _with_defaults(options: Mapping[str, object], function: Callable[..., Any]) -> dict[str, Any]:
+    """Returns the keyword arguments of a function on which its result depends."""
+    known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k == "n"}
+    if unknown := options.keys() - known.keys() - _APART:
+        raise TypeError(f"generate() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+    values = {name: options.get(name, known[name].default) for name in known.keys() - _APART}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
+
+
+def _check(options: FieldOptions) -> None:
+    """Raises what no mesh can change, for example that there is no such option: begins a field of a tetrahedron."""
+    mesh = tetrahedron(10 * (options.get("voxel_size") or 1))
+    # The device may be one that only the workers have.
+    with suppress(Cancelled, MemoryLimitError):
+        checked: FieldOptions = {**options, "device": "cpu", "progress": lambda stage, done: False}
+        generate(mesh, **checked)

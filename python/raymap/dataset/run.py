@@ -1,0 +1,86 @@
+"""Who makes the results of a data set: processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable, Generator, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
+from contextlib import closing, contextmanager
+from typing import Any
+from uuid import uuid4
+
+from .._errors import Cancelled, Error
+from .children import Children
+from .files import readable
+from .work import Job, Outcome, work
+
+
+def run_jobs(
+    jobs: list[Job], workers: int, client: Any, report: Callable[[str, float], object] | None
+) -> list[Outcome]:
+    """Does all jobs, on the cluster of a `dask.distributed.Client` or with as many workers of this machine.
+
+    Raises:
+        Cancelled: `report` returned False.
+    """
+    running = closing(_dask_outcomes(jobs, client)) if client is not None else _on_this_machine(jobs, workers)
+    with running as outcomes:
+        return _collect(outcomes, len(jobs), report)
+
+
+@contextmanager
+def _on_this_machine(jobs: list[Job], workers: int) -> Iterator[Iterator[Outcome]]:
+    children = Children()
+    with ThreadPoolExecutor(workers) as pool:
+        try:
+            futures = as_completed([pool.submit(work, job, children) for job in jobs])
+            yield (future.result() for future in futures)
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            children.close()
+
+
+def _dask_outcomes(jobs: list[Job], client: Any) -> Generator[Outcome]:
+    distributed = importlib.import_module("distributed")  # The type checker must not need it.
+    run = uuid4().hex
+    names = {f"raymap-{run}-{k}-{readable(job.name)}": job.name for k, job in enumerate(jobs)}
+    # Nothing else refers to the futures. So Dask forgets each as soon as it is taken, and the rest if this is closed.
+    for future in distributed.as_completed(client.map(work, jobs, key=list(names), pure=False)):
+        try:
+            yield future.result()
+        except distributed.KilledWorker:
+            yield Outcome(names[future.key], "unfinished", False, "its workers were killed again and again")
+        except (CancelledError, OSError) as error:
+            if isinstance(error, Error):  # of work()
+                raise
+            raise Error("the scheduler of Dask was lost; run again with a new one: what is finished stays") from error
+
+
+def _collect(
+    outcomes: Iterator[Outcome], count: int, report: Callable[[str, float], object] | None
+) -> list[Outcome]:
+    results: list[Outcome] = []
+    start = time.monotonic()
+    for outcome in outcomes:
+        results.append(outcome)
+        if report is not None and report(_progress_text(results, count, start), len(results) / count) is False:
+            raise Cancelled("cancelled by progress")
+    return results
+
+
+def _progress_text(results: list[Outcome], count: int, start: float) -> str:
+    """Returns the state of a run. Meshes that were finished before say nothing about its rate."""
+    new = sum(outcome.is_new for outcome in results)
+    failed = sum(outcome.state == "quarantined" for outcome in results)
+    text = f"{len(results)} of {count} meshes" + (f", {failed} quarantined" if failed else "")
+    if new:
+        rate = new / max(time.monotonic() - start, 1e-9)
+        text += f", {rate:.2g} per second, {_duration((count - len(results)) / rate)} left,"
+    return text
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

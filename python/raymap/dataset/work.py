@@ -1,0 +1,232 @@
+"""One mesh of a data set: what a thread of this machine or a worker of Dask does."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
+
+from .._raymap import version
+from .._whole_file import file_errors, successor, write_whole
+from .children import Children, Failure
+from .files import buffer_hashes, file_hash
+
+State: TypeAlias = Literal["done", "quarantined", "unfinished"]
+
+#: Formats of fields. The files are the same, bit for bit, whenever they are written, but for OpenVDB's.
+FORMATS = ("npz", "npy", "nrrd", "vti", "vdb")
+
+#: What stands before the endings of all files of a kind: fields and points of a mesh may lie side by side.
+KINDS = {"field": "", "points": ".points"}
+
+
+class Hashes(TypedDict):
+    """Hashes of the files of a mesh."""
+
+    mesh_sha256: str
+    buffers: dict[str, str | None]
+    """Hashes of the files to which the mesh refers, by name; None for one that cannot be read."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A mesh and what to make of it. All of it can be pickled."""
+
+    mesh: str
+    name: str
+    """Path of the results below `out`, without what is appended."""
+    out: str
+    what: str
+    format: str
+    options: dict[str, Any]
+    """All options on which the result depends, in JSON's types."""
+    threads: int
+    memory_limit: int
+    time_limit: float
+    retry: bool
+    """Whether a quarantined mesh is tried again."""
+
+    def path(self, ending: str) -> Path:
+        """Returns the path of one of the mesh's files."""
+        return Path(self.out, self.name + KINDS[self.what] + ending)
+
+    @property
+    def result(self) -> Path:
+        """Path of the result."""
+        return self.path("." + self.format)
+
+    @property
+    def thumbnail(self) -> Path:
+        """Path of the picture."""
+        return self.path(".png")
+
+    @property
+    def marker(self) -> Path:
+        """Path of the marker, which says that the mesh is finished."""
+        return self.path(".json")
+
+    @property
+    def quarantine(self) -> Path:
+        """Folder with the reason and the log."""
+        return Path(self.out, "quarantine", self.name + KINDS[self.what])
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Limits that may decide whether there is a result, but not which."""
+        return {"memory_limit": self.memory_limit, "time_limit": self.time_limit}
+
+
+class Outcome(NamedTuple):
+    """State of a mesh after the work."""
+
+    name: str
+    state: State
+    is_new: bool
+    """Whether it was made now, not found."""
+    reason: str = ""
+    """Why it is unfinished."""
+
+
+_children = Children()  # Of this process, for as long as it runs.
+
+
+def work(job: Job, children: Children | None = None) -> Outcome:
+    """Makes the result of a mesh, unless it is there; or quarantines the mesh.
+
+    Nothing that an earlier run made is touched before the new result is whole, or the mesh has failed.
+
+    Raises:
+        Error: No process can be started, a file cannot be written, or the device cannot be used. This says nothing of
+            the mesh.
+    """
+    try:
+        hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+    except OSError as error:
+        return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
+    key = _key(hashes, job)
+    if (state := _finished(job, key)) is not None:
+        return Outcome(job.name, state, False)
+    with file_errors():
+        job.marker.parent.mkdir(parents=True, exist_ok=True)
+    with successor(job.result) as result, successor(job.thumbnail) as thumbnail:
+        answer = (children or _children).do(_request(job, result, thumbnail), job.time_limit)
+        inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
+        marker = {**inputs, "raymap": version()}
+        with file_errors():
+            if isinstance(answer, Failure):
+                _quarantine(job, answer, marker)
+                return Outcome(job.name, "quarantined", True)
+            _publish(job, result, thumbnail, {**marker, **answer})
+            return Outcome(job.name, "done", True)
+
+
+def _key(hashes: Hashes, job: Job) -> str:
+    """Returns the hash of all that the result depends on."""
+    all_of_it = [hashes, job.what, job.format, job.options, version()]
+    return hashlib.sha256(json.dumps(all_of_it, sort_keys=True).encode()).hexdigest()
+
+
+def read_marker(path: str | os.PathLike[str]) -> dict[str, Any] | None:
+    """Returns what a marker says, or None if there is none."""
+    try:
+        marker = json.loads(Path(path).read_bytes())
+    except (OSError, ValueError):
+        return None
+    return marker if isinstance(marker, dict) and {"key", "state", "what", "format"} <= marker.keys() else None
+
+
+def _finished(job: Job, key: str) -> State | None:
+    """Returns how the mesh was finished before, or None if there is something to do."""
+    marker = read_marker(job.marker)
+    if marker is None or marker["key"] != key:
+        return None
+    if marker["state"] == "done":
+        return "done" if _size(job.result) == marker["bytes"] and job.thumbnail.exists() else None
+    is_kept = not job.retry and marker["limits"] == job.limits and (job.quarantine / "reason.txt").exists()
+    return "quarantined" if is_kept else None
+
+
+def _size(path: Path) -> int | None:
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return None
+
+
+def _request(job: Job, result: Path, thumbnail: Path) -> dict[str, Any]:
+    return {
+        "mesh": job.mesh,
+        "what": job.what,
+        "format": job.format,
+        "options": job.options,
+        "threads": job.threads,
+        "memory_limit": job.memory_limit,
+        "result": str(result),
+        "thumbnail": str(thumbnail),
+    }
+
+
+def _publish(job: Job, result: Path, thumbnail: Path, marker: dict[str, Any]) -> None:
+    """Puts a whole result in the place of an earlier one.
+
+    The marker is removed first and written last: it vouches for all other files.
+    """
+    earlier = _take_marker(job)
+    result.replace(job.result)
+    thumbnail.replace(job.thumbnail)
+    if earlier is not None and earlier != job.result:
+        earlier.unlink(missing_ok=True)
+    with suppress(FileNotFoundError):
+        shutil.rmtree(job.quarantine)
+    _write_marker(job, {**marker, "state": "done", "bytes": _size(job.result)})
+
+
+def _quarantine(job: Job, failure: Failure, marker: dict[str, Any]) -> None:
+    """Writes why there is no result. An earlier one, of another mesh or other options, moves beside the reason."""
+    job.quarantine.mkdir(parents=True, exist_ok=True)
+    if (earlier := _take_marker(job)) is not None:
+        for path in earlier, job.thumbnail:
+            with suppress(FileNotFoundError):
+                path.replace(job.quarantine / path.name)
+    write_whole(job.quarantine / "log.txt", failure.log)
+    write_whole(job.quarantine / "reason.txt", failure.reason + "\n")
+    _write_marker(job, {**marker, "state": "quarantined", "reason": failure.reason, "limits": job.limits})
+
+
+def _take_marker(job: Job) -> Path | None:
+    """Removes the marker. Returns the path of the result for which it vouched."""
+    marker = read_marker(job.marker)
+    job.marker.unlink(missing_ok=True)
+    return job.path("." + marker["format"]) if marker and marker["state"] == "done" else None
+
+
+def _write_marker(job: Job, marker: dict[str, Any]) -> None:
+    write_whole(job.marker, json.dumps(marker, indent=1, sort_keys=True) + "\n")
+
+
+def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, what: str) -> list[str]:
+    """Returns results that lie in the jobs' folder, but are of other options, formats or meshes.
+
+    Results of another kind do not count. They have a table of their own.
+    """
+    done = {outcome.name for outcome in outcomes if outcome.state == "done"}
+    own = {job.result for job in jobs if job.name in done}
+    others: list[str] = []
+    for place, folders, names in os.walk(out):
+        if Path(place) == out:
+            folders[:] = [name for name in folders if name != "quarantine"]
+        paths = (Path(place, name) for name in names if name.endswith(tuple(f".{format}" for format in FORMATS)))
+        others += [str(path.relative_to(out)) for path in paths if path not in own and _may_be(path, what)]
+    return sorted(others)
+
+
+def _may_be(result: Path, what: str) -> bool:
+    """Returns whether a result may be of a kind: unless its marker says otherwise."""
+    marker = read_marker(result.with_suffix(".json"))
+    return marker is None or marker["what"] == what
