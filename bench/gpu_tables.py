@@ -1,17 +1,15 @@
 """Runs gpu_bench for all figures of the section "On a GPU" of docs/performance.md: prints tables, draws two charts."""
 
 import argparse
-import json
 import math
 import os
 import pathlib
 import statistics
-import subprocess
 import sys
 
 import charts
+from gpu_program import SETTINGS, Bench
 
-SETTINGS = {"exact+harmonic": ("exact", "harmonic"), "cell+rays": ("cell", "rays")}  # The second is the paper's fast one.
 EXTENSIONS = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", ".dae"}
 
 # Most milliseconds allowed on an NVIDIA H200, by setting, whether the mesh is `million`, and resolution.
@@ -24,77 +22,6 @@ AIMS = {
 SOLVE_AIM = {256: 1.0}  # Milliseconds that the harmonic solve may add on a broken mesh.
 BYTES_A_SAMPLE = 24
 BYTES_A_TRIANGLE = 200
-
-# Least number of bytes that a stage moves, with input read once and output written once: per sample, per cell of the
-# lattices that cover the mesh, per triangle and per vertex. "begin" and "read_back" cross the bus and are not part of
-# the totals.
-MESH = (12, 12)
-TRAFFIC = {
-    "exact_distance": (4, 0, *MESH),
-    "voxel_grid": (0, 0, 8 + MESH[0], MESH[1]),         # At least one pair of cell and triangle per triangle.
-    "cell_distance": (0, 4, 8 + MESH[0], MESH[1]),
-    "distance_transform": (0, 8 + 12 + 12, 0, 0),       # Three passes: values and (but in the first) places in, places out.
-    "refine": (4, 4, *MESH),
-    "crossings": (12, 0, *MESH),
-    "ray_map": (24, 0, 0, 0),
-    "winding": (16, 0, 0, 0),
-    "sign": (12, 0, 0, 0),
-    "finish": (8, 0, 0, 0),
-}
-
-
-class Bench:
-    """The program `gpu_bench`, restarted if it dies. Each case runs once."""
-
-    def __init__(self, program, device, log):
-        self.command = [program, *(["--device", device] if device else [])]
-        self.log = log
-        self.answers = {}
-        self.machine = self.start()
-
-    def start(self):
-        self.process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        line = self.process.stdout.readline()
-        if not line:
-            sys.exit(self.process.wait() or 1)
-        return json.loads(line)
-
-    def run(self, device, mesh, resolution, setting):
-        key = (device, mesh, resolution, setting)
-        if key not in self.answers:
-            print(f"{device} {pathlib.Path(mesh).name} {resolution} {setting}", file=sys.stderr, flush=True)
-            distance, sign = SETTINGS[setting]
-            case = {"device": device, "mesh": mesh, "resolution": resolution, "distance": distance, "sign": sign}
-            self.answers[key] = answer = self.ask(case)
-            self.log.write(json.dumps({**case, **answer}) + "\n")
-            if "error" in answer:
-                print("  " + answer["error"], file=sys.stderr)
-        return self.answers[key]
-
-    def ask(self, case):
-        if self.process.poll() is not None:
-            self.start()
-        try:
-            self.process.stdin.write(json.dumps(case) + "\n")
-            self.process.stdin.flush()
-            line = self.process.stdout.readline()
-        except BrokenPipeError:
-            line = ""
-        return json.loads(line) if line else {"error": f"gpu_bench ended with {self.process.wait()}"}
-
-    def moved(self, stage, answer):
-        """Returns the bytes that a stage moves at least, or None where they depend on other things."""
-        counts = [answer[name] for name in ("samples", "cells", "triangles", "vertices")]
-        return sum(a * b for a, b in zip(TRAFFIC[stage], counts)) if stage in TRAFFIC else None
-
-    def floor(self, stage, answer):
-        return 1e3 * (self.moved(stage, answer) or 0) / self.machine["copy_bytes_per_second"]
-
-    def verdict(self, value, aim):
-        """Returns the aim and whether it is met. The aims are a GPU's, so a software driver gets no verdict."""
-        if aim is None:
-            return ""
-        return f"{aim:.3g}" if self.machine["is_software"] else f"{aim:.3g} {'met' if value <= aim else 'MISSED'}"
 
 
 def table(head, rows):
@@ -130,7 +57,8 @@ def table_of_stages(bench, meshes, resolutions):
         answers = {n: bench.run("vulkan", mesh, n, setting) for n in resolutions}
         answers = {n: answer for n, answer in answers.items() if "error" not in answer}
         for stage in next(iter(answers.values()), {"stages": {}})["stages"]:
-            cells = [stage, mesh, setting, ", ".join(f"{answer['stages'][stage]:.3f}" for answer in answers.values())]
+            times = (f"{answers[n]['stages'][stage]:.3f}" if n in answers else "–" for n in resolutions)
+            cells = [stage, mesh, setting, ", ".join(times)]
             n = 256 if 256 in answers else max(answers)
             floor = bench.floor(stage, answers[n])
             if floor:
@@ -198,6 +126,8 @@ def runtime_over_meshes(bench, meshes, resolutions, folder):
 
 def runtime_over_resolutions(bench, meshes, resolutions, folder):
     """Draws Fig. 9 of Krayer & Müller 2019 and returns its table."""
+    for case in each(meshes, resolutions):  # The device first: the CPU may take long.
+        bench.run("vulkan", case[0], case[2], case[1])
     shown = {pathlib.Path(mesh).name: series_of(bench, [(mesh, n) for n in resolutions], lambda case, answer: case[1])
              for mesh in meshes}
     charts.draw(folder / "runtime_over_resolutions.svg", ("samples along the longest side", "milliseconds"), shown,
@@ -222,56 +152,76 @@ def small_mesh(bench, meshes, resolution):
     return min(meshes, key=distance)
 
 
-def count_work(bench, meshes, resolutions):
-    """Returns the tables of `gpu_bench --count`: counted work, predicted and measured times of each stage."""
-    command = [*bench.command, "--count"]
-    for mesh in meshes:
-        command += ["--mesh", mesh]
-    command += ["--resolution", *map(str, resolutions)]
-    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
-
-
-def report(bench, meshes, is_quick, folder):
+def tables_of(bench, meshes, is_quick, folder):
+    """Returns {name: (title, function that makes the table)}."""
     resolutions = (16, 24) if is_quick else (50, 128, 256, 512)
     over_meshes = (16, 24) if is_quick else (50, 100)
     over_resolutions = resolutions if is_quick else (16, 32, 50, 64, 100, 128, 256, 512)
     largest = "bunny" if is_quick else "million"
     broken = ("bunny", "holes")
     shown = dict.fromkeys((*broken, largest))
+
+    def over_all_resolutions():
+        three = dict.fromkeys((small_mesh(bench, meshes, over_meshes[0]), "bunny", largest))
+        return runtime_over_resolutions(bench, three, over_resolutions, folder)
+
+    return {
+        "fields": ("Fields", lambda: table_of_totals(bench, shown, resolutions)),
+        "stages": ("Stages", lambda: table_of_stages(bench, shown, resolutions)),
+        "solve": ("The harmonic solve", lambda: table_of_solves(bench, ("sphere", *broken), resolutions)),
+        "coarse": ("A coarse grid for many triangles",
+                   lambda: table_of_coarse(bench, largest, 16, 24 if is_quick else 64)),
+        **{f"counted-{mesh}": (f"Counted work: {mesh}", lambda mesh=mesh: bench.count_work(mesh, resolutions))
+           for mesh in dict.fromkeys(("bunny", largest))},
+        "meshes": ("Over the meshes", lambda: runtime_over_meshes(bench, meshes, over_meshes, folder)),
+        "resolutions": ("Over the resolutions", over_all_resolutions),
+    }
+
+
+def report(bench, tables):
     machine = bench.machine
     yield (f"{machine['device']} ({machine['driver']}), copies {1e-9 * machine['copy_bytes_per_second']:.1f} GB/s; CPU: "
            f"{machine['cpu']}, {machine['threads']} threads. Medians of warm runs by the device's clock, from the mesh on the "
            "device to the field there.\n")
-    yield "## Fields\n\n" + table_of_totals(bench, shown, resolutions)
-    yield "## Stages\n\n" + table_of_stages(bench, shown, resolutions)
-    yield "## Counted work\n" + count_work(bench, ("bunny", largest)[:1 if is_quick else 2], resolutions)
-    yield "## The harmonic solve\n\n" + table_of_solves(bench, ("sphere", *broken), resolutions)
-    yield "## A coarse grid for many triangles\n\n" + table_of_coarse(bench, largest, 16, 24 if is_quick else 64)
-    yield "## Over the meshes\n\n" + runtime_over_meshes(bench, meshes, over_meshes, folder)
-    three = dict.fromkeys((small_mesh(bench, meshes, over_meshes[0]), "bunny", largest))
-    yield "## Over the resolutions\n\n" + runtime_over_resolutions(bench, three, over_resolutions, folder)
+    for title, make in tables:
+        yield f"## {title}\n\n{make()}"
 
 
-def main():
+def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("program", help="the built program `gpu_bench`")
     parser.add_argument("output", type=pathlib.Path, help="the folder for tables.md, runs.jsonl and the charts")
     parser.add_argument("meshes", nargs="?", type=pathlib.Path, help="a folder of meshes to go through")
     parser.add_argument("--device", help="vulkan:K; the best if not given")
     parser.add_argument("--quick", action="store_true", help="small grids and few meshes")
+    parser.add_argument("--table", action="append", metavar="NAME", help="make only this table; can be repeated")
+    parser.add_argument("--seconds", type=float, help="measure no longer; what is left is marked in the tables")
     arguments = parser.parse_intermixed_args()  # Lets the folder follow options.
     if arguments.meshes:
         if not arguments.meshes.is_dir():
             parser.error(f"{arguments.meshes} is no folder")
         if not meshes_of(arguments.meshes, arguments.quick):
             parser.error(f"{arguments.meshes} holds no meshes")
+    names = tables_of(None, (), arguments.quick, None)
+    for name in arguments.table or ():
+        if name not in names:
+            parser.error(f"there is no table '{name}', only {', '.join(names)}")
+    return arguments
+
+
+def main():
+    arguments = parse_arguments()
+    if arguments.meshes:
         os.environ["RAYMAP_MESHES"] = str(arguments.meshes)  # The bunny's scan may be there.
     meshes = meshes_of(arguments.meshes, arguments.quick)
     arguments.output.mkdir(parents=True, exist_ok=True)
-    with open(arguments.output / "runs.jsonl", "w") as log, open(arguments.output / "tables.md", "w") as tables:
-        for part in report(Bench(arguments.program, arguments.device, log), meshes, arguments.quick, arguments.output):
-            for file in (sys.stdout, tables):
+    with open(arguments.output / "runs.jsonl", "w", buffering=1) as log, open(arguments.output / "tables.md", "w") as pages:
+        bench = Bench(arguments.program, arguments.device, log, arguments.seconds)
+        tables = tables_of(bench, meshes, arguments.quick, arguments.output)
+        for part in report(bench, [tables[name] for name in arguments.table or tables]):
+            for file in (sys.stdout, pages):
                 print(part, file=file, flush=True)
+        sys.exit(0 if bench.finish() else 1)
 
 
 if __name__ == "__main__":

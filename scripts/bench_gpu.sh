@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds in Release and measures a GPU beside the CPU. Prints the tables of docs/performance.md and writes them, with
 # two pictures, to out/bench_gpu:
-#   scripts/bench_gpu.sh [--quick] [--device vulkan:K] [FOLDER of meshes]
+#   scripts/bench_gpu.sh [--quick] [--device vulkan:K] [--table NAME] [--seconds S] [FOLDER of meshes]
 # Work is counted, too, and the times predicted from it stand beside the measured ones.
 # --quick uses small grids and few meshes, for a software driver. Without a folder it uses the built-in meshes.
 set -euo pipefail

@@ -9,7 +9,7 @@ export CCACHE_BASEDIR=$PWD  # What one build compiled serves the others.
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-warnings="-Wall -Wextra -Wpedantic -Werror"
+warnings="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wdouble-promotion -Werror"
 newest_clang=$(compgen -c clang++- | grep -xE 'clang\+\+-[0-9]+' | sort -u -t- -k2 -n | tail -n 1)
 compilers=("${CXX:-g++}" "${newest_clang:-clang++}")
 
@@ -104,6 +104,15 @@ check_pkg_config() { # kind, compiler
   run "$folder/c_app"
 }
 
+check_headers() { # kind, compiler: each by itself, also its inline functions
+  local header
+  # Not as a system's headers, as CMake includes them: compilers hide the warnings of those.
+  for header in "$work/$1"/include/raymap/*.h; do
+    "$2" -x c++ -std=c++20 $warnings -I "$work/$1/include" -fsyntax-only - <<<"#include <raymap/${header##*/}>"
+  done
+  "$(c_compiler "$2")" -x c -std=c11 $warnings -I "$work/$1/include" -fsyntax-only - <<<'#include <raymap/c.h>'
+}
+
 check_missing() { # kind: what was not built is refused by name
   if cmake -S "$work/consumer/missing" -B "$work/$1-missing" -G Ninja -DCMAKE_PREFIX_PATH="$work/$1"; then return 1; fi 2>"$work/missing.txt"
   tr -s ' \n' ' ' <"$work/missing.txt" | grep -F "has no component 'io', only: core. Build raymap with RAYMAP_IO=ON."
@@ -113,6 +122,7 @@ only_core=(-DRAYMAP_VULKAN=OFF -DRAYMAP_IO=OFF -DRAYMAP_RENDER=OFF)
 install_library static -DBUILD_SHARED_LIBS=OFF
 check check_program static
 for compiler in "${compilers[@]}"; do
+  check check_headers static "$compiler"
   check check_cmake static "$compiler" .
   check check_cmake static "$compiler" core
   check check_cmake static "$compiler" c

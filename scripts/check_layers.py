@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks that every #include points down, by the layers that src/layers.txt declares.
 
-Also: the declared layers have no cycle, every folder of src and every public header belongs to a layer, only
+Also: the declared layers have no cycle, every folder of src and every public header belongs to a layer, a public header
+to the one whose .cpp files define what it declares (else calls could point up where no include does), only
 src/base/parallel.cpp and parallel_sort.h include oneTBB, and apps/, examples/ and python/ include no private header. Prints
 the number of includes that point up or sideways and of cycles between folders, and ends with 1 if there is anything to
 mend.
@@ -19,6 +20,13 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files that may include oneTBB.
 # Made while building.
 GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
+
+# What public headers declare, and where .cpp files define it.
+ARGUMENTS = r"\(((?:[^()]|\([^()]*\))*)\)"
+DECLARED_CLASS = re.compile(r"\b(?:class|struct) RAYMAP_API\w* (\w+)[^;]*?\{")
+DECLARED_FUNCTION = re.compile(r"\bRAYMAP_API\s[^;{}()]*?\b(\w+)" + ARGUMENTS + r"[^;{()]*;")
+DEFINITION = re.compile(r"^\w[^\n;{}()=]*?\b(\w+)" + ARGUMENTS + r"(?: const)?(?: noexcept)?\s*[:{]", re.MULTILINE)
+MEMBER = re.compile(r"^\w?[^\n;{}()=]*?\b(\w+)::~?\w+" + ARGUMENTS, re.MULTILINE)
 
 
 class Layers:
@@ -87,6 +95,51 @@ def files(folder):
     return sorted(path for path in folder.rglob("*") if path.suffix in SOURCES) if folder.is_dir() else []
 
 
+def space(text):
+    """The first namespace of a file; none in C."""
+    match = re.search(r"^namespace ([\w:]+)", text, re.MULTILINE)
+    return match and match[1]
+
+
+def types(arguments):
+    """The types of a function's arguments, without names, default values and spaces."""
+    text = re.sub(r"\s*=[^,]*", "", " ".join(arguments.split()))
+    return tuple(re.sub(r"(?<=[\s&*>])\w+$", "", each.strip()).replace(" ", "") for each in text.split(","))
+
+
+def definers(src):
+    """The folders of src whose .cpp files define a function, by its namespace, name and types, or members of a class, by
+    its namespace and name."""
+    found = {}
+    for path in src.rglob("*.cpp"):
+        text, folder = path.read_text(), path.parent.relative_to(src).as_posix()
+        for name, arguments in DEFINITION.findall(text):
+            found.setdefault((space(text), name, types(arguments)), set()).add(folder)
+        for name, _ in MEMBER.findall(text):
+            found.setdefault((space(text), name), set()).add(folder)
+    return found
+
+
+def declared(header):
+    """What a public header declares: (name, key in `definers`)."""
+    text = header.read_text()
+    yield from ((name, (space(text), name)) for name in DECLARED_CLASS.findall(text))
+    for name, arguments in DECLARED_FUNCTION.findall(text):
+        yield name, (space(text), name, types(arguments))
+
+
+def misplaced(public, src, layers):
+    """The public headers that declare what another layer than their own defines."""
+    found = definers(src)
+    for header, layer in sorted(layers.headers.items()):
+        if not (public / header).is_file():
+            continue
+        for name, key in declared(public / header):
+            others = found.get(key, set()) - {layer, *layers.below.get(layer, ())}
+            if others:
+                yield f"include/raymap/{header} is of the layer {layer}, but {name} is defined in {', '.join(sorted(others))}"
+
+
 def check(root):
     """Returns what is wrong, the number of includes that point up or sideways, and the cycles between folders."""
     src, public = root / "src", root / "include/raymap"
@@ -125,6 +178,7 @@ def check(root):
                 wrong += 1
                 problems.append(f"{name}:{number} includes {target}: {layers.says(layer)}")
 
+    problems += misplaced(public, src, layers)
     for header in sorted(layers.headers):
         if not (public / header).is_file():
             problems.append(f"src/layers.txt: there is no include/raymap/{header}")

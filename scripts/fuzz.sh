@@ -5,17 +5,19 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-20}
 
-cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
-  -DRAYMAP_BUILD_FUZZ=ON -DRAYMAP_BUILD_APPS=OFF -DRAYMAP_BUILD_TESTS=OFF \
-  -DRAYMAP_SANITIZE=address,undefined,fuzzer-no-link >/dev/null
+cmake --preset asan >/dev/null
 targets=()
 for seeds in fuzz/seeds/*/; do targets+=("$(basename "$seeds")_fuzz"); done
-cmake --build build/fuzz --target "${targets[@]}"
+cmake --build --preset asan --target "${targets[@]}"
 
-for target in "${targets[@]}"; do
-  corpus=build/fuzz/corpus/$target
+fuzz() { # target: its log appears when it ends
+  local corpus=build/fuzz/corpus/$1 log=build/fuzz/$1.log status=0
   mkdir -p "$corpus"
-  echo "== $target"
-  "build/fuzz/bin/$target" -max_total_time="$seconds" -timeout=1 -rss_limit_mb=512 -max_len=65536 \
-    -print_final_stats=1 -verbosity=0 -artifact_prefix="build/fuzz/$target-" "$corpus" "fuzz/seeds/${target%_fuzz}"
-done
+  "build/asan/bin/$1" -max_total_time="$seconds" -timeout=1 -rss_limit_mb=512 -max_len=65536 -print_final_stats=1 \
+    -verbosity=0 -artifact_prefix="build/fuzz/$1-" "$corpus" "fuzz/seeds/${1%_fuzz}" &>"$log" || status=$?
+  echo "== $1" && cat "$log"
+  return $status
+}
+export -f fuzz
+export seconds
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I {} bash -euo pipefail -c 'fuzz {}'

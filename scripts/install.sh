@@ -13,7 +13,7 @@ packages=(
   libassimp-dev                  # FBX and DAE
   nlohmann-json3-dev             # glTF, statistics
   libpng-dev zlib1g-dev          # pictures, compressed fields
-  libpugixml-dev libminizip-dev libexpat1-dev  # .vti, .npz and .3mf
+  libpugixml-dev libzip-dev libexpat1-dev  # .vti, .npz and .3mf
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
   libvulkan-dev libvulkan-volk-dev glslc  # GPUs: headers, the loader's loader, the shader compiler;
@@ -23,7 +23,8 @@ packages=(
 )
 checks=(
   ccache                         # so that the second build of a file is free
-  clang clang-format clang-tidy  # fuzzing, formatting, static checks
+  clang clang-format             # sanitizers, fuzzing, formatting
+  universal-ctags                # names that two files define
   libusb-1.0-0 libgl1 libgomp1   # Open3D, whose meshes the Python package takes
   libeigen3-dev                  # pysdf, with which the Python package is compared
   pkg-config                     # the installed library
@@ -48,7 +49,7 @@ newestClang() { apt-cache pkgnames clang- | grep -xE 'clang-[0-9]+' | sort -t- -
 if [[ ${1:-} == --checks ]] && type -P apt-get "${asRoot[0]}" >/dev/null; then
   if [[ -z $(newestClang) ]]; then update; fi
   packages+=($(newestClang)) || true
-  # Fuzzing needs the runtime of the default Clang's sanitizers, which its package only recommends.
+  # Sanitizers need the runtime of the default Clang, which its package only recommends.
   packages+=($(apt-cache depends clang | sed -n 's/.*Depends: clang-\([0-9]*\)$/libclang-rt-\1-dev/p')) || true
 fi
 

@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""Fails where the documentation contradicts the tree.
+
+- docs/README.md lists every page of docs/ exactly once, docs/decisions/README.md every record.
+- Relative links lead to files and headings that exist.
+- Files of code named in `backticks` exist.
+- docs/decisions/layers.md names every layer of src/layers.txt.
+- docs/dependencies.md names every file, or a folder of it, that includes a header of a library.
+- docs/cli.md lists the exit codes that `raymap --help` lists.
+- Lines of prose end before column 101.
+
+check_docs.py [FOLDER] checks another tree."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent).resolve()
+COLUMNS = 100
+CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
+# Headers by which files show that they use a library, as named in docs/dependencies.md.
+HEADERS = {
+    "oneTBB": r"(oneapi/)?tbb/",
+    "Highway": r"hwy/(?!detect)",
+    "libpng": r"png\.h",
+    "zlib": r"zlib\.h",
+    "minizip": r"minizip/",
+    "libzip": r"zip\.h",
+    "expat": r"expat\.h",
+    "pugixml": r"pugixml",
+    "OpenVDB": r"openvdb/",
+    "Assimp": r"assimp/",
+    "nlohmann-json": r"nlohmann/",
+    "volk": r"volk\.h",
+    "CLI11": r"CLI/",
+}
+
+
+def pages():
+    for page in sorted(ROOT.rglob("*.md")):
+        if not {"build", "out", ".git"} & set(page.relative_to(ROOT).parts[:1]):
+            yield page
+
+
+def prose(text):
+    """Yields the numbers and texts of the lines that are in no block of code."""
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("```"):
+            fenced = not fenced
+        elif not fenced:
+            yield number, line
+
+
+def anchor(heading):
+    """Returns the fragment under which a heading is linked."""
+    kept = re.sub(r"[^\w\- ]", "", re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower())
+    return kept.replace(" ", "-")
+
+
+def anchors(page):
+    return {anchor(line.lstrip("#")) for _, line in prose(page.read_text()) if line.startswith("#")}
+
+
+def check_links(page, number, line):
+    for target in re.findall(r"\]\(([^)\s]+)\)", line):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, fragment = target.partition("#")
+        linked = (page.parent / path) if path else page
+        if not linked.exists():
+            yield f"{number}: {target} does not exist"
+        elif fragment and linked.suffix == ".md" and fragment not in anchors(linked):
+            yield f"{number}: {path or page.name} has no heading #{fragment}"
+
+
+class Tree:
+    """The names of all files, to look up those that the documentation names."""
+
+    def __init__(self):
+        listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"],
+                                capture_output=True, text=True)
+        found = listed.stdout.splitlines() if listed.returncode == 0 else []
+        self.paths = found or [str(p.relative_to(ROOT)) for p in ROOT.rglob("*") if p.is_file()]
+        self.names = {Path(path).name for path in self.paths}
+
+    def has(self, name):
+        if "/" not in name:
+            return name in self.names
+        name = name.removeprefix("../")
+        return any(path == name or path.endswith("/" + name) for path in self.paths)
+
+
+def check_names(page, number, line, tree):
+    for quoted in re.findall(r"`([^`]+)`", line):
+        # A part in capitals stands for a name, as MESH does in quarantine/MESH/log.txt.
+        if re.search(r"(^|/)[A-Z]+(/|$)", quoted):
+            continue
+        if re.fullmatch(rf"[\w./\-]+\.{CODE}", quoted) and not tree.has(quoted):
+            yield f"{number}: no file is named {quoted}"
+
+
+def check_width(number, line):
+    if len(line) > COLUMNS and not line.startswith(("|", "    ")) and "](http" not in line and "![" not in line:
+        yield f"{number}: {len(line)} columns; wrap at {COLUMNS}"
+
+
+def check_page(page, tree):
+    for number, line in prose(page.read_text()):
+        yield from check_links(page, number, line)
+        # Records of decisions and changes also name files that are gone.
+        if "decisions" not in page.parts and page.name != "CHANGELOG.md":
+            yield from check_names(page, number, line, tree)
+        yield from check_width(number, line)
+
+
+def check_index(folder):
+    index = ROOT / folder / "README.md"
+    listed = re.findall(r"^\| (?:[\d-]+ \| )?\[[^\]]*\]\(([\w./]+\.md)\)", index.read_text(), re.MULTILINE)
+    for page in sorted(index.parent.glob("*.md")):
+        if page != index and listed.count(page.name) != 1:
+            yield f"{folder}/README.md: lists {page.name} {listed.count(page.name)} times; list it once"
+
+
+def check_layers():
+    named = re.findall(r"`([\w/]+)`", (ROOT / "docs/decisions/layers.md").read_text())
+    for layer in re.findall(r"^([\w/]+):", (ROOT / "src/layers.txt").read_text(), re.MULTILINE):
+        if layer != "top" and not {layer, layer.rsplit("/", 1)[-1]} & set(named):
+            yield f"does not name the layer {layer}"
+
+
+def check_libraries(tree):
+    text = (ROOT / "docs/dependencies.md").read_text()
+    sources = [path for path in tree.paths if re.match(r"(src|apps|include)/.*\.(cpp|h)$", path)]
+    for library, header in HEADERS.items():
+        row = re.search(rf"^\| {re.escape(library)} \|.*$", text, re.MULTILINE)
+        places = re.findall(r"`([^`]+)`", row[0].rsplit(" | ", 1)[1]) if row else []
+        include = re.compile(rf'^#include [<"]{header}', re.MULTILINE)
+        for path in sources:
+            if include.search((ROOT / path).read_text()) and not any(path.startswith(place) for place in places):
+                yield f"{path} includes {library}, which is not said there"
+
+
+def check_exit_codes():
+    helped = re.search(r"Exit codes:(.*?)\)\"", (ROOT / "apps/main.cpp").read_text(), re.DOTALL)[1]
+    told = {int(number) for number in re.findall(r"\b\d+\b", helped)}
+    table = (ROOT / "docs/cli.md").read_text().split("## Exit codes", 1)[1].split("\n## ", 1)[0]
+    rows = re.findall(r"^\| ([\d, ]+) \|", table, re.MULTILINE)
+    listed = {int(number) for row in rows for number in row.split(",")}
+    for code in sorted(told ^ listed):
+        yield f"exit code {code} is only in " + ("the program's help" if code in told else "this table")
+
+
+def main():
+    tree = Tree()
+    faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
+    faults += [fault for folder in ("docs", "docs/decisions") for fault in check_index(folder)]
+    faults += [f"docs/decisions/layers.md: {fault}" for fault in check_layers()]
+    faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
+    faults += [f"docs/cli.md: {fault}" for fault in check_exit_codes()]
+    for fault in faults:
+        print(fault)
+    print(f"{len(list(pages()))} pages, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
