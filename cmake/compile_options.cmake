@@ -7,6 +7,9 @@ target_compile_options(raymap_compile_options INTERFACE
 if(RAYMAP_WERROR)
   target_compile_options(raymap_compile_options INTERFACE -Werror)
 endif()
+if(CMAKE_UNITY_BUILD)
+  target_compile_options(raymap_compile_options INTERFACE -Wno-shadow) # Of one file's names by another's.
+endif()
 if(RAYMAP_SANITIZE)
   # One instruction set is enough to find what sanitizers find; six take minutes to compile with them. x86-64 by itself
   # has no SIMD for Highway; not -march=native, whose objects a compiler cache would give to another machine.
@@ -18,6 +21,9 @@ if(RAYMAP_SANITIZE)
   if(RAYMAP_HAS_AVX2)
     # As in any other build, only what asks for it is fused.
     add_compile_options(-march=x86-64-v3 -maes -mpclmul -ffp-contract=off)
+  endif()
+  if(RAYMAP_SANITIZE MATCHES thread)
+    add_compile_definitions(RAYMAP_THREAD_SANITIZER) # GCC has a macro for this, clang has not.
   endif()
   add_compile_options(-fsanitize=${RAYMAP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${RAYMAP_SANITIZE})

@@ -38,6 +38,8 @@ struct Thickness {
   /// infinite where no side lies opposite.
   float diameter = 0.0f;
   glm::vec3 inward{0.0f};  ///< Unit vector into the solid; 0 for sheets, buried and narrow faces.
+
+  bool operator==(const Thickness&) const = default;
 };
 
 /// How to measure thickness.

@@ -10,17 +10,12 @@
 #include <thread>
 
 #include "api/device_record.h"
+#include "base/stopwatch.h"
 #include "method/gpu_plug_in.h"
 
 namespace raymap {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// A test on a thread of its own, so that a driver that hangs does not stop the caller. Both threads share
 /// it: one of them may outlive the other's interest.
@@ -36,7 +31,7 @@ class WatchedTest {
     std::unique_lock lock(test->mutex_);
     while (!test->isOver_) {
       test->change_.wait_for(lock, std::chrono::milliseconds(20));
-      if (!test->isOver_ && hangs(test->check_, secondsSince(test->checkStart_))) {
+      if (!test->isOver_ && hangs(test->check_, test->checkTime_.seconds())) {
         test->mark_ = nullptr;
         return End::Hangs;
       }
@@ -80,7 +75,7 @@ class WatchedTest {
     mark_->write(name);
     check_ = name;
     done_ = done;
-    checkStart_ = Clock::now();
+    checkTime_.restart();
     return true;
   }
   void add(DeviceCheck check) {
@@ -93,7 +88,7 @@ class WatchedTest {
   const TestMark* mark_;  ///< Null once nobody waits for the test any more.
   std::string check_ = "start";
   double done_ = 0.0;
-  Clock::time_point checkStart_ = Clock::now();
+  Stopwatch checkTime_;
   bool isStopped_ = false, isOver_ = false;
   std::exception_ptr error_;
   std::vector<DeviceCheck> checks_;
@@ -111,7 +106,7 @@ std::string nameOf(const DeviceInfo& device) {
 
 DeviceTest runTest(const TestMark& mark, const DeviceInfo& device, size_t number,
                    const ProgressCallback& progress, const Hangs& hangs) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   DeviceTest result{.device = device};
   const auto test = std::make_shared<WatchedTest>(mark);
   try {
@@ -129,7 +124,7 @@ DeviceTest runTest(const TestMark& mark, const DeviceInfo& device, size_t number
     result.checks = test->checks();
     result.problem = test->check() + ": " + error.what();
   }
-  result.milliseconds = 1e3 * secondsSince(start);
+  result.milliseconds = stopwatch.milliseconds();
   return result;
 }
 

@@ -22,7 +22,7 @@ std::string processorName() {
   return "processor";
 }
 
-DeviceInfo cpu() {
+DeviceInfo cpuInfo() {
   return {.id = "cpu",
           .name = processorName(),
           .type = DeviceType::Cpu,
@@ -56,7 +56,7 @@ void addGpus(DeviceList& list) {
 
 DeviceList devices() {
   DeviceList list;
-  list.devices.push_back(cpu());
+  list.devices.push_back(cpuInfo());
   if (!gpuPlugIn()) {
     list.note = "this program has no GPU backend; link raymap::vulkan, built with RAYMAP_VULKAN=ON";
     return list;

@@ -1,11 +1,10 @@
 #include <raymap/error.h>
 #include <raymap/generate.h>
 
-#include <chrono>
-
 #include "api/devices.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "cpu/run_on_cpu.h"
 #include "mesh/packed_mesh.h"
 #include "method/check_options.h"
@@ -50,8 +49,7 @@ Generator::Generator(Generator&&) noexcept = default;
 Generator& Generator::operator=(Generator&&) noexcept = default;
 
 Stats Generator::generate(const MeshView& view, const Grid& grid, const Options& asked, Field& field) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   Stats stats;
   try {
     checkOptions(grid, asked);
@@ -72,7 +70,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
     field = {};
     throw;
   }
-  stats.totalMilliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  stats.totalMilliseconds = stopwatch.milliseconds();
   return stats;
 }
 

@@ -1,12 +1,12 @@
 #include <raymap/surface.h>
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/require.h"
+#include "base/stopwatch.h"
 #include "cpu/points/local_thickness.h"
 #include "cpu/points/point_query.h"
 
@@ -64,15 +64,14 @@ struct Surface::Impl {
 };
 
 Surface::Surface(const MeshView& view, const SurfaceOptions& options) : impl_(std::make_unique<Impl>()) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch stopwatch;
   check(options);
   Progress progress(options.progress);
   withThreads(options.threads, [&] {
     const PackedMesh mesh = impl_->copy(view, options.memoryLimit);
     impl_->prepared = cpu::prepareSurface(mesh, options, impl_->meshBytes(), progress, impl_->stats);
   });
-  impl_->stats.totalMilliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  impl_->stats.totalMilliseconds = stopwatch.milliseconds();
   impl_->stats.bytes = std::max(impl_->stats.bytes, bytes());
 }
 

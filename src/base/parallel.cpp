@@ -10,7 +10,7 @@
 #include <climits>
 #include <utility>
 
-#ifdef __SANITIZE_THREAD__
+#ifdef RAYMAP_THREAD_SANITIZER
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
 #endif
@@ -23,7 +23,7 @@ namespace {
 /// code before the loop happens before each part, and each part before all code after the loop. Races between
 /// parts are still detected.
 class LoopOrder {
-#ifdef __SANITIZE_THREAD__
+#ifdef RAYMAP_THREAD_SANITIZER
  public:
   LoopOrder() {
     __tsan_release(&start_);

@@ -31,6 +31,9 @@ class FunctionView {
   void (*call_)(void* object, Arguments... arguments);
 };
 
+/// Elements of a part of a loop, each of which takes a few instructions.
+inline constexpr size_t kCheapGrain = size_t{1} << 16;
+
 /// Calls `work(begin, end)` on parts of [0, count) with at most `grain` elements each. The work must not
 /// depend on which thread gets which part. Outside of `withThreads` it uses `defaultThreads`.
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work);
@@ -50,10 +53,9 @@ void parallelWorkers(size_t count, Work&& work) {
 /// Returns the numbers below `count` for which `isWanted(number)` holds, ascending.
 template <class Predicate>
 std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted) {
-  constexpr size_t kPart = size_t{1} << 16;
-  std::vector<std::vector<uint32_t>> parts((count + kPart - 1) / kPart);
+  std::vector<std::vector<uint32_t>> parts((count + kCheapGrain - 1) / kCheapGrain);
   parallelFor(parts.size(), 1, [&](size_t part, size_t) {
-    for (size_t k = part * kPart; k < std::min((part + 1) * kPart, count); ++k)
+    for (size_t k = part * kCheapGrain; k < std::min((part + 1) * kCheapGrain, count); ++k)
       if (isWanted(uint32_t(k))) parts[part].push_back(uint32_t(k));
   });
   std::vector<uint32_t> selected;

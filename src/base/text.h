@@ -8,5 +8,7 @@ namespace raymap {
 std::string numberText(double value, int digits = 9);
 /// Returns the shortest text that reads back as the same number of single precision.
 std::string numberText(float value);
+/// Rounds a positive number down to two digits, for advice.
+double roundDown(double number);
 
 }  // namespace raymap

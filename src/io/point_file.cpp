@@ -19,14 +19,14 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kPointExtensions{".csv", ".npy", ".ply", ".xyz", ".txt"};
 
-struct Format {
+struct PointFormat {
   std::string_view extension;
   void (*write)(std::ostream& out, const PointTable& table);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
 };
 
-constexpr std::array kFormats{Format{".csv", writePointCsv}, Format{".npy", writePointNpy},
-                              Format{".npz", writePointNpz, true}, Format{".ply", writePointPly}};
+constexpr std::array kPointFormats{PointFormat{".csv", writePointCsv}, PointFormat{".npy", writePointNpy},
+                              PointFormat{".npz", writePointNpz, true}, PointFormat{".ply", writePointPly}};
 
 [[noreturn]] void failExtension(const fs::path& path, const std::string& what,
                                 const std::vector<std::string>& known) {
@@ -34,13 +34,13 @@ constexpr std::array kFormats{Format{".csv", writePointCsv}, Format{".npy", writ
                                     what + "; use one of " + listOf(known));
 }
 
-const Format& findFormat(const fs::path& path, std::string_view extension) {
-  const auto* found = std::ranges::find(kFormats, extension, &Format::extension);
-  if (found == kFormats.end()) failExtension(path, "file for the results of a query", queryExtensions());
+const PointFormat& findFormat(const fs::path& path, std::string_view extension) {
+  const auto* found = std::ranges::find(kPointFormats, extension, &PointFormat::extension);
+  if (found == kPointFormats.end()) failExtension(path, "file for the results of a query", queryExtensions());
   return *found;
 }
 
-void check(const fs::path& path, const Format& format, const PointTable& table) {
+void check(const fs::path& path, const PointFormat& format, const PointTable& table) {
   const auto require = [&](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
   };
@@ -81,7 +81,7 @@ std::vector<std::string> pointExtensions() {
 
 std::vector<std::string> queryExtensions() {
   std::vector<std::string> extensions;
-  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  for (const PointFormat& format : kPointFormats) extensions.emplace_back(format.extension);
   return extensions;
 }
 
@@ -101,7 +101,7 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& 
 
 void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
                 const WriteQueryOptions& options) {
-  const Format& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
+  const PointFormat& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
   PointTable table{points, arraysOf(result), {}};
   check(path, format, table);
   if (options.colour) {

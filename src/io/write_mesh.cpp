@@ -15,22 +15,22 @@ namespace raymap {
 
 namespace {
 
-struct Format {
+struct MeshFormat {
   std::string_view extension;
   /// Null for 3MF, which has a unit and a title.
   void (*write)(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
   Precision precision;
 };
 
-constexpr std::array kFormats{
-    Format{".ply", writePly, Precision::Double}, Format{".obj", writeObj, Precision::Double},
-    Format{".stl", writeStl, Precision::Single}, Format{".glb", writeGlb, Precision::Origin},
-    Format{".3mf", nullptr, Precision::Double}};
+constexpr std::array kMeshFormats{
+    MeshFormat{".ply", writePly, Precision::Double}, MeshFormat{".obj", writeObj, Precision::Double},
+    MeshFormat{".stl", writeStl, Precision::Single}, MeshFormat{".glb", writeGlb, Precision::Origin},
+    MeshFormat{".3mf", nullptr, Precision::Double}};
 
-const Format& formatFor(const std::filesystem::path& path, std::string_view given) {
+const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view given) {
   const auto* format =
-      std::ranges::find(kFormats, formatOf(path, given, writableMeshExtensions()), &Format::extension);
-  if (format == kFormats.end())
+      std::ranges::find(kMeshFormats, formatOf(path, given, writableMeshExtensions()), &MeshFormat::extension);
+  if (format == kMeshFormats.end())
     throw Error(ErrorCode::Usage,
                 path.string() + ": meshes are written as " + listOf(writableMeshExtensions()));
   return *format;
@@ -63,7 +63,7 @@ void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, cons
   const double size = std::max({sides.x, sides.y, sides.z}), shift = largestShift(mesh);
   if (size == 0.0 || shift <= kNoticeable * size) return;  // A point has no shape.
   std::string others;
-  for (const Format& format : kFormats)
+  for (const MeshFormat& format : kMeshFormats)
     if (format.precision != Precision::Single) (others += " ") += format.extension;
   warn(path.string() +
        ": so far from (0, 0, 0), the single precision of this format moves vertices by up to " +
@@ -74,7 +74,7 @@ void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, cons
 }  // namespace
 
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
-  const Format& format = formatFor(path, options.format);
+  const MeshFormat& format = formatFor(path, options.format);
   MeshPacker packer;
   const PackedMesh mesh = moved(view, options.offset, packer);
   if (format.precision == Precision::Single) warnOfShift(path, mesh, options.warn);
@@ -94,7 +94,7 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
 }
 
 Mesh asStored(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
-  const Format& format = formatFor(path, options.format);
+  const MeshFormat& format = formatFor(path, options.format);
   MeshPacker packer;
   Mesh mesh = rounded(moved(view, options.offset, packer), format.precision);
   if (!format.write) std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return !isIn3mf(t); });
@@ -104,8 +104,8 @@ Mesh asStored(const std::filesystem::path& path, const MeshView& view, const Mes
 
 std::vector<std::string> writableMeshExtensions() {
   std::vector<std::string> extensions;
-  extensions.reserve(kFormats.size());
-  for (const Format& format : kFormats) extensions.emplace_back(format.extension);
+  extensions.reserve(kMeshFormats.size());
+  for (const MeshFormat& format : kMeshFormats) extensions.emplace_back(format.extension);
   return extensions;
 }
 

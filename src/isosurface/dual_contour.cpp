@@ -17,7 +17,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kVerticesPerTask = size_t{1} << 14;
 constexpr double kApart = 0.01;  // Least distance of two vertices in a cube, in samples.
 constexpr double kFold = 10.0;   // Cost of a triangle with reversed winding order.
 constexpr double kShape = 1e-4;  // Cost of a triangle's shape, divided by `shapeOf`.
@@ -162,6 +161,7 @@ class Contour {
   }
 
   void scale() {
+    constexpr size_t kVerticesPerTask = size_t{1} << 14;
     parallelFor(mesh_.vertices.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) mesh_.vertices[v] = scaled(mesh_.vertices[v]);
     });

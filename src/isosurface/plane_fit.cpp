@@ -14,7 +14,7 @@ constexpr double kPull = 0.01;
 // Added to the variance that a line is fitted over, which must not be 0.
 constexpr double kLeastSpread = 1e-3;
 // Lengths of the mean of unit normals that are 57 and 40 degrees apart.
-constexpr double kEdge = 0.88, kSmooth = 0.94;
+constexpr double kEdgeLength = 0.88, kSmoothLength = 0.94;
 // Distance outside the cube, in samples, at which a plane's weight reaches 0.
 constexpr double kReach = 0.5;
 
@@ -104,7 +104,7 @@ glm::dvec3 PlaneFit::offset(const glm::dvec3& p) const {
     line.add(glm::dot(way, way) - distance * distance, distance, plane.weight);
     normal += plane.weight / weight_ * plane.normal;
   }
-  const double length = glm::length(normal), smooth = std::min((length - kEdge) / (kSmooth - kEdge), 1.0);
+  const double length = glm::length(normal), smooth = std::min((length - kEdgeLength) / (kSmoothLength - kEdgeLength), 1.0);
   if (!(smooth > 0.0)) return glm::dvec3(0.0);
   normal /= length;
   const double curvatures = -4.0 * line.slope();

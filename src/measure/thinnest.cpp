@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text.h"
 #include "measure/spread_points.h"
 
 namespace raymap {
@@ -13,13 +14,7 @@ namespace raymap {
 namespace {
 
 constexpr size_t kPoints = 5000;
-constexpr double kLeftOut = 0.002;  // Share of the area that may be thinner.
-
-/// Rounds a positive number down to two digits.
-double roundDown(double number) {
-  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
-  return std::floor(number / unit * (1.0 + 1e-6)) * unit;
-}
+constexpr double kMostLeftOut = 0.002;  // Share of the area that may be thinner.
 
 }  // namespace
 
@@ -30,7 +25,7 @@ std::optional<double> findThinnest(const MeshView& view, double most, const Prog
   std::vector<float> diameters;
   for (const Thickness& t : surface.thickness(points, {.most = most, .progress = progress}))
     if (t.part == Part::Wall) diameters.push_back(t.diameter);
-  const auto leftOut = size_t(kLeftOut * double(points.size()));
+  const auto leftOut = size_t(kMostLeftOut * double(points.size()));
   if (diameters.size() <= leftOut) return {};
   std::ranges::nth_element(diameters, diameters.begin() + ptrdiff_t(leftOut));
   return double(diameters[leftOut]);

@@ -10,7 +10,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kKeysPerTask = size_t{1} << 16;
 constexpr double kSheetShare =
     0.3;  // Least share of the holes in the area of a sheet closed. A half sphere: 1/3.
 constexpr double kNoVolume = 1e-9;  // Share of the area to the power of 3/2: less may be rounding.
@@ -39,7 +38,7 @@ void addFaces(const PackedMesh& mesh, const Welding& welding, const glm::dvec3& 
 
 Components::Components(std::span<const SortKey> halfEdges, size_t positions) : sets_(positions) {
   std::vector<uint8_t> isLinked(positions, 0);  // Whether another position was linked to this one.
-  parallelFor(halfEdges.size(), kKeysPerTask, [&](size_t begin, size_t end) {
+  parallelFor(halfEdges.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       if (k > 0 && halfEdges[k].high == halfEdges[k - 1].high) continue;
       const HalfEdge edge = halfEdgeOf(halfEdges[k]);

@@ -17,8 +17,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kKeysPerTask = size_t{1} << 16;
-
 /// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
 /// so that an open mesh's volume does not depend on its position.
 void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
@@ -76,9 +74,9 @@ struct EdgeCounts {
 };
 
 EdgeCounts countEdges(std::span<const SortKey> halfEdges) {
-  std::vector<EdgeCounts> tasks((halfEdges.size() + kKeysPerTask - 1) / kKeysPerTask);
+  std::vector<EdgeCounts> tasks((halfEdges.size() + kCheapGrain - 1) / kCheapGrain);
   parallelFor(tasks.size(), 1, [&](size_t task, size_t) {
-    const size_t begin = task * kKeysPerTask, end = std::min(begin + kKeysPerTask, halfEdges.size());
+    const size_t begin = task * kCheapGrain, end = std::min(begin + kCheapGrain, halfEdges.size());
     forEachEdge(halfEdges, begin, end, [&](std::span<const SortKey> edge) { tasks[task].add(edge); });
   });
   EdgeCounts all;

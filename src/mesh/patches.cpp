@@ -11,9 +11,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kKeysPerTask = size_t{1} << 16;
-constexpr size_t kFacesPerTask = size_t{1} << 16;
-
 /// Disjoint sets of faces (union by index, path halving). Each face has a bit: whether it is reversed against
 /// its parent.
 class FaceSets {
@@ -78,9 +75,9 @@ void forEachLink(const PackedMesh& mesh, const Welding& welding, std::span<const
   });
 }
 
-Buffer<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
+Buffer<uint32_t> faceRoots(DisjointSets& sets, size_t count) {
   Buffer<uint32_t> roots(count);
-  parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(count, kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) roots[f] = sets.root(uint32_t(f));
   });
   return roots;
@@ -89,7 +86,7 @@ Buffer<uint32_t> rootsOf(DisjointSets& sets, size_t count) {
 /// Links in order. Of links that contradict each other, the last one is dropped.
 FaceSets linkInOrder(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
   DisjointSets single(mesh.triangles.size());
-  FaceSets sets(rootsOf(single, mesh.triangles.size()));
+  FaceSets sets(faceRoots(single, mesh.triangles.size()));
   forEachLink(mesh, welding, halfEdges, 0, halfEdges.size(),
               [&](const Link& link) { sets.link(link.a, link.b, link.areOpposite); });
   return sets;
@@ -98,10 +95,10 @@ FaceSets linkInOrder(const PackedMesh& mesh, const Welding& welding, std::span<c
 /// Links with all threads. If no links contradict each other, as usual, their order does not matter: those of
 /// faces that point to the same side come first, because they need no bits.
 FaceSets linkFaces(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
-  std::vector<std::vector<Link>> opposite((halfEdges.size() + kKeysPerTask - 1) / kKeysPerTask);
+  std::vector<std::vector<Link>> opposite((halfEdges.size() + kCheapGrain - 1) / kCheapGrain);
   DisjointSets alike(mesh.triangles.size());
   parallelFor(opposite.size(), 1, [&](size_t task, size_t) {
-    const size_t begin = task * kKeysPerTask, end = std::min(begin + kKeysPerTask, halfEdges.size());
+    const size_t begin = task * kCheapGrain, end = std::min(begin + kCheapGrain, halfEdges.size());
     forEachLink(mesh, welding, halfEdges, begin, end, [&](const Link& link) {
       if (link.areOpposite)
         opposite[task].push_back(link);
@@ -109,7 +106,7 @@ FaceSets linkFaces(const PackedMesh& mesh, const Welding& welding, std::span<con
         alike.link(link.a, link.b);
     });
   });
-  FaceSets sets(rootsOf(alike, mesh.triangles.size()));
+  FaceSets sets(faceRoots(alike, mesh.triangles.size()));
   for (const std::vector<Link>& links : opposite)
     for (const Link& link : links)
       if (!sets.link(link.a, link.b, true)) return linkInOrder(mesh, welding, halfEdges);

@@ -14,7 +14,6 @@ namespace {
 
 constexpr size_t kBlock = size_t{1} << 14;  // Vertices whose repetitions are found first, within the cache.
 constexpr size_t kTable = 2 * kBlock;
-constexpr size_t kPositionsPerTask = size_t{1} << 16;
 constexpr uint32_t kFree = UINT32_MAX;
 
 /// Position as sortable bits, equal exactly where the coordinates are: -0 equals 0, and even NaN is ordered.
@@ -75,16 +74,16 @@ bool isNewPosition(const Buffer<SortKey>& keys, size_t k) {
 
 /// Writes the number of its position to each vertex that has a key. Returns the number of positions.
 size_t numberPositions(const Buffer<SortKey>& keys, Buffer<uint32_t>& ids) {
-  const size_t tasks = (keys.size() + kPositionsPerTask - 1) / kPositionsPerTask;
+  const size_t tasks = (keys.size() + kCheapGrain - 1) / kCheapGrain;
   std::vector<size_t> starts(tasks + 1, 0);
-  const auto last = [&](size_t task) { return std::min((task + 1) * kPositionsPerTask, keys.size()); };
+  const auto last = [&](size_t task) { return std::min((task + 1) * kCheapGrain, keys.size()); };
   parallelFor(tasks, 1, [&](size_t task, size_t) {
-    for (size_t k = task * kPositionsPerTask; k < last(task); ++k) starts[task + 1] += isNewPosition(keys, k);
+    for (size_t k = task * kCheapGrain; k < last(task); ++k) starts[task + 1] += isNewPosition(keys, k);
   });
   for (size_t task = 0; task < tasks; ++task) starts[task + 1] += starts[task];
   parallelFor(tasks, 1, [&](size_t task, size_t) {
     size_t next = starts[task];
-    for (size_t k = task * kPositionsPerTask; k < last(task); ++k) {
+    for (size_t k = task * kCheapGrain; k < last(task); ++k) {
       next += isNewPosition(keys, k);
       ids[uint32_t(keys[k].low)] = uint32_t(next - 1);
     }

@@ -17,12 +17,11 @@ Options withoutThickness(const Options& options, const Grid& grid) {
 }
 
 void thicken(const Options& options, Field& field) {
-  constexpr size_t kSamplesPerTask = size_t{1} << 16;
   field.band = options.band * field.grid.spacing;
   const double band = field.band > 0.0 ? field.band : INFINITY;
   const double half = 0.5 * options.thickness;
   withThreads(options.threads, [&] {
-    parallelFor(field.distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+    parallelFor(field.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const double d = std::clamp(double(field.distance[i]) - half, -band, band);
         field.distance[i] = static_cast<float>(options.invert ? -d : d);

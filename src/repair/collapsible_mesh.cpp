@@ -11,7 +11,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kVerticesPerTask = size_t{1} << 14;
 
 [[noreturn]] void refuse(uint32_t vertex, const char* what) {
   throw Error(ErrorCode::Input, "vertex " + std::to_string(vertex) + " " + what +
@@ -63,6 +62,7 @@ void CollapsibleMesh::link(const PackedMesh& mesh) {
     if (around != leaving(v).size()) refuse(v, "joins two surfaces");
   };
   const auto forEachVertex = [&](const auto& work) {
+    constexpr size_t kVerticesPerTask = size_t{1} << 14;
     parallelFor(vertices, kVerticesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) work(uint32_t(v));
     });

@@ -1,12 +1,12 @@
 #include "repair/drop_pieces.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 #include <utility>
+
+#include "base/text.h"
 
 namespace raymap {
 
@@ -55,12 +55,6 @@ void count(Removed& removed, double volume) {
   removed.largest = std::max(removed.largest, volume);
 }
 
-std::string text(double volume) {
-  std::array<char, 32> digits{};
-  std::snprintf(digits.data(), digits.size(), "%.3g", volume);
-  return digits.data();
-}
-
 double smallestKept(const Pieces& found, const Choice& choice) {
   double smallest = INFINITY;
   for (size_t p = 0; p < found.pieces.size(); ++p)
@@ -71,7 +65,7 @@ double smallestKept(const Pieces& found, const Choice& choice) {
 
 std::string counted(const Removed& removed, const char* one, const char* many) {
   return std::to_string(removed.count) + (removed.count == 1 ? one : many) + ", the largest of volume " +
-         text(removed.largest);
+         numberText(removed.largest, 3);
 }
 
 std::string parts(const Removed& removed) {
@@ -167,7 +161,7 @@ void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport
   if (!warn) return;
   const double smallest = smallestKept(found, choice);
   if (report.dropped.count > 0 && report.dropped.largest >= kSimilar * smallest)
-    warn("dropped " + parts(report.dropped) + ", while a part of volume " + text(smallest) +
+    warn("dropped " + parts(report.dropped) + ", while a part of volume " + numberText(smallest, 3) +
          " stays; to keep all: --drop-smaller 0");
   if (report.filled.count > 0 && report.filled.largest >= report.dropSmaller)
     warn("filled " + counted(report.filled, " sealed cavity", " sealed cavities") +
@@ -179,7 +173,7 @@ void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport
 void warnOfKept(const RepairReport& report, const WarningCallback& warn) {
   if (warn && report.dropped.count > 0)
     warn("kept " + parts(report.dropped) + ", less than a thousandth of the largest part (" +
-         text(report.dropSmaller) +
+         numberText(report.dropSmaller, 3) +
          "), because nothing is wrong with the mesh; to drop them: --drop-smaller VOLUME");
 }
 

@@ -11,7 +11,6 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kSamplesPerTask = size_t{1} << 16;
 constexpr double kLevel = 0.8;  // Cosine of the steepest slope of a floor.
 
 glm::ivec3 placeOf(const Grid& grid, size_t sample) {
@@ -115,7 +114,7 @@ std::vector<Hollow> findHollows(Field& solid, double wall, double least, const g
 }
 
 void hollowOut(Field& solid, double wall) {
-  parallelFor(solid.distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       float& d = solid.distance[i];
       d = std::max(d, static_cast<float>(-(double(d) + wall)));

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "base/text.h"
 
 namespace raymap {
 
@@ -54,14 +55,6 @@ struct Trial {
   double keptThickness = 0.0;  // Half of what is not kept is thinner.
   double recession = 0.0;      // Largest distance between the bounds of all points and of the kept ones.
 };
-
-/// Returns a number rounded down to two digits.
-double roundDown(double number) {
-  char digits[32];
-  const double unit = std::pow(10.0, std::floor(std::log10(number)) - 1.0);
-  std::snprintf(digits, sizeof(digits), "%.2g", std::floor(number / unit * (1.0 + 1e-12)) * unit);
-  return std::strtod(digits, nullptr);
-}
 
 Box boundsOf(std::span<const glm::dvec3> points) {
   Box box;
@@ -157,23 +150,15 @@ Trial findVoxelSize(Trials& trials, double spacing) {
   return best;
 }
 
-std::string text(double number) {
-  char digits[32];
-  std::snprintf(digits, sizeof(digits), "%.3g", number);
-  return digits;
-}
-
-std::string text(const Box& box) {
+std::string boxText(const Box& box) {
   const auto side = [&](const char* name, double from, double to) {
-    char digits[80];
-    std::snprintf(digits, sizeof(digits), "%s from %.6g to %.6g", name, from, to);
-    return std::string(digits);
+    return name + (" from " + numberText(from, 6)) + " to " + numberText(to, 6);
   };
   return side("x", box.min.x, box.max.x) + ", " + side("y", box.min.y, box.max.y) + ", " +
          side("z", box.min.z, box.max.z);
 }
 
-void summarize(const LostSides& lost, Loss& loss) {
+void addSides(const LostSides& lost, Loss& loss) {
   loss.bounds = boundsOf(lost.points);
   std::vector<std::pair<double, double>> sides;
   for (size_t i = 0; i < lost.points.size(); ++i) sides.emplace_back(lost.diameters[i], lost.areas[i]);
@@ -224,7 +209,7 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
   }
   if (!open.empty()) loss.openBounds = boundsOf(open);
   if (sides.points.empty()) return loss;
-  summarize(sides, loss);
+  addSides(sides, loss);
   Trials trials(mesh, surface, sides, repair, options.threads);
   const Trial best = findVoxelSize(trials, grid.spacing);
   loss.voxelSize = best.voxelSize;
@@ -236,24 +221,24 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
 
 std::string describeLoss(const Loss& loss) {
   if (loss.solidShare < kNotableShare) return {};
-  std::string message = "parts of the solid are lost, " + text(100.0 * loss.solidShare) +
-                        " % of the mesh's surface: " + text(loss.bounds);
+  std::string message = "parts of the solid are lost, " + numberText(100.0 * loss.solidShare, 3) +
+                        " % of the mesh's surface: " + boxText(loss.bounds);
   if (loss.medianThickness > 0.0)
-    message += "; they are " + text(loss.thinnest) + " thick at the thinnest, " + text(loss.medianThickness) +
+    message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " + numberText(loss.medianThickness, 3) +
                " in the median";
-  const std::string size = text(loss.voxelSize) + " (--voxel-size)";
+  const std::string size = numberText(loss.voxelSize, 3) + " (--voxel-size)";
   if (loss.isKept) return message + "; a voxel size of " + size + " keeps them";
   if (loss.keptShare > 0.0)
     return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
-           text(100.0 * loss.keptShare) + " % of them, and half of the rest is thinner than " +
-           text(loss.keptThickness);
+           numberText(100.0 * loss.keptShare, 3) + " % of them, and half of the rest is thinner than " +
+           numberText(loss.keptThickness, 3);
   return message + "; no voxel size that fits into memory keeps them";
 }
 
 std::string describeOpenLoss(const Loss& loss) {
   if (loss.openShare < kNotableOpenShare) return {};
-  return "sheets and open surface are lost, " + text(100.0 * loss.openShare) +
-         " % of the mesh's surface: " + text(loss.openBounds) +
+  return "sheets and open surface are lost, " + numberText(100.0 * loss.openShare, 3) +
+         " % of the mesh's surface: " + boxText(loss.openBounds) +
          "; they bound no solid, but --min-thickness gives them a thickness";
 }
 

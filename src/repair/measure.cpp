@@ -10,7 +10,7 @@ namespace raymap {
 
 namespace {
 
-constexpr double kStep = 0.5;  // Of the points that are measured, in samples.
+constexpr double kPointStep = 0.5;  // Of the points that are measured, in samples.
 // Farther from the result than this, in samples, a point of the mesh is no surface of it. What a tolerance
 // above the default allows comes on top.
 constexpr double kFar = 1.0;
@@ -29,7 +29,7 @@ bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole
 Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
                         const RepairOptions& repair, const std::vector<DrainHole>& holes,
                         Progress& progress) {
-  std::vector<glm::vec3> points = surfacePoints(result, grid, kStep).positions;
+  std::vector<glm::vec3> points = surfacePoints(result, grid, kPointStep).positions;
   std::erase_if(points, [&](const glm::vec3& p) { return isDrilled(p, grid, holes); });
   std::vector<float> distances = distancesTo(mesh, grid, points, progress);
   const double outer = std::abs(repair.offset) / grid.spacing;
@@ -154,7 +154,7 @@ void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& cros
 
 ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
                               RepairReport& report) {
-  ExpectedPoints expected{surfacePoints(mesh, solid.grid, kStep), {}, {}};
+  ExpectedPoints expected{surfacePoints(mesh, solid.grid, kPointStep), {}, {}};
   SurfacePoints& points = expected.points;
   expected.areas = areasOfPoints(mesh, points);
   const double area = areaOf(expected.areas, points);

@@ -22,16 +22,15 @@ namespace {
 
 // Share of the tolerance that collapses use: measured distances are rounded.
 constexpr double kUsed = 0.99;
-constexpr double kStep = 10.0;  // Distance between points, in tolerances.
+constexpr double kPointDistance = 10.0;  // In tolerances.
 constexpr size_t kBytesPerFace = 300;
-constexpr size_t kFacesPerTask = size_t{1} << 16;
 constexpr int kMostRepeats = 20;  // Of removing vertices again after some are back.
 
 /// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
 class PartVolumes {
  public:
   explicit PartVolumes(const PackedMesh& mesh) : vertices_(mesh.vertices), sets_(mesh.vertices.size()) {
-    parallelFor(mesh.triangles.size(), kFacesPerTask, [&](size_t begin, size_t end) {
+    parallelFor(mesh.triangles.size(), kCheapGrain, [&](size_t begin, size_t end) {
       for (size_t f = begin; f < end; ++f) {
         sets_.link(mesh.triangles[f].x, mesh.triangles[f].y);
         sets_.link(mesh.triangles[f].x, mesh.triangles[f].z);
@@ -209,7 +208,7 @@ Simplified simplify(const MeshView& view, const SimplifyOptions& options) {
   Simplified result;
   if (options.tolerance > 0.0 && !mesh.triangles.empty()) {
     checkSurfaceMemory(kBytesPerFace * mesh.triangles.size());
-    const double step = options.step > 0.0 ? options.step : kStep * options.tolerance;
+    const double step = options.step > 0.0 ? options.step : kPointDistance * options.tolerance;
     Progress progress(options.progress);
     progress.stage("simplify", [&] {
       withThreads(options.threads, [&] { Simplifier(mesh, options.tolerance, step).run(progress, result); });

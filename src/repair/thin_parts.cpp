@@ -17,9 +17,8 @@ namespace raymap {
 
 namespace {
 
-constexpr double kStep = 1.0;  // Longest side of the parts of faces, in samples.
+constexpr double kLongestSide = 1.0;  // Longest side of the parts of faces, in samples.
 constexpr double kBand = 3.0;  // Samples around the plates that the isosurface may read.
-constexpr size_t kSamplesPerTask = size_t{1} << 16;
 
 Surface prepare(const PackedMesh& mesh, const Options& options) {
   return Surface(mesh, {.orientation = options.orientation,
@@ -37,7 +36,7 @@ class ThinParts {
       : solid_(solid), sampler_(solid), offset_(offset), limit_(limit) {}
 
   void find(const PackedMesh& mesh, const Options& options) {
-    const double step = kStep * solid_.grid.spacing;
+    const double step = kLongestSide * solid_.grid.spacing;
     const Surface surface = prepare(mesh, options);
     points_ = sampleFaces(mesh, step);
     thickness_ = surface.thickness(
@@ -115,7 +114,7 @@ void uniteWithPlates(const Mesh& middle, double thickness, const Options& option
   const Field plates = generate(middle, solid.grid, plain).field;
   const auto far = static_cast<float>(kBand * solid.grid.spacing);
   withThreads(options.threads, [&] {
-    parallelFor(solid.distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+    parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i)
         if (plates.distance[i] < far) solid.distance[i] = std::min(solid.distance[i], plates.distance[i]);
     });

@@ -23,11 +23,6 @@ Mesh ball() {
   return shapes::sphere(1.0, 3);
 }
 
-Mesh inverted(Mesh mesh) {
-  for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-  return mesh;
-}
-
 /// Gives every face corners of its own, as a STL has.
 Mesh unwelded(const Mesh& mesh) {
   Mesh result{.origin = mesh.origin};
@@ -96,7 +91,7 @@ TEST(Keep, RepairsWhatIsWrong) {
   flat.triangles.emplace_back(t.y, middle, t.x);
   EXPECT_TRUE(diagnose(flat).watertight);
   const Mesh crossing = joined(ball(), shapes::sphere(1.0, 3, {1, 0, 0}));
-  for (const Mesh& mesh : {open, twice, turned, flat, inverted(ball()), crossing}) {
+  for (const Mesh& mesh : {open, twice, turned, flat, shapes::inverted(ball()), crossing}) {
     const Repaired made = repaired(mesh, {.closeHoles = false});
     EXPECT_FALSE(made.report.isKept);
     EXPECT_FALSE(made.report.partsOverlap);
@@ -132,7 +127,7 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
   const Mesh crossed = joined(bowl, shapes::sphere(0.25, 2, {0, 0, 0.5}));
   EXPECT_EQ(findSelfIntersections(crossed).pairs, 0u);
   const Mesh behind = joined(bowl, shapes::sphere(0.2, 2));
-  for (const Mesh& mesh : {crossed, behind, inverted(open)}) {
+  for (const Mesh& mesh : {crossed, behind, shapes::inverted(open)}) {
     const Repaired other = closed(mesh);
     EXPECT_FALSE(other.report.isKept);
     EXPECT_FALSE(other.report.partsOverlap);
@@ -143,7 +138,7 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
 TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
   const Mesh big = box(glm::dvec3(0), glm::dvec3(3)), small = box(glm::dvec3(1), glm::dvec3(2));
   const Mesh onTop = box({0, 0, 1.5}, {3, 3, 5});
-  EXPECT_TRUE(repaired(joined(big, inverted(small))).report.isKept);
+  EXPECT_TRUE(repaired(joined(big, shapes::inverted(small))).report.isKept);
   for (const Mesh& mesh : {joined(big, small), joined(big, onTop)}) {
     const Repaired made = repaired(mesh);
     EXPECT_FALSE(made.report.isKept);
@@ -152,12 +147,12 @@ TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
   }
   const Mesh apart = joined(big, box(glm::dvec3(4), glm::dvec3(5)));
   EXPECT_TRUE(repaired(apart).report.isKept);
-  EXPECT_FALSE(repaired(joined(big, inverted(box(glm::dvec3(4), glm::dvec3(5))))).report.isKept);
+  EXPECT_FALSE(repaired(joined(big, shapes::inverted(box(glm::dvec3(4), glm::dvec3(5))))).report.isKept);
 }
 
 TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
   const Mesh crumb = box({4, 0, 0}, {4.2, 0.2, 0.2});
-  const Mesh hollow = joined(box(glm::dvec3(0), glm::dvec3(3)), inverted(box(glm::dvec3(1), glm::dvec3(2))));
+  const Mesh hollow = joined(box(glm::dvec3(0), glm::dvec3(3)), shapes::inverted(box(glm::dvec3(1), glm::dvec3(2))));
   const Mesh mesh = joined(hollow, crumb);
   std::vector<std::string> warnings;
   const auto warn = [&](std::string_view text) { warnings.emplace_back(text); };
@@ -185,7 +180,7 @@ TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
 
 /// A cube with a bubble, and a crumb beside it.
 Mesh cubeAndCrumb() {
-  const Mesh bubble = inverted(shapes::sphere(0.5, 3, {1.5, 1.5, 1.5}));
+  const Mesh bubble = shapes::inverted(shapes::sphere(0.5, 3, {1.5, 1.5, 1.5}));
   return joined(joined(box(glm::dvec3(0), glm::dvec3(3)), bubble), shapes::sphere(0.15, 2, {4, 1, 1}));
 }
 

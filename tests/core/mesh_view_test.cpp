@@ -11,7 +11,7 @@ namespace {
 
 const glm::dvec3 kFar(1e6, -2e6, 3e6);
 
-Mesh ball() {
+Mesh farBall() {
   return shapes::sphere(1.0, 3, kFar);
 }
 
@@ -43,7 +43,7 @@ void expectSameField(const Mesh& mesh, const MeshView& view) {
 }
 
 TEST(MeshView, OfAMeshIsReadInPlace) {
-  const Mesh mesh = ball();
+  const Mesh mesh = farBall();
   MeshPacker packer;
   const PackedMesh packed = packer.pack(mesh);
   EXPECT_EQ(packed.vertices.data(), mesh.vertices.data());
@@ -53,7 +53,7 @@ TEST(MeshView, OfAMeshIsReadInPlace) {
 }
 
 TEST(MeshView, OfPackedPointersIsReadInPlace) {
-  const Mesh mesh = ball();
+  const Mesh mesh = farBall();
   const MeshView view(&mesh.vertices[0].x, mesh.vertices.size(), &mesh.triangles[0].x, mesh.triangles.size(),
                       {}, mesh.origin);
   EXPECT_EQ(MeshPacker::bytesNeeded(view), 0u);
@@ -61,7 +61,7 @@ TEST(MeshView, OfPackedPointersIsReadInPlace) {
 }
 
 TEST(MeshView, GivesTheFieldOfTheMeshFromStridedFloats) {
-  const Mesh mesh = ball();
+  const Mesh mesh = farBall();
   const Strided vertices(mesh.vertices);
   const Strided triangles(mesh.triangles);
   expectSameField(mesh, MeshView(static_cast<const float*>(vertices.data()), mesh.vertices.size(),
@@ -70,7 +70,7 @@ TEST(MeshView, GivesTheFieldOfTheMeshFromStridedFloats) {
 }
 
 TEST(MeshView, CentresDoublePositionsAsMakeMeshDoes) {
-  const Mesh stored = ball();
+  const Mesh stored = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(stored);
   std::vector<glm::vec<3, uint64_t>> triangles(stored.triangles.begin(), stored.triangles.end());
   const Mesh mesh = makeMesh(positions, stored.triangles);
@@ -104,7 +104,7 @@ TEST(MeshView, MovesByItsOrigin) {
 }
 
 TEST(MeshView, IsMeasuredAndRepairedLikeTheMesh) {
-  const Mesh stored = ball();
+  const Mesh stored = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(stored);
   const Mesh mesh = makeMesh(positions, stored.triangles);
   const MeshView view(positions, stored.triangles);
@@ -165,7 +165,7 @@ TEST(MeshView, NamesPositionsAsTheCallerGaveThem) {
 }
 
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {
-  const Mesh mesh = ball();
+  const Mesh mesh = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(mesh);
   try {
     generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}),

@@ -16,18 +16,13 @@ using shapes::joined;
 
 constexpr uint32_t kNone = Piece::kNone;
 
-Mesh inverted(Mesh mesh) {
-  for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-  return mesh;
-}
-
 Mesh cube(double low, double high) {
   return box(glm::dvec3(low), glm::dvec3(high));
 }
 
 /// A cube of 1000 with a cavity of 64 that holds a cube of 8, and a cube of 0.5 beside them.
 Mesh nestedCubes() {
-  const Mesh inner = joined(inverted(cube(3, 7)), cube(4, 6));
+  const Mesh inner = joined(shapes::inverted(cube(3, 7)), cube(4, 6));
   return joined(joined(cube(0, 10), inner), box({12, 0, 0}, {13, 1, 0.5}));
 }
 

@@ -15,15 +15,6 @@ namespace {
 
 constexpr double kVoxel = 0.25, kLeast = 0.6;
 
-/// Turns about an odd axis, so that nothing lies along the grid.
-const glm::dmat3 kTurn(glm::rotate(glm::dmat4(1.0), 0.7, glm::normalize(glm::dvec3(1.0, 2.0, 3.0))));
-
-Mesh rotated(const Mesh& mesh) {
-  std::vector<glm::dvec3> p;
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(kTurn * mesh.position(v));
-  return makeMesh(p, mesh.triangles);
-}
-
 /// Returns a rectangle of the plane z = 0 as an open sheet.
 Mesh sheet(const glm::dvec2& low, const glm::dvec2& high) {
   return makeMesh(std::vector<glm::dvec3>{{low, 0}, {high.x, low.y, 0}, {high, 0}, {low.x, high.y, 0}},
@@ -49,7 +40,7 @@ Repaired solidOf(const Mesh& mesh, RepairOptions repairOptions, int threads = 0)
 /// Positions of a mesh, turned back.
 std::vector<glm::dvec3> turnedBack(const Mesh& mesh) {
   std::vector<glm::dvec3> p;
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(glm::transpose(kTurn) * mesh.position(v));
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(glm::transpose(shapes::kTurn) * mesh.position(v));
   return p;
 }
 
@@ -62,7 +53,7 @@ void expectSound(const Repaired& solid) {
 TEST(ThinParts, GrowToTheLeastThickness) {
   for (const double thickness : {0.02, 0.1, 0.3, 0.5, 0.59}) {
     SCOPED_TRACE(thickness);
-    const Mesh mesh = rotated(shapes::box({0, 0, -0.5 * thickness}, {8, 6, 0.5 * thickness}));
+    const Mesh mesh = shapes::rotated(shapes::box({0, 0, -0.5 * thickness}, {8, 6, 0.5 * thickness}));
     const Repaired solid = solidOf(mesh, {.minThickness = kLeast});
     expectSound(solid);
     EXPECT_EQ(solid.report.after.components, 1u);
@@ -83,7 +74,7 @@ TEST(ThinParts, GrowToTheLeastThickness) {
 }
 
 TEST(ThinParts, LeaveThickOnesAsTheyAre) {
-  const Mesh mesh = rotated(shapes::box({0, 0, 0}, {8, 6, 0.7}));
+  const Mesh mesh = shapes::rotated(shapes::box({0, 0, 0}, {8, 6, 0.7}));
   const Repaired plain = solidOf(mesh, {}), thick = solidOf(mesh, {.minThickness = kLeast});
   EXPECT_EQ(thick.report.thickenedShare, 0.0);
   // The grids differ in their padding.
@@ -98,7 +89,7 @@ TEST(ThinParts, LeaveThickOnesAsTheyAre) {
 TEST(ThinParts, AreFinsOfABodyThatStaysAsItIs) {
   // A fin of 0.1 on top of a cube.
   const Mesh cube = shapes::box({0, 0, 0}, {4, 4, 4}), fin = shapes::box({1, 1.95, 3.5}, {3, 2.05, 6});
-  const Mesh mesh = rotated(shapes::joined(cube, fin));
+  const Mesh mesh = shapes::rotated(shapes::joined(cube, fin));
   const Repaired lost = solidOf(mesh, {}), solid = solidOf(mesh, {.minThickness = kLeast});
   expectSound(solid);
   EXPECT_EQ(solid.report.after.components, 1u);
@@ -126,7 +117,7 @@ TEST(ThinParts, AreFinsOfABodyThatStaysAsItIs) {
 
 TEST(ThinParts, AreSheetsBesideSolids) {
   const Mesh ball = shapes::sphere(2.0, 4, {3, 3, 4});
-  const Mesh mesh = rotated(shapes::joined(ball, sheet({0, 0}, {6, 6})));
+  const Mesh mesh = shapes::rotated(shapes::joined(ball, sheet({0, 0}, {6, 6})));
   const Repaired solid = solidOf(mesh, {.minThickness = kLeast});
   expectSound(solid);
   EXPECT_EQ(solid.report.after.components, 2u);

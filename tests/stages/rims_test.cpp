@@ -11,10 +11,6 @@
 namespace raymap::cpu {
 namespace {
 
-Mesh meshOf(std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles) {
-  return makeMesh(positions, std::move(triangles));
-}
-
 CellMesh inCells(const Mesh& mesh) {
   return cellMesh(mesh, fitGrid(mesh, {.resolution = 30}));
 }
@@ -53,7 +49,7 @@ TEST(Rims, TakeZeroOfAnySign) {
 
 TEST(Rims, AreMarkedWithinACell) {
   for (const Mesh& mesh : {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(20, 1),
-                           meshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
+                           makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
     const CellMesh cells = inCells(mesh);
     const Buffer<uint8_t> marks = markRims(cells);
     const glm::ivec3 d = cells.dims;

@@ -12,10 +12,6 @@
 namespace raymap::cpu {
 namespace {
 
-Mesh meshOf(std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles) {
-  return makeMesh(positions, std::move(triangles));
-}
-
 constexpr float kSlack = 1e-5f;
 
 /// A mesh in cell units, and its tree.
@@ -67,7 +63,7 @@ TEST(SegmentCrossings, AreThoseOfDoublePrecision) {
 }
 
 TEST(SegmentCrossings, AreUnsureWhereRoundingDecides) {
-  const Scene scene(meshOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}));
+  const Scene scene(makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}));
   const auto changeOf = [&](const glm::dvec3& from, const glm::dvec3& to) {
     const auto cell = [&](const glm::dvec3& p) {
       return glm::vec3((p - scene.grid.origin) / scene.grid.spacing);

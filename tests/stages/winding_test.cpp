@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/parallel.h"
+#include "curves.h"
 #include "shapes.h"
 #include "sign_scene.h"
 
@@ -162,17 +163,6 @@ TEST(Winding, NearTheGeneralizedNumberWithAFifthOfTheFacesMissing) {
   EXPECT_LT(harmonic.meanError, 0.03);
 }
 
-/// Returns triangles whose corners are exact in single precision, in a box of 24 cells but for a margin of 4.
-Mesh exactSoup(int count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::vector<glm::dvec3> p(size_t(count) * 3);
-  std::vector<glm::uvec3> t;
-  for (glm::dvec3& v : p)
-    for (int c = 0; c < 3; ++c) v[c] = 4.0 + double(random() % 16384) / 1024.0 + 1.0 / 2048.0;
-  for (uint32_t i = 0; i < uint32_t(count); ++i) t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
-  return makeMesh(p, std::move(t));
-}
-
 template <class Move>
 Mesh moved(const Mesh& mesh, Move&& move) {
   std::vector<glm::dvec3> p;
@@ -195,7 +185,7 @@ void expectMovesAlong(const Mesh& mesh, Move&& move, SignMode mode, float tolera
 }
 
 TEST(Winding, FollowsTheMesh) {
-  const Mesh mesh = exactSoup(60, 5);
+  const Mesh mesh = exactSoup(60, 5, glm::ivec3(4), glm::ivec3(16));
   const auto shift = [](const glm::dvec3& p) { return p + glm::dvec3(2, -1, 3); };
   const auto turn = [](const glm::dvec3& p) { return glm::dvec3(24.0 - p.y, p.x, p.z); };
   const auto relabel = [](const glm::dvec3& p) { return glm::dvec3(p.y, p.z, p.x); };

@@ -10,10 +10,9 @@
 namespace raymap::cpu {
 
 void finishDistance(double band, double spacing, Buffer<float>& distance) {
-  constexpr size_t kSamplesPerTask = size_t{1} << 16;
   const auto scale = static_cast<float>(spacing);
   const auto limit = band > 0.0 ? static_cast<float>(band) : INFINITY;
-  parallelFor(distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) distance[i] = std::max(-limit, std::min(distance[i], limit)) * scale;
   });
 }

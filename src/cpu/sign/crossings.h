@@ -31,6 +31,9 @@ struct AxisCrossings {
 
 using Crossings = std::array<AxisCrossings, 3>;
 
+/// Lattice lines of a part of a loop.
+inline constexpr size_t kLinesPerTask = 4096;
+
 /// Counts the crossings of all lattice edges (§3.5). Every line through a shared edge or vertex is counted
 /// exactly once and on one side of each sample. To this end all samples are displaced by the same (e, e^2,
 /// e^3), e > 0 infinitesimal. Every decision is exact integer arithmetic on vertices snapped to 2^-20 cells.

@@ -11,8 +11,6 @@ namespace raymap::cpu {
 
 namespace {
 
-constexpr size_t kLinesPerTask = 4096;
-
 template <class Work>
 void forEachRecord(const std::vector<LineRecords>& lists, int axis, Work&& work) {
   parallelFor(lists.size(), 1, [&](size_t list, size_t) {

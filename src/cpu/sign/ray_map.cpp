@@ -9,7 +9,6 @@
 namespace raymap::cpu {
 
 namespace {
-constexpr size_t kLinesPerTask = 4096;
 
 /// Sums the crossings of a line (Eq. 4-5): r(m) = w_l(m), r(i) = r(i + 1) + w_l(i). Each crossing gets a
 /// step.

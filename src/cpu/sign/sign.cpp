@@ -10,7 +10,6 @@
 namespace raymap::cpu {
 
 namespace {
-constexpr size_t kSamplesPerTask = size_t{1} << 16;
 
 void rateRow(const RayRow& row, size_t count, float threshold, const float* winding, float* confidence) {
   const float below = 1.0f / threshold;
@@ -29,7 +28,7 @@ void rateRow(const RayRow& row, size_t count, float threshold, const float* wind
 
 void applySign(const Buffer<float>& winding, double threshold, bool invert, Buffer<float>& distance) {
   const auto limit = static_cast<float>(threshold);
-  parallelFor(distance.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const bool inside = std::abs(winding[i]) > limit;
       distance[i] = inside != invert ? -distance[i] : distance[i];

@@ -34,7 +34,6 @@ bool isFinite(const Vec& v) {
 }
 
 constexpr size_t kTrianglesPerTask = size_t{1} << 15;
-constexpr size_t kVerticesPerTask = size_t{1} << 16;
 
 /// Bounds of some triangles, and the first one that has a vertex that is not finite.
 template <class Vec>
@@ -187,7 +186,7 @@ void warnDropped(const MeshFile& file, uint64_t polygons) {
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
   Mesh mesh;
   mesh.origin = checkedBounds(file, positions, triangles).centre();
-  parallelFor(positions.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
+  parallelFor(positions.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) positions[v] = glm::vec3(glm::dvec3(positions[v]) - mesh.origin);
   });
   mesh.vertices = std::move(positions);

@@ -20,9 +20,9 @@ template <class T>
 constexpr bool kIsVector = std::is_same_v<T, glm::dvec3>;
 
 /// Collects bytes and writes them in large pieces.
-class Pieces {
+class TextPieces {
  public:
-  explicit Pieces(std::ostream& out) : out_(out) {}
+  explicit TextPieces(std::ostream& out) : out_(out) {}
 
   void add(char c) { bytes_ += c; }
   void add(std::string_view text) { bytes_ += text; }
@@ -72,7 +72,7 @@ NpyHeader headerOf(std::span<const Element> values) {
   return {"<u4", false, {count}};
 }
 
-void addColumns(Pieces& pieces, const PointArray& array, size_t point) {
+void addColumns(TextPieces& pieces, const PointArray& array, size_t point) {
   std::visit(
       [&](const auto& values) {
         if constexpr (kIsVector<std::remove_cvref_t<decltype(values[0])>>) {
@@ -100,7 +100,7 @@ void declareProperties(std::ostream& out, const PointArray& array) {
     out << "property " << type << ' ' << nameOf(array, part) << '\n';
 }
 
-void addProperties(Pieces& pieces, const PointArray& array, size_t point) {
+void addProperties(TextPieces& pieces, const PointArray& array, size_t point) {
   std::visit(
       [&](const auto& values) {
         using Element = std::remove_cvref_t<decltype(values[0])>;
@@ -141,7 +141,7 @@ void writePointCsv(std::ostream& out, const PointTable& table) {
     for (size_t part = 0; part < std::max<size_t>(array.parts.size(), 1); ++part)
       out << ',' << nameOf(array, part);
   out << '\n';
-  Pieces pieces(out);
+  TextPieces pieces(out);
   for (size_t i = 0; i < table.points.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       if (c > 0) pieces.add(',');
@@ -181,7 +181,7 @@ void writePointPly(std::ostream& out, const PointTable& table) {
   for (const PointArray& array : table.arrays) declareProperties(out, array);
   if (!table.colours.empty()) out << "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   out << "end_header\n";
-  Pieces pieces(out);
+  TextPieces pieces(out);
   for (size_t i = 0; i < table.points.size(); ++i) {
     pieces.addBytes(table.points[i]);
     for (const PointArray& array : table.arrays) addProperties(pieces, array, i);

@@ -1,10 +1,10 @@
 #include "vulkan/runtime/draw_scene.h"
 
 #include <algorithm>
-#include <chrono>
 #include <span>
 
 #include "base/parallel.h"
+#include "base/stopwatch.h"
 #include "scene/scene.h"
 #include "vulkan/device/command_buffer.h"
 #include "vulkan/stages/render_field.h"
@@ -21,12 +21,11 @@ class Bands {
   /// Calls `draw` and adapts the number of rows to the time it takes.
   template <class Draw>
   void time(Draw&& draw) {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point start = Clock::now();
+    const Stopwatch stopwatch;
     draw();
-    const auto took = Clock::now() - start;
-    if (took < std::chrono::milliseconds(50)) rows_ *= 2;
-    if (took > std::chrono::milliseconds(200)) rows_ = std::max(rows_ / 2, kLeast);
+    const double took = stopwatch.milliseconds();
+    if (took < 50.0) rows_ *= 2;
+    if (took > 200.0) rows_ = std::max(rows_ / 2, kLeast);
   }
 
  private:

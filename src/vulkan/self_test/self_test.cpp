@@ -1,8 +1,8 @@
 #include "vulkan/self_test/self_test.h"
 
-#include <chrono>
 #include <vector>
 
+#include "base/stopwatch.h"
 #include "vulkan/self_test/checks.h"
 
 namespace raymap::vulkan {
@@ -30,17 +30,16 @@ std::string differenceIn(const Check& check, Subject& subject) {
 }  // namespace
 
 void testDevice(size_t index, const DeviceTestReport& report) {
-  using Clock = std::chrono::steady_clock;
   if (!report.begin("start", 0.0)) return;
   Device device({.index = index});
   Subject subject(device);
   const std::vector<Check> checks = allChecks();
   for (size_t c = 0; c < checks.size(); ++c) {
     if (!report.begin(checks[c].name, double(c) / double(checks.size()))) return;
-    const Clock::time_point start = Clock::now();
+    const Stopwatch stopwatch;
     DeviceCheck result{.name = checks[c].name};
     result.difference = differenceIn(checks[c], subject);
-    result.milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    result.milliseconds = stopwatch.milliseconds();
     const bool isPassed = result.difference.empty();
     report.found(std::move(result));
     // Later stages read the results of this one, and wrong ones may end the process.
