@@ -3,6 +3,7 @@
 // bench/gpu_tables.py runs it and makes the tables. With --count it counts work instead (count_work.h).
 
 #include <raymap/error.h>
+#include <raymap/generate.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

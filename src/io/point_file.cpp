@@ -26,7 +26,8 @@ struct PointFormat {
 };
 
 constexpr std::array kPointFormats{PointFormat{".csv", writePointCsv}, PointFormat{".npy", writePointNpy},
-                              PointFormat{".npz", writePointNpz, true}, PointFormat{".ply", writePointPly}};
+                                   PointFormat{".npz", writePointNpz, true},
+                                   PointFormat{".ply", writePointPly}};
 
 [[noreturn]] void failExtension(const fs::path& path, const std::string& what,
                                 const std::vector<std::string>& known) {

@@ -28,8 +28,8 @@ constexpr std::array kMeshFormats{
     MeshFormat{".3mf", nullptr, Precision::Double}};
 
 const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view given) {
-  const auto* format =
-      std::ranges::find(kMeshFormats, formatOf(path, given, writableMeshExtensions()), &MeshFormat::extension);
+  const auto* format = std::ranges::find(kMeshFormats, formatOf(path, given, writableMeshExtensions()),
+                                         &MeshFormat::extension);
   if (format == kMeshFormats.end())
     throw Error(ErrorCode::Usage,
                 path.string() + ": meshes are written as " + listOf(writableMeshExtensions()));
@@ -64,7 +64,7 @@ void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, cons
   if (size == 0.0 || shift <= kNoticeable * size) return;  // A point has no shape.
   std::string others;
   for (const MeshFormat& format : kMeshFormats)
-    if (format.precision != Precision::Single) (others += " ") += format.extension;
+    if (format.precision != Precision::Single) others.append(1, ' ').append(format.extension);
   warn(path.string() +
        ": so far from (0, 0, 0), the single precision of this format moves vertices by up to " +
        numberText(shift, 3) + ", " + numberText(100.0 * shift / size, 3) +

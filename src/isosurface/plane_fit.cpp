@@ -104,7 +104,8 @@ glm::dvec3 PlaneFit::offset(const glm::dvec3& p) const {
     line.add(glm::dot(way, way) - distance * distance, distance, plane.weight);
     normal += plane.weight / weight_ * plane.normal;
   }
-  const double length = glm::length(normal), smooth = std::min((length - kEdgeLength) / (kSmoothLength - kEdgeLength), 1.0);
+  const double length = glm::length(normal),
+               smooth = std::min((length - kEdgeLength) / (kSmoothLength - kEdgeLength), 1.0);
   if (!(smooth > 0.0)) return glm::dvec3(0.0);
   normal /= length;
   const double curvatures = -4.0 * line.slope();

@@ -11,7 +11,6 @@ namespace raymap {
 
 namespace {
 
-
 [[noreturn]] void refuse(uint32_t vertex, const char* what) {
   throw Error(ErrorCode::Input, "vertex " + std::to_string(vertex) + " " + what +
                                     ": only a watertight, oriented manifold can be simplified; repair the "

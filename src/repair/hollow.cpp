@@ -157,6 +157,7 @@ std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int 
 }
 
 HolePlace exitOf(const Field& solid, const DrainHole& hole) {
+  constexpr double kStep = 0.125;  // In samples.
   const FieldSampler sampler(solid);
   // glm::normalize multiplies by a rounded inverse, and gives -0.9999999999999999 along an axis.
   const glm::dvec3 way = hole.end - hole.start, direction = way / glm::length(way);
@@ -164,7 +165,11 @@ HolePlace exitOf(const Field& solid, const DrainHole& hole) {
   // Back from the end, which is free, to the solid.
   glm::dvec3 p = place(hole.end);
   const double length = glm::distance(p, place(hole.start));
-  for (double back = 0.0; back < length && sampler.value(p) > 0.0; back += 0.125) p -= 0.125 * direction;
+  double back = 0.0;
+  while (back < length && sampler.value(p) > 0.0) {
+    p -= kStep * direction;
+    back += kStep;
+  }
   return {solid.grid.position(p), direction};
 }
 

@@ -224,8 +224,8 @@ std::string describeLoss(const Loss& loss) {
   std::string message = "parts of the solid are lost, " + numberText(100.0 * loss.solidShare, 3) +
                         " % of the mesh's surface: " + boxText(loss.bounds);
   if (loss.medianThickness > 0.0)
-    message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " + numberText(loss.medianThickness, 3) +
-               " in the median";
+    message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
+               numberText(loss.medianThickness, 3) + " in the median";
   const std::string size = numberText(loss.voxelSize, 3) + " (--voxel-size)";
   if (loss.isKept) return message + "; a voxel size of " + size + " keeps them";
   if (loss.keptShare > 0.0)

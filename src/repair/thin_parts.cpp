@@ -18,7 +18,7 @@ namespace raymap {
 namespace {
 
 constexpr double kLongestSide = 1.0;  // Longest side of the parts of faces, in samples.
-constexpr double kBand = 3.0;  // Samples around the plates that the isosurface may read.
+constexpr double kBand = 3.0;         // Samples around the plates that the isosurface may read.
 
 Surface prepare(const PackedMesh& mesh, const Options& options) {
   return Surface(mesh, {.orientation = options.orientation,

@@ -152,7 +152,8 @@ TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
 
 TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
   const Mesh crumb = box({4, 0, 0}, {4.2, 0.2, 0.2});
-  const Mesh hollow = joined(box(glm::dvec3(0), glm::dvec3(3)), shapes::inverted(box(glm::dvec3(1), glm::dvec3(2))));
+  const Mesh hollow =
+      joined(box(glm::dvec3(0), glm::dvec3(3)), shapes::inverted(box(glm::dvec3(1), glm::dvec3(2))));
   const Mesh mesh = joined(hollow, crumb);
   std::vector<std::string> warnings;
   const auto warn = [&](std::string_view text) { warnings.emplace_back(text); };

@@ -47,8 +47,8 @@ TEST(Parallel, PassesErrorsOn) {
 
 #ifdef RAYMAP_THREAD_SANITIZER
 
-/// Two parts of a loop, each on a thread of its own, write to the same places. The count orders nothing. One of them
-/// begins at the end, for the sanitizer may miss two accesses at the very same time.
+/// Two parts of a loop, each on a thread of its own, write to the same places. The count orders nothing. One
+/// of them begins at the end, for the sanitizer may miss two accesses at the very same time.
 void race() {
   std::vector<int> written(1000);
   std::atomic<int> parts{0};

@@ -192,8 +192,8 @@ TEST(Thickness, FindsABladeThatEndsBluntly) {
 }
 
 TEST(Thickness, KeepsSolidsApart) {
-  const Mesh mesh =
-      shapes::rotated(shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({1.01, 0, 0}, {2.01, 1, 0.1})));
+  const Mesh mesh = shapes::rotated(
+      shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({1.01, 0, 0}, {2.01, 1, 0.1})));
   const Measured found = measure(mesh, 0.05);
   for (size_t i = 0; i < found.points.size(); ++i) {
     const bool isPlate = found.points[i].triangle >= 12;
@@ -205,8 +205,8 @@ TEST(Thickness, KeepsSolidsApart) {
 
 TEST(Thickness, TakesSolidsTogetherThatOverlapOrTouch) {
   for (const double gap : {-0.3, 0.0, 1e-7}) {
-    const Mesh mesh =
-        shapes::rotated(shapes::joined(shapes::box({0, 0, 0}, {2, 2, 1}), shapes::box({0, 0, 1 + gap}, {2, 2, 2})));
+    const Mesh mesh = shapes::rotated(
+        shapes::joined(shapes::box({0, 0, 0}, {2, 2, 1}), shapes::box({0, 0, 1 + gap}, {2, 2, 2})));
     const Measured found = measure(mesh, 0.1);
     for (size_t i = 0; i < found.points.size(); ++i) {
       if (found.points[i].triangle >= 2) continue;
@@ -269,8 +269,8 @@ TEST(Thickness, IsTheSameForAnyNumberOfThreads) {
 
 TEST(Thickness, IsSummarizedOverTheArea) {
   // A thick plate with a thin one beside it, which has a tenth of the area.
-  const Mesh mesh =
-      shapes::rotated(shapes::joined(shapes::box({0, 0, 0}, {9, 10, 1}), shapes::box({20, 0, 0}, {21, 10, 0.1})));
+  const Mesh mesh = shapes::rotated(
+      shapes::joined(shapes::box({0, 0, 0}, {9, 10, 1}), shapes::box({20, 0, 0}, {21, 10, 0.1})));
   const ThicknessSummary found = summarizeThickness(Surface(mesh));
   EXPECT_EQ(found.points, 100'000u);
   EXPECT_NEAR(found.thinnest, 0.1, 1e-5);

@@ -40,7 +40,8 @@ Repaired solidOf(const Mesh& mesh, RepairOptions repairOptions, int threads = 0)
 /// Positions of a mesh, turned back.
 std::vector<glm::dvec3> turnedBack(const Mesh& mesh) {
   std::vector<glm::dvec3> p;
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(glm::transpose(shapes::kTurn) * mesh.position(v));
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    p.push_back(glm::transpose(shapes::kTurn) * mesh.position(v));
   return p;
 }
 

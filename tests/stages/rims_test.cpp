@@ -48,8 +48,9 @@ TEST(Rims, TakeZeroOfAnySign) {
 }
 
 TEST(Rims, AreMarkedWithinACell) {
-  for (const Mesh& mesh : {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(20, 1),
-                           makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
+  for (const Mesh& mesh :
+       {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(20, 1),
+        makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
     const CellMesh cells = inCells(mesh);
     const Buffer<uint8_t> marks = markRims(cells);
     const glm::ivec3 d = cells.dims;

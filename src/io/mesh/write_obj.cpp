@@ -11,12 +11,12 @@ namespace {
 template <class T>
 void writeLine(std::ostream& out, char keyword, const glm::vec<3, T>& numbers) {
   constexpr size_t kLongest = 32;  // Longest number, in characters.
-  char line[2 + 3 * kLongest];
+  char line[2 + 3 * (1 + kLongest)];
   char* at = line;
   *at++ = keyword;
   for (int c = 0; c < 3; ++c) {
     *at++ = ' ';
-    at = std::to_chars(at, line + sizeof(line), numbers[c]).ptr;
+    at = std::to_chars(at, at + kLongest, numbers[c]).ptr;
   }
   *at++ = '\n';
   out.write(line, at - line);

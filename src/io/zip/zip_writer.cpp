@@ -27,8 +27,9 @@ class Source {
 
   /// Gives the object to libzip. Returns null if memory is short.
   static zip_source_t* create(std::unique_ptr<Source> source) {
-    zip_source_t* const made = zip_source_function_create(&call, source.get(), nullptr);
-    if (made) static_cast<void>(source.release());
+    Source* const object = source.release();
+    zip_source_t* const made = zip_source_function_create(&call, object, nullptr);
+    if (!made) delete object;
     return made;
   }
 
@@ -128,7 +129,7 @@ class Content : public Source {
   zip_int64_t read(char* to, zip_uint64_t most) {
     if (rest_.empty()) rest_ = next();
     const size_t count = std::min<size_t>(rest_.size(), most);
-    std::copy_n(rest_.data(), count, to);
+    std::copy_n(rest_.begin(), count, to);
     rest_.remove_prefix(count);
     return static_cast<zip_int64_t>(count);
   }

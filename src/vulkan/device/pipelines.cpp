@@ -51,7 +51,7 @@ void Pipelines::makeMissing() {
       try {
         entries_[e].pipeline = make(entries_[e].source);
       } catch (const Error&) {
-        // This run may not need it.
+        entries_[e].pipeline = {};  // This run may not need it.
       }
     }
   });

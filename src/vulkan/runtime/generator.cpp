@@ -120,7 +120,7 @@ DeviceOptions named(std::string_view name) {
   return {.index = device->index};
 }
 
-const DeviceHandles& checked(const DeviceHandles& device) {
+DeviceHandles checked(const DeviceHandles& device) {
   require(device.instance && device.physical && device.device,
           "the generator needs the instance, the physical device and the device, but one of them is null");
   return device;

@@ -10,7 +10,7 @@
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 #ifdef __cplusplus
-using vec3 = glm::vec3;
+using glm::vec3;
 #endif
 
 // Data of scene/shape.h, without the samples.
