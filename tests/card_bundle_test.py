@@ -20,6 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "bench/card"), str(ROOT / "bench")]
 import gpu_program  # noqa: E402
+import gpu_tables  # noqa: E402
 import libraries  # noqa: E402
 import run  # noqa: E402
 import run_gtest  # noqa: E402
@@ -164,6 +165,12 @@ class RunSteps(InAFolder):
             names = [step.name for step in run.steps_of("vulkan:12", is_quick)]
             self.assertEqual(len(set(names)), len(names))
 
+    def test_makes_every_table(self):
+        for is_quick in (False, True):
+            commands = [step.command for step in run.steps_of(None, is_quick)]
+            made = {command[k + 1] for command in commands for k, word in enumerate(command) if word == "--table"}
+            self.assertEqual(made, set(gpu_tables.tables_of(None, (), is_quick, None)))
+
     def test_runs_all_steps_on_the_device(self):
         with unittest.mock.patch.object(libraries, "choose", lambda *_: ["libraries"]):
             self.assertEqual(run.environment("vulkan:12", self.folder)["RAYMAP_VULKAN_DEVICE"], "12")
@@ -207,6 +214,16 @@ class RunBundle(InAFolder):
         code, output = self.run_bundle(self.folder / "out", "devices")
         self.assertEqual(code, 2)
         self.assertIn("Permission denied", output)
+
+    def test_goes_on_when_the_terminal_is_gone(self):
+        self.program("bin/raymap", "#!/bin/sh\nkill -HUP $PPID\n")
+        reader, writer = os.pipe()
+        os.close(reader)
+        out = self.folder / "out"
+        with open(writer, "wb") as gone:
+            ran = subprocess.run([self.folder / "run.sh", out, "devices"], stdout=gone, stderr=subprocess.PIPE, check=False)
+        self.assertEqual((ran.returncode, ran.stderr), (0, b""))
+        self.assertIn("| devices | exit code 0 |", (out / "summary.md").read_text())
 
     def test_lists_its_steps(self):
         code, output = self.run_bundle("--list")

@@ -41,7 +41,7 @@ def steps_of(device, is_quick):
         command += ["--device", device] if device else []
         for table in names:
             command += ["--table", table]
-        if name == "meshes" and any((BUNDLE / "meshes").glob("*")):
+        if name == "meshes" and any((BUNDLE / "meshes").glob("*.*")):
             command.append(BUNDLE / "meshes")
         return Step(name, what, command)
 
@@ -133,6 +133,14 @@ def write_summary(output, steps, about):
     os.replace(f"{packed}.new", packed)
 
 
+def say(text):
+    """Prints a line, while anybody is left to read it."""
+    try:
+        print(text, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def run_steps(wanted, steps, output, variables, minutes):
     """Runs the wanted steps. Returns whether all have passed."""
     about = f"{datetime.datetime.now().isoformat(' ', 'seconds')}\n{machine()}"
@@ -142,16 +150,16 @@ def run_steps(wanted, steps, output, variables, minutes):
     for step in wanted:
         seconds = min(STEP_SECONDS, deadline - time.monotonic())
         if seconds < LEAST_SECONDS:
-            print(f"{step.name}: not run, for no time is left", flush=True)
+            say(f"{step.name}: not run, for no time is left")
             is_good = False
             continue
-        print(f"{step.name}: {step.what}", flush=True)
+        say(f"{step.name}: {step.what}")
         result = run_step(step, output, variables, seconds)
         is_good = is_good and result["passed"]
-        print(f"{step.name}: {result['outcome']}, {result['seconds']} s", flush=True)
+        say(f"{step.name}: {result['outcome']}, {result['seconds']} s")
         if not result["passed"]:
             log = (output / step.name / "log.txt").read_text(errors="replace")
-            print("".join(f"    {line}\n" for line in log.splitlines()[-15:]), flush=True)
+            say("".join(f"    {line}\n" for line in log.splitlines()[-15:]))
         write_summary(output, steps, about)
     return is_good
 
@@ -193,6 +201,7 @@ def main():
     wanted = [steps[name] for name in arguments.steps] or list(steps.values())
     output = arguments.out.resolve()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # An end on request kills the running step, too.
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # A lost connection ends nothing.
     with tempfile.TemporaryDirectory() as scratch:
         try:
             make_output(output)

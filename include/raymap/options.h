@@ -67,7 +67,8 @@ struct Options {
 
   /// Thickness of a wall around the surface, in the mesh's units. Above 0, the solid is everything within
   /// half of it from the surface, whatever `sign` says: for sheets that enclose nothing. Excludes `winding`,
-  /// `confidence` and `closeHoles`, which need a sign.
+  /// `confidence` and `closeHoles`, which need a sign. `GridOptions::thickness` makes place for it in the
+  /// grid.
   double thickness = 0.0;
 
   /// Device that computes the field. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them,

@@ -15,13 +15,18 @@ namespace raymap {
 // Outside, the result is a lower bound on the signed distance, as exact as the samples are, or NaN if
 // `Outside::NaN` asks for it. Let q be the point of the box that is closest to the point p, x one of the
 // samples around q and d(x) its distance. The bound is the largest of these:
-// - d(x) - |p - x|, for a distance changes by no more than the way;
+// - d(x) - |p - x|, for a distance changes by no more than the way; not if d(x) is clamped to -band;
 // - the distance to `Field::surfaceBounds`, if p lies outside of them;
 // - sqrt(|p - q|^2 + max(d(x) - |q - x|, 0)^2), if the box holds `Field::surfaceBounds`.
 // It is up to 0.71 h less than the distance interpolated at the border. Far from a surface that the box
 // holds, it is nearly the distance. Where the bounds are not known, or reach beyond the box around p, it
 // falls with the way from the box, and below 0: p may lie inside of what the box does not hold. A point
 // outside the bounds counts as outside the solid.
+//
+// The bound holds where the field has the sign of a closed surface. Across a hole the sign of an open mesh
+// jumps although the distance is not 0: a point inside, seen from samples outside through a hole, gets a
+// bound that may be too large. A bound is that of the distances and `surfaceBounds` that the field has:
+// whoever moves the surface by writing distances sets `surfaceBounds` anew, or empties it.
 //
 // The gradient is a central difference, h to either side along each axis, of the distance in the box, and
 // outside of sqrt(|p - q|^2 + max(d(q), 0)^2). It is continuous and, for an exact field away from edges of

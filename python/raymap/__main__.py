@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         del given["command"]
         return _dataset(**given)
     except Error as error:
-        print(f"raymap: error: {error}", file=sys.stderr)
+        print(f"raymap: error: {_printable(str(error))}", file=sys.stderr)
         return _EXIT_CODES.get(type(error), _UNFINISHED)
     except KeyboardInterrupt:
         print("raymap: stopped; run it again to go on", file=sys.stderr)
@@ -58,7 +58,12 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    print(f"raymap: warning: {message}", file=sys.stderr)
+    print(f"raymap: warning: {_printable(str(message))}", file=sys.stderr)
+
+
+def _printable(text: str) -> str:
+    """Returns a text whose control characters, which may command a terminal, are escaped: \\x1b."""
+    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
 
 
 @contextmanager
@@ -126,7 +131,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
 
 def _bytes(text: str) -> int:
     """Returns a size in bytes, as the program raymap reads it."""
-    if not (match := re.fullmatch(r"(\d+(?:\.\d*)?(?:e\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
+    if not (match := re.fullmatch(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
         raise argparse.ArgumentTypeError(f"{text!r} is no size; give one as 500MB or 4GB")
     return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
 
@@ -140,7 +145,7 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, **options: A
             f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
             f"{len(summary.new)} of them new, in {summary.seconds:.1f} s"
         )
-        print(f"See {readable(page_paths(Path(output), options.get('what', 'field'))[1])}")
+        print(f"See {_printable(readable(page_paths(Path(output), options.get('what', 'field'))[1]))}")
     return _UNFINISHED if summary.unfinished else 0
 
 

@@ -64,7 +64,7 @@ class Field:
 
     Sample (i, j, k) lies at ``origin + spacing * (i, j, k)``. Arrays have the shape (nx, ny, nz), i along x. In memory
     x is fastest (NumPy's Fortran order). They are views of the library's memory without a copy; what is written into
-    them changes the field.
+    them changes the field, but not ``surface_bounds``: if it moves the surface, make a new field of the array.
 
     Args:
         distance: Distances, (nx, ny, nz), negative inside.
@@ -208,7 +208,8 @@ class Field:
         Outside of the box, it is a lower bound of the signed distance, also where the box cuts the mesh: the largest
         distance of a sample around the closest point of the box, less the way from there. Outside of
         ``surface_bounds`` it is at least the distance to them. If the box holds them, it is nearly the distance. If
-        they are not known, or reach there, it falls below 0 farther out: the mesh may be there.
+        they are not known, or reach there, it falls below 0 farther out: the mesh may be there. Across the holes of an
+        open mesh the sign jumps, and the bound may be too large.
 
         Args:
             points: Positions in the mesh's units: NumPy, or any array with ``__dlpack__``. PyTorch, JAX and CuPy get

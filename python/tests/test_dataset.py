@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -16,6 +17,7 @@ import pytest
 import raymap
 from data_set import NAMES, contents, generate, identities, run_module, table
 from helpers import load
+from raymap import __main__ as command
 from raymap.dataset import child, run
 from raymap.dataset.files import buffer_hashes
 
@@ -314,6 +316,27 @@ def test_what_the_build_cannot_read_is_quarantined_all_the_same(meshes: Path) ->
     with pytest.raises(raymap.UnsupportedError) as error:
         raymap.load_mesh(meshes / "bad.off")
     assert generate(meshes).quarantined == ["bad.off"] and table()["bad.off"]["reason"] == str(error.value)
+
+
+def test_names_send_no_control_characters_to_the_terminal(meshes: Path) -> None:
+    ran = run_module("dataset", "gone\x1b[31m\x9b.ply", "-o", "out")
+    assert ran.returncode == 4 and "gone\\x1b[31m\\x9b.ply" in ran.stderr
+    ran = run_module("dataset", meshes, "-o", "out\x1b", "--resolution", 16)
+    assert "\x1b" not in ran.stdout and "out\\x1b" in ran.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [("1e9", 10**9), ("1e+9", 10**9), ("15e-1 kB", 1536), (".5GB", 2**29), ("1.5 gib", 3 * 2**29), ("2.", 2), ("3T", 3 << 40)],
+)
+def test_sizes_are_read_as_by_the_program(text: str, size: int) -> None:
+    assert command._bytes(text) == size
+
+
+@pytest.mark.parametrize("text", ["", ".", "GB", "1e", "-1", "1.5XB", "nan", "1.5GBs"])
+def test_what_is_no_size_is_refused(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match="is no size"):
+        command._bytes(text)
 
 
 def test_fields_and_points_lie_side_by_side(meshes: Path) -> None:

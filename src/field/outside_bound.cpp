@@ -7,6 +7,8 @@ namespace raymap {
 
 namespace {
 
+constexpr double kRounding = 1e-6;  // Of a clamped distance, relative.
+
 /// Returns a length that neither overflows nor is NaN if a coordinate is infinite.
 double lengthOf(const glm::dvec3& v) {
   return std::hypot(std::hypot(v.x, v.y), v.z);
@@ -31,14 +33,18 @@ bool OutsideBound::isOutside(const glm::dvec3& p) const {
 }
 
 /// A distance changes by no more than the way from a sample. Takes the best of the samples around q, the
-/// point of the box that is closest to p. NaN if one of them is.
+/// point of the box that is closest to p. NaN if one of them is. The true distance of a sample that is
+/// clamped to -band may be anything below, so it bounds nothing.
 OutsideBound::Bounds OutsideBound::fromSamples(const glm::dvec3& p, const glm::dvec3& q) const {
   const glm::ivec3 dims = field_.grid.dims, cell = glm::min(glm::ivec3(q), glm::max(dims - 2, 0));
+  const double lowest =
+      field_.band > 0.0 ? -field_.band / field_.grid.spacing * (1.0 - kRounding) : -INFINITY;
   Bounds best{-INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);
     const double distance = field_.distance[field_.grid.index(sample)] / field_.grid.spacing;
     if (std::isnan(distance)) return {NAN, NAN};
+    if (distance <= lowest) continue;
     best.there = std::max(best.there, distance - lengthOf(p - glm::dvec3(sample)));
     best.atBox = std::max(best.atBox, distance - lengthOf(q - glm::dvec3(sample)));
   }

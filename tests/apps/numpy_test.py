@@ -1,7 +1,10 @@
 """NumPy sees array[i, j, k] of every .npy and .npz without a copy, and Raymap reads what NumPy writes.
 
-numpy_test.py RAYMAP; exits with 77 where NumPy is missing."""
+numpy_test.py RAYMAP; exits with 77 where NumPy is missing, unless RAYMAP_REQUIRE_PYTHON_PACKAGES is set.
+numpy_test.py RAYMAP --large: with arrays above 4 GiB. Exits with 77 unless RAYMAP_LARGE_FILES is set, for it takes 5 GiB of
+memory and 13 GiB of disk."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -10,7 +13,7 @@ from pathlib import Path
 try:
     import numpy as np
 except ImportError:
-    sys.exit(77)
+    sys.exit(1 if os.environ.get("RAYMAP_REQUIRE_PYTHON_PACKAGES") else 77)
 
 BOX = """v 0 0 0
 v 3 0 0
@@ -36,13 +39,44 @@ def box_distance(p):
     return np.linalg.norm(np.maximum(q, 0), axis=-1) + np.minimum(q.max(axis=-1), 0)
 
 
-def main():
-    raymap = sys.argv[1]
+def run(*arguments):
+    subprocess.run([sys.argv[1], *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def read_behind_a_large_array():
+    """Raymap passes over an array of more than 4 GiB that NumPy wrote, and reads what lies behind it."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        distance = np.array([[[-1.5, 2.5]]], dtype=np.float32)
+        notes = np.broadcast_to(np.float32(0), ((1 << 30) + (1 << 18),))
+        np.savez(folder / "from.npz", notes=notes, distance=distance, origin=np.array([1.0, 2.0, 3.0]), spacing=0.5)
+        assert (folder / "from.npz").stat().st_size > 1 << 32
+        run("convert", folder / "from.npz", folder / "to.npz")
+        again = np.load(folder / "to.npz")
+        np.testing.assert_array_equal(again["distance"], distance)
+        np.testing.assert_array_equal(again["origin"], [1, 2, 3])
 
-        def run(*arguments):
-            subprocess.run([raymap, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+def exchange_a_large_field():
+    """A field of more than 4 GiB is the same in NumPy and here."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shape, place = (1024, 1024, 1025), (1023, 1022, 1024)
+        field = np.lib.format.open_memmap(folder / "a.npy", "w+", np.float32, shape, fortran_order=True)
+        field[place] = -2.5
+        del field
+        run("convert", folder / "a.npy", folder / "b.npz")
+        run("convert", folder / "b.npz", folder / "c.npy")
+        assert (folder / "b.npz").stat().st_size > 1 << 32
+        for path in (folder / "b.npz", folder / "c.npy"):
+            read = np.load(path, mmap_mode="r")
+            array = read["distance"] if path.suffix == ".npz" else read
+            assert array.shape == shape and array[place] == -2.5 and np.count_nonzero(array) == 1, path
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
 
         (folder / "box.obj").write_text(BOX)
         run("generate", folder / "box.obj", "-o", folder / "box.npz", "--winding", folder / "w.npy",
@@ -90,4 +124,10 @@ def main():
         np.testing.assert_array_equal(np.load(folder / "d.npy"), found["distance"])
 
 
-main()
+if sys.argv[2:] != ["--large"]:
+    main()
+elif os.environ.get("RAYMAP_LARGE_FILES"):
+    read_behind_a_large_array()
+    exchange_a_large_field()
+else:
+    sys.exit(77)

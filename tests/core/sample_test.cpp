@@ -166,7 +166,17 @@ TEST(Sample, BoundsTheDistanceOutsideOfBoxesThatCutTheMesh) {
   const Mesh apart = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::sphere(0.5, 2, {4, 1, 0}));
   unsigned seed = 1;
   for (const Mesh& mesh : {apart, shapes::torus(1.0, 0.3, 30, 16), shapes::box({0, 0, 0}, {1, 3, 2})})
-    for (const bool invert : {false, true}) expectBounds(mesh, {.invert = invert, .device = "cpu"}, seed++);
+    for (const bool invert : {false, true})
+      for (const double band : {0.0, 2.0})
+        expectBounds(mesh, {.band = band, .invert = invert, .device = "cpu"}, seed++);
+}
+
+TEST(Sample, TakesNoBoundFromSamplesThatAreClampedInside) {
+  Field field = fieldOf(kGrid, [](const glm::dvec3&) { return -1.0; });
+  field.band = 1.0;
+  EXPECT_EQ(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
+  field.band = 1.5;
+  EXPECT_GT(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
 }
 
 TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
