@@ -72,6 +72,7 @@ raymap.Surface(mesh).query(mesh.vertices)
 raymap.repair(mesh, resolution=40, device="cpu", remesh=True)
 raymap.sample_points(mesh, 1000)
 mesh.save({str(tmp_path / "copy.stl")!r})
+field.save({str(tmp_path / "field.vdb")!r})
 print(count() - before)
 """
     ran = run(code, "1")

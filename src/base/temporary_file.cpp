@@ -51,6 +51,12 @@ void removeStale(const std::string& name) {
   close(file);
 }
 
+/// Removes what killed processes left that wrote the target. More than a few never write it at once.
+void removeAllStale(const fs::path& target) {
+  constexpr unsigned kFew = 16;
+  for (unsigned number = 0; number < kFew; ++number) removeStale(hiddenName(target, number));
+}
+
 /// Makes and locks a file. Returns -1 with EEXIST if the name is taken.
 int makeHidden(const std::string& name) {
   const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -90,7 +96,7 @@ TemporaryFile::~TemporaryFile() {
 }
 
 int TemporaryFile::make(Name wanted) {
-  removeStale(hiddenName(target_, 0));
+  removeAllStale(target_);
   int file = wanted == Name::None ? makeNameless(target_.parent_path()) : -1;
   if (file < 0) takeHiddenName([&](const std::string& name) { return (file = makeHidden(name)) >= 0; });
   return file;

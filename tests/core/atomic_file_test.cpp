@@ -247,6 +247,13 @@ TEST_F(AtomicFile, TheNextWriteRemovesWhatAKillLeft) {
   }
   EXPECT_EQ(entries(), 1U);
   EXPECT_EQ(readBytes(file("a")), "newer");
+  {
+    const TemporaryFile other(file("a"), file("a"), TemporaryFile::Name::Hidden);
+    kill();
+    EXPECT_TRUE(fs::exists(hidden("a", 1)));
+  }
+  writeText(file("a"), "newest");
+  EXPECT_EQ(entries(), 1U) << "also what a second writer left";
 }
 
 TEST_F(AtomicFile, WritersOfOneFileLeaveEachOtherAlone) {

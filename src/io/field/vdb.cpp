@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <ostream>
 
+#include "base/parallel.h"
 #include "io/field/field_formats.h"
 
 namespace raymap {
@@ -131,9 +132,11 @@ void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
   openvdb::initialize();  // Thread-safe; later calls do nothing.
   const std::vector<NamedArray> arrays = arraysWith(field, array);
   try {
-    openvdb::GridPtrVec grids;
-    for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
-    StreamArchive().writeTo(out, grids);
+    withCallersThreads([&] {
+      openvdb::GridPtrVec grids;
+      for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
+      StreamArchive().writeTo(out, grids);
+    });
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::File, std::string("OpenVDB cannot write the field: ") + e.what());
   }
