@@ -13,7 +13,7 @@ cmake --build --preset asan --target "${targets[@]}"
 fuzz() { # target: its log appears when it ends
   local corpus=build/fuzz/corpus/$1 log=build/fuzz/$1.log status=0
   mkdir -p "$corpus"
-  "build/asan/bin/$1" -max_total_time="$seconds" -timeout=1 -rss_limit_mb=512 -max_len=65536 -print_final_stats=1 \
+  "build/asan/bin/$1" -max_total_time="$seconds" -timeout=300 -rss_limit_mb=512 -max_len=65536 -print_final_stats=1 \
     -verbosity=0 -artifact_prefix="build/fuzz/$1-" "$corpus" "fuzz/seeds/${1%_fuzz}" &>"$log" || status=$?
   echo "== $1" && cat "$log"
   return $status

@@ -6,7 +6,6 @@ import io
 import json
 import os
 import queue
-import select
 import shutil
 import subprocess
 import sys
@@ -24,6 +23,8 @@ import gpu_tables  # noqa: E402
 import libraries  # noqa: E402
 import run  # noqa: E402
 import run_gtest  # noqa: E402
+
+ENDLESS = 1e9  # Seconds, for what must not depend on how long work takes
 
 # Prints what a GoogleTest program prints. Tests do what their names say.
 FAKE_TESTS = """#!/usr/bin/env python3
@@ -86,15 +87,27 @@ class RunSteps(InAFolder):
         patch.start()
         self.addCleanup(patch.stop)
 
-    def run_steps(self, commands, limits=None, minutes=60):
-        """Runs shell commands as steps. `limits` are the seconds of single steps."""
+    def run_steps(self, commands, hangs=None, minutes=60):
+        """Runs shell commands as steps. Only the step `hangs` exceeds its time, once it has made the file `hanging`."""
         steps = [run.Step(name, "", ["sh", "-c", command, "sh", "{folder}", "{seconds}"]) for name, command in commands.items()]
-        whole = run.run_step
 
-        def limited(step, output, variables, seconds):
-            return whole(step, output, variables, (limits or {}).get(step.name, seconds))
+        class Process(subprocess.Popen):
+            """A step that may take any time."""
 
-        with unittest.mock.patch.object(run, "run_step", limited):
+            def __init__(self, command, **options):
+                super().__init__(command, **options)
+                folder = Path(options.get("cwd", ""))
+                self.hanging = folder / "hanging" if hangs and folder.name == hangs else None
+
+            def wait(self, timeout=None):
+                if self.hanging is None:
+                    return super().wait()
+                while not self.hanging.exists():
+                    time.sleep(0.01)
+                self.hanging = None
+                raise subprocess.TimeoutExpired(self.args, timeout)
+
+        with unittest.mock.patch.object(subprocess, "Popen", Process):
             return run.run_steps(steps, steps, self.out, dict(os.environ), minutes)
 
     def rows(self):
@@ -102,10 +115,10 @@ class RunSteps(InAFolder):
         return [(line[0][2:], line[1]) for line in lines[1:]]
 
     def test_goes_on_after_steps_that_fail_or_hang(self):
-        is_good = self.run_steps({"fails": "echo broken; exit 3", "dies": "kill -9 $$", "hangs": "sleep 1000000",
-                                  "works": 'echo "$2" >"$1/seconds"'}, limits={"hangs": 1})
+        is_good = self.run_steps({"fails": "echo broken; exit 3", "dies": "kill -9 $$", "hangs": 'touch "$1/hanging"; sleep 1000000',
+                                  "works": 'echo "$2" >"$1/seconds"'}, hangs="hangs")
         self.assertFalse(is_good)
-        self.assertEqual(self.rows(), [("fails", "exit code 3"), ("dies", "exit code -9"), ("hangs", "ended after 1 s"),
+        self.assertEqual(self.rows(), [("fails", "exit code 3"), ("dies", "exit code -9"), ("hangs", "ended after 480 s"),
                                        ("works", "exit code 0")])
         self.assertIn("    broken\n", self.output.getvalue())
         self.assertEqual((self.out / "fails/log.txt").read_text(), "broken\n")
@@ -120,19 +133,12 @@ class RunSteps(InAFolder):
         os.mkfifo(self.folder / "alive")
         reader = os.open(self.folder / "alive", os.O_RDONLY | os.O_NONBLOCK)
         self.addCleanup(os.close, reader)
-        self.run_steps({"hangs": f"exec >'{self.folder}/alive'; echo begun; sleep 1000000 & sleep 1000000"}, limits={"hangs": 3})
-        os.set_blocking(reader, True)
+        command = f"""exec >'{self.folder}/alive'; sleep 1000000 & echo begun; touch "$1/hanging"; sleep 1000000"""
+        self.run_steps({"hangs": command}, hangs="hangs")
         # The end comes when nobody has the other end any more, which is soon after the processes are killed.
-        rest = self.read_to_the_end(reader)
-        self.assertIn(rest, (b"begun\n", b""))
-
-    def read_to_the_end(self, reader):
-        read = b""
-        while select.select([reader], [], [], 60)[0]:
-            if not (piece := os.read(reader, 100)):
-                return read
-            read += piece
-        self.fail("a process still has the other end")
+        os.set_blocking(reader, True)
+        with open(reader, "rb", closefd=False) as rest:
+            self.assertEqual(rest.read(), b"begun\n")
 
     def test_divides_the_time_that_is_left(self):
         class StoppedClock:
@@ -254,7 +260,7 @@ class RunGtest(InAFolder):
 
     def test_runs_every_test_whatever_the_others_do(self):
         tests = run_gtest.tests_of(self.fake, ["*"], 1, 1)
-        self.assertEqual(run_gtest.run(self.fake, tests, 1000), {
+        self.assertEqual(run_gtest.run(self.fake, tests, ENDLESS), {
             "Fake.Works": "OK", "Fake.Skips": "SKIPPED", "Fake.Fails": "FAILED", "Fake.WorksAfterwards": "OK",
             "Fake.Crashes": "CRASHED with exit code -9", "Fake.Hangs/0": "HUNG", "Fake.WorksAtTheEnd": "OK"})
 
@@ -267,10 +273,10 @@ class RunGtest(InAFolder):
 
     def test_tells_a_crash_at_the_end(self):
         fake = self.program("crashes", "#!/bin/sh\necho '[ RUN      ] A.B'\necho '[       OK ] A.B (0 ms)'\nexit 139\n")
-        self.assertEqual(run_gtest.run(fake, ["A.B"], 1000), {"A.B": "OK", "after A.B": "CRASHED with exit code 139"})
+        self.assertEqual(run_gtest.run(fake, ["A.B"], ENDLESS), {"A.B": "OK", "after A.B": "CRASHED with exit code 139"})
 
     def run_main(self, *patterns):
-        with unittest.mock.patch.object(sys, "argv", ["run_gtest.py", self.fake, *patterns, "--seconds", "1000"]):
+        with unittest.mock.patch.object(sys, "argv", ["run_gtest.py", self.fake, *patterns, "--seconds", str(ENDLESS)]):
             with self.assertRaises(SystemExit) as end:
                 run_gtest.main()
         return end.exception.code
