@@ -225,7 +225,7 @@ std::string describe(const Verdict& verdict, const Diagnostics& found,
   if (const std::string rest = describeRest(verdict.kind, found, crossings); !rest.empty())
     words += " " + rest;
   if (!crossings) words += " Faces that cross were not counted (--fast).";
-  words += "\n";
+  words += '\n';
   const std::string command = commandFor(verdict, found, mesh);
   if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
   if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";

@@ -18,6 +18,12 @@ using raymap::c::need;
 
 namespace {
 
+/// Returns the name of an enum's value. Names are literals, so they end with a zero.
+template <class Enum>
+const char* textOf(Enum value) {
+  return name(value).data();  // NOLINT(bugprone-suspicious-stringview-data-usage)
+}
+
 struct Failure {
   raymap_result code = RAYMAP_OK;
   std::array<char, 2048> message{};  // Fixed: running out of memory must be reported too.
@@ -79,12 +85,12 @@ raymap_result raymap_devices_get(const raymap_devices* devices, size_t index, ra
     const DeviceInfo& found = list.devices[index];
     *device = {.id = found.id.c_str(),
                .name = found.name.c_str(),
-               .type = name(found.type).data(),  // A literal, so it ends with a zero.
+               .type = textOf(found.type),
                .driver = found.driver.c_str(),
                .problem = found.problem.c_str(),
                .memory = found.memory,
                .is_automatic = index == list.automatic,
-               .test = name(found.test).data(),
+               .test = textOf(found.test),
                .test_problem = found.testProblem.c_str()};
   });
 }
