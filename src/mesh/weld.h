@@ -20,4 +20,7 @@ struct Welding {
 Welding weldVertices(std::span<const glm::vec3> vertices, Buffer<SortKey>& keys);
 Welding weldVertices(std::span<const glm::vec3> vertices);
 
+/// Returns the welding of vertices that all count as positions of their own.
+Welding unwelded(size_t vertices);
+
 }  // namespace raymap

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/morton.h"
 #include "base/parallel.h"
 #include "cpu/points/closest_point.h"
 #include "cpu/points/nearest_triangles.h"
@@ -57,15 +58,6 @@ double shrinkingOf(const glm::dvec3& offset) {
 
 bool isFinite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-/// Spreads the bits of a number, so that two free ones follow each.
-uint64_t spread(uint64_t v) {
-  v = (v | v << 32) & 0x001f00000000ffffull;
-  v = (v | v << 16) & 0x001f0000ff0000ffull;
-  v = (v | v << 8) & 0x100f00f00f00f00full;
-  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-  return (v | v << 2) & 0x1249249249249249ull;
 }
 
 /// Returns a point in the cells of a grid.
@@ -165,7 +157,7 @@ class Batch {
   uint64_t codeOf(const glm::vec3& p) const {
     constexpr float kPlaces = 1 << kCurveBits;
     const glm::uvec3 place(glm::clamp((p - low_) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
-    return spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
+    return mortonCode(place.x, place.y, place.z);
   }
 
   template <class Visit>
