@@ -17,6 +17,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -249,7 +250,7 @@ double HolePatch::area() const {
   double area = 0.0;
   for (size_t t = 0; t < triangles.size(); ++t) {
     const glm::dvec3 a(mesh.corner(t, 0)), b(mesh.corner(t, 1)), c(mesh.corner(t, 2));
-    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    area += triangleArea(a, b, c);
   }
   return area;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesh/defects.h"
+#include "mesh/triangle.h"
 #include "scene/camera.h"
 #include "scene/colour.h"
 #include "scene/scene.h"
@@ -125,8 +126,8 @@ class Drawing {
   }
 
   void drawFace(const glm::uvec3& t, const FaceLook* defect) {
-    const glm::dvec3 a(mesh_.vertices[t.x]), b(mesh_.vertices[t.y]), c(mesh_.vertices[t.z]);
-    const glm::dvec3 area = glm::cross(b - a, c - a);
+    const auto [a, b, c] = mesh_.corners(t);
+    const glm::dvec3 area = doubleAreaNormal(a, b, c);
     if (!(glm::length(area) > 0.0)) return;
     const bool isFront = glm::dot(area, camera_.eye() - a) > 0.0;
     const glm::dvec3 normal = (isFront ? 1.0 : -1.0) * glm::normalize(area);
