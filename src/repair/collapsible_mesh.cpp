@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "mesh/half_edges.h"
 
 namespace raymap {
 
@@ -30,44 +31,39 @@ CollapsibleMesh::CollapsibleMesh(const PackedMesh& mesh)
 }
 
 void CollapsibleMesh::link(const PackedMesh& mesh) {
-  const size_t vertices = mesh.vertices.size();
-  std::vector<uint32_t> start(vertices + 2), edges(corner_.size());
-  for (uint32_t h = 0; h < corner_.size(); ++h) {
-    corner_[h] = mesh.triangles[h / 3][int(h % 3)];
-    ++start[corner_[h] + 2];
+  constexpr const char* kBadEdge = "has an edge without exactly two faces that agree";
+  std::vector<uint32_t> valence(mesh.vertices.size());
+  for (auto h = uint32_t(corner_.size()); h-- > 0;) {
+    const glm::uvec3& face = mesh.triangles[h / 3];
+    const int k = int(h % 3);
+    if (face[k] == face[(k + 1) % 3]) refuse(face[k], kBadEdge);
+    corner_[h] = face[k];
+    outgoing_[face[k]] = h;
+    ++valence[face[k]];
   }
-  for (size_t v = 2; v < start.size(); ++v) start[v] += start[v - 1];
-  for (uint32_t h = 0; h < corner_.size(); ++h) edges[start[corner_[h] + 1]++] = h;
-  const auto leaving = [&](uint32_t v) {
-    return std::span(edges).subspan(start[v], start[v + 1] - start[v]);
+  const auto halfEdgeFrom = [&](uint32_t face, uint32_t v) {
+    return corner_[3 * face] == v ? 3 * face : corner_[3 * face + 1] == v ? 3 * face + 1 : 3 * face + 2;
   };
-  const auto linkVertex = [&](uint32_t v) {
-    for (const uint32_t h : leaving(v)) {
-      uint32_t twins = 0;
-      for (const uint32_t t : leaving(to(h)))
-        if (to(t) == v) ++twins, twin_[h] = t;
-      const auto same = std::ranges::count_if(leaving(v), [&](uint32_t other) { return to(other) == to(h); });
-      if (to(h) == v || twins != 1 || same != 1)
-        refuse(v, "has an edge without exactly two faces that agree");
-    }
-  };
-  const auto checkVertex = [&](uint32_t v) {
-    if (leaving(v).empty()) return;
-    outgoing_[v] = leaving(v).front();
-    size_t around = 0;
-    uint32_t h = outgoing_[v];
-    do h = twin_[previous(h)], ++around;
-    while (h != outgoing_[v]);
-    if (around != leaving(v).size()) refuse(v, "joins two surfaces");
-  };
-  const auto forEachVertex = [&](const auto& work) {
-    constexpr size_t kVerticesPerTask = size_t{1} << 14;
-    parallelFor(vertices, kVerticesPerTask, [&](size_t begin, size_t end) {
-      for (size_t v = begin; v < end; ++v) work(uint32_t(v));
+  Buffer<SortKey> keys;
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
+  parallelFor(halfEdges.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    forEachEdge(halfEdges, begin, end, [&](std::span<const SortKey> edge) {
+      const HalfEdge a = halfEdgeOf(edge.front()), b = halfEdgeOf(edge.back());
+      if (edge.size() != 2 || a.isForward == b.isForward) refuse(a.low, kBadEdge);
+      const uint32_t h = halfEdgeFrom(a.face, a.from()), t = halfEdgeFrom(b.face, b.from());
+      twin_[h] = t;
+      twin_[t] = h;
     });
-  };
-  forEachVertex(linkVertex);
-  forEachVertex(checkVertex);
+  });
+  parallelFor(mesh.vertices.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      if (valence[v] == 0) continue;
+      uint32_t around = 0, h = outgoing_[v];
+      do h = twin_[previous(h)], ++around;
+      while (h != outgoing_[v]);
+      if (around != valence[v]) refuse(uint32_t(v), "joins two surfaces");
+    }
+  });
 }
 
 bool CollapsibleMesh::findRing(uint32_t v, Ring& ring) const {

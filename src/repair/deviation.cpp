@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/face_points.h"
 #include "method/cell_mesh.h"
 #include "repair/close_distances.h"
 
@@ -16,31 +17,17 @@ constexpr double kMostPerSide = 4096.0;
 constexpr size_t kPointsPerReport = size_t{1} << 18;
 
 /// Returns the number of parts that each of a triangle's sides is cut into.
-int partsOf(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
-  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-  return static_cast<int>(std::clamp(std::ceil(longest / step), 1.0, kMostPerSide));
+int partsOfSides(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
+  return partsOf(longestSide(a, b, c), step, kMostPerSide);
 }
 
 double countPoints(const CellMesh& mesh, double step) {
   double count = 0.0;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double parts = partsOf(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), step);
+    const double parts = partsOfSides(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), step);
     count += parts * parts;
   }
   return count;
-}
-
-/// Visits the centres of the parts of an evenly cut triangle.
-template <class Visit>
-void forEachPart(const CellMesh& mesh, size_t t, double step, Visit&& visit) {
-  const glm::vec3 a = mesh.corner(t, 0), u = mesh.corner(t, 1) - a, v = mesh.corner(t, 2) - a;
-  const int parts = partsOf(a, a + u, a + v, step);
-  const auto at = [&](float i, float j) { visit(a + (i * u + j * v) / static_cast<float>(parts)); };
-  for (int j = 0; j < parts; ++j)
-    for (int i = 0; i + j < parts; ++i) {
-      at(float(i) + 1.0f / 3, float(j) + 1.0f / 3);
-      if (i + j + 1 < parts) at(float(i) + 2.0f / 3, float(j) + 2.0f / 3);
-    }
 }
 
 }  // namespace
@@ -63,7 +50,9 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
         isTaken[v] = true;
         points.add(cells.vertices[v], t);
       }
-    forEachPart(cells, t, step, [&](const glm::vec3& p) { points.add(p, t); });
+    const glm::vec3 a = cells.corner(t, 0), u = cells.corner(t, 1) - a, v = cells.corner(t, 2) - a;
+    forEachEvenPoint(a, u, v, partsOfSides(a, a + u, a + v, step),
+                     [&](const glm::vec3& p) { points.add(p, t); });
   }
   return points;
 }

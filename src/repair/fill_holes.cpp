@@ -7,6 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/half_edges.h"
+#include "mesh/loops.h"
+#include "mesh/triangle.h"
+
 namespace raymap {
 
 namespace {
@@ -20,57 +24,42 @@ struct RimEdge {
 
 /// Returns the edges that only one face uses, by their first vertex.
 std::vector<RimEdge> findRimEdges(const Mesh& mesh) {
-  struct Use {
-    uint32_t low, high, third;
-    bool isForward;
-    bool operator<(const Use& other) const { return std::pair(low, high) < std::pair(other.low, other.high); }
-  };
-  std::vector<Use> uses;
-  uses.reserve(3 * mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c) {
-      const uint32_t a = t[c], b = t[(c + 1) % 3];
-      uses.push_back({std::min(a, b), std::max(a, b), t[(c + 2) % 3], a < b});
-    }
-  std::sort(uses.begin(), uses.end());
+  Buffer<SortKey> keys;
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
   std::vector<RimEdge> rim;
-  for (size_t first = 0, next = 0; first < uses.size(); first = next) {
-    while (next < uses.size() && !(uses[first] < uses[next])) ++next;
-    if (const auto& [low, high, third, isForward] = uses[first]; next == first + 1)
-      rim.push_back({isForward ? high : low, isForward ? low : high, third});
-  }
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    if (edge.size() != 1) return;
+    const HalfEdge only = halfEdgeOf(edge[0]);
+    const glm::uvec3& t = mesh.triangles[only.face];
+    rim.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
+  });
   std::ranges::sort(rim, {}, &RimEdge::from);
   return rim;
 }
 
 using Rim = std::vector<RimEdge>;
 
-/// Joins edges to closed rims. Where rims meet in a vertex, a rim is split off as soon as it closes. Returns
-/// nothing if one does not close, or has too few or too many edges.
+/// Joins edges to closed rims. Returns nothing if one does not close, or has too few or too many edges.
 std::optional<std::vector<Rim>> traceRims(const std::vector<RimEdge>& edges, size_t vertices) {
-  constexpr uint32_t kNowhere = UINT32_MAX;
-  std::vector<uint32_t> placeOf(vertices, kNowhere);  // Of the vertex on the path.
   std::vector<bool> isUsed(edges.size());
+  const auto take = [&](uint32_t& place) {
+    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &RimEdge::from) - edges.begin());
+    while (e < edges.size() && edges[e].from == place && isUsed[e]) ++e;
+    if (e == edges.size() || edges[e].from != place) return kNoEdge;
+    isUsed[e] = true;
+    place = edges[e].to;
+    return uint32_t(e);
+  };
+  std::vector<uint32_t> starts;
+  for (const RimEdge& edge : edges) starts.push_back(edge.from);
   std::vector<Rim> rims;
-  Rim path;
-  for (size_t first = 0; first < edges.size(); ++first) {
-    for (size_t at = first; !isUsed[at];) {
-      isUsed[at] = true;
-      placeOf[edges[at].from] = uint32_t(path.size());
-      path.push_back(edges[at]);
-      const uint32_t to = edges[at].to;
-      if (const uint32_t place = placeOf[to]; place != kNowhere) {
-        rims.emplace_back(path.begin() + place, path.end());
-        if (rims.back().size() < 3 || rims.back().size() > kMostEdges) return {};
-        for (const RimEdge& edge : rims.back()) placeOf[edge.from] = kNowhere;
-        path.resize(place);
-        if (path.empty()) break;
-      }
-      at = size_t(std::ranges::lower_bound(edges, to, {}, &RimEdge::from) - edges.begin());
-      while (at < edges.size() && edges[at].from == to && isUsed[at]) ++at;
-      if (at == edges.size() || edges[at].from != to) return {};
-    }
-  }
+  bool areGood = true;
+  traceLoops(vertices, starts, take, [&](std::span<const LoopStep> steps, uint32_t end) {
+    areGood = areGood && end == steps[0].from && steps.size() >= 3 && steps.size() <= kMostEdges;
+    Rim& rim = rims.emplace_back();
+    for (const LoopStep& step : steps) rim.push_back(edges[step.edge]);
+  });
+  if (!areGood) return {};
   return rims;
 }
 
@@ -109,9 +98,6 @@ class RimFiller {
 
   const Part& at(size_t i, size_t j) const { return best_[i * size_ + j]; }
   glm::dvec3 corner(size_t i) const { return glm::dvec3(mesh_.vertices[rim_[i].from]); }
-  glm::dvec3 normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) const {
-    return glm::cross(b - a, c - a);
-  }
 
   static double sharpness(const glm::dvec3& n, const glm::dvec3& m) {
     const double lengths = glm::length(n) * glm::length(m);
@@ -120,19 +106,19 @@ class RimFiller {
 
   /// Returns the normal of the face beyond the edge from i to j: of the mesh, or of the part between them.
   glm::dvec3 normalBeyond(size_t i, size_t j) const {
-    if (j != i + 1) return normal(corner(i), corner(at(i, j).middle), corner(j));
+    if (j != i + 1) return doubleAreaNormal(corner(i), corner(at(i, j).middle), corner(j));
     return normalOfMesh(i);
   }
   glm::dvec3 normalOfMesh(size_t i) const {
     const RimEdge& edge = rim_[i];
     const auto position = [&](uint32_t v) { return glm::dvec3(mesh_.vertices[v]); };
-    return normal(position(edge.to), position(edge.from), position(edge.third));
+    return doubleAreaNormal(position(edge.to), position(edge.from), position(edge.third));
   }
 
   Part bestBetween(size_t i, size_t j) const {
     Part best{.sharpness = INFINITY};
     for (size_t k = i + 1; k < j; ++k) {
-      const glm::dvec3 n = normal(corner(i), corner(k), corner(j));
+      const glm::dvec3 n = doubleAreaNormal(corner(i), corner(k), corner(j));
       Part part{.sharpness = std::max({at(i, k).sharpness, at(k, j).sharpness,
                                        sharpness(n, normalBeyond(i, k)), sharpness(n, normalBeyond(k, j))}),
                 .area = at(i, k).area + at(k, j).area + 0.5 * glm::length(n),

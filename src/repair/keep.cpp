@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mesh/weld.h"
+#include "mesh/compact.h"
 #include "repair/drop_pieces.h"
 
 namespace raymap {
@@ -30,23 +30,6 @@ bool looksRight(const Diagnostics& found) {
 bool hasOnlyHoles(const Diagnostics& found) {
   return found.nonManifoldEdges == 0 && found.consistentlyOriented && found.degenerateFaces == 0 &&
          found.duplicateFaces == 0;
-}
-
-Mesh weldedCopy(const PackedMesh& mesh) {
-  const Welding welding = weldVertices(mesh.vertices);
-  constexpr uint32_t kNew = UINT32_MAX;
-  std::vector<uint32_t> numbers(welding.count, kNew);
-  Mesh result{.triangles = {mesh.triangles.begin(), mesh.triangles.end()}, .origin = mesh.origin};
-  result.vertices.reserve(welding.count);
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    uint32_t& number = numbers[welding.ids[v]];
-    if (number != kNew) continue;
-    number = uint32_t(result.vertices.size());
-    result.vertices.push_back(mesh.vertices[v]);
-  }
-  for (glm::uvec3& t : result.triangles)
-    for (int c = 0; c < 3; ++c) t[c] = numbers[welding.ids[t[c]]];
-  return result;
 }
 
 bool keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,

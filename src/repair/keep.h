@@ -13,9 +13,6 @@ bool looksRight(const Diagnostics& found);
 /// Returns whether holes are all that these counts find wrong with a mesh.
 bool hasOnlyHoles(const Diagnostics& found);
 
-/// Returns a mesh with one vertex for each position that vertices share, and all vertices in the same order.
-Mesh weldedCopy(const PackedMesh& mesh);
-
 /// Keeps the faces of a mesh that looks right and has no crossing faces, unless its parts overlap or face the
 /// wrong way. Drops small parts only if `RepairOptions::dropSmaller` is set; warns of them else. Returns
 /// whether it kept the faces.

@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "base/require.h"
 #include "base/text.h"
+#include "mesh/compact.h"
 #include "method/check_options.h"
 #include "method/stage_times.h"
 #include "repair/deviation.h"

@@ -11,10 +11,12 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/require.h"
+#include "mesh/compact.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/face_points.h"
+#include "mesh/part_volumes.h"
 #include "repair/close_distances.h"
 #include "repair/decimate.h"
-#include "repair/face_points.h"
 
 namespace raymap {
 
@@ -36,29 +38,30 @@ class PartVolumes {
         sets_.link(mesh.triangles[f].x, mesh.triangles[f].z);
       }
     });
-    given_ = measure(mesh.triangles);
+    given_ = measure(mesh.triangles, partsOf(mesh.triangles));
   }
 
   /// Returns the indices of the faces whose part has not the sign of volume that it had.
   std::vector<uint32_t> findTurned(std::span<const glm::uvec3> faces) {
-    const std::vector<double> volumes = measure(faces);
+    const std::vector<uint32_t> parts = partsOf(faces);
+    const std::vector<double> volumes = measure(faces, parts);
     std::vector<uint32_t> turned;
     for (uint32_t f = 0; f < faces.size(); ++f)
-      if (const uint32_t part = sets_.root(faces[f].x); volumes[part] * given_[part] <= 0.0)
-        turned.push_back(f);
+      if (volumes[parts[f]] * given_[parts[f]] <= 0.0) turned.push_back(f);
     return turned;
   }
 
  private:
-  /// Returns the volume of each part at its lowest vertex.
-  std::vector<double> measure(std::span<const glm::uvec3> faces) {
-    std::vector<double> volumes(vertices_.size());
-    for (const glm::uvec3& t : faces) {
-      const uint32_t part = sets_.root(t.x);
-      const auto at = [&](uint32_t v) { return glm::dvec3(vertices_[v]) - glm::dvec3(vertices_[part]); };
-      volumes[part] += glm::dot(at(t.x), glm::cross(at(t.y), at(t.z)));
-    }
-    return volumes;
+  /// Returns the part of each face: its lowest vertex.
+  std::vector<uint32_t> partsOf(std::span<const glm::uvec3> faces) {
+    std::vector<uint32_t> parts;
+    parts.reserve(faces.size());
+    for (const glm::uvec3& t : faces) parts.push_back(sets_.root(t.x));
+    return parts;
+  }
+
+  std::vector<double> measure(std::span<const glm::uvec3> faces, std::span<const uint32_t> parts) const {
+    return partVolumes({vertices_, faces, glm::dvec3(0.0)}, parts, vertices_.size());
   }
 
   std::span<const glm::vec3> vertices_;
@@ -169,15 +172,8 @@ class Simplifier {
     const PackedMesh mesh(given_.vertices, triangles_, given_.origin);
     result.deviation = measureGiven(mesh);
     for (const uint32_t f : faces_) result.deviation = std::max(result.deviation, deviation_[f]);
-    result.mesh.origin = given_.origin;
-    std::vector<uint32_t> number(given_.vertices.size(), kNoIndex);
-    for (uint32_t v = 0; v < number.size(); ++v)
-      if (decimator_.mesh().hasVertex(v)) {
-        number[v] = uint32_t(result.mesh.vertices.size());
-        result.mesh.vertices.push_back(given_.vertices[v]);
-      }
-    for (const glm::uvec3& t : triangles_)
-      result.mesh.triangles.emplace_back(number[t.x], number[t.y], number[t.z]);
+    result.mesh = {{given_.vertices.begin(), given_.vertices.end()}, triangles_, given_.origin};
+    removeUnusedVertices(result.mesh);
   }
 
   PackedMesh given_;
@@ -216,9 +212,9 @@ Simplified simplify(const MeshView& view, const SimplifyOptions& options) {
     if (isGood(result, options.tolerance)) return result;
     result = {};
   }
-  result.mesh.vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
-  result.mesh.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
-  result.mesh.origin = mesh.origin;
+  result.mesh = {{mesh.vertices.begin(), mesh.vertices.end()},
+                 {mesh.triangles.begin(), mesh.triangles.end()},
+                 mesh.origin};
   return result;
 }
 

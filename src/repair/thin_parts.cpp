@@ -11,7 +11,7 @@
 
 #include "base/parallel.h"
 #include "field/field_sampler.h"
-#include "mesh/face_parts.h"
+#include "mesh/face_points.h"
 
 namespace raymap {
 
