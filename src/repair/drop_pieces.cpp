@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "base/text.h"
+#include "mesh/compact.h"
+#include "predicates/line_triangle.h"
 
 namespace raymap {
 
@@ -142,18 +144,7 @@ void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choi
 void dropFrom(Mesh& surface, const Pieces& found, const Choice& choice) {
   size_t face = 0;
   std::erase_if(surface.triangles, [&](const glm::uvec3&) { return choice.isDropped[found.ids[face++]]; });
-  constexpr uint32_t kUnused = UINT32_MAX;
-  std::vector<uint32_t> numbers(surface.vertices.size(), kUnused);
-  for (const glm::uvec3& t : surface.triangles)
-    for (int c = 0; c < 3; ++c) numbers[t[c]] = 0;
-  uint32_t next = 0;
-  for (uint32_t v = 0; v < numbers.size(); ++v) {
-    if (numbers[v] == kUnused) continue;
-    surface.vertices[next] = surface.vertices[v];
-    numbers[v] = next++;
-  }
-  surface.vertices.resize(next);
-  for (glm::uvec3& t : surface.triangles) t = {numbers[t.x], numbers[t.y], numbers[t.z]};
+  removeUnusedVertices(surface);
 }
 
 void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport& report,

@@ -6,7 +6,9 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "mesh/part_volumes.h"
 #include "mesh/patches.h"
+#include "predicates/line_triangle.h"
 
 namespace raymap {
 
@@ -14,17 +16,6 @@ namespace {
 
 constexpr size_t kFacesPerTask = size_t{1} << 13;
 constexpr double kTouching = 1e-10;  // Distance from the start of a ray, as a share of the mesh's size.
-
-/// Returns the side of the line from (ay, az) to (by, bz) on which a point lies: -1, 1, or 0 if the ends
-/// coincide. A point on the line counts as moved by an infinitely small step along y, and a smaller one
-/// along z.
-int sideOf(const glm::dvec3& a, const glm::dvec3& b, double y, double z) {
-  if (std::pair(b.y, b.z) < std::pair(a.y, a.z)) return -sideOf(b, a, y, z);  // The same rounding both ways.
-  const double u = b.y - a.y, v = b.z - a.z;
-  const double area = u * (z - a.z) - v * (y - a.y);
-  const double decisive = area != 0.0 ? area : v != 0.0 ? -v : u;
-  return int(decisive > 0.0) - int(decisive < 0.0);
-}
 
 /// A ray along x.
 struct Ray {
@@ -104,8 +95,6 @@ class Nesting {
     bool isTouching = false;
   };
 
-  glm::dvec3 corner(size_t face, int c) const { return glm::dvec3(mesh_.vertices[mesh_.triangles[face][c]]); }
-
   Box localBox() const {
     const Box box = bounds(mesh_);
     return {box.min - mesh_.origin, box.max - mesh_.origin};
@@ -118,19 +107,20 @@ class Nesting {
     for (size_t f = 0; f < found_.ids.size(); ++f) {
       const uint32_t piece = found_.ids[f];
       const size_t step = (faces[piece] + raysPerPiece - 1) / raysPerPiece;
-      if (seen[piece]++ % step == 0)
-        rays.push_back({(corner(f, 0) + corner(f, 1) + corner(f, 2)) / 3.0, piece});
+      if (seen[piece]++ % step != 0) continue;
+      const auto [a, b, c] = mesh_.corners(mesh_.triangles[f]);
+      rays.push_back({(a + b + c) / 3.0, piece});
     }
     return rays;
   }
 
   void castAt(size_t begin, size_t end, Crossings& crossings) const {
     for (size_t f = begin; f < end; ++f) {
-      const glm::dvec3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
-      lattice_.forEachNear(a, b, c, [&](uint32_t r) {
+      const std::array<glm::dvec3, 3> p = mesh_.corners(mesh_.triangles[f]);
+      lattice_.forEachNear(p[0], p[1], p[2], [&](uint32_t r) {
         const Ray& ray = lattice_.rays()[r];
         if (ray.piece == found_.ids[f]) return;
-        const std::optional<double> x = crossingAt(a, b, c, ray.start.y, ray.start.z);
+        const std::optional<double> x = crossingAt(p[0], p[1], p[2], ray.start.y, ray.start.z);
         if (!x) return;
         if (std::abs(*x - ray.start.x) <= touching_) crossings.isTouching = true;
         if (*x > ray.start.x) crossings.keys.push_back(uint64_t{r} << 32 | found_.ids[f]);
@@ -167,36 +157,13 @@ class Nesting {
   double touching_;
 };
 
-/// Adds up the volumes about a corner of each piece, in the order of the faces.
-void measureVolumes(const PackedMesh& mesh, Pieces& found) {
-  std::vector<uint32_t> firsts(found.pieces.size(), Piece::kNone);
-  for (size_t f = 0; f < found.ids.size(); ++f) {
-    uint32_t& first = firsts[found.ids[f]];
-    const glm::uvec3& t = mesh.triangles[f];
-    if (first == Piece::kNone) first = t.x;
-    const glm::dvec3 centre(mesh.vertices[first]);
-    const glm::dvec3 a = glm::dvec3(mesh.vertices[t.x]) - centre, b = glm::dvec3(mesh.vertices[t.y]) - centre,
-                     c = glm::dvec3(mesh.vertices[t.z]) - centre;
-    found.pieces[found.ids[f]].volume += glm::dot(a, glm::cross(b, c)) / 6.0;
-  }
-}
-
 }  // namespace
-
-std::optional<double> crossingAt(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double y,
-                                 double z) {
-  const int side = sideOf(a, b, y, z);
-  if (side == 0 || sideOf(b, c, y, z) != side || sideOf(c, a, y, z) != side) return {};
-  const glm::dvec3 u = b - a, v = c - a, normal = glm::cross(u, v);
-  if (normal.x == 0.0) return a.x;  // By rounding alone.
-  const auto [low, high] = std::minmax({a.x, b.x, c.x});
-  return std::clamp(a.x - (normal.y * (y - a.y) + normal.z * (z - a.z)) / normal.x, low, high);
-}
 
 Pieces findPieces(const PackedMesh& mesh) {
   Patches patches = findPatches(mesh);
   Pieces found{.ids = std::move(patches.ids), .pieces = std::vector<Piece>(patches.count)};
-  measureVolumes(mesh, found);
+  const std::vector<double> volumes = partVolumes(mesh, found.ids, patches.count);
+  for (size_t p = 0; p < volumes.size(); ++p) found.pieces[p].volume = volumes[p];
   return found;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "mesh/packed_mesh.h"
@@ -31,11 +30,5 @@ Pieces findPieces(const PackedMesh& mesh);
 /// Finds which pieces enclose which: rays from each one cross them. The rays start on at most `raysPerPiece`
 /// of its faces, spread evenly over their order. One is enough for surfaces that touch and cross nowhere.
 void nestPieces(const PackedMesh& mesh, size_t raysPerPiece, Pieces& found);
-
-/// Returns x where the line through (y, z) along x crosses a triangle. Lines that meet an edge or a corner
-/// cross exactly one of the faces around it on each side, as if all lines were moved by an infinitely small
-/// distance.
-std::optional<double> crossingAt(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double y,
-                                 double z);
 
 }  // namespace raymap

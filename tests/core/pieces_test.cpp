@@ -38,36 +38,6 @@ std::vector<uint32_t> around(const Pieces& found) {
   return result;
 }
 
-TEST(Pieces, LinesThroughEdgesAndCornersCrossOneSideOnce) {
-  const Mesh mesh = cube(0, 2);
-  const auto crossings = [&](double y, double z) {
-    std::vector<double> xs;
-    for (const glm::uvec3& t : mesh.triangles)
-      if (const auto x = crossingAt(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z), y, z))
-        xs.push_back(*x);
-    std::sort(xs.begin(), xs.end());
-    return xs;
-  };
-  const std::vector<double> both{0.0, 2.0};
-  // Lines count as moved a little along y and less along z, so that the low sides are inside.
-  for (const double low : {0.0, 0.25, 1.0, 1.5})
-    for (const double other : {0.0, 0.5, 1.0, 1.999}) EXPECT_EQ(crossings(low, other), both);
-  for (const double other : {-1.0, 0.0, 1.0, 2.0, 3.0}) {
-    EXPECT_TRUE(crossings(2.0, other).empty());
-    EXPECT_TRUE(crossings(other, 2.0).empty());
-    EXPECT_TRUE(crossings(-0.001, other).empty());
-    EXPECT_TRUE(crossings(other, 2.001).empty());
-  }
-}
-
-TEST(Pieces, CrossingsLieInTheTriangle) {
-  const glm::dvec3 a(1, 0, 0), b(3, 4, 0), c(5, 0, 4);
-  EXPECT_EQ(crossingAt(a, b, c, 1, 1), 2.5);
-  EXPECT_EQ(crossingAt(c, b, a, 1, 1), 2.5);
-  EXPECT_EQ(crossingAt(a, b, c, 3, 1.5), std::nullopt);
-  EXPECT_EQ(crossingAt({0, 0, 0}, {1, 2, 2}, {2, 1, 1}, 1, 1), std::nullopt);  // Parallel to x.
-}
-
 TEST(Pieces, HaveVolumesAndPiecesAround) {
   const Pieces found = nested(nestedCubes());
   ASSERT_EQ(found.pieces.size(), 4u);

@@ -8,7 +8,6 @@
 #include "cpu/sign/crossings.h"
 
 #include "base/parallel.h"
-#include "cpu/sign/crossings_exact.h"
 #include "cpu/sign/crossings_lines.h"
 
 #include <raymap/error.h>

@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "method/cell_mesh.h"
+#include "predicates/lattice_line_triangle.h"
 
 #include <array>
 
@@ -14,12 +15,6 @@ struct Crossing {
   int32_t index = 0;
   int32_t signedCount = 0;    ///< w_l (§3.5): +1 for each face that the positive direction leaves through.
   int32_t unsignedCount = 0;  ///< Number of faces, whichever way they point.
-};
-
-/// Axes across a lattice line; u is the lower one.
-struct LineAxes {
-  int u, v;
-  explicit constexpr LineAxes(int axis) : u(axis == 0 ? 1 : 0), v(axis == 2 ? 1 : 2) {}
 };
 
 /// All crossings of the lattice lines along one axis. Line (u, v), see `LineAxes`, has

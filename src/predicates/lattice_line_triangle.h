@@ -1,16 +1,27 @@
 #pragma once
 
-// Krayer & Müller 2019, §3.5. Decides without rounding which lattice lines a triangle crosses, and where:
-// simulation of simplicity (Edelsbrunner & Mücke 1990) on integers.
-
-#include "cpu/sign/crossings.h"
+// Krayer & Müller 2019, §3.5: the lattice lines that a triangle crosses, and where. GPU twin:
+// vulkan/stages/crossings_lines.glsl.
+//
+// Precision: exact, on integers.
+// Ties: all samples count as displaced by the same (e, e^2, e^3), e > 0 infinitely small: simulation of
+// simplicity (Edelsbrunner & Mücke 1990).
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
 
-namespace raymap::cpu {
+#include "predicates/int128.h"
 
-__extension__ using Int128 = __int128;
+namespace raymap {
+
+/// Axes across a lattice line; u is the lower one.
+struct LineAxes {
+  int u, v;
+  explicit constexpr LineAxes(int axis) : u(axis == 0 ? 1 : 0), v(axis == 2 ? 1 : 2) {}
+};
 
 /// Vertex in units of 2^-bits cells.
 using FixedVertex = glm::i64vec3;
@@ -90,4 +101,4 @@ class DepthFunction {
   int tie_;
 };
 
-}  // namespace raymap::cpu
+}  // namespace raymap
