@@ -8,18 +8,11 @@
 #include "base/progress.h"
 #include "mesh/packed_mesh.h"
 #include "repair/collapsible_mesh.h"
+#include "repair/face_point_lists.h"
+#include "repair/given_surface.h"
+#include "repair/plane_quadric.h"
 
 namespace raymap {
-
-/// Sum of the squared distances to planes, weighted by areas (Garland & Heckbert 1997).
-struct PlaneQuadric {
-  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0, x = 0.0, y = 0.0, z = 0.0, one = 0.0;
-
-  void addPlane(const glm::dvec3& normal, const glm::dvec3& point, double weight);
-  void add(const PlaneQuadric& other);
-  /// Returns the mean square of a point's distances to the planes.
-  double meanSquare(const glm::dvec3& p) const;
-};
 
 /// Lengths are in the mesh's units.
 struct DecimateOptions {
@@ -45,23 +38,15 @@ class Decimator {
 
   const CollapsibleMesh& mesh() const { return mesh_; }
   /// Points of the given mesh: its vertices, and points on its sharp edges and large faces.
-  std::span<const glm::vec3> points() const { return points_; }
+  std::span<const glm::vec3> points() const { return points_.points(); }
 
  private:
   using Ring = CollapsibleMesh::Ring;
   struct NewFaces;
   struct Task;
-  /// A given vertex, and the place of a face in the list of those around it.
-  struct NearFace {
-    uint32_t vertex, place = 0;
-  };
 
   glm::dvec3 at(uint32_t vertex) const { return glm::dvec3(vertices_[vertex]); }
-  void listFaces();
-  void listNeighbours();
   void addPlanes();
-  void addPoints();
-  void addPoint(uint32_t face, const glm::vec3& point);
   void runTiles(double shift, Progress& progress);
   bool isSurroundedByTile(uint32_t v) const;
   void reduce(Task& task);
@@ -70,36 +55,19 @@ class Decimator {
   bool makeFaces(uint32_t v, const Ring& ring, uint32_t k, NewFaces& faces) const;
   bool placePoints(uint32_t v, const Ring& ring, NewFaces& faces, Task& task) const;
   bool staysNear(const Ring& ring, uint32_t k) const;
-  bool isNearGiven(uint32_t start, uint32_t end) const;
-  uint32_t walkTo(const glm::dvec3& p, uint32_t vertex) const;
-  std::span<const uint32_t> givenFaces(uint32_t vertex) const { return atVertex(facesOfVertex_, vertex); }
-  std::span<const uint32_t> givenNeighbours(uint32_t vertex) const { return atVertex(neighbours_, vertex); }
-  std::span<const uint32_t> atVertex(const std::vector<uint32_t>& all, uint32_t vertex) const {
-    return std::span(all).subspan(firstFace_[vertex], firstFace_[vertex + 1] - firstFace_[vertex]);
-  }
-  bool isNearFacesOf(const glm::dvec3& p, NearFace& near) const;
-  bool hasFaceWithin(std::span<const uint32_t> faces, const glm::dvec3& p) const;
-  void putPoint(uint32_t point, uint32_t face);
-  void takePoint(uint32_t point);
-  void spreadPoints(std::span<const uint32_t> faces);
 
   std::span<const glm::vec3> vertices_;
-  std::span<const glm::uvec3> triangles_;
-  std::vector<uint32_t> firstFace_;      ///< Place of each vertex in the next two.
-  std::vector<uint32_t> facesOfVertex_;  ///< The given faces around each vertex.
-  std::vector<uint32_t> neighbours_;     ///< The neighbours of each vertex in the given mesh, as many.
   DecimateOptions options_;
   double limit_;  ///< Square of the tolerance.
   CollapsibleMesh mesh_;
+  GivenSurface given_;
+  FacePointLists points_;
   std::vector<glm::vec3> normals_;  ///< Normals of the given faces.
   std::vector<PlaneQuadric> quadrics_;
-  std::vector<glm::vec3> points_;
-  std::vector<uint32_t> firstPoint_, nextPoint_;  ///< List of the points at each face.
-  std::vector<uint32_t> faceOfPoint_;             ///< `kNoIndex` for vertices that a face uses.
-  std::vector<float> wake_;                       ///< Cost from which on a vertex is tried again.
-  std::vector<uint32_t> tile_;                    ///< Of each vertex.
-  std::vector<uint8_t> isFree_;                   ///< Whether a vertex and its neighbours belong to one task.
-  std::vector<uint8_t> isKept_;                   ///< Whether a vertex must not be removed.
+  std::vector<float> wake_;      ///< Cost from which on a vertex is tried again.
+  std::vector<uint32_t> tile_;   ///< Of each vertex.
+  std::vector<uint8_t> isFree_;  ///< Whether a vertex and its neighbours belong to one task.
+  std::vector<uint8_t> isKept_;  ///< Whether a vertex must not be removed.
 };
 
 }  // namespace raymap
