@@ -110,6 +110,12 @@ Welding weldVertices(std::span<const glm::vec3> vertices) {
   return weldVertices(vertices, keys);
 }
 
+std::vector<uint32_t> Welding::vertices() const {
+  std::vector<uint32_t> last(count);
+  for (uint32_t v = 0; v < ids.size(); ++v) last[ids[v]] = v;
+  return last;
+}
+
 Welding unwelded(size_t vertices) {
   Welding welding{Buffer<uint32_t>(vertices), vertices};
   std::iota(welding.ids.begin(), welding.ids.end(), 0u);

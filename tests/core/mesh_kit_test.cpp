@@ -91,6 +91,19 @@ TEST(HalfEdges, DoNotMeetAtVerticesThatAreNotWelded) {
   EXPECT_EQ(pairs(weldVertices(mesh.vertices)), 1u);
 }
 
+TEST(Welding, NumbersPositions) {
+  const std::vector<vec3> vertices{{5, 0, 0}, {1, 0, 0}, {5, 0, -0.0f}};
+  const std::vector<uvec3> faces{{0, 1, 2}};
+  const Welding welding = weldVertices(vertices);
+  ASSERT_EQ(welding.count, 2u);
+  EXPECT_EQ(welding.ids[0], welding.ids[2]);
+  EXPECT_EQ(welding.vertices()[welding.ids[0]], 2u);
+  EXPECT_EQ(welding.vertices()[welding.ids[1]], 1u);
+  EXPECT_EQ(weldedFace({vertices, faces, dvec3(0.0)}, welding, 0),
+            uvec3(welding.ids[0], welding.ids[1], welding.ids[0]));
+  EXPECT_EQ(unwelded(3).vertices(), (std::vector<uint32_t>{0, 1, 2}));
+}
+
 /// Traces directed edges. Returns the places of each loop, with its end.
 std::vector<std::vector<uint32_t>> traced(const std::vector<std::pair<uint32_t, uint32_t>>& edges,
                                           const std::vector<uint32_t>& starts) {
