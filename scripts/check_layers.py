@@ -54,7 +54,10 @@ class Layers:
             self.problems.append(f"{path.name}: a cycle between {', '.join(cycle)}")
 
     def of_folder(self, folder):
-        return folder if folder in self.below else None
+        """The layer that a folder of src is, or that the folder around it belongs to."""
+        while folder and folder not in self.below:
+            folder = folder.rpartition("/")[0]
+        return folder or None
 
     def says(self, layer):
         return f"{layer} may include only {', '.join(self.below[layer]) or 'itself'}"
@@ -107,16 +110,16 @@ def types(arguments):
     return tuple(re.sub(r"(?<=[\s&*>])\w+$", "", each.strip()).replace(" ", "") for each in text.split(","))
 
 
-def definers(src):
-    """The folders of src whose .cpp files define a function, by its namespace, name and types, or members of a class, by
+def definers(src, layers):
+    """The layers whose .cpp files define a function, by its namespace, name and types, or members of a class, by
     its namespace and name."""
     found = {}
     for path in src.rglob("*.cpp"):
-        text, folder = path.read_text(), path.parent.relative_to(src).as_posix()
+        text, layer = path.read_text(), layers.of_folder(path.parent.relative_to(src).as_posix())
         for name, arguments in DEFINITION.findall(text):
-            found.setdefault((space(text), name, types(arguments)), set()).add(folder)
+            found.setdefault((space(text), name, types(arguments)), set()).add(layer)
         for name, _ in MEMBER.findall(text):
-            found.setdefault((space(text), name), set()).add(folder)
+            found.setdefault((space(text), name), set()).add(layer)
     return found
 
 
@@ -130,7 +133,7 @@ def declared(header):
 
 def misplaced(public, src, layers):
     """The public headers that declare what another layer than their own defines."""
-    found = definers(src)
+    found = definers(src, layers)
     for header, layer in sorted(layers.headers.items()):
         if not (public / header).is_file():
             continue

@@ -1,4 +1,4 @@
-#include "repair/collapsible_mesh.h"
+#include "simplify/collapsible_mesh.h"
 
 #include <raymap/error.h>
 

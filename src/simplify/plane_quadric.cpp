@@ -1,4 +1,4 @@
-#include "repair/plane_quadric.h"
+#include "simplify/plane_quadric.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "repair/hollow.h"
+#include "repair/solid/hollow.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <raymap/field.h>
 #include <raymap/repair.h>
 
-#include "repair/pieces.h"
+#include "repair/topology/pieces.h"
 
 namespace raymap {
 

@@ -1,4 +1,4 @@
-#include "repair/pieces.h"
+#include "repair/topology/pieces.h"
 
 #include <algorithm>
 #include <cmath>

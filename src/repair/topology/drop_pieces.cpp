@@ -1,4 +1,4 @@
-#include "repair/drop_pieces.h"
+#include "repair/topology/drop_pieces.h"
 
 #include <algorithm>
 #include <cmath>

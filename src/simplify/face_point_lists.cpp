@@ -1,11 +1,11 @@
-#include "repair/face_point_lists.h"
+#include "simplify/face_point_lists.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "cpu/points/close_distances.h"
 #include "mesh/face_points.h"
-#include "repair/close_distances.h"
-#include "repair/face_shape.h"
+#include "simplify/face_shape.h"
 
 namespace raymap {
 
@@ -79,7 +79,7 @@ void FacePointLists::spread(std::span<const uint32_t> faces, const CollapsibleMe
     clear(f);
   }
   if (numbers.empty()) return;
-  const CloseDistances search({given_.vertices, triangles, glm::dvec3(0.0)}, INFINITY);
+  const cpu::CloseDistances search({given_.vertices, triangles, glm::dvec3(0.0)}, INFINITY);
   const QueryResult found = search.measure(positions);
   for (size_t i = 0; i < numbers.size(); ++i) put(numbers[i], faces[found.triangle[i]]);
 }

@@ -1,11 +1,11 @@
-#include "repair/pieces.h"
+#include "repair/topology/pieces.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 #include <random>
 
-#include "repair/drop_pieces.h"
+#include "repair/topology/drop_pieces.h"
 #include "shapes.h"
 
 namespace raymap {

@@ -1,4 +1,4 @@
-#include "repair/keep.h"
+#include "repair/topology/keep.h"
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "repair/loss.h"
+#include "repair/solid/loss.h"
 #include "shapes.h"
 
 namespace raymap {

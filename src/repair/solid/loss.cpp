@@ -1,4 +1,4 @@
-#include "repair/loss.h"
+#include "repair/solid/loss.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "repair/measure.h"
+#include "repair/solid/measure.h"
 
 #include <algorithm>
 #include <cmath>

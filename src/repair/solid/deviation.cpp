@@ -1,12 +1,12 @@
-#include "repair/deviation.h"
+#include "repair/solid/deviation.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "cpu/points/close_distances.h"
 #include "mesh/face_points.h"
 #include "method/cell_mesh.h"
-#include "repair/close_distances.h"
 
 namespace raymap {
 
@@ -59,7 +59,7 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
 
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
-  const CloseDistances search(mesh, grid, INFINITY);
+  const cpu::CloseDistances search(mesh, grid, INFINITY);
   std::vector<float> distances(points.size());
   std::vector<glm::dvec3> part;
   for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {

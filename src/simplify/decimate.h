@@ -7,10 +7,10 @@
 
 #include "base/progress.h"
 #include "mesh/packed_mesh.h"
-#include "repair/collapsible_mesh.h"
-#include "repair/face_point_lists.h"
-#include "repair/given_surface.h"
-#include "repair/plane_quadric.h"
+#include "simplify/collapsible_mesh.h"
+#include "simplify/face_point_lists.h"
+#include "simplify/given_surface.h"
+#include "simplify/plane_quadric.h"
 
 namespace raymap {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "repair/collapsible_mesh.h"
+#include "simplify/collapsible_mesh.h"
 
 namespace raymap {
 

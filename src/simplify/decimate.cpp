@@ -1,6 +1,6 @@
 // Edge collapses in the order of quadric errors (Garland & Heckbert 1997), each one checked.
 
-#include "repair/decimate.h"
+#include "simplify/decimate.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
-#include "repair/face_shape.h"
+#include "simplify/face_shape.h"
 
 namespace raymap {
 

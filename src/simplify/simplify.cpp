@@ -11,12 +11,12 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/require.h"
+#include "cpu/points/close_distances.h"
 #include "mesh/compact.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/face_points.h"
 #include "mesh/part_volumes.h"
-#include "repair/close_distances.h"
-#include "repair/decimate.h"
+#include "simplify/decimate.h"
 
 namespace raymap {
 
@@ -164,7 +164,7 @@ class Simplifier {
     for (uint32_t i = 0; i < decimator_.points().size(); ++i)
       if (i >= given_.vertices.size() || !decimator_.mesh().hasVertex(i))
         points.push_back(given_.origin + glm::dvec3(decimator_.points()[i]));
-    const Buffer<double> distances = CloseDistances(mesh, 2.0 * tolerance_).measure(points).distance;
+    const Buffer<double> distances = cpu::CloseDistances(mesh, 2.0 * tolerance_).measure(points).distance;
     return points.empty() ? 0.0 : *std::max_element(distances.begin(), distances.end());
   }
 
@@ -179,7 +179,7 @@ class Simplifier {
   PackedMesh given_;
   double tolerance_, step_;
   Decimator decimator_;
-  CloseDistances toGiven_;
+  cpu::CloseDistances toGiven_;
   PartVolumes volumes_;
   std::vector<glm::uvec3> measured_;   // Corners of each face when its deviation was measured.
   std::vector<double> deviation_;      // Of each face from the given mesh.

@@ -1,10 +1,10 @@
-#include "repair/keep.h"
+#include "repair/topology/keep.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "mesh/compact.h"
-#include "repair/drop_pieces.h"
+#include "repair/topology/drop_pieces.h"
 
 namespace raymap {
 

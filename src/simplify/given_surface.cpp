@@ -1,4 +1,4 @@
-#include "repair/given_surface.h"
+#include "simplify/given_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include "base/parallel.h"
 #include "cpu/points/closest_point.h"
 #include "mesh/face_points.h"
-#include "repair/face_shape.h"
+#include "simplify/face_shape.h"
 
 namespace raymap {
 

@@ -7,8 +7,8 @@
 
 #include "base/progress.h"
 #include "mesh/packed_mesh.h"
-#include "repair/deviation.h"
-#include "repair/hollow.h"
+#include "repair/solid/deviation.h"
+#include "repair/solid/hollow.h"
 
 namespace raymap {
 

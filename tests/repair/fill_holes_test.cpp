@@ -1,4 +1,4 @@
-#include "repair/fill_holes.h"
+#include "repair/topology/fill_holes.h"
 
 #include <gtest/gtest.h>
 #include <raymap/mesh_view.h>

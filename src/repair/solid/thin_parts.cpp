@@ -3,7 +3,7 @@
 // A plate of thickness T takes the place of a thin part. It surrounds the middle of the part, so a wall of
 // thickness t grows by (T - t) / 2 to each side, and what is thicker than T stays as it is.
 
-#include "repair/thin_parts.h"
+#include "repair/solid/thin_parts.h"
 
 #include <raymap/thickness.h>
 
