@@ -16,6 +16,7 @@
 #include "method/check_options.h"
 #include "method/stage_times.h"
 #include "repair/solid/deviation.h"
+#include "repair/solid/given.h"
 #include "repair/solid/hollow.h"
 #include "repair/solid/loss.h"
 #include "repair/solid/measure.h"
@@ -68,20 +69,19 @@ void check(const Grid& grid, const RepairOptions& repair) {
               "); use a voxel size of at most " + numberText(0.5 * repair.minThickness));
 }
 
-/// The solid with its surface moved by the offset.
-Field makeSolid(const PackedMesh& mesh, const Grid& grid, Options options, const RepairOptions& repair,
-                Stats& stats) {
-  options.closeHoles = repair.closeHoles;
-  auto [field, cost] = generate(mesh, grid, options);
+/// Returns the solid with its surface moved by the offset.
+Field makeSolid(Given& given, Stats& stats) {
+  auto [field, cost] = given.generateSolid();
   stats = std::move(cost);
-  for (float& d : field.distance) d = static_cast<float>(double(d) - repair.offset);
+  for (float& d : field.distance) d = static_cast<float>(double(d) - given.repair.offset);
   return std::move(field);
 }
 
 /// Returns the field of what is left of a solid after parts of it were dropped or filled.
-Field remade(const Mesh& surface, const Grid& grid, Options options) {
+Field remade(const Mesh& surface, Given& given) {
+  Options options = given.options;
   options.orientation = Orientation::Keep;
-  return generate(surface, grid, options).field;
+  return given.generateOther(surface, options);
 }
 
 Mesh makeSurface(const Field& solid, const Options& options) {
@@ -164,7 +164,7 @@ Mesh dropPieces(Field& solid, Mesh& surface, const Options& options, const Repai
 /// the lost area that is left.
 double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Progress& progress,
                        std::vector<FacePoint>& lost) {
-  if (dropped.triangles.empty() || lost.empty()) return 1.0;
+  if (lost.empty()) return 1.0;
   const auto area = [&] {
     return std::accumulate(lost.begin(), lost.end(), 0.0,
                            [](double sum, const FacePoint& p) { return sum + p.area; });
@@ -248,6 +248,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
+  Given given(mesh, grid, options, repair);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
@@ -261,8 +262,11 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   };
   stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
   if (report.isKept) return finish();
-  Field solid = makeSolid(mesh, grid, options, repair, report.stats);
-  report.thickenedShare = thickenThinParts(mesh, options, repair, solid);
+  Field solid = makeSolid(given, report.stats);
+  if (repair.minThickness > 0.0) {
+    stage("surface", [&] { given.surface(); });
+    stage("thicken", [&] { report.thickenedShare = thickenThinParts(given, solid, progress); });
+  }
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
                 "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
@@ -272,12 +276,14 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   Mesh dropped;
   stage("pieces", [&] { dropped = dropPieces(solid, result, options, repair, report); });
   ExpectedPoints expected;
-  if (repair.measure) expected = expectedPoints(mesh, solid, repair, report);
+  if (repair.measure) stage("points", [&] { expected = expectedPoints(mesh, solid, repair, report); });
   std::vector<DrainHole> holes;
   if (repair.shell > 0.0) {
-    if (isChanged(report)) solid = remade(result, grid, options);
-    holes = hollow(solid, repair, options.warn, report);
-    stage("hollow", [&] { result = makeSurface(solid, options); });
+    if (isChanged(report)) stage("remake", [&] { solid = remade(result, given); });
+    stage("hollow", [&] {
+      holes = hollow(solid, repair, options.warn, report);
+      result = makeSurface(solid, options);
+    });
   }
   solid = {};
   stage("simplify", [&] { simplifySurface(result, grid, options, repair, report); });
@@ -287,9 +293,12 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   std::vector<FacePoint> lost;
   stage("measure",
         [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
+  double share = report.lostShare;
+  if (!dropped.triangles.empty())
+    stage("dropped", [&] { share *= leaveOutDropped(dropped, grid, repair.offset, progress, lost); });
+  if (!lost.empty() && repair.minThickness == 0.0) stage("surface", [&] { given.surface(); });
   stage("loss", [&] {
-    const double share = leaveOutDropped(dropped, grid, repair.offset, progress, lost) * report.lostShare;
-    report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
+    report.loss = inspectLoss(given, lost, share, progress);
     report.loss.droppedShare = report.lostShare - share;
   });
   for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})

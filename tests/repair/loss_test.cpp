@@ -179,10 +179,14 @@ TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}};
   const Mesh sheet = makeMesh(corners, {{0, 1, 2}, {0, 2, 3}});
   const Grid grid = fitGrid(sheet, {.voxelSize = 1.0});
+  const Options options{.device = "cpu"};
+  const RepairOptions changes;
+  Given given(sheet, grid, options, changes);
+  Progress progress;
   std::vector<FacePoint> lost;
   for (int k = 1; k <= 20; ++k) {
     lost.push_back({.position = {0.3 * k, 1, 0}, .triangle = 0, .area = 0.1 / k});
-    const Loss loss = inspectLoss(sheet, grid, lost, 0.07 * k, {.device = "cpu"}, {});
+    const Loss loss = inspectLoss(given, lost, 0.07 * k, progress);
     EXPECT_EQ(loss.solidShare, 0.0) << k;
     EXPECT_EQ(loss.openShare, 0.07 * k) << k;
   }

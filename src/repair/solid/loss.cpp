@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/text.h"
+#include "cpu/points/local_thickness.h"
 
 namespace raymap {
 
@@ -65,17 +66,17 @@ Box boundsOf(std::span<const glm::dvec3> points) {
 /// Tells for grids what their samples see of the lost sides.
 class Trials {
  public:
-  Trials(const PackedMesh& mesh, const Surface& surface, const LostSides& lost, const RepairOptions& repair,
-         int threads)
-      : mesh_(mesh), surface_(surface), lost_(lost), repair_(repair), threads_(threads) {}
+  Trials(const cpu::PreparedSurface& surface, const LostSides& lost, const RepairOptions& repair,
+         Progress& progress)
+      : surface_(surface), lost_(lost), repair_(repair), progress_(progress) {}
 
   /// A point is kept if a sample at most 1.5 samples away is inside. The isosurface reaches
   /// about half a sample beyond it.
   Trial run(double voxelSize) {
-    const Grid grid = fitRepairGrid(mesh_, {.voxelSize = voxelSize}, repair_);
+    const Grid grid = fitRepairGrid(surface_.mesh, {.voxelSize = voxelSize}, repair_);
     if (grid.sampleCount() > kMostSamples) return {};
     placeSamples(grid);
-    surface_.query(samples_, {.threads = threads_}, result_);
+    cpu::queryPoints(surface_, samples_, {}, progress_, result_);
     Trial trial{voxelSize};
     std::vector<glm::dvec3> kept;
     std::vector<std::pair<double, double>> gone;
@@ -121,11 +122,10 @@ class Trials {
     return std::max({far.x, far.y, far.z});
   }
 
-  const PackedMesh& mesh_;
-  const Surface& surface_;
+  const cpu::PreparedSurface& surface_;
   const LostSides& lost_;
   const RepairOptions& repair_;
-  int threads_;
+  Progress& progress_;
   std::vector<glm::dvec3> samples_;  // Those to look at for one point after the other.
   std::vector<size_t> ends_;         // For each point, the end of its samples.
   QueryResult result_;
@@ -177,25 +177,21 @@ static bool isThin(const Thickness& thickness, double spacing) {
          (thickness.part == Part::Wall && thickness.diameter < kThick * spacing);
 }
 
-Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FacePoint> lost, double share,
-                 const Options& options, const RepairOptions& repair) {
+Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Progress& progress) {
   Loss loss;
   if (lost.empty()) return loss;
-  const Surface surface(mesh, {.orientation = options.orientation,
-                               .threshold = options.threshold,
-                               .threads = options.threads,
-                               .memoryLimit = options.memoryLimit,
-                               .progress = options.progress});
-  const std::vector<Thickness> thickness =
-      surface.thickness(lost, {.threads = options.threads, .progress = options.progress});
+  const double spacing = given.grid.spacing;
+  const cpu::PreparedSurface& surface = given.surface();
+  std::vector<Thickness> thickness(lost.size());
+  cpu::measureThickness(surface, lost, INFINITY, progress, thickness);
   const bool isAnyThin =
-      std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, grid.spacing); });
+      std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, spacing); });
   LostSides sides;
   std::vector<glm::dvec3> open;
   double solidArea = 0.0, openArea = 0.0;
   for (size_t i = 0; i < lost.size(); ++i) {
     if (isAnyThin && thickness[i].part != Part::Sheet && thickness[i].part != Part::Buried) {
-      sides.add(lost[i], thickness[i], repair.offset);
+      sides.add(lost[i], thickness[i], given.repair.offset);
       solidArea += lost[i].area;
     } else {
       open.push_back(lost[i].position);
@@ -210,8 +206,8 @@ Loss inspectLoss(const PackedMesh& mesh, const Grid& grid, std::span<const FaceP
   if (!open.empty()) loss.openBounds = boundsOf(open);
   if (sides.points.empty()) return loss;
   addSides(sides, loss);
-  Trials trials(mesh, surface, sides, repair, options.threads);
-  const Trial best = findVoxelSize(trials, grid.spacing);
+  Trials trials(surface, sides, given.repair, progress);
+  const Trial best = findVoxelSize(trials, spacing);
   loss.voxelSize = best.voxelSize;
   loss.keptShare = best.keptShare;
   loss.keptThickness = best.keptThickness;

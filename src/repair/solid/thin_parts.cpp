@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "cpu/points/local_thickness.h"
 #include "field/field_sampler.h"
 #include "mesh/face_points.h"
 
@@ -20,14 +21,6 @@ namespace {
 constexpr double kLongestSide = 1.0;  // Longest side of the parts of faces, in samples.
 constexpr double kBand = 3.0;         // Samples around the plates that the isosurface may read.
 
-Surface prepare(const PackedMesh& mesh, const Options& options) {
-  return Surface(mesh, {.orientation = options.orientation,
-                        .threshold = options.threshold,
-                        .threads = options.threads,
-                        .memoryLimit = options.memoryLimit,
-                        .progress = options.progress});
-}
-
 /// Finds the thin parts of a mesh, and makes the surface in their middle.
 class ThinParts {
  public:
@@ -35,13 +28,13 @@ class ThinParts {
   ThinParts(const Field& solid, double offset, double limit)
       : solid_(solid), sampler_(solid), offset_(offset), limit_(limit) {}
 
-  void find(const PackedMesh& mesh, const Options& options) {
+  void find(const cpu::PreparedSurface& surface, Progress& progress) {
     const double step = kLongestSide * solid_.grid.spacing;
-    const Surface surface = prepare(mesh, options);
+    const PackedMesh& mesh = surface.mesh;
     points_ = sampleFaces(mesh, step);
-    thickness_ = surface.thickness(
-        points_, {.most = limit_, .threads = options.threads, .progress = options.progress});
-    findOpenParts(surface, options);
+    thickness_.resize(points_.size());
+    cpu::measureThickness(surface, points_, limit_, progress, thickness_);
+    findOpenParts(surface, progress);
     middle_.origin = mesh.origin;
     size_t next = 0;
     for (const glm::uvec3& t : mesh.triangles)
@@ -69,7 +62,7 @@ class ThinParts {
 
   /// Takes parts for sheets behind which the solid ends between faces, as a shallow bowl does at the surface
   /// that closes it. The samples tell where it does not.
-  void findOpenParts(const Surface& surface, const Options& options) {
+  void findOpenParts(const cpu::PreparedSurface& surface, Progress& progress) {
     const Grid& grid = solid_.grid;
     std::vector<size_t> asked;
     std::vector<glm::dvec3> places;
@@ -80,7 +73,8 @@ class ThinParts {
       asked.push_back(i);
       places.push_back(p);
     }
-    const QueryResult found = surface.query(places, {.threads = options.threads});
+    QueryResult found;
+    cpu::queryPoints(surface, places, {}, progress, found);
     for (size_t k = 0; k < asked.size(); ++k)
       if (found.distance[k] >= 0.0) thickness_[asked[k]] = {Part::Sheet, 0.0f, glm::vec3(0.0f)};
   }
@@ -101,36 +95,26 @@ class ThinParts {
 };
 
 /// Unites a solid with all points that are less than half of `thickness` from a surface.
-void uniteWithPlates(const Mesh& middle, double thickness, const Options& options, Field& solid) {
-  Options plain;
-  plain.sign = SignMode::None;
-  plain.thickness = thickness;
-  plain.band = kBand;
-  plain.threads = options.threads;
-  plain.memoryLimit = options.memoryLimit;
-  plain.device = options.device;
-  plain.warn = options.warn;
-  plain.progress = options.progress;
-  const Field plates = generate(middle, solid.grid, plain).field;
+void uniteWithPlates(const Mesh& middle, double thickness, Given& given, Field& solid) {
+  const Field plates =
+      given.generateOther(middle, {.sign = SignMode::None, .band = kBand, .thickness = thickness});
   const auto far = static_cast<float>(kBand * solid.grid.spacing);
-  withThreads(options.threads, [&] {
-    parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i)
-        if (plates.distance[i] < far) solid.distance[i] = std::min(solid.distance[i], plates.distance[i]);
-    });
+  parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      if (plates.distance[i] < far) solid.distance[i] = std::min(solid.distance[i], plates.distance[i]);
   });
 }
 
 }  // namespace
 
-double thickenThinParts(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
-                        Field& solid) {
+double thickenThinParts(Given& given, Field& solid, Progress& progress) {
+  const RepairOptions& repair = given.repair;
   // The offset moves both sides.
   const double limit = repair.minThickness - 2.0 * repair.offset;
-  if (repair.minThickness == 0.0 || limit <= 0.0) return 0.0;
+  if (limit <= 0.0) return 0.0;
   ThinParts parts(solid, repair.offset, limit);
-  parts.find(mesh, options);
-  if (!parts.middle().triangles.empty()) uniteWithPlates(parts.middle(), repair.minThickness, options, solid);
+  parts.find(given.surface(), progress);
+  if (!parts.middle().triangles.empty()) uniteWithPlates(parts.middle(), repair.minThickness, given, solid);
   return parts.share();
 }
 
