@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 /// A run of the program in the background.
 class Program {
  public:
-  /// Starts it with descriptors for stdout and stderr. `ignored` is a signal that it finds ignored.
+  /// Starts it with descriptors for stdout and stderr. `ignored` is a signal that it finds ignored. It
+  /// ignores no other, also where the test does, as under nohup.
   Program(std::vector<std::string> arguments, int out, int err, int ignored = 0) {
     arguments.insert(arguments.begin(), RAYMAP_BINARY);
     std::vector<char*> words;
@@ -35,9 +36,18 @@ class Program {
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&files, err, STDERR_FILENO);
+    sigset_t others;
+    sigemptyset(&others);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU})
+      if (signal != ignored) sigaddset(&others, signal);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigdefault(&attributes, &others);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     const auto before = ignored != 0 ? std::signal(ignored, SIG_IGN) : SIG_DFL;
-    EXPECT_EQ(posix_spawn(&process_, words[0], &files, nullptr, words.data(), environ), 0);
+    EXPECT_EQ(posix_spawn(&process_, words[0], &files, &attributes, words.data(), environ), 0);
     if (ignored != 0) std::signal(ignored, before);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
   }
   ~Program() {
