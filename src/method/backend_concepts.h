@@ -14,7 +14,7 @@
 #include "mesh/double_sided.h"
 #include "mesh/packed_mesh.h"
 #include "method/cell_mesh.h"
-#include "method/close_holes_edges.h"
+#include "method/close_holes_shared.h"
 #include "method/orientation_sheets.h"
 #include "method/turns.h"
 

@@ -21,7 +21,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Most points that are sorted together. Their numbers leave room for their places on the curve.
-constexpr size_t kBatch = size_t{1} << (64 - 3 * kCurveBits);
+constexpr size_t kPointsAtOnce = size_t{1} << (64 - 3 * kCurveBits);
 
 /// Most points that one thread answers at a time, and fewest. Sparse points gain nothing from each other.
 constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 64;
@@ -110,7 +110,7 @@ class Batch {
   /// Number of points that were sorted.
   size_t count() const { return keys_.size(); }
   /// Returns the number of a sorted point in the query.
-  size_t number(size_t k) const { return begin_ + (keys_[k] & (kBatch - 1)); }
+  size_t number(size_t k) const { return begin_ + (keys_[k] & (kPointsAtOnce - 1)); }
   /// Returns the place of a sorted point on the curve.
   uint64_t code(size_t k) const { return keys_[k] >> kNumberBits; }
   /// Returns some of the sorted points, from what the caller keeps of them.
@@ -315,8 +315,8 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
   sizeResult(options, view.count, result);
   Batch batch;
   std::atomic<size_t> done{0};
-  for (size_t begin = 0; begin < view.count; begin += kBatch) {
-    const size_t end = std::min(begin + kBatch, view.count);
+  for (size_t begin = 0; begin < view.count; begin += kPointsAtOnce) {
+    const size_t end = std::min(begin + kPointsAtOnce, view.count);
     batch.load(surface.grid, view, begin, end);
     for (const bool isFar : {false, true}) {
       batch.sort(isFar);

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "base/parallel.h"
+#include "method/orientation_shared.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
@@ -110,7 +111,6 @@ struct Sides {
 /// triangles, and the field is read at their centres.
 HWY_INLINE Sides sidesOf(const FieldReader& field, float farSides, const Vector& a, const Vector& b,
                          const Vector& c) {
-  constexpr float kPartLength = 2.0f, kMostParts = 8.0f;
   const Float zero = hn::Zero(Tag()), one = all(1.0f);
   const Vector ab = b - a, ac = c - a, across = cross(ab, ac);
   const Float doubleArea = hn::Sqrt(across.squaredLength());

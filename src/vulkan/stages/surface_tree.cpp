@@ -16,16 +16,15 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint32_t kGroup = 128;
-constexpr uint32_t kVerticesEach = 8;  // The same as in surface_tree_bounds.comp.
-constexpr uint32_t kRun = 512;         // Triangles of the curve that one group reorders.
+constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorders.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 uint32_t nodesOver(uint32_t count) {
-  return (count + kArity - 1) / kArity;
+  return (count + kTreeArity - 1) / kTreeArity;
 }
 
 uint32_t roundUp(uint32_t count) {
-  return nodesOver(count) * kArity;
+  return nodesOver(count) * kTreeArity;
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
       keys_(device, shaders::kSurfaceTreeKeys, kGroup),
       order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
       leaves_(device, shaders::kSurfaceTreeLeaves, kGroup,
-              {kGroup / kArity, static_cast<uint32_t>(rootError)}),
+              {kGroup / kTreeArity, static_cast<uint32_t>(rootError)}),
       level_(device, shaders::kSurfaceTreeLevel, kGroup, {0, static_cast<uint32_t>(rootError)}),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
@@ -67,7 +66,7 @@ std::vector<SurfaceTreeStage::Level> SurfaceTreeStage::placeLevels(uint32_t tria
     if (nodes == 1) break;
   }
   for (size_t level = levels.size() - 1; level-- > 0;)
-    levels[level].start = levels[level + 1].start * kArity + 1;
+    levels[level].start = levels[level + 1].start * kTreeArity + 1;
   return levels;
 }
 
@@ -99,7 +98,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                   {.most = mesh.triangleCount}, kMortonBits)
           .values;
   commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
-  commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kArity);
+  commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kTreeArity);
   for (size_t level = 1; level < levels_.size(); ++level) {
     push.levelStart = levels_[level].start;
     push.levelCount = levels_[level].count;

@@ -3,7 +3,7 @@
 #endif
 
 #include "base/shader_types.h"
-#include "method/winding_dipoles_accuracy.h"
+#include "method/winding_dipoles_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 

@@ -9,10 +9,10 @@
 RAYMAP_SHARED_BEGIN(raymap)
 
 // The lattice's error is hardly ever larger than this bound (docs/decisions/winding_dipoles.md). It is
-// largest near the surface's rims. Within `kMostErrorWithin` cells of the surface the bound is `kMostError`.
-// Farther away it falls with the reciprocal of the distance, down to `kLeastError`.
-RAYMAP_CONSTANT float kMostError = 0.15f;
-RAYMAP_CONSTANT float kLeastError = 0.015f;
+// largest near the surface's rims. Within `kMostErrorWithin` cells of the surface the bound is
+// `kMostDipoleError`. Farther away it falls with the reciprocal of the distance, down to `kLeastDipoleError`.
+RAYMAP_CONSTANT float kMostDipoleError = 0.15f;
+RAYMAP_CONSTANT float kLeastDipoleError = 0.015f;
 RAYMAP_CONSTANT float kMostErrorWithin = 2.0f;
 
 // A group of triangles is distant from `kDistant` times its radius on. If the number turns out to be within
