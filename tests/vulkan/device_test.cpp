@@ -14,13 +14,13 @@
 #include "shaders/number_invocations_spv.h"
 #include "shaders/subgroup_sizes.h"
 #include "shaders/subgroup_sizes_spv.h"
+#include "testing/kernels/vulkan_entry.h"
 #include "vulkan/device/dispatch_limits.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/device/spirv.h"
 #include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/primitives/gate.h"
-#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "cpu/distance/surface_tree.h"
 #include "cpu/sign/winding_dipoles.h"
-#include "mesh/reference.h"
+#include "testing/reference.h"
 #include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/stages/exact_distance.h"

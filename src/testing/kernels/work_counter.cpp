@@ -1,4 +1,4 @@
-#include "work_counter.h"
+#include "testing/kernels/work_counter.h"
 
 #include <algorithm>
 #include <cstring>
@@ -6,9 +6,9 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "shader_names.h"
+#include "testing/kernels/shader_names.h"
+#include "testing/kernels/vulkan_entry.h"
 #include "vulkan/device/command_buffer.h"
-#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 

@@ -2,11 +2,11 @@
 
 // Runs a mesh on a grid through the stages that lead to its sign.
 
-#include <raymap/raymap.h>
+#include <raymap/generate.h>
 
 #include "cpu/sign/crossings.h"
 #include "cpu/sign/ray_map.h"
-#include "reference.h"
+#include "testing/reference.h"
 
 #include <cstddef>
 #include <string>

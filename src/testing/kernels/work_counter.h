@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "spirv_counters.h"
+#include "testing/kernels/spirv_counters.h"
 #include "vulkan/device/device.h"
 
 namespace raymap::vulkan {

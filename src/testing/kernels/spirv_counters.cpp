@@ -1,4 +1,4 @@
-#include "spirv_counters.h"
+#include "testing/kernels/spirv_counters.h"
 
 #include <algorithm>
 #include <array>
