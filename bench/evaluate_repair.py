@@ -10,7 +10,6 @@ on there: what the same program made with the same arguments is not made again.
 Checks by other software: admesh (in the PATH) and trimesh count faults; distances are Open3D's, from points spread at
 random over both surfaces. Needs numpy, scipy, trimesh and open3d."""
 import argparse
-import csv
 import hashlib
 import json
 import pathlib
@@ -20,6 +19,8 @@ import shutil
 import statistics
 import subprocess
 import sys
+
+from mesh_table import mesh_rows
 
 # Faults that admesh must not find in a result. It prints a count of each.
 ADMESH_FAULTS = ("Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges", "Degenerate facets",
@@ -301,9 +302,8 @@ def main():
     if shutil.which("admesh") is None:
         sys.exit("admesh is not installed; scripts/install.sh --bench installs it")
     arguments.work.mkdir(parents=True, exist_ok=True)
-    with open(arguments.folder / "MESHES.tsv", newline="") as table:
-        names = [row["file"] for row in csv.DictReader(table, delimiter="\t", quoting=csv.QUOTE_NONE)
-                 if row["kind"] != "malformed" and (arguments.only is None or row["file"] in arguments.only)]
+    names = [row["file"] for row in mesh_rows(arguments.folder)
+             if row["kind"] != "malformed" and (arguments.only is None or row["file"] in arguments.only)]
     program = hashlib.sha256(pathlib.Path(arguments.raymap).read_bytes() + pathlib.Path(__file__).read_bytes()).hexdigest()
     key = f"{program} {arguments.resolution} {arguments.points}"
     has_tolerance = knows_tolerance(arguments.raymap)
