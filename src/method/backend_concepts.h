@@ -75,7 +75,7 @@ concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<
   { b.windingAt(points) } -> std::same_as<std::vector<float>>;
   { b.cellMesh() } -> std::same_as<const CellMesh&>;
   { b.bytesLeft() } -> std::same_as<size_t>;
-  { B::kTreeBytesPerTriangle } -> std::convertible_to<size_t>;
+  { B::patchTreeBytes(size_t{}) } -> std::same_as<size_t>;  // For so many triangles.
   b.addPatch();
 };
 

@@ -255,12 +255,12 @@ double HolePatch::area() const {
   return area;
 }
 
-void requirePatch(size_t missingEdges, size_t bytesPerTriangle, size_t bytesLeft) {
+void requirePatch(size_t missingEdges, size_t treeBytes, size_t bytesLeft) {
   constexpr size_t kOfEdge =
                        sizeof(MissingEdge) + 5 * sizeof(float) + sizeof(glm::vec3) + 2 * sizeof(glm::uvec3),
                    kOfCorner = sizeof(Corner) + sizeof(uint32_t) + 2 * sizeof(glm::vec3);
-  const size_t ofEdge = kOfEdge + kCubesAround * kOfCorner + 2 * bytesPerTriangle;
-  if (missingEdges > bytesLeft / ofEdge || 2 * missingEdges >= kNoTriangle)
+  const size_t left = bytesLeft - std::min(bytesLeft, treeBytes);
+  if (missingEdges > left / (kOfEdge + kCubesAround * kOfCorner) || 2 * missingEdges >= kNoTriangle)
     throw Error(ErrorCode::Memory, "surface is missing at " + std::to_string(missingEdges) +
                                        " lattice edges, too many to close in the memory left; use a lower "
                                        "resolution or a higher limit");

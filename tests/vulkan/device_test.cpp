@@ -185,6 +185,27 @@ TEST_F(VulkanDevice, KeepsABuffersMemory) {
   EXPECT_EQ(device().heldMemory(), before);
 }
 
+TEST_F(VulkanDevice, KeepsToTheLimit) {
+  DeviceBuffer buffer(device(), "limited"), other(device(), "other");
+  buffer.resize<std::byte>(1 << 20);
+  const uint64_t held = device().heldMemory();
+  device().limitMemory(held);
+  EXPECT_EQ(device().memoryLeft(), 0u);
+  EXPECT_NO_THROW(buffer.resize<std::byte>(1 << 20));
+  try {
+    other.resize<std::byte>(1);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Memory);
+    EXPECT_NE(std::string(error.what()).find("but only 0 bytes of the limit is left; use a lower resolution"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(device().heldMemory(), held);
+  device().limitMemory(UINT64_MAX);
+  EXPECT_NO_THROW(other.resize<std::byte>(1));
+}
+
 TEST_F(VulkanDevice, SharesScratchMemory) {
   ScratchMemory scratch(device());
   DeviceBuffer a(device(), "a", &scratch), b(device(), "b", &scratch), later(device(), "later", &scratch);

@@ -233,5 +233,14 @@ TEST_F(VulkanSurfaceTree, RefusesMoreTrianglesThanReserved) {
   EXPECT_THROW(tree.reserve(0), std::logic_error);
 }
 
+TEST_F(VulkanSurfaceTree, KnowsWhatItWillHold) {
+  constexpr uint32_t kTriangles = 1 << 18;
+  SurfaceTreeStage tree(device());
+  const uint64_t before = device().heldMemory();
+  tree.reserve(kTriangles);
+  const auto held = double(device().heldMemory() - before);
+  EXPECT_NEAR(double(SurfaceTreeStage::bytesNeeded(kTriangles)) / held, 1.0, 0.02);
+}
+
 }  // namespace
 }  // namespace raymap::vulkan

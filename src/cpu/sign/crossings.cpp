@@ -241,6 +241,12 @@ void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, c
 
 }  // namespace
 
+size_t crossingBytesExpected(const glm::ivec3& dims) {
+  // While they are sorted, a line has a copy of its start, and its length.
+  constexpr size_t kOfLine = 2 * sizeof(uint64_t) + sizeof(uint32_t);
+  return lineCount(dims) * (kOfLine + kExpectedCrossings * (sizeof(LineRecord) + sizeof(Crossing)));
+}
+
 void clearCrossings(const glm::ivec3& dims, Crossings& crossings) {
   for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(dims, axis), crossings[axis]);
 }

@@ -26,6 +26,11 @@ struct AxisCrossings {
 
 using Crossings = std::array<AxisCrossings, 3>;
 
+/// Returns the bytes of the crossings, and of what sorts them, of a mesh of which most lines meet
+/// `kExpectedCrossings`.
+size_t crossingBytesExpected(const glm::ivec3& dims);
+inline constexpr size_t kExpectedCrossings = 2;
+
 /// Lattice lines of a part of a loop.
 inline constexpr size_t kLinesPerTask = 4096;
 

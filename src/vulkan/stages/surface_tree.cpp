@@ -27,6 +27,15 @@ uint32_t roundUp(uint32_t count) {
   return nodesOver(count) * kTreeArity;
 }
 
+uint64_t frameBytes(uint32_t triangles) {
+  return uint64_t{roundUp(triangles)} * kFrameVectors * 4 * sizeof(float);
+}
+
+/// The leaves come last.
+uint64_t discBytes(const SurfaceTreeStage::Level& leaves) {
+  return (uint64_t{leaves.start} + roundUp(leaves.count)) * kDiscVectors * 4 * sizeof(float);
+}
+
 }  // namespace
 
 SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
@@ -53,10 +62,15 @@ void SurfaceTreeStage::reserve(uint32_t triangles) {
     sortKeys_[i].resize<uint32_t>(triangles);
     triangles_[i].resize<uint32_t>(triangles);
   }
-  frames_.resize<float>(uint64_t{roundUp(triangles)} * kFrameVectors * 4);
-  const Level leaves = placeLevels(triangles).front();
-  discs_.resize<float>((uint64_t{leaves.start} + roundUp(leaves.count)) * kDiscVectors * 4);
+  frames_.resize<std::byte>(frameBytes(triangles));
+  discs_.resize<std::byte>(discBytes(placeLevels(triangles).front()));
   reserved_ = triangles;
+}
+
+uint64_t SurfaceTreeStage::bytesNeeded(uint64_t triangles) {
+  if (triangles > kMostTriangles) return UINT64_MAX;
+  const auto count = static_cast<uint32_t>(triangles);
+  return 4 * triangles * sizeof(uint32_t) + frameBytes(count) + discBytes(placeLevels(count).front());
 }
 
 std::vector<SurfaceTreeStage::Level> SurfaceTreeStage::placeLevels(uint32_t triangles) {
