@@ -41,7 +41,7 @@ class Mesh:
 
     def __init__(self, vertices: Any, faces: Any) -> None:
         positions, corners = checked_arrays(vertices, faces)
-        self._set(positions.copy(), corners.copy(), None)
+        self._set(_frozen(positions.copy()), _frozen(corners.copy()), None)
 
     def _set(self, vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> None:
         self._core = _raymap.Mesh(vertices, faces, origin or (0.0, 0.0, 0.0))
@@ -50,7 +50,7 @@ class Mesh:
     @cached_property
     def vertices(self) -> npt.NDArray[Any]:
         """Positions, (n, 3) float64 (float32 if it was made from such), read-only."""
-        return self._vertices if self._origin is None else _read_only(self._vertices + np.array(self._origin))
+        return self._vertices if self._origin is None else _frozen(self._vertices + np.array(self._origin))
 
     @property
     def faces(self) -> npt.NDArray[Any]:
@@ -83,13 +83,19 @@ class Mesh:
         return f"raymap.Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return mesh_of_arrays, (self._vertices, self._faces, self._origin)
+        return _unpickled, (self._vertices, self._faces, self._origin)
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     view = array.view()
     view.flags.writeable = False
     return view
+
+
+def _frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Makes an array of our own read-only. Returns a view, whose users cannot undo that."""
+    array.flags.writeable = False
+    return array.view()
 
 
 def core_of(mesh: Mesh) -> _raymap.Mesh:
@@ -105,10 +111,14 @@ def mesh_of_core(core: _raymap.Mesh) -> Mesh:
 
 
 def mesh_of_arrays(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin = None) -> Mesh:
-    """Makes a mesh that views arrays, for example those that were pickled."""
+    """Makes a mesh that views arrays."""
     mesh = Mesh.__new__(Mesh)
     mesh._set(vertices, faces, origin)
     return mesh
+
+
+def _unpickled(vertices: npt.NDArray[Any], faces: npt.NDArray[Any], origin: _Origin) -> Mesh:
+    return mesh_of_arrays(_frozen(vertices.copy()), _frozen(faces.copy()), origin)  # They may view the pickle's buffers.
 
 
 def tetrahedron(size: float = 1.0) -> Mesh:

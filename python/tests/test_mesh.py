@@ -48,12 +48,24 @@ def test_meshes_far_away_lose_no_precision(ball):
 def test_a_mesh_never_changes(ball):
     vertices, faces = ball.vertices.copy(), ball.faces.copy()
     mesh = raymap.Mesh(vertices, faces)
-    assert not mesh.vertices.flags.writeable and not mesh.faces.flags.writeable
+    views: list[pickle.PickleBuffer] = []
+    stream = pickle.dumps(mesh, protocol=5, buffer_callback=views.append)
+    buffers = [bytearray(view.raw()) for view in views]
+    copy = pickle.loads(stream, buffers=buffers)
+    unpickled = copy.vertices, copy.faces
+    far = raymap.Surface(vertices + 1e6, faces).mesh  # Its vertices are about an origin.
+    for array in (mesh.vertices, mesh.faces, *unpickled, raymap.load_mesh("ball.ply").vertices, far.vertices, far.faces):
+        assert not array.flags.writeable
+        with pytest.raises(ValueError):
+            array.flags.writeable = True
     vertices[:], faces[:] = 7, 0
     np.testing.assert_array_equal(mesh.vertices, ball.vertices)
     np.testing.assert_array_equal(mesh.faces, ball.faces)
     np.testing.assert_array_equal(mesh.bounds, ball.bounds)
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(mesh)).vertices, ball.vertices)
+    for buffer in buffers:
+        buffer[:] = bytes(len(buffer))
+    np.testing.assert_array_equal(unpickled[0], ball.vertices)
+    np.testing.assert_array_equal(unpickled[1], ball.faces)
 
 
 def test_functions_read_arrays_in_place(ball):
