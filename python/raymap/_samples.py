@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+import io
 import operator
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _inputs
+from . import _inputs, _raymap
 from ._errors import InputError, UsageError
 from ._progress import Progress
 from ._surface import Query, Surface, has_sign
-from ._whole_file import file_errors, write_whole
 
 _Doubles = npt.NDArray[np.float64]
 
@@ -71,8 +71,7 @@ class Samples:
         target = Path(path)
         if target.suffix.lower() != ".npz":
             raise UsageError(f"{target}: samples are written as .npz, not {target.suffix!r}")
-        with file_errors():
-            write_whole(target, npz_content(self))
+        _raymap.write_whole(target, npz_content(self))
 
 
 def sample_points(
@@ -115,7 +114,7 @@ def sample_points(
         seed: Whole number from 0 on. Another one gives other points.
         normalize: Whether to move and scale all results so that the bounding sphere is the unit sphere about 0.
             ``Samples.centre`` and ``Samples.scale`` say how.
-        threads: Number of CPU threads; None = all.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
 
     Raises:
@@ -157,9 +156,11 @@ def sample_points(
     return Samples(stored, distance / unit, gradient + 0.0, origin, 1.0 / unit)
 
 
-def npz_content(samples: Samples, **more: Any) -> Callable[[IO[bytes]], None]:
-    """Returns a function that writes a .npz as DeepSDF reads it, with more arrays."""
-    return partial(np.savez, pos=samples.pos, neg=samples.neg, **more)
+def npz_content(samples: Samples, **more: Any) -> bytes:
+    """Returns a .npz as DeepSDF reads it, with more arrays."""
+    content = io.BytesIO()
+    np.savez(content, pos=samples.pos, neg=samples.neg, **more)
+    return content.getvalue()
 
 
 def _is_single_enough(reach: float, deviation: float) -> bool:

@@ -1,7 +1,22 @@
+#include <raymap/atomic_file.h>
 #include <raymap/threads.h>
 #include <raymap/version.h>
 
+#include <filesystem>
+#include <ostream>
+
 #include "bindings.h"
+
+namespace {
+
+void writeWhole(const std::filesystem::path& path, const nanobind::bytes& content) {
+  const char* const data = content.c_str();
+  const auto size = static_cast<std::streamsize>(content.size());
+  const nanobind::gil_scoped_release release;
+  raymap::writeAtomically(path, [&](std::ostream& out) { out.write(data, size); });
+}
+
+}  // namespace
 
 NB_MODULE(_raymap, module) {
   using namespace raymap::python;
@@ -9,6 +24,7 @@ NB_MODULE(_raymap, module) {
   module.def("version", [] { return std::string(raymap::version().text); });
   module.def("set_threads", &raymap::setDefaultThreads, "threads"_a);
   module.def("get_threads", &raymap::defaultThreads);
+  module.def("write_whole", &writeWhole, "path"_a, "content"_a);
   bindErrors(module);
   bindMesh(module);
   bindDiagnostics(module);

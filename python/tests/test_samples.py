@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import os
+import resource
+import signal
+import subprocess
+import sys
 from statistics import NormalDist
 
 import numpy as np
@@ -200,17 +204,30 @@ def test_rows_are_float32_where_its_steps_are_short(ball):
     assert raymap.sample_points(ball, 0).pos.dtype == np.float32
 
 
-def test_a_file_that_cannot_be_written_leaves_the_old_one(samples, monkeypatch):
+def test_a_killed_program_leaves_nothing_but_what_the_next_save_removes():
+    """The system ends the program while it writes, as its file grows too large."""
+    program = (
+        "import raymap, resource, signal; samples = raymap.sample_points('ball.ply', 1000)\n"
+        "resource.setrlimit(resource.RLIMIT_CORE, (0, 0)); resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))\n"
+        "signal.signal(signal.SIGXFSZ, signal.SIG_DFL); samples.save('out/b.npz')"
+    )
+    os.mkdir("out")
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == -signal.SIGXFSZ
+    raymap.sample_points("ball.ply", 10).save("out/b.npz")
+    assert os.listdir("out") == ["b.npz"]
+
+
+def test_a_file_that_cannot_be_written_leaves_the_old_one(samples):
     samples.save("points.npz")
     before = open("points.npz", "rb").read()
-
-    def fail(descriptor):
-        raise OSError(28, "No space left on device")
-
     files = os.listdir()
-    monkeypatch.setattr(os, "fsync", fail)
-    with pytest.raises(raymap.FileError, match="^points.npz: cannot write: No space left on device"):
-        samples.save("points.npz")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1]))
+    try:
+        with pytest.raises(raymap.FileError, match="^points.npz: cannot write: File too large"):
+            samples.save("points.npz")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert open("points.npz", "rb").read() == before and os.listdir() == files
 
 
