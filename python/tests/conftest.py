@@ -12,12 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import raymap
+from data_set import ENDLESS
 from held_mesh import HeldMesh
 
 ROOT = Path(__file__).parents[2]
 
 # A shell starts what runs in the background with Ctrl-C ignored. The tests need it, also in the processes they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Dask gives up nothing that is slow, in this process and in those that tests start.
+os.environ |= {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3600", "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "None"}
 
 
 def make_ball(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
@@ -105,3 +109,5 @@ def own_folder(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         (tmp_path / mesh.name).write_bytes(mesh.read_bytes())
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RAYMAP_CACHE", "off")
+    # No test depends on how long work takes.
+    monkeypatch.setitem(raymap.dataset.generate.__kwdefaults__, "time_limit", ENDLESS)

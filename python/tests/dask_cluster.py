@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 from types import TracebackType
+from typing import NamedTuple
 
 from held_mesh import wait_for
 
 
 class Cluster:
-    """A scheduler and workers with one thread each. They end with the `with` statement."""
+    """A scheduler and workers with one thread each. They end with the `with` statement, and so do their children."""
 
     def __init__(self, folder: Path, workers: int) -> None:
         folder.mkdir(parents=True)
@@ -33,7 +33,7 @@ class Cluster:
                  *options],
                 stdout=log,
                 stderr=log,
-                env={**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "5"},
+                start_new_session=True,
             )
 
     @property
@@ -60,20 +60,34 @@ class Cluster:
         for process in *self.workers, self.scheduler:
             process.kill()
             process.wait()
+        sessions = {process.pid for process in self.workers}
+        wait_for(lambda: not any(is_running(pid) and _status(pid).session in sessions for pid in _processes()))
 
 
-def _state_and_parent(pid: int) -> tuple[str, int]:
-    """Returns a letter and the parent's number. A process that has ended and that nobody waits for has none."""
+class _Status(NamedTuple):
+    """State (a letter), parent and session of a process."""
+
+    state: str
+    parent: int
+    session: int
+
+
+def _status(pid: int) -> _Status:
+    """Returns the status of a process. One that has ended and that nobody waits for has no parent."""
     try:
-        state, parent = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[:2]
+        state, parent, _, session = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[:4]
     except OSError:
-        return "Z", 0
-    return state, int(parent)
+        return _Status("Z", 0, 0)
+    return _Status(state, int(parent), int(session))
+
+
+def _processes() -> list[int]:
+    return [int(folder.name) for folder in Path("/proc").glob("[0-9]*")]
 
 
 def is_running(pid: int) -> bool:
-    return _state_and_parent(pid)[0] not in "ZX"
+    return _status(pid).state not in "ZX"
 
 
 def parent_of(pid: int) -> int:
-    return _state_and_parent(pid)[1]
+    return _status(pid).parent

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import raymap
 
+#: Seconds, for what must not depend on how long work takes.
+ENDLESS = 1e9
+
 #: Names of the meshes of the fixture `meshes`.
 NAMES = ["ball.ply", "deep/tetrahedron.ply", "open.OBJ", "small.ply"]
 
@@ -36,8 +39,9 @@ def table(out: str | Path = "out", name: str = "table.csv") -> dict[str, dict[st
 
 
 def start_module(*arguments: object, **options) -> subprocess.Popen[str]:
-    """Starts `python -m raymap`."""
-    command = [sys.executable, "-m", "raymap", *map(str, arguments)]
+    """Starts `python -m raymap`, without a time limit for a mesh unless the arguments have one."""
+    name, *rest = map(str, arguments)
+    command = [sys.executable, "-m", "raymap", name, "--time-limit", str(ENDLESS), *rest]
     return subprocess.Popen(command, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options})
 
 
