@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, as the C++ library writes them, and folders that one run writes into."""
+"""Folders that one run writes into, and what killed programs leave in them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import errno
 import fcntl
 import os
 import re
-import time
+import shutil
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 from ._errors import Error, FileError
 
-_TEMPORARY = re.compile(r"\..+\.tmp\d+-\d+(-\d+)?", re.DOTALL)
+#: Names of hidden files and folders of this user, those of src/base/temporary_file.cpp included.
+_HIDDEN = re.compile(rf"\..+\.tmp{os.geteuid()}-\w+", re.DOTALL)
 _NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
@@ -30,51 +32,47 @@ def file_errors() -> Iterator[None]:
 
 
 @contextmanager
-def successor(target: Path) -> Iterator[Path]:
-    """Yields a hidden path beside a file, for its next content. At the end removes what was not renamed.
+def folder_beside(target: Path) -> Iterator[Path]:
+    """Yields a hidden folder beside a file, for its next content. It is locked, and removed at the end.
 
     Raises:
-        OSError: An error of the system, which names the target.
+        OSError: The folder cannot be made.
     """
-    name = os.fsdecode(os.fsencode(target.name)[:180])  # As in src/base/atomic_file.cpp
-    temporary = target.with_name(f".{name}.tmp{os.getpid()}-{time.time_ns()}")
-    try:
-        yield temporary
-    except OSError as error:
-        if not isinstance(error, Error):
-            error.filename = str(target)
-        raise
-    finally:
-        with suppress(OSError):
-            temporary.unlink()
-
-
-def write_whole(path: str | os.PathLike[str], content: bytes | str | Callable[[IO[bytes]], Any]) -> None:
-    """Writes a file beside its target, flushes it to the disk and renames it. Text is UTF-8.
-
-    Raises:
-        OSError: The file cannot be written. An existing one is untouched.
-    """
-    target = Path(path)
-    data = content.encode() if isinstance(content, str) else content
-    with successor(target) as temporary:
-        with open(temporary, "xb") as file:
-            if callable(data):
-                data(file)
-            else:
-                file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.replace(target)
+    name = os.fsdecode(os.fsencode(target.name)[:180])  # As in src/base/temporary_file.cpp
+    prefix = f".{name}.tmp{os.geteuid()}-"
+    with tempfile.TemporaryDirectory(prefix=prefix, dir=target.parent, ignore_cleanup_errors=True) as folder:
+        with _opened(folder, os.O_RDONLY) as descriptor:
+            with suppress(OSError):  # There are no locks here, so nobody removes it.
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield Path(folder)
 
 
 def remove_leftovers(folder: str | os.PathLike[str]) -> None:
-    """Removes the temporaries that killed programs left in a folder and below, those of the C++ library included."""
-    for place, _, names in os.walk(folder):
-        for name in names:
-            if _TEMPORARY.fullmatch(name):
-                with suppress(FileNotFoundError):
-                    os.unlink(os.path.join(place, name))
+    """Removes what killed programs left in a folder and below, the temporaries of the C++ library included.
+
+    Whoever still writes something holds a lock on it. So nothing is removed on a file system without locks.
+    """
+    for place, folders, names in os.walk(folder):
+        for name in filter(_HIDDEN.fullmatch, folders):
+            _remove(os.path.join(place, name), os.O_RDONLY, shutil.rmtree)
+        for name in filter(_HIDDEN.fullmatch, names):
+            _remove(os.path.join(place, name), os.O_WRONLY, os.unlink)
+
+
+def _remove(path: str, access: int, remove: Callable[[str], object]) -> None:
+    with suppress(OSError), _opened(path, access | os.O_NOFOLLOW | os.O_NONBLOCK) as descriptor:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.path.samestat(os.fstat(descriptor), os.lstat(path)):  # Its name can change hands until it is locked.
+            remove(path)
+
+
+@contextmanager
+def _opened(path: str, flags: int) -> Iterator[int]:
+    descriptor = os.open(path, flags)
+    try:
+        yield descriptor
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager

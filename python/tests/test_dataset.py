@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import fcntl
 import json
 import os
 import re
@@ -200,7 +201,7 @@ def test_a_changed_option_makes_all_again(meshes: Path, change: dict) -> None:
 
 
 @pytest.mark.parametrize(
-    "same", [{"padding": 0.1}, {"threads": 2}, {"memory_limit": 1 << 30}, {"time_limit": 99}, {"arrays": ["distance"]}]
+    "same", [{"padding": 0.1}, {"threads": 2}, {"memory_limit": 1 << 30}, {"time_limit": 1e8}, {"arrays": ["distance"]}]
 )
 def test_defaults_and_limits_do_not_make_results_again(meshes: Path, same: dict) -> None:
     generate(meshes)
@@ -282,26 +283,96 @@ def test_a_mesh_that_cannot_be_read_stays_as_it_was(meshes: Path) -> None:
     assert summary.others == ["ball.ply.npz"]
 
 
-def test_a_missing_device_stops_the_run_and_touches_nothing(meshes: Path) -> None:
+@pytest.mark.parametrize(
+    "device, error, code",
+    [("vulkan:99", raymap.UnsupportedError, 7), ("vulkna:0", raymap.UsageError, 2), ("cuda", raymap.UsageError, 2)],
+)
+def test_a_missing_device_stops_the_run_and_touches_nothing(meshes: Path, device: str, error, code: int) -> None:
     (meshes / "bad.ply").write_text("ply\n")
     generate(meshes)
     content, before = contents("out"), identities("out")
-    (meshes / "bad.ply").unlink()
-    with pytest.raises(raymap.UnsupportedError, match=r" \(on the machine .+\)$"):
-        generate(meshes, device="vulkan:99")
+    for workers in (1, 2):
+        with pytest.raises(error, match=r" \(on the machine .+\)$"):
+            generate(meshes, device=device, workers=workers)
+    ran = run_module("dataset", meshes, "-o", "out", "--resolution", 16, "--device", device)
+    assert (ran.returncode, ran.stderr.count("\n")) == (code, 1)
     assert contents("out") == content and identities("out") == before
-    assert run_module("dataset", meshes, "-o", "out", "--resolution", 16, "--device", "vulkan:99").returncode == 7
-    assert contents("out") == content
 
 
 def test_a_lost_device_is_tried_again_in_a_fresh_process() -> None:
     job = {"memory_limit": 1000, "options": {"device": "cpu"}}
     lost = child._explain(raymap.DeviceLostError("the GPU is gone"), job)
-    assert lost == {"reason": "the GPU is gone", "again": True}
+    assert lost == {"reason": "the GPU is gone", "again": True, "is_machine": False}
     other = child._explain(raymap.InputError("no mesh"), {**job, "options": {"device": "vulkan:99"}})
-    assert other == {"reason": "no mesh", "again": False}
+    assert other == {"reason": "no mesh", "again": False, "is_machine": False}
     missing = child._explain(raymap.DeviceLostError("gone"), {**job, "options": {"device": "vulkan:99"}})
     assert missing["trouble"] == "unsupported" and "(on the machine " in missing["reason"]
+
+
+def test_a_full_gpu_is_the_machine_s_fault_and_the_memory_limit_is_not() -> None:
+    full = "allocating the buffer distance: the device has no memory left; use a lower resolution"
+    job = {"memory_limit": 1000, "options": {"device": "vulkan:0"}}
+    assert child._explain(raymap.MemoryLimitError(full), job) == {"reason": full, "again": True, "is_machine": True}
+    limited = child._explain(raymap.MemoryLimitError("the field needs 2 MiB"), job)
+    assert limited == {"reason": "the field needs 2 MiB (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
+
+
+def write_dae(path: Path) -> None:
+    """Writes a tetrahedron in a format that raymap-import reads."""
+    path.write_text(
+        """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+        <library_geometries><geometry id="g"><mesh>
+        <source id="p"><float_array id="a" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array><technique_common>
+        <accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+        <param name="Z" type="float"/></accessor></technique_common></source>
+        <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+        <triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>
+        </mesh></geometry></library_geometries>
+        <library_visual_scenes><visual_scene id="s"><node><instance_geometry url="#g"/></node></visual_scene>
+        </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+    )
+
+
+def test_an_importer_that_cannot_start_leaves_its_meshes_unfinished(meshes: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_dae(meshes / "scene.dae")
+    all_names = [*NAMES[:3], "scene.dae", NAMES[3]]
+    assert generate(meshes).new == all_names
+    before = {name: identity for name, identity in identities("out").items() if "scene" in name}
+    monkeypatch.setenv("RAYMAP_IMPORT", "/nowhere/raymap-import")
+    summary = generate(meshes, resolution=17)
+    assert (summary.new, summary.unfinished, summary.quarantined) == (NAMES, ["scene.dae"], [])
+    assert table()["scene.dae"]["reason"].startswith("cannot start /nowhere/raymap-import: ")
+    assert before.items() <= identities("out").items()
+    monkeypatch.delenv("RAYMAP_IMPORT")
+    assert generate(meshes, resolution=17).new == ["scene.dae"]
+
+
+def test_a_missing_importer_leaves_its_meshes_unfinished(tmp_path: Path) -> None:
+    package = tmp_path / "package/raymap"
+    package.mkdir(parents=True)
+    for path in Path(raymap.__file__).parent.iterdir():
+        if path.name != "raymap-import":
+            (package / path.name).symlink_to(path)
+    write_dae(tmp_path / "scene.dae")
+    python_path = os.pathsep.join([str(package.parent), *filter(None, sys.path)])
+    ran = run_module("dataset", "scene.dae", "ball.ply", "-o", "out", env={**os.environ, "PYTHONPATH": python_path})
+    if ran.stdout.startswith("2 done"):
+        pytest.skip("an importer is installed where every program finds it")
+    assert (ran.returncode, ran.stdout[:36]) == (9, "1 done, 0 quarantined, 1 unfinished;")
+    assert "the program raymap-import that reads this format is missing" in table()["scene.dae"]["reason"]
+
+
+def test_what_the_machine_cannot_read_leaves_a_mesh_unfinished(tmp_path: Path) -> None:
+    error = raymap.FileError("mesh.ply: cannot read it: Input/output error")
+    found = child._explain(error, {"memory_limit": 1000, "options": {}})
+    assert found == {"reason": str(error), "again": False, "is_machine": True}
+    scene = tmp_path / "scene.gltf"
+    write_gltf(scene, "corners.bin")
+    (tmp_path / "corners.bin").unlink()
+    (tmp_path / "corners.bin").symlink_to("/proc/self/mem")  # Reading its begin is an error of the device.
+    assert generate(scene).unfinished == ["scene.gltf"]
+    scene.write_text(scene.read_text().replace("corners.bin", "corners" * 99))  # No file can have this name.
+    assert generate(scene).quarantined == ["scene.gltf"]
 
 
 def test_no_meshes(tmp_path: Path) -> None:
@@ -450,12 +521,22 @@ def test_points_are_those_of_sample_points(meshes: Path) -> None:
 
 
 def test_leftovers_of_killed_programs_are_removed(meshes: Path) -> None:
-    Path("out/deep").mkdir(parents=True)
-    Path("out/deep/.tetrahedron.ply.npz.tmp123-0-456").touch()
-    Path("out/.table.csv.tmp123-456").touch()
-    Path("out/.mine").touch()
-    generate(meshes)
-    assert sorted(p.name for p in Path("out").rglob(".*")) == [".lock", ".mine"]
+    """Those that somebody still writes are locked. Names with other numbers are of other users."""
+    me = os.geteuid()
+    Path(f"out/deep/.tetrahedron.ply.npz.tmp{me}-abc").mkdir(parents=True)
+    Path(f"out/deep/.tetrahedron.ply.npz.tmp{me}-abc/result").touch()
+    Path(f"out/.table.csv.tmp{me}-0").touch()
+    kept = [f".b.npz.tmp{me}-0", f".table.csv.tmp{me + 1}-0", ".mine"]
+    for name in kept:
+        Path("out", name).touch()
+    Path(f"out/.a.npz.tmp{me}-def").mkdir()
+    with open(Path("out", kept[0])) as file:
+        folder = os.open(f"out/.a.npz.tmp{me}-def", os.O_RDONLY)
+        fcntl.flock(file, fcntl.LOCK_EX)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        generate(meshes)
+        os.close(folder)
+    assert sorted(p.name for p in Path("out").rglob(".*")) == sorted([".lock", f".a.npz.tmp{me}-def", *kept])
 
 
 def test_progress(meshes: Path) -> None:
@@ -504,9 +585,9 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
     ]:
         with pytest.raises(raymap.UsageError, match=text):
             raymap.dataset.generate(meshes, "out", what="points", **options)
-    with pytest.raises(TypeError, match="resolution"):
+    with pytest.raises(raymap.UsageError, match="resolution is no option of points"):
         generate(meshes, what="points", n=9)
-    with pytest.raises(TypeError, match="'n'"):
+    with pytest.raises(raymap.UsageError, match="n is no option of fields"):
         generate(meshes, n=9)
     with pytest.raises(TypeError, match="resolutoin"):
         generate(meshes, resolutoin=3)
@@ -523,12 +604,14 @@ def test_an_unwritable_result_stops_the_run_and_quarantines_nothing(meshes: Path
 
 def test_the_command_line(meshes: Path) -> None:
     (meshes / "bad.ply").write_text("ply\n")
-    options = ["--resolution", 16, "--arrays", "winding", "--memory-limit", "1.0e0GiB", "--time-limit", 300, "--workers", 2]
+    options = ["--resolution", 16, "--arrays", "winding", "--memory-limit", "1.0e0GiB", "--workers", 2]
     ran = run_module("dataset", meshes, "-o", "out", *options)
     assert ran.returncode == 0 and ran.stderr == ""
     assert ran.stdout.startswith("4 done, 1 quarantined, 0 unfinished; 5 of them new, in ")
-    assert generate(meshes, arrays=["winding"], memory_limit=1 << 30, time_limit=300.0).new == []
+    assert generate(meshes, arrays=["winding"], memory_limit=1 << 30).new == []
     wrong = run_module("dataset", meshes, "-o", "out", "--resolution", 0)
     assert wrong.returncode == 2 and wrong.stderr.startswith("raymap: error: the resolution must")
+    wrong = run_module("dataset", meshes, "-o", "out", "--what", "points", "-n", 9, "--resolution", 16)
+    assert (wrong.returncode, wrong.stderr) == (2, "raymap: error: resolution is no option of points\n")
     assert run_module("dataset", "nowhere", "-o", "out").returncode == 4
     assert run_module("dataset", meshes, "-o", "out", "--memory-limit", "much").returncode == 2

@@ -6,17 +6,18 @@ import operator
 import os
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, Unpack
 
-from .._errors import UsageError, warn
+from .._errors import FileError, UsageError, warn
 from .._progress import reporting
 from .._whole_file import file_errors, only_writer, remove_leftovers
 from .jobs import Options, PathLike, make_jobs
 from .pages import page_paths, parquet_path, write_pages
 from .run import run_jobs
-from .work import FORMATS, Job, Outcome, other_results
+from .work import FORMATS, Job, Outcome, left, other_results
 
 __all__ = ["FORMATS", "Format", "Options", "Summary", "What", "generate"]
 
@@ -32,8 +33,8 @@ class Summary:
     quarantined: list[str]
     """Names of the meshes that failed."""
     unfinished: list[str]
-    """Names of the meshes that could not be read, or whose workers were killed again and again. The next run tries them
-    again. The results of earlier runs stay."""
+    """Names of the meshes that the machine kept from being made: a file could not be read, a process was killed, a GPU's
+    memory was full. The next run tries them again. The results of earlier runs stay."""
     new: list[str]
     """Names of the meshes that this call has made or quarantined. The others were finished before."""
     others: list[str]
@@ -117,22 +118,41 @@ def generate(
         if parquet is not None:
             with file_errors():
                 parquet.parent.mkdir(parents=True, exist_ok=True)
+        remove_leftovers(folder)
         before = [_identity(job) for job in jobs]
-        with reporting(options.get("progress")) as report:
-            results = run_jobs(jobs, workers, client, report)
-        others, pages = other_results(jobs, results, folder, what), page_paths(folder, what)
-        with file_errors():
-            write_pages(jobs, results, others, pages, parquet)
-            remove_leftovers(folder)
-    _warn_of(others, pages[1])
-    new = [job.name for job, identity in zip(jobs, before, strict=True) if _identity(job) != identity]
-    return _summary(results, new, others, time.monotonic() - start)
+        outcomes: list[Outcome] = []
+        try:
+            with reporting(options.get("progress")) as report:
+                run_jobs(jobs, workers, client, report, outcomes)
+        except BaseException:
+            if _new(jobs, before):
+                with suppress(FileError):  # What stopped the run says more.
+                    _finish(jobs, outcomes, folder, what, parquet)
+            raise
+        others = _finish(jobs, outcomes, folder, what, parquet)
+    return _summary(outcomes, _new(jobs, before), others, time.monotonic() - start)
 
 
-def _warn_of(others: list[str], page: Path) -> None:
+def _finish(jobs: list[Job], outcomes: list[Outcome], folder: Path, what: str, parquet: Path | None) -> list[str]:
+    """Writes the table and the page. Warns of results that are not of these jobs, and returns them.
+
+    Appends the outcomes that a run lacks if it was stopped.
+    """
+    known = {outcome.name for outcome in outcomes}
+    outcomes += [left(job) for job in jobs if job.name not in known]
+    others = other_results(jobs, outcomes, folder, what)
+    table, page = page_paths(folder, what)
+    write_pages(jobs, outcomes, others, (table, page), parquet)
+    remove_leftovers(folder)
     if others:
         results = f"{len(others)} results" if len(others) > 1 else "a result"
-        warn(f"{page.parent} also holds {results} of other options, formats or meshes; {page.name} lists them")
+        warn(f"{folder} also holds {results} of other options, formats or meshes; {page.name} lists them")
+    return others
+
+
+def _new(jobs: list[Job], before: list[tuple[int, int] | None]) -> list[str]:
+    """Returns the names of the jobs whose markers are not as they were before."""
+    return [job.name for job, identity in zip(jobs, before, strict=True) if _identity(job) != identity]
 
 
 def _worker_count(workers: int | None) -> int:

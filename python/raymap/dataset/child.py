@@ -1,7 +1,8 @@
-"""The process that makes the results of a data set, one mesh after the other: ``python -m raymap.dataset.child``.
+"""The process that makes the results of a data set, one mesh after the other: ``python -m raymap.dataset.child DEVICE``.
 
-It reads one job a line from stdin, and writes one reply a line to stdout, both as JSON. All else that is printed goes
-to stderr, which is the log. It ends with its parent, or if it has nothing to do for a while.
+It first says what is wrong with the device, and ends if anything is. Then it reads one job a line from stdin, and
+writes one reply a line to stdout, both as JSON. All else that is printed goes to stderr, which is the log. It ends with
+its parent, or if it has nothing to do for a while.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ from typing import Any
 import numpy as np
 
 from .. import _html
-from .._errors import DeviceLostError, Error, MemoryLimitError, UnsupportedError, code_of
+from .._errors import DeviceLostError, Error, FileError, MemoryLimitError, UnsupportedError, UsageError, code_of
 from .._field import Field, save_as
 from .._generate import generate
 from .._mesh import Mesh, load_mesh, tetrahedron
+from .._raymap import write_whole
 from .._repair import info
 from .._samples import npz_content, sample_points
-from .._whole_file import file_errors, write_whole
 
 _IDLE_SECONDS = 60.0
 _THUMBNAIL = {"width": 192, "height": 144, "device": "cpu"}
@@ -47,9 +48,10 @@ def main() -> None:
         signal.signal(ending, signal.SIG_IGN)
     jobs: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_receive, args=(jobs,), daemon=True).start()
+    trouble = _device_trouble(sys.argv[1])
+    print(json.dumps(trouble), file=replies)
     own_memory = _memory_in_use()
-    print(json.dumps({"ready": True}), file=replies)
-    while True:
+    while not trouble:
         try:
             job = jobs.get(timeout=_IDLE_SECONDS)
         except queue.Empty:
@@ -73,34 +75,42 @@ def _answer(job: dict[str, Any], own_memory: int) -> dict[str, Any]:
         traceback.print_exc()
         return _explain(error, job)
     try:
-        with file_errors():
-            write()
+        write()
     except Error as error:  # For example a build without OpenVDB
         return {"trouble": code_of(error), "reason": str(error)}
     return {"figures": figures}
 
 
 def _explain(error: Exception, job: dict[str, Any]) -> dict[str, Any]:
-    """Returns why a mesh failed, and whether a fresh process must try again, or what is wrong with the machine."""
-    if _is_memory(error):
-        return {"reason": _memory_reason(error, job["memory_limit"]), "again": True}
-    if isinstance(error, (UnsupportedError, DeviceLostError)):
-        if (trouble := _device_trouble(job["options"].get("device", "cpu"))) is not None:
-            return {"trouble": code_of(trouble), "reason": f"{trouble} (on the machine {socket.gethostname()})"}
+    """Returns why a mesh failed, whether a fresh process must try again, and whether the machine is at fault.
+
+    If the device fails on any mesh, returns that.
+    """
     text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
     text = text.encode(errors="backslashreplace").decode()  # It may hold a path that is not UTF-8.
-    return {"reason": text, "again": isinstance(error, DeviceLostError)}
+    device = job["options"].get("device", "cpu")
+    if _is_memory(error):
+        is_full = device != "cpu" and "the device" in text
+        reason = text if is_full else _memory_reason(error, job["memory_limit"])
+        return {"reason": reason, "again": True, "is_machine": is_full}
+    if isinstance(error, (UnsupportedError, DeviceLostError)) and (trouble := _device_trouble(device)):
+        return trouble
+    # The file was read before, by the parent. And other meshes may not need the program.
+    is_machine = isinstance(error, FileError) or "the program raymap-import" in text
+    return {"reason": text, "again": isinstance(error, DeviceLostError), "is_machine": is_machine}
 
 
-def _device_trouble(device: str) -> Error | None:
-    """Returns why a device cannot make any field at all, or None if nothing speaks against it."""
+def _device_trouble(device: str) -> dict[str, Any]:
+    """Returns why a device cannot make any field at all; nothing if it can. The CPU always can."""
+    if device == "cpu":
+        return {}
     try:
         generate(tetrahedron(), resolution=8, device=device)
-    except (UnsupportedError, DeviceLostError) as error:
-        return error
+    except (UsageError, UnsupportedError, DeviceLostError) as error:
+        return {"trouble": code_of(error), "reason": f"{error} (on the machine {socket.gethostname()})"}
     except MemoryError:
         pass
-    return None
+    return {}
 
 
 def _is_memory(error: Exception) -> bool:

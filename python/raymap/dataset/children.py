@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import select
 import signal
@@ -17,7 +18,6 @@ from typing import Any, NamedTuple
 
 from .._errors import Cancelled, Error, make_error
 
-_START_SECONDS = 300.0
 _LONGEST_WAIT = 1e6  # Seconds; more does not fit into what the system call takes.
 _LONGEST_LOG = 1 << 16  # Bytes
 
@@ -27,6 +27,8 @@ class Failure(NamedTuple):
 
     reason: str
     log: str
+    is_machine: bool
+    """Whether the machine is at fault, so that another run may succeed."""
 
 
 class _Ended(Exception):
@@ -34,25 +36,25 @@ class _Ended(Exception):
 
 
 class _Child:
-    """A process of raymap/dataset/child.py. It sees the same packages as this one."""
+    """A process of raymap/dataset/child.py for a device. It sees the same packages as this one."""
 
-    def __init__(self) -> None:
+    def __init__(self, device: str) -> None:
         self._log = tempfile.TemporaryFile("a+b")
         path = os.pathsep.join([str(Path(__file__).parents[2]), *filter(None, sys.path)])
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "raymap.dataset.child"],
+            [sys.executable, "-m", "raymap.dataset.child", device],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._log,
             process_group=0,  # Ctrl-C does not reach it; importers that it starts end with it.
             env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},  # Its threads would only take memory.
         )
+        self.device = device
         self.is_fresh = True
-        try:
-            self._receive(_START_SECONDS)
-        except (_Ended, TimeoutError):
-            self.end()
-            raise Error(f"cannot start a process of {sys.executable}:\n{self.log()}") from None
+
+    def wait_until_ready(self) -> dict[str, Any]:
+        """Returns what is wrong with the device; nothing if it works. Raises _Ended."""
+        return self._receive(math.inf)
 
     def do(self, job: dict[str, Any], time_limit: float) -> dict[str, Any]:
         """Returns the answer to a job. Raises _Ended or TimeoutError."""
@@ -127,11 +129,12 @@ class Children:
             Error: No process can be started, the result cannot be written, or the device cannot be used.
             Cancelled: `close` was called.
         """
-        child = self._take()
+        device = job["options"].get("device", "cpu")
+        child = self._take(device)
         was_fresh = child.is_fresh
         answer, is_final = self._ask(child, job, time_limit)
         if not is_final and not was_fresh:
-            answer, _ = self._ask(self._start(), job, time_limit)
+            answer, _ = self._ask(self._start(device), job, time_limit)
         if self._is_closed:
             raise Cancelled("stopped")
         return answer
@@ -143,11 +146,11 @@ class Children:
         except TimeoutError:
             child.kill()
             self._end(child)
-            return Failure(f"takes longer than {time_limit:g} s; raise time_limit", child.log()), True
+            return Failure(f"takes longer than {time_limit:g} s; raise time_limit", child.log(), False), True
         except _Ended:
             status = self._end(child)
-            return Failure(_death(status), child.log()), False
-        failure = Failure(answer.get("reason", ""), child.log())
+            return Failure(_death(status), child.log(), status == -signal.SIGKILL), False
+        failure = Failure(answer.get("reason", ""), child.log(), answer.get("is_machine", False))
         if answer.get("again"):  # The memory that it holds would be missing for the next mesh.
             child.kill()
             self._end(child)
@@ -157,23 +160,33 @@ class Children:
             raise make_error(answer["trouble"], answer["reason"])
         return (failure if "reason" in answer else answer["figures"]), True
 
-    def _take(self) -> _Child:
+    def _take(self, device: str) -> _Child:
         with self._lock:
-            if self._idle:
-                child = self._idle.pop()
-                self._busy.add(child)
-                return child
-        return self._start()
+            for child in self._idle:
+                if child.device == device:
+                    self._idle.remove(child)
+                    self._busy.add(child)
+                    return child
+        return self._start(device)
 
-    def _start(self) -> _Child:
+    def _start(self, device: str) -> _Child:
         try:
-            child = _Child()
+            child = _Child(device)
         except OSError as error:
             raise Error(f"cannot start a process: {error}") from error
         with self._lock:
             self._busy.add(child)
             if self._is_closed:
                 child.kill()
+        try:
+            answer = child.wait_until_ready()
+        except _Ended:
+            status = self._end(child)
+            text = f"cannot start a process of {sys.executable} for the device {device}: {_death(status)}"
+            raise Error(f"{text}\n{child.log()}") from None
+        if answer:
+            self._end(child)
+            raise make_error(answer["trouble"], answer["reason"])
         return child
 
     def _give_back(self, child: _Child) -> None:
@@ -204,5 +217,6 @@ def _death(status: int) -> str:
     if status >= 0:
         return f"its process ended with the status {status}"
     name = signal.Signals(-status).name
-    hint = "; perhaps the machine ran out of memory" if -status == signal.SIGKILL else ""
-    return f"its process crashed: {name}, {signal.strsignal(-status)}{hint}"
+    if name == "SIGKILL":
+        return "its process was killed; perhaps the machine ran out of memory"
+    return f"its process crashed: {name}, {signal.strsignal(-status)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -10,6 +11,7 @@ from pathlib import Path
 from urllib.parse import unquote_to_bytes
 
 _JSON_CHUNK = 0x4E4F534A
+_NO_FILE = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.ENAMETOOLONG, errno.ELOOP}
 
 
 def readable(path: str | os.PathLike[str]) -> str:
@@ -30,8 +32,11 @@ def file_hash(path: str | os.PathLike[str]) -> str:
 def buffer_hashes(mesh: str, most: int) -> dict[str, str | None]:
     """Returns hashes of the buffers of a .gltf or .glb that are files, by their names as it gives them.
 
-    The hash of a file that cannot be read is None. No other format refers to files with positions or faces. More than
+    The hash of a file that does not exist is None. No other format refers to files with positions or faces. More than
     `most` bytes of JSON are not read: the process that loads the mesh must not take so many either.
+
+    Raises:
+        OSError: A file cannot be read.
     """
     if not mesh.lower().endswith((".gltf", ".glb")):
         return {}
@@ -39,14 +44,16 @@ def buffer_hashes(mesh: str, most: int) -> dict[str, str | None]:
         buffers = json.loads(_json(mesh, most))["buffers"]
         uris = {buffer["uri"] for buffer in buffers if "uri" in buffer and not buffer["uri"].startswith("data:")}
         return {uri: _buffer_hash(Path(mesh).parent / os.fsdecode(unquote_to_bytes(uri))) for uri in sorted(uris)}
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return {}  # There are no buffers, or it is malformed: the process that loads the mesh says why.
 
 
 def _buffer_hash(path: Path) -> str | None:
     try:
         return file_hash(path)
-    except (OSError, ValueError):
+    except (OSError, ValueError) as error:
+        if isinstance(error, OSError) and error.errno not in _NO_FILE:
+            raise
         return None  # The process that loads the mesh says why.
 
 

@@ -103,7 +103,7 @@ _APART = {"threads", "memory_limit", "progress"}  # Results do not depend on the
 def _field_options(options: Options) -> dict[str, Any]:
     """Returns all options on which fields depend, the defaults included, in JSON's types. Checks them."""
     given: FieldOptions = {"device": "cpu", **options}  # type: ignore[typeddict-unknown-key]
-    result = _with_defaults(given, generate)
+    result = _with_defaults(given, generate, "fields")
     _check(given)
     arrays = result["arrays"]
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
@@ -116,17 +116,19 @@ def _point_options(options: Options) -> dict[str, Any]:
     """Returns all options on which points depend, as `_field_options` does."""
     if "n" not in options:
         raise UsageError("what='points' needs n, the number of points of each mesh")
-    result = _with_defaults(options, sample_points)
+    result = _with_defaults(options, sample_points, "points")
     result["sigma"] = np.atleast_1d(np.asarray(result["sigma"], np.float64)).tolist()
     point_counts(result["n"], result["near"], result["surface"], result["sigma"])
     return result
 
 
-def _with_defaults(options: Mapping[str, object], function: Callable[..., Any]) -> dict[str, Any]:
+def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], what: str) -> dict[str, Any]:
     """Returns the keyword arguments of a function on which its result depends."""
     known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k == "n"}
-    if unknown := options.keys() - known.keys() - _APART:
-        raise TypeError(f"generate() got an unexpected keyword argument {sorted(unknown)[0]!r}")
+    for name in sorted(options.keys() - known.keys() - _APART):
+        if name in Options.__annotations__:
+            raise UsageError(f"{name} is no option of {what}")
+        raise TypeError(f"generate() got an unexpected keyword argument {name!r}")
     values = {name: options.get(name, known[name].default) for name in known.keys() - _APART}
     return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
 

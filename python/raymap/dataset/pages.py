@@ -13,7 +13,7 @@ from typing import Any
 from urllib.parse import quote
 
 from .._errors import UsageError
-from .._whole_file import write_whole
+from .._raymap import write_whole
 from .files import readable
 from .work import KINDS, Job, Outcome, read_marker
 
@@ -55,7 +55,7 @@ def write_pages(
     Writes the table as Parquet, too, if there is a path for it. The page also lists other results of the folder.
 
     Raises:
-        OSError: A file cannot be written.
+        FileError: A file cannot be written.
     """
     unfinished = {outcome.name: outcome.reason for outcome in outcomes if outcome.state == "unfinished"}
     rows = [(job, _row(job, unfinished)) for job in jobs]
@@ -65,10 +65,10 @@ def write_pages(
     table = csv.DictWriter(text, columns, lineterminator="\n")
     table.writeheader()
     table.writerows(row for _, row in rows)
-    write_whole(table_path, text.getvalue())
+    write_whole(table_path, text.getvalue().encode())
     if parquet is not None:
         write_whole(parquet, _parquet(columns, [row for _, row in rows]))
-    write_whole(page_path, _page(rows, table_path.name, others))
+    write_whole(page_path, _page(rows, table_path.name, others).encode())
 
 
 def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:

@@ -17,16 +17,27 @@ from .work import Job, Outcome, work
 
 
 def run_jobs(
-    jobs: list[Job], workers: int, client: Any, report: Callable[[str, float], object] | None
-) -> list[Outcome]:
+    jobs: list[Job],
+    workers: int,
+    client: Any,
+    report: Callable[[str, float], object] | None,
+    results: list[Outcome],
+) -> None:
     """Does all jobs, on the cluster of a `dask.distributed.Client` or with as many workers of this machine.
+
+    Appends each outcome to `results`.
 
     Raises:
         Cancelled: `report` returned False.
     """
     running = closing(_dask_outcomes(jobs, client)) if client is not None else _on_this_machine(jobs, workers)
     with running as outcomes:
-        return _collect(outcomes, len(jobs), report)
+        start = time.monotonic()
+        for outcome in outcomes:
+            results.append(outcome)
+            share = len(results) / len(jobs)
+            if report is not None and report(_progress_text(results, len(jobs), start), share) is False:
+                raise Cancelled("cancelled by progress")
 
 
 @contextmanager
@@ -55,18 +66,6 @@ def _dask_outcomes(jobs: list[Job], client: Any) -> Generator[Outcome]:
             if isinstance(error, Error):  # of work()
                 raise
             raise Error("the scheduler of Dask was lost; run again with a new one: what is finished stays") from error
-
-
-def _collect(
-    outcomes: Iterator[Outcome], count: int, report: Callable[[str, float], object] | None
-) -> list[Outcome]:
-    results: list[Outcome] = []
-    start = time.monotonic()
-    for outcome in outcomes:
-        results.append(outcome)
-        if report is not None and report(_progress_text(results, count, start), len(results) / count) is False:
-            raise Cancelled("cancelled by progress")
-    return results
 
 
 def _progress_text(results: list[Outcome], count: int, start: float) -> str:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 
-from .._raymap import version
-from .._whole_file import file_errors, successor, write_whole
+from .._raymap import version, write_whole
+from .._whole_file import file_errors, folder_beside
 from .children import Children, Failure
 from .files import buffer_hashes, file_hash
 
@@ -31,7 +31,7 @@ class Hashes(TypedDict):
 
     mesh_sha256: str
     buffers: dict[str, str | None]
-    """Hashes of the files to which the mesh refers, by name; None for one that cannot be read."""
+    """Hashes of the files to which the mesh refers, by name; None for one that does not exist."""
 
 
 @dataclass(frozen=True)
@@ -114,16 +114,25 @@ def work(job: Job, children: Children | None = None) -> Outcome:
         return Outcome(job.name, state, False)
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
-    with successor(job.result) as result, successor(job.thumbnail) as thumbnail:
-        answer = (children or _children).do(_request(job, result, thumbnail), job.time_limit)
-        inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
-        marker = {**inputs, "raymap": version()}
-        with file_errors():
-            if isinstance(answer, Failure):
-                _quarantine(job, answer, marker)
-                return Outcome(job.name, "quarantined", True)
-            _publish(job, result, thumbnail, {**marker, **answer})
-            return Outcome(job.name, "done", True)
+        with folder_beside(job.result) as folder:
+            result, thumbnail = folder / "result", folder / "thumbnail"
+            answer = (children or _children).do(_request(job, result, thumbnail), job.time_limit)
+            inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
+            marker = {**inputs, "raymap": version()}
+            if not isinstance(answer, Failure):
+                _publish(job, result, thumbnail, {**marker, **answer})
+                return Outcome(job.name, "done", True)
+            if answer.is_machine and None not in hashes["buffers"].values():
+                return Outcome(job.name, "unfinished", False, answer.reason)
+            _quarantine(job, answer, marker)
+            return Outcome(job.name, "quarantined", True)
+
+
+def left(job: Job) -> Outcome:
+    """Returns the state in which earlier runs left a mesh, as far as the marker tells: without reading the mesh."""
+    marker = read_marker(job.marker) or {}
+    hashes: Hashes = {"mesh_sha256": marker.get("mesh_sha256", ""), "buffers": marker.get("buffers", {})}
+    return Outcome(job.name, _finished(job, _key(hashes, job)) or "unfinished", False)
 
 
 def _key(hashes: Hashes, job: Job) -> str:
@@ -194,8 +203,8 @@ def _quarantine(job: Job, failure: Failure, marker: dict[str, Any]) -> None:
         for path in earlier, job.thumbnail:
             with suppress(FileNotFoundError):
                 path.replace(job.quarantine / path.name)
-    write_whole(job.quarantine / "log.txt", failure.log)
-    write_whole(job.quarantine / "reason.txt", failure.reason + "\n")
+    write_whole(job.quarantine / "log.txt", failure.log.encode())
+    write_whole(job.quarantine / "reason.txt", f"{failure.reason}\n".encode())
     _write_marker(job, {**marker, "state": "quarantined", "reason": failure.reason, "limits": job.limits})
 
 
@@ -207,7 +216,7 @@ def _take_marker(job: Job) -> Path | None:
 
 
 def _write_marker(job: Job, marker: dict[str, Any]) -> None:
-    write_whole(job.marker, json.dumps(marker, indent=1, sort_keys=True) + "\n")
+    write_whole(job.marker, f"{json.dumps(marker, indent=1, sort_keys=True)}\n".encode())
 
 
 def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, what: str) -> list[str]:
