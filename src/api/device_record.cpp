@@ -4,7 +4,6 @@
 #include <raymap/error.h>
 #include <raymap/version.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,6 +17,7 @@
 #include <ostream>
 #include <thread>
 
+#include "base/descriptor.h"
 #include "base/hash.h"
 #include "base/user_cache.h"
 #include "method/gpu_plug_in.h"
@@ -87,12 +87,13 @@ std::optional<DeviceRecord> readMark(const DeviceInfo& device) {
   const std::optional<fs::path> path = pathOf(device, ".running");
   const int file = path ? open(path->c_str(), O_RDONLY | O_CLOEXEC) : -1;
   if (file < 0) return std::nullopt;
-  DeviceRecord record{DeviceTestState::Running};
+  std::optional<DeviceRecord> record = DeviceRecord{DeviceTestState::Running};
   if (flock(file, LOCK_SH | LOCK_NB) == 0) {
     char check[200];
     const ssize_t bytes = pread(file, check, sizeof check, 0);
-    record = {DeviceTestState::Unfinished,
-              bytes > 0 ? std::string(check, static_cast<size_t>(bytes)) : "start"};
+    // Without text it is being made. A test that has ended meanwhile has removed it.
+    if (bytes > 0) record = {DeviceTestState::Unfinished, std::string(check, static_cast<size_t>(bytes))};
+    if (!hasName(file, *path)) record.reset();
   }
   close(file);
   return record;
@@ -103,13 +104,8 @@ int lockFile(const fs::path& path, bool& isLocked) {
   isLocked = false;
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) return -1;
-  struct stat ours {
-  }, there{};
-  isLocked = flock(file, LOCK_EX | LOCK_NB) != 0;
   // Its owner may have removed it meanwhile.
-  const bool isGone =
-      stat(path.c_str(), &there) != 0 || fstat(file, &ours) != 0 || ours.st_ino != there.st_ino;
-  if (!isLocked && !isGone) return file;
+  if (flock(file, LOCK_EX | LOCK_NB) == 0 && hasName(file, path)) return file;
   isLocked = true;
   close(file);
   return -1;
@@ -160,6 +156,7 @@ TestMark::TestMark(const DeviceInfo& device, double seconds) {
     if (isLocked) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   path_ = *path;
+  write("start");
 }
 
 TestMark::~TestMark() {

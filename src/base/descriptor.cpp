@@ -1,6 +1,7 @@
 #include "base/descriptor.h"
 
 #include <raymap/error.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,6 +17,13 @@ void throwWriteError(const std::filesystem::path& path, int error) {
   if (error == EPIPE) message += "; the program that reads it has ended";
   if (error == ENOENT) message += "; create the folder first";
   throw Error(ErrorCode::File, message);
+}
+
+bool hasName(int file, const std::filesystem::path& name) {
+  struct stat opened {};
+  struct stat named {};
+  return fstat(file, &opened) == 0 && lstat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+         opened.st_ino == named.st_ino;
 }
 
 Descriptor::Descriptor(int value, const std::filesystem::path& path) : value_(value) {

@@ -7,6 +7,9 @@ namespace raymap {
 /// Throws `Error(File)`: the path cannot be written, by an error of the system.
 [[noreturn]] void throwWriteError(const std::filesystem::path& path, int error);
 
+/// Returns whether a name still leads to an open file.
+bool hasName(int file, const std::filesystem::path& name);
+
 /// Descriptor of a file that is written. It closes the file.
 class Descriptor {
  public:

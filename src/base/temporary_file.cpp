@@ -26,13 +26,6 @@ std::string hiddenName(const fs::path& target, unsigned number) {
   return (target.parent_path() / ("." + name + ".tmp" + unique)).string();
 }
 
-bool hasName(int file, const std::string& name) {
-  struct stat opened {};
-  struct stat named {};
-  return fstat(file, &opened) == 0 && lstat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
-         opened.st_ino == named.st_ino;
-}
-
 /// Locks a file as long as it is open. Returns false if another process has locked it. Without locks on the
 /// file system it returns `otherwise`.
 bool lock(int file, bool otherwise) {

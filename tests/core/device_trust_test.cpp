@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 
+#include <atomic>
 #include <fstream>
 #include <functional>
 #include <future>
@@ -265,6 +266,21 @@ TEST_F(DeviceTrust, WaitsForTheTestOfAnother) {
   EXPECT_EQ(first.get(), DeviceTestState::Passed);
   EXPECT_EQ(second.get(), DeviceTestState::Passed);
   EXPECT_EQ(CountingGpu::tests, 1);
+}
+
+TEST_F(DeviceTrust, TakesNoTestThatEndsForOneThatCrashed) {
+  const DeviceInfo device = info();
+  std::atomic<bool> isOver{false};
+  auto tests = std::async(std::launch::async, [&] {
+    for (int k = 0; k < 100; ++k) {
+      const TestMark mark(device, 1e9);
+      writeRecord(device, {DeviceTestState::Passed});
+    }
+    isOver = true;
+  });
+  while (!isOver) ASSERT_NE(readRecord(device).state, DeviceTestState::Unfinished);
+  tests.get();
+  EXPECT_EQ(readRecord(device).state, DeviceTestState::Passed);
 }
 
 TEST_F(DeviceTrust, GivesUpOnTheTestOfAnother) {
