@@ -2,7 +2,7 @@
 
 // Points on faces, as the middles of the parts that a triangle is cut into:
 // - halves: each part is a triangle. For points that stand for an area, and parts that become faces.
-// - rows: the fewest points that leave no gap wider than a step.
+// - rows: neighbours are at most a step apart, and there are as few points as the area allows.
 // - even: parts of the same size and shape. For statistics, in which each point of a face counts the same.
 
 #include <algorithm>

