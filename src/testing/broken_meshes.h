@@ -2,7 +2,7 @@
 
 // Meshes broken on purpose, the same on every machine.
 
-#include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
 
 #include <algorithm>
 #include <functional>

@@ -78,10 +78,7 @@ class Program {
 class Signals : public ::testing::Test {
  protected:
   fs::path path(const char* name) const { return folder_.path() / name; }
-  size_t fileCount() const {
-    return static_cast<size_t>(
-        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
-  }
+  size_t fileCount() const { return folder_.fileCount(); }
   int nothing() const { return nothing_; }
 
  private:
