@@ -252,7 +252,9 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
       ->type_name("FILE")
       ->group("Files");
   addOverwriteOption(command, arguments.mayOverwrite)->group("Files");
-  command.add_option("--arrays", arguments.arrays, "What to compute, parted by commas (default distance)")
+  command
+      .add_option("--arrays", arguments.arrays,
+                  "Comma-separated list of arrays to compute (default distance)")
       ->delimiter(',')
       ->check(CLI::IsMember(names))
       ->group("Results");

@@ -166,7 +166,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
               counted(report.before.triangles, "triangle").c_str(),
               describeDefects(report.before, report.crossingBefore).c_str());
   if (report.partsOverlap)
-    std::printf("  parts of it overlap, or lie in each other without being cavities\n");
+    std::printf("  parts of it overlap, touch, or are nested without being cavities\n");
   if (report.isKept)
     printKept(report);
   else
@@ -194,12 +194,12 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
-  printShare(report.buriedShare, "of the mesh lies inside the solid, and is no surface any more");
+  printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
   printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");
   printShare(report.loss.droppedShare, "of the mesh is lost with the small parts that were dropped");
-  printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
+  printShare(report.trimmedShare, "of the mesh is removed by the offset: other parts are closer");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
                 counted(report.holes, "drain hole").c_str());

@@ -17,7 +17,7 @@ import numpy as np
 from evaluate import read_mesh
 from mesh_table import mesh_rows
 
-NEAR = 1e-3  # Of the diagonal.
+NEAR = 1e-3  # Share of the diagonal.
 THRESHOLD = 0.5
 # Points on open meshes that may be on the wrong side, as docs/points.md says: so close to the surface, in diagonals, or
 # with a winding number so close to the threshold.

@@ -21,7 +21,7 @@ TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files th
 # Made while building.
 GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
 
-# What public headers declare, and where .cpp files define it.
+# Declarations of public headers, and the .cpp files that define them.
 ARGUMENTS = r"\(((?:[^()]|\([^()]*\))*)\)"
 DECLARED_CLASS = re.compile(r"\b(?:class|struct) RAYMAP_API\w* (\w+)[^;]*?\{")
 DECLARED_FUNCTION = re.compile(r"\bRAYMAP_API\s[^;{}()]*?\b(\w+)" + ARGUMENTS + r"[^;{()]*;")
@@ -49,7 +49,7 @@ class Layers:
                 self.below[name.strip()] = rest.split()
         declared = [layer for layers in self.below.values() for layer in layers] + list(self.headers.values())
         for layer in sorted(set(declared) - set(self.below)):
-            self.problems.append(f"{path.name}: '{layer}' is no layer")
+            self.problems.append(f"{path.name}: '{layer}' is not a layer")
         for cycle in cycles({layer: set(below) for layer, below in self.below.items()}):
             self.problems.append(f"{path.name}: a cycle between {', '.join(cycle)}")
 
@@ -124,7 +124,7 @@ def definers(src, layers):
 
 
 def declared(header):
-    """What a public header declares: (name, key in `definers`)."""
+    """Declarations of a public header: (name, key in `definers`)."""
     text = header.read_text()
     yield from ((name, (space(text), name)) for name in DECLARED_CLASS.findall(text))
     for name, arguments in DECLARED_FUNCTION.findall(text):

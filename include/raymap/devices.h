@@ -38,14 +38,14 @@ struct DeviceTest {
 };
 
 /// Runs small versions of every stage and of whole fields on a GPU, and compares them with the CPU, up to the
-/// first that fails. Writes
-/// the result to the user's cache folder, from where `devices` and the device "auto" read it.
+/// first that fails. Writes the result to the user's cache folder, from where `devices` and the device "auto"
+/// read it.
 ///
-/// That folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
+/// The folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
 /// If it is off (RAYMAP_CACHE=off) or cannot be written, this process remembers the result.
 ///
 /// `id` is that of a device in `devices`, or "vulkan" for the best one. Throws `Error`: Usage for a name that
-/// is none of a GPU, Unsupported if there is no such device or another thread or process tests it now,
+/// is not that of a GPU, Unsupported if there is no such device or another thread or process tests it now,
 /// Cancelled if `progress` returns false.
 RAYMAP_API DeviceTest testDevice(const std::string& id, const ProgressCallback& progress = {});
 

@@ -62,19 +62,19 @@ struct Removed {
   double largest = 0.0;  ///< Volume of the largest one.
 };
 
-/// What a repair loses of the mesh: parts of its solid that are thinner than the samples can see, and surface
+/// Parts of the mesh that a repair loses: those of its solid that are too thin for the samples, and surface
 /// that bounds no solid.
 struct Loss {
   double solidShare = 0.0;       ///< Share of the mesh's area that is lost and bounds such a part.
   Box bounds = {};               ///< Bounds of this area, moved by the offset. Empty if there are none.
   double thinnest = 0.0;         ///< Thickness at its thinnest point, with the offset.
-  double medianThickness = 0.0;  ///< Thickness that half of this area does not exceed; 0 if it is not known.
+  double medianThickness = 0.0;  ///< Median thickness over this area; 0 if it is not known.
   /// Largest distance between samples that was found to keep the parts, in the mesh's units. If none does,
   /// the one that keeps most of them; 0 = none keeps any.
   double voxelSize = 0.0;
   bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
-  double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
+  double keptThickness = 0.0;  ///< Median thickness of the parts that it does not keep.
   /// Share of the mesh's area that is lost with the small parts that were dropped.
   double droppedShare = 0.0;
   /// Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
@@ -99,15 +99,15 @@ struct RepairReport {
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
   Deviation ofResult = {};  ///< From points of the result to the given surface, moved by the offset.
-  Deviation ofMesh = {};    ///< From points of the given mesh, moved by the offset, to the result. Counts
-                            ///< the lost ones, not the buried ones.
+  Deviation ofMesh = {};    ///< From points of the given mesh, moved by the offset, to the result.
+                            ///< Includes lost points; excludes buried ones.
   Deviation ofKept = {};    ///< The same without the lost points.
   /// Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as
   /// much more, here and in `lostShare`.
   double buriedShare = 0.0;
   double lostShare = 0.0;     ///< Share of it more than a sample outside: thinner than the samples, or open.
-  double trimmedShare = 0.0;  ///< Share of the mesh's area that the moved surface has no place for. The
-                              ///< other shares are of the rest.
+  double trimmedShare = 0.0;  ///< Share of the mesh's area that the offset removes, where other parts are
+                              ///< closer. All other shares are relative to what remains.
   Loss loss = {};             ///< Thin parts of the mesh's solid that are lost.
   size_t filledHollows = 0;   ///< Number of hollows that a drain hole does not fit into; they are solid.
   size_t hollows = 0;         ///< Number of hollows that the shell left.
@@ -119,7 +119,7 @@ struct RepairReport {
   Removed dropped = {};       ///< Parts that were too small.
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
-  bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
+  bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
   bool isKept = false;
   size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
@@ -144,10 +144,10 @@ RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options =
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of
 /// one whose holes can be filled so that nothing is wrong.
 ///
-/// Of the options, those count that say how distance and sign are found, and on what machine. Throws `Error`
-/// as `generate` and `isosurface` do. Usage also for options that a solid leaves no place for: no sign,
-/// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
-/// are thinner than two samples.
+/// The options say how distance and sign are found, and on what machine. Throws `Error` as `generate` and
+/// `isosurface` do. Usage also for options that make no sense for a solid: no sign, `band`, `invert`,
+/// `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness are thinner than
+/// two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options = {},
                            const RepairOptions& repair = {});
 

@@ -1,4 +1,4 @@
-"""What the program raymap has not: ``python -m raymap dataset FOLDER -o OUT``."""
+"""The command that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT``."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
 def _bytes(text: str) -> int:
     """Returns a size in bytes, as the program raymap reads it."""
     if not (match := re.fullmatch(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
-        raise argparse.ArgumentTypeError(f"{text!r} is no size; give one as 500MB or 4GB")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size; give one as 500MB or 4GB")
     return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
 
 
@@ -156,7 +156,7 @@ def _client(scheduler: str | None) -> Any:
         distributed = importlib.import_module("distributed")
     except ImportError:
         raise UsageError("--scheduler needs Dask: pip install 'raymap[dask]'") from None
-    logging.disable()  # What matters of Dask's log is an error of ours.
+    logging.disable()  # Errors of ours tell what matters of Dask's log.
     try:
         return distributed.Client(scheduler)
     except (OSError, ValueError) as error:

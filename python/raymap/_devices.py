@@ -53,7 +53,7 @@ def test_device(id: str, *, progress: Progress = None) -> str:
         The first difference; empty if there is none.
 
     Raises:
-        UsageError: The name is none of a GPU.
+        UsageError: The name is not that of a GPU.
         UnsupportedError: There is no such device, or another process tests it now.
     """
     with reporting(progress) as report:
@@ -75,5 +75,5 @@ def tested(device: str) -> str:
             return device
     except (OSError, subprocess.TimeoutExpired):
         pass
-    warn(f"the GPU is not used, the CPU instead: the test of {gpu} did not pass; raymap.test_device({gpu!r}) says why")
+    warn(f"the CPU is used instead of the GPU: the test of {gpu} did not pass; raymap.test_device({gpu!r}) says why")
     return "cpu"

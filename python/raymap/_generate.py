@@ -172,7 +172,7 @@ class Generator:
 
 
 def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
-    """Refuses names of arguments that there are not."""
+    """Refuses unknown names of arguments."""
     if unknown := given.keys() - known.__annotations__.keys():
         raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
 

@@ -59,7 +59,7 @@ class NotCounted(TypedDict):
 
 
 class Verdict(TypedDict):
-    """What kind of thing a mesh is, and what makes a clean solid of it."""
+    """Kind of thing that a mesh is, and the remedy that makes a clean solid of it."""
 
     kind: MeshKind
     remedy: Literal["none", "repair", "thicken"]
@@ -122,7 +122,7 @@ class Info(Diagnostics):
 
 
 class FastInfo(FastDiagnostics):
-    """What ``raymap.info`` returns with ``fast=True``."""
+    """Result of ``raymap.info`` with ``fast=True``."""
 
     self_intersections: NotCounted
     verdict: Verdict
@@ -180,8 +180,8 @@ class Simplified(TypedDict):
 
 
 class Loss(TypedDict):
-    """What a repair loses of the mesh: parts of its solid that are thinner than the samples can see, and
-    what bounds no solid."""
+    """Parts of the mesh that a repair loses: those of its solid that are too thin for the samples, and
+    surface that bounds no solid."""
 
     solid_share: float
     """Share of the mesh's area that is lost and bounds such a part."""
@@ -191,7 +191,7 @@ class Loss(TypedDict):
     thinnest: float
     """Thickness at its thinnest point, with the offset."""
     median_thickness: float
-    """Thickness that half of this area does not exceed; 0 if it is not known."""
+    """Median thickness over this area; 0 if it is not known."""
     voxel_size: float
     """Largest distance between samples that keeps the parts; if none does, the one that keeps most."""
     is_kept: bool
@@ -199,7 +199,7 @@ class Loss(TypedDict):
     kept_share: float
     """Share of the lost area that ``voxel_size`` keeps."""
     kept_thickness: float
-    """Thickness that half of what ``voxel_size`` does not keep does not exceed."""
+    """Median thickness of the parts that ``voxel_size`` does not keep."""
     dropped_share: float
     """Share of the mesh's area that is lost with the small parts that were dropped."""
     open_share: float
@@ -242,7 +242,7 @@ class RepairReport(TypedDict):
     lost_share: float
     """Share of it more than a sample outside: parts thinner than the samples, or open."""
     trimmed_share: float
-    """Share of the mesh's area that the moved surface has no place for. The other shares are of the rest."""
+    """Share of the mesh's area that the offset removes. All other shares are relative to what remains."""
     loss: Loss
     hollows: int
     filled_hollows: int

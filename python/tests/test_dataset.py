@@ -406,7 +406,7 @@ def test_sizes_are_read_as_by_the_program(text: str, size: int) -> None:
 
 @pytest.mark.parametrize("text", ["", ".", "GB", "1e", "-1", "1.5XB", "nan", "1.5GBs"])
 def test_what_is_no_size_is_refused(text: str) -> None:
-    with pytest.raises(argparse.ArgumentTypeError, match="is no size"):
+    with pytest.raises(argparse.ArgumentTypeError, match="is not a size"):
         command._bytes(text)
 
 

@@ -101,7 +101,7 @@ bool mayHaveGpu() {
 void warnOfRefused(const DeviceList& list, const WarningCallback& warn) {
   for (const DeviceInfo& gpu : list.devices)
     if (warn && mayBeAutomatic(gpu) && isRefused(gpu))
-      warn("the GPU is not used, the CPU instead: " + reasonAgainst(gpu));
+      warn("the CPU is used instead of the GPU: " + reasonAgainst(gpu));
 }
 
 std::optional<size_t> chooseAutomatic(const WarningCallback& warn, const ProgressCallback& progress) {

@@ -22,8 +22,7 @@ void check(const SurfaceOptions& options) {
 void check(const QueryOptions& options, bool isSigned) {
   require(options.threads >= 0, "the number of threads must not be negative");
   require(options.maxDistance > 0.0, "the largest distance must be positive");
-  require(isSigned || !options.winding,
-          "the surface was made without a sign, so it knows no winding numbers");
+  require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
   require(isSigned || !options.confidence,
           "the surface was made without a sign, so it has no confidence in it");
 }

@@ -44,7 +44,7 @@ class Canvas {
   /// Draws a point unless one before it is there. Of points at the same depth up to rounding, that of the
   /// higher rank is seen, and the first one of a rank.
   void put(int x, int y, double depth, const glm::vec3& colour, int rank) {
-    constexpr double kRounding = 1e-6;  // Of a depth: those of faces on the same corners differ by less.
+    constexpr double kRounding = 1e-6;  // Share of a depth by which faces on the same corners differ at most.
     const size_t i = size_t(y) * size_t(width_) + size_t(x);
     const double margin = kRounding * depth;
     const bool isBefore = depth < depth_[i] - margin;

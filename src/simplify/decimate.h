@@ -65,7 +65,7 @@ class Decimator {
   std::vector<glm::vec3> normals_;  ///< Normals of the given faces.
   std::vector<PlaneQuadric> quadrics_;
   std::vector<float> wake_;      ///< Cost from which on a vertex is tried again.
-  std::vector<uint32_t> tile_;   ///< Of each vertex.
+  std::vector<uint32_t> tile_;   ///< Tile of each vertex.
   std::vector<uint8_t> isFree_;  ///< Whether a vertex and its neighbours belong to one task.
   std::vector<uint8_t> isKept_;  ///< Whether a vertex must not be removed.
 };

@@ -26,7 +26,7 @@ namespace {
 constexpr double kUsed = 0.99;
 constexpr double kPointDistance = 10.0;  // In tolerances.
 constexpr size_t kBytesPerFace = 300;
-constexpr int kMostRepeats = 20;  // Of removing vertices again after some are back.
+constexpr int kMostRepeats = 20;  // Most rounds of removing vertices again after some are back.
 
 /// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
 class PartVolumes {
@@ -182,7 +182,7 @@ class Simplifier {
   cpu::CloseDistances toGiven_;
   PartVolumes volumes_;
   std::vector<glm::uvec3> measured_;   // Corners of each face when its deviation was measured.
-  std::vector<double> deviation_;      // Of each face from the given mesh.
+  std::vector<double> deviation_;      // Deviation of each face from the given mesh.
   std::vector<uint32_t> faces_;        // Faces that are left,
   std::vector<glm::uvec3> triangles_;  // and their corners.
 };

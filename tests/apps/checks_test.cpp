@@ -1,4 +1,4 @@
-// What all commands check before they work: options, files and sizes.
+// Checks of options, files and sizes, before a command works.
 
 #include <fstream>
 

@@ -65,8 +65,8 @@ TEST_F(CliFieldOptions, NamesTheLineOfABadOffset) {
   };
   refuse("1 2 3\n\n4 5\n", ErrorCode::Input, "points.txt:3: 2 numbers; a line holds an offset x y z");
   refuse("1 2 3 4\n", ErrorCode::Input, "points.txt:1: 4 numbers");
-  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: '0.5' is no such number");
-  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: '3000000000' is no such number");
+  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: '0.5' is not a whole number of 32 bits");
+  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: '3000000000' is not a whole number of 32 bits");
   refuse("1, 2, 3\n", ErrorCode::Input, "points.txt:1: '1,'");
   refuse("# nothing\n", ErrorCode::Input, "points.txt: it holds no offsets");
   expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets no.txt", ErrorCode::File,

@@ -46,7 +46,7 @@ TEST_F(CliMain, NamesTheCommands) {
   expectFailure("", ErrorCode::Usage,
                 "name a command: generate info query mesh render repair compare convert example devices;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
-                "convert example devices; paint is none; see raymap --help");
+                "unknown command 'paint'; use one of: generate info query mesh render");
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST_F(CliQuery, RefusesQueriesThatMakeNoSense) {
                 "p.csv: line 2: 2 columns, but line 1 has 3");
   expectFailure("query torus.ply p.csv -o r.txt", usage, "the name must end in one of .csv .npy .npz .ply");
   succeed("convert torus.ply torus.stl");
-  expectFailure("query torus.ply torus.stl -o r.csv", usage, "'.stl' is no kind of file of points");
+  expectFailure("query torus.ply torus.stl -o r.csv", usage, "'.stl' is not a format for points");
   fs::remove(path("torus.stl"));
   expectFailure("query torus.ply p.csv -o r.npy --arrays distance,closest", usage, "a .npy holds one array");
   expectFailure("query torus.ply p.csv -o r.csv --colour", usage, "--colour needs");

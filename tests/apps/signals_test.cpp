@@ -1,4 +1,4 @@
-// What the program does at signals. They reach it while it waits for the test.
+// Behaviour of the program at signals. They reach it while it waits for the test.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -45,7 +45,7 @@ TEST(Measure, RaisesNoFalseAlarmWhereFacesLieInPlanesOfSamples) {
 TEST(Measure, CountsAsLostWhatIsMoreThanASampleOutside) {
   const RepairReport closer = reportOf(withSquare(kBox, 10.98, 4.0), 1.0);
   expectAllShown(closer, 1.0);
-  // What the tolerance allows beyond its default of 0.1 is no loss.
+  // A deviation that the tolerance allows beyond its default of 0.1 is not a loss.
   expectAllShown(reportOf(withSquare(kBox, 11.48, 4.0), 1.0, {.tolerance = 0.6}), 1.5);
   EXPECT_GT(reportOf(withSquare(kBox, 11.52, 4.0), 1.0, {.tolerance = 0.6}).lostShare, 0.0);
   EXPECT_GT(reportOf(withSquare(kBox, 11.02, 4.0), 1.0, {.tolerance = 0.0}).lostShare, 0.0);

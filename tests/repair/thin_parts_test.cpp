@@ -111,7 +111,7 @@ TEST(ThinParts, AreFinsOfABodyThatStaysAsItIs) {
   EXPECT_GT(onFin, 20u);
   EXPECT_LT(finDeviation, 0.02);
   EXPECT_NEAR(top, 6.0 + 0.5 * (kLeast - 0.1), 0.1);
-  // What grew is the fin's part of the area.
+  // The fin's part of the area grew.
   const double finArea = 2.0 * 2.0 * 2.0, area = 2.0 * (2.0 * 0.1 + 2.5 * 0.1 + 2.0 * 2.5) + 96.0;
   EXPECT_NEAR(solid.report.thickenedShare, finArea / area, 0.01);
 }

@@ -27,8 +27,8 @@ constexpr size_t kPointsAtOnce = size_t{1} << (64 - 3 * kCurveBits);
 constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 64;
 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
-/// search is that of its farthest point. Even farther ones are moved closer, to this distance. It hardly
-/// matters there from which of two directions so close to each other one looks.
+/// search is that of its farthest point. Even farther ones are moved closer, to this distance, at which the
+/// two directions differ too little to matter.
 constexpr float kFar = 4.0f, kFarthest = 1e4f;
 
 const std::byte* bytesAt(const PointsView& view, size_t i) {

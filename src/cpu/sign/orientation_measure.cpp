@@ -94,7 +94,7 @@ class FieldReader {
 
   const float* samples_;
   glm::ivec3 dims_;
-  size_t offsets_[8];  // Of the samples around a point: x in bit 0, y in bit 1, z in bit 2.
+  size_t offsets_[8];  // Offsets of the samples around a point: x in bit 0, y in bit 1, z in bit 2.
 };
 
 /// Returns 1 less the distance of a number from the nearest odd one.

@@ -74,7 +74,7 @@ std::string parts(const Removed& removed) {
   return counted(removed, " part", " parts");
 }
 
-/// Where a row of samples along x passes a surface.
+/// Crossing of a row of samples along x with a surface.
 struct Passage {
   size_t row;
   double x;  // In samples.

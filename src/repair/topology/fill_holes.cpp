@@ -132,7 +132,7 @@ class RimFiller {
   const Mesh& mesh_;
   const Rim& rim_;
   size_t size_;
-  std::vector<Part> best_;  // Of the part from the first index to the second.
+  std::vector<Part> best_;  // Best filling of the part from the first index to the second.
 };
 
 }  // namespace

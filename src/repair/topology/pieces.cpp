@@ -91,7 +91,7 @@ class Nesting {
 
  private:
   struct Crossings {
-    std::vector<uint64_t> keys;  // Of the ray, then of the piece.
+    std::vector<uint64_t> keys;  // Each holds a ray, then a piece.
     bool isTouching = false;
   };
 

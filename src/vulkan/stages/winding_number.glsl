@@ -108,7 +108,7 @@ void sumLeaves(uint waiting, vec3 p) {
 void startWalk(vec3 p, float distant) {
   sum = Sum(0, 0);
   poppedNodes = poppedLeaves = 0;
-  barrier();  // Of the walk before, everything has been read.
+  barrier();  // All that the last walk wrote has been read.
   if (gl_LocalInvocationIndex == 0) {
     pushedNodes = pushedLeaves = sumLow = 0;
     sumHigh = 0;
