@@ -178,12 +178,12 @@ def check_folders(tree):
         is_listed = any(name == folder or name.startswith(folder + "/") for name in listed)
         if re.fullmatch(r"[a-z]\w*|src/\w+(/\w+)?", folder) and not is_listed:
             yield f"does not list the folder {folder}"
-    order = [name.removeprefix("src/") for name in listed if re.fullmatch(r"src/\w+", name)]
-    layers = re.findall(r"^(?!top)([\w/]+):(.*)$", (ROOT / "src/layers.txt").read_text(), re.MULTILINE)
-    for layer, used in layers:
-        later = order[order.index(layer.split("/")[0]) + 1:] if layer.split("/")[0] in order else []
-        for below in sorted({name.split("/")[0] for name in used.split()} & set(later)):
-            yield f"lists src/{below} below {layer}, which includes it"
+    places = {name.removeprefix("src/"): place for place, name in enumerate(listed)}
+    for layer, used in re.findall(r"^(?!top)([\w/]+):(.*)$", (ROOT / "src/layers.txt").read_text(), re.MULTILINE):
+        place = places.get(layer, places.get(layer.split("/")[0], len(listed)))
+        for below in sorted({name.split("/")[0] for name in used.split()} - {layer.split("/")[0]}):
+            if places.get(below, -1) > place:
+                yield f"lists src/{below} below {layer}, which includes it"
 
 
 def check_stages():
