@@ -162,7 +162,7 @@ def evaluate(raymap, mesh, arguments, has_tolerance):
     if "error" in stats:
         return stats
     found = {key: stats[key] for key in ("before", "after", "grid", "options", "cpu", "warnings", "result_from_mesh",
-                                         "mesh_from_result", "buried_share", "lost_share", "loss", "patch")}
+                                         "mesh_from_result", "buried_share", "lost_share", "loss", "stats")}
     for side in ("before", "after"):
         found[side]["holes"] = []
     if has_tolerance:
@@ -215,7 +215,7 @@ def limit_of(found):
 
 def reasons_of_distance(found):
     """Returns what the report says of each largest distance, in samples by Open3D, that exceeds the limit."""
-    loss, closed, limit = found["loss"], found["patch"]["triangles"], limit_of(found)
+    loss, closed, limit = found["loss"], found["stats"]["patch_triangles"], limit_of(found)
     lost = [f"{100 * share:.2g} % of the mesh {text}" for share, text in (
         (loss["solid_share"], "is lost with its solid"), (loss["open_share"], "is lost and bounds no solid"),
         (loss["dropped_share"], "is lost with small parts that were dropped")) if share > 0]

@@ -14,7 +14,6 @@ namespace raymap {
 /// All devices of this machine.
 struct DeviceList {
   std::vector<DeviceInfo> devices = {};  ///< The CPU first, then Vulkan's devices in its order.
-  size_t automatic = 0;                  ///< Index of the device that "auto" takes. It tests a GPU first.
   std::optional<size_t> best = {};       ///< Index of the one that "vulkan" takes; none if none is usable.
   std::string note = {};                 ///< Reason why there is no Vulkan device; empty if there is one.
 };
@@ -30,10 +29,10 @@ RAYMAP_API std::string deviceToTest();
 
 /// Result of a test of a GPU.
 struct DeviceTest {
-  DeviceInfo device = {};
+  DeviceInfo device = {};                ///< The GPU that was tested.
   std::vector<DeviceCheck> checks = {};  ///< Those that ended, in their order.
   std::string problem = {};              ///< The first check that failed, and its difference; empty if none.
-  double milliseconds = 0.0;
+  double milliseconds = 0.0;             ///< Time of the whole test.
   bool hangs = false;  ///< Whether a check did not end. Its thread still runs and holds the device.
 };
 

@@ -70,7 +70,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
     field = {};
     throw;
   }
-  stats.totalMilliseconds = stopwatch.milliseconds();
+  stats.milliseconds = stopwatch.milliseconds();
   return stats;
 }
 

@@ -70,7 +70,7 @@ Surface::Surface(const MeshView& view, const SurfaceOptions& options) : impl_(st
     const PackedMesh mesh = impl_->copy(view, options.memoryLimit);
     impl_->prepared = cpu::prepareSurface(mesh, options, impl_->meshBytes(), progress, impl_->stats);
   });
-  impl_->stats.totalMilliseconds = stopwatch.milliseconds();
+  impl_->stats.milliseconds = stopwatch.milliseconds();
   impl_->stats.bytes = std::max(impl_->stats.bytes, bytes());
 }
 

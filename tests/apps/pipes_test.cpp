@@ -57,7 +57,7 @@ TEST_F(CliPipes, WritesFieldsToPipes) {
             "\x89PNG");
   EXPECT_EQ(shell("$R compare <(cat whole.nrrd) whole.npz --json | grep max").out, "  \"max\": 0.0,\n");
   const Result both = shell("$R generate torus.ply --resolution 16 -o f.nrrd --stats - 2>.text");
-  EXPECT_EQ(Json::parse(both.out)["mesh"]["file"], "torus.ply");
+  EXPECT_EQ(Json::parse(both.out)["mesh"], "torus.ply");
 }
 
 TEST_F(CliPipes, MeasuresPointsFromPipes) {

@@ -23,11 +23,11 @@ TEST_F(CliQuery, MeasuresPoints) {
   EXPECT_EQ(lost, "nan,0,0,nan,-1");
   const Json stats = json("s.json");
   EXPECT_EQ(stats["points"]["count"], 3);
-  EXPECT_EQ(stats["points"]["not_finite"], 1);
+  EXPECT_EQ(stats["points"]["non_finite"], 1);
   EXPECT_EQ(stats["options"]["arrays"], Json({"distance", "triangle"}));
   EXPECT_TRUE(stats["options"]["max_distance"].is_null());
   EXPECT_EQ(stats["distances"]["inside"], 1);
-  EXPECT_EQ(stats["turned_faces"], 0);
+  EXPECT_EQ(stats["stats"]["turned_faces"], 0);
 }
 
 TEST_F(CliQuery, MeasuresPointsWithoutASign) {
@@ -38,7 +38,7 @@ TEST_F(CliQuery, MeasuresPointsWithoutASign) {
   EXPECT_EQ(rows.rfind("x,y,z,distance\n2,0,0,0.6", 0), 0u) << rows;
   EXPECT_NE(rows.find("\n0,0,0,1\n"), std::string::npos) << rows;
   EXPECT_EQ(json("s.json")["options"]["max_distance"], 1.0);
-  EXPECT_FALSE(json("s.json").contains("turned_faces"));
+  EXPECT_EQ(json("s.json")["stats"]["doubtful_share"], 0.0);
 }
 
 TEST_F(CliQuery, ColoursAPointCloud) {

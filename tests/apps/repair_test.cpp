@@ -25,7 +25,7 @@ TEST_F(CliRepair, RepairsAMesh) {
   EXPECT_GT(solid["result_from_mesh"]["points"], 10000);
   EXPECT_EQ(solid["after"]["self_intersections"]["pairs"], 0);
   EXPECT_NE(text.find("0 pairs before, 0 pairs after"), std::string::npos) << text;
-  EXPECT_GT(solid["patch"]["triangles"], 0);
+  EXPECT_GT(solid["stats"]["patch_triangles"], 0);
   succeed("repair torn.ply -o grown.ply --resolution 64 --offset 0.15 --stats grown.json");
   const double ratio = json("grown.json")["after"]["signed_volume"].get<double>() /
                        solid["after"]["signed_volume"].get<double>();
@@ -52,7 +52,7 @@ TEST_F(CliRepair, KeepsAMeshThatIsRight) {
   EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
   EXPECT_EQ(json("kept.json")["kept"], true);
   EXPECT_EQ(json("kept.json")["solids"], 1);
-  EXPECT_EQ(json("kept.json")["stages"].at(0).at("name"), "inspect");
+  EXPECT_EQ(json("kept.json")["stats"]["stages"].at(0).at("name"), "inspect");
   succeed("repair ball.stl -o made.stl --remesh --resolution 32 --stats made.json");
   EXPECT_EQ(json("made.json")["kept"], false);
   EXPECT_NE(json("made.json")["after"]["triangles"], 5120);
@@ -69,13 +69,13 @@ TEST_F(CliRepair, LeavesHolesAndFacesAsTheyAreOnRequest) {
   writeMesh(path("torn.ply"), mesh);
   succeed("repair torn.ply -o turned.stl --resolution 48 --stats turned.json");
   const Json turned = json("turned.json");
-  EXPECT_GT(turned["turned_faces"], mesh.triangles.size() / 6);
-  EXPECT_GT(turned["patch"]["triangles"], 0);
+  EXPECT_GT(turned["stats"]["turned_faces"], mesh.triangles.size() / 6);
+  EXPECT_GT(turned["stats"]["patch_triangles"], 0);
   succeed(
       "repair torn.ply -o kept.stl --resolution 48 --orientation keep --no-close-holes --stats kept.json");
   const Json kept = json("kept.json");
-  EXPECT_EQ(kept["turned_faces"], 0);
-  EXPECT_EQ(kept["patch"]["triangles"], 0);
+  EXPECT_EQ(kept["stats"]["turned_faces"], 0);
+  EXPECT_EQ(kept["stats"]["patch_triangles"], 0);
   EXPECT_TRUE(kept["after"]["watertight"]);
 }
 

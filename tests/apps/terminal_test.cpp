@@ -13,7 +13,7 @@ TEST_F(CliTerminal, WritesNamesThatAreNoText) {
   fs::rename(path("torus.ply"), path(name));
   EXPECT_EQ(shell("$R generate $'t\\xff.ply' -o f.nrrd --resolution 8 --stats s.json --report r.json").code,
             0);
-  EXPECT_EQ(json("s.json")["mesh"]["file"], "t\xef\xbf\xbd.ply");
+  EXPECT_EQ(json("s.json")["mesh"], "t\xef\xbf\xbd.ply");
   EXPECT_EQ(json("r.json")["mesh"], "t\xef\xbf\xbd.ply");
   EXPECT_EQ(shell("$R repair $'t\\xff.ply' -o s.stl --resolution 16 --stats s.json").code, 0);
   EXPECT_EQ(json("s.json")["mesh"], "t\xef\xbf\xbd.ply");
