@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "testing/mesh_rows.h"
+
 namespace raymap {
 namespace {
 
