@@ -55,7 +55,7 @@ TEST_F(CliPipes, WritesFieldsToPipes) {
             "  \"watertight\": true,\n");
   EXPECT_EQ(shell("$R render - -o - --resolution 16 --size 8 8 < torus.ply 2>.text | head -c 4").out,
             "\x89PNG");
-  EXPECT_EQ(shell("$R compare <(cat whole.nrrd) whole.npz --json | grep max").out, "  \"max\": 0.0,\n");
+  EXPECT_EQ(shell("$R compare <(cat whole.nrrd) whole.npz --json | grep max").out, "  \"max_error\": 0.0,\n");
   const Result both = shell("$R generate torus.ply --resolution 16 -o f.nrrd --stats - 2>.text");
   EXPECT_EQ(Json::parse(both.out)["mesh"], "torus.ply");
 }
