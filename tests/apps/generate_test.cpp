@@ -185,5 +185,18 @@ TEST_F(CliGenerate, KeepsAllArraysInOneFile) {
   }
 }
 
+TEST_F(CliGenerate, TakesTheNumberOfThreadsFromTheVariable) {
+  writeTorus();
+  const std::string generate = "generate torus.ply -o f.nrrd --resolution 16 --device cpu";
+  succeed(generate + " --threads 100000");
+  const std::string all = readBytes(path("f.nrrd"));
+  EXPECT_EQ(run(generate, "RAYMAP_THREADS=1").code, 0);
+  EXPECT_EQ(readBytes(path("f.nrrd")), all);
+  const Result wrong = run(generate, "RAYMAP_THREADS=all");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("the environment variable RAYMAP_THREADS is 'all'"), std::string::npos)
+      << wrong.err;
+}
+
 }  // namespace
 }  // namespace raymap
