@@ -269,9 +269,9 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   }
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
-                "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
-                "more samples, or "
-                "for a sheet --min-thickness");
+                "the result is empty: the mesh encloses no volume at this resolution, or the offset removes "
+                "all of it; "
+                "use more samples, or for a sheet --min-thickness");
   stage("isosurface", [&] { result = makeSurface(solid, options); });
   Mesh dropped;
   stage("pieces", [&] { dropped = dropPieces(solid, result, options, repair, report); });

@@ -32,7 +32,7 @@ TEST_F(CliRepair, RepairsAMesh) {
   EXPECT_NEAR(ratio, 0.85 * 0.85 / 0.49, 0.01);
   EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
   expectFailure("repair torn.ply -o none.ply --resolution 64 --offset -1", ErrorCode::Input,
-                "bounds nothing");
+                "the mesh encloses no volume at this resolution");
   const std::string filled = succeed("repair torn.ply -o filled.ply --stats filled.json").out;
   EXPECT_NE(filled.find("\nclosed 1 hole with 1 face, all other faces kept as they are"), std::string::npos)
       << filled;

@@ -169,8 +169,8 @@ void addSides(const LostSides& lost, Loss& loss) {
 
 }  // namespace
 
-/// Returns whether the samples may have missed what is at a point. Where all walls are thicker, the rims of
-/// holes are lost, and no part of the solid.
+/// Returns whether the wall at a point may be thinner than the grid resolves. Where all walls are thicker,
+/// the rims of holes are lost, and no part of the solid.
 static bool isThin(const Thickness& thickness, double spacing) {
   constexpr double kThick = 4.0;  // In samples.
   return thickness.part == Part::Edge ||

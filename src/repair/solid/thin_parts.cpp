@@ -60,8 +60,8 @@ class ThinParts {
     return (found.part == Part::Wall || found.part == Part::Edge) && double(found.diameter) < limit_;
   }
 
-  /// Takes parts for sheets behind which the solid ends between faces, as a shallow bowl does at the surface
-  /// that closes it. The samples tell where it does not.
+  /// Treats a part as a sheet if the solid behind it ends where there is no face, such as under a shallow
+  /// bowl. The samples tell where it does not.
   void findOpenParts(const cpu::PreparedSurface& surface, Progress& progress) {
     const Grid& grid = solid_.grid;
     std::vector<size_t> asked;
