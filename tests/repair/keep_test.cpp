@@ -12,10 +12,10 @@ namespace {
 using shapes::box;
 using shapes::joined;
 
-constexpr double kSpacing = 0.0937;  // No face lies on samples.
+constexpr double kOddSpacing = 0.0937;  // No face lies on samples.
 
 Repaired repaired(const Mesh& mesh, const RepairOptions& options = {}, const WarningCallback& warn = {}) {
-  const Grid grid = fitRepairGrid(mesh, {.voxelSize = kSpacing}, options);
+  const Grid grid = fitRepairGrid(mesh, {.voxelSize = kOddSpacing}, options);
   return repair(mesh, grid, {.device = "cpu", .warn = warn}, options);
 }
 
@@ -102,7 +102,7 @@ TEST(Keep, RepairsWhatIsWrong) {
 
 TEST(Keep, FillsHolesIfNothingIsWrongThen) {
   const auto closed = [](const Mesh& mesh, RepairOptions options = {}, bool closeHoles = true) {
-    const Grid grid = fitRepairGrid(mesh, {.voxelSize = kSpacing}, options);
+    const Grid grid = fitRepairGrid(mesh, {.voxelSize = kOddSpacing}, options);
     options.closeHoles = closeHoles;
     return repair(mesh, grid, {.device = "cpu"}, options);
   };
@@ -205,7 +205,7 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   EXPECT_EQ(report.loss.solidShare, 0.0);
   EXPECT_GT(report.loss.droppedShare, 0.0);
   EXPECT_EQ(report.loss.droppedShare, report.lostShare);
-  EXPECT_LT(report.ofKept.max, 0.5 * kSpacing);
+  EXPECT_LT(report.ofKept.max, 0.5 * kOddSpacing);
 }
 
 TEST(Repair, KeepsCrumbsAndBubblesOnRequest) {
