@@ -1,6 +1,6 @@
 """NumPy sees array[i, j, k] of every .npy and .npz without a copy, and Raymap reads what NumPy writes.
 
-numpy_test.py RAYMAP; exits with 77 where NumPy is missing, unless RAYMAP_REQUIRE_PYTHON_PACKAGES is set.
+numpy_test.py RAYMAP; exits with 77 where NumPy is missing.
 numpy_test.py RAYMAP --large: with arrays above 4 GiB. Exits with 77 unless RAYMAP_LARGE_FILES is set, for it takes 5 GiB of
 memory and 9 GiB of disk."""
 
@@ -13,7 +13,7 @@ from pathlib import Path
 try:
     import numpy as np
 except ImportError:
-    sys.exit(1 if os.environ.get("RAYMAP_REQUIRE_PYTHON_PACKAGES") else 77)
+    sys.exit(77)
 
 BOX = """v 0 0 0
 v 3 0 0
