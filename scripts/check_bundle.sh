@@ -25,8 +25,8 @@ expect results/vulkan_tests_1/log.txt '^[0-9]+ passed, [0-9]+ skipped, 0 failed$
 expect results/meshes/tables.md '^\| 24 samples \| Vulkan, exact\+harmonic \| 1 \|'
 tar -tzf "$work/system/results/results.tar.gz" results/meshes/runtime_over_meshes.svg
 
-# Where the system lacks C++'s own library or Vulkan's loader, the bundle's serve, the first one also for the driver. Containers have NVIDIA's driver in
-# a folder of its own.
+# The bundle's own libraries serve where the system lacks Vulkan's loader or C++'s library. The driver needs the latter,
+# too. Containers have NVIDIA's driver in a folder of its own.
 rm "$work/system"/usr/lib/*/libstdc++.so.6* "$work/system"/usr/lib/*/libvulkan.so.1*
 mkdir -p "$work/system/usr/local/nvidia/share"
 mv "$work/system/usr/share/vulkan" "$work/system/usr/local/nvidia/share"

@@ -126,7 +126,7 @@ def generate(
                 run_jobs(jobs, workers, client, report, outcomes)
         except BaseException:
             if _new(jobs, before):
-                with suppress(FileError):  # What stopped the run says more.
+                with suppress(FileError):  # The error that stopped the run says more.
                     _finish(jobs, outcomes, folder, what, parquet)
             raise
         others = _finish(jobs, outcomes, folder, what, parquet)
