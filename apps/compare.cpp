@@ -31,19 +31,6 @@ struct Arguments {
   bool isJson = false;
 };
 
-Json toJson(const Comparison& found, FieldArray array) {
-  Json json{{"array", name(array)}, {"samples", found.samples}};
-  if (array == FieldArray::Triangle) {
-    json["differences"] = found.differences;
-    return json;
-  }
-  json.update({{"max", found.maxError}, {"mean", found.meanError}, {"rms", found.rmsError}});
-  if (array == FieldArray::Distance) json["sign_differences"] = found.signDifferences;
-  json.update({{"non_finite", found.nonFinite},
-               {"worst_sample", {found.worstSample.x, found.worstSample.y, found.worstSample.z}}});
-  return json;
-}
-
 void printCount(const char* what, size_t count, const Comparison& found) {
   std::printf("%-16s  %s, %.4g %%\n", what, grouped(count).c_str(),
               100.0 * double(count) / double(found.samples));
@@ -86,7 +73,9 @@ void run(Arguments& arguments) {
   constexpr int kWidth = 1024;
   if (!arguments.picture.empty()) writePng(arguments.picture, renderComparison(a, b, kWidth, array));
   if (arguments.isJson) {
-    std::cout << textOf(toJson(found, array));
+    Json json = toJson(found);
+    json["array"] = name(array);
+    std::cout << textOf(json);
     return;
   }
   print(found, array);

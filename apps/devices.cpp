@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kFooter = R"(Examples:
   raymap devices
-  raymap devices --json | jq -r .auto
+  raymap devices --json | jq '.devices[] | select(.automatic)'
   raymap devices --test                                 (every GPU)
   raymap devices --test vulkan:0
 
@@ -32,9 +32,8 @@ RAYMAP_CACHE names, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap; RAYMAP_CA
 constexpr int kFailedTest = 9;
 
 void print(const DeviceList& list) {
-  for (size_t i = 0; i < list.devices.size(); ++i) {
-    const DeviceInfo& device = list.devices[i];
-    std::printf("%-10s %-5s %s\n", device.id.c_str(), i == list.automatic ? "auto" : "", device.name.c_str());
+  for (const DeviceInfo& device : list.devices) {
+    std::printf("%-10s %-5s %s\n", device.id.c_str(), device.isAutomatic ? "auto" : "", device.name.c_str());
     if (device.threads > 0)
       std::printf("%16s %u threads, %s of memory left\n", "", device.threads,
                   sizeText(device.memory).c_str());
@@ -48,33 +47,6 @@ void print(const DeviceList& list) {
                   device.testProblem.empty() ? "" : ", ", device.testProblem.c_str());
   }
   if (!list.note.empty()) std::printf("no GPU: %s\n", list.note.c_str());
-}
-
-Json toJson(const DeviceInfo& device) {
-  Json json{
-      {"id", device.id}, {"name", device.name}, {"type", name(device.type)}, {"memory_bytes", device.memory}};
-  if (device.threads > 0) {
-    json["threads"] = device.threads;
-  } else {
-    json["shared_memory_bytes"] = device.sharedMemory;
-    json["driver"] = device.driver;
-    json["vulkan"] = device.vulkanVersion;
-    json["subgroup_size"] = {
-        {"usual", device.subgroupSize}, {"min", device.minSubgroupSize}, {"max", device.maxSubgroupSize}};
-    json["test"] = name(device.test);
-    if (!device.testProblem.empty()) json["test_problem"] = device.testProblem;
-  }
-  json["usable"] = device.problem.empty();
-  if (!device.problem.empty()) json["problem"] = device.problem;
-  return json;
-}
-
-Json toJson(const DeviceList& list) {
-  Json all = Json::array();
-  for (const DeviceInfo& device : list.devices) all.push_back(toJson(device));
-  Json json{{"auto", list.devices[list.automatic].id}, {"devices", all}};
-  if (!list.note.empty()) json["note"] = list.note;
-  return json;
 }
 
 void printHead(const DeviceInfo& device) {
@@ -100,20 +72,6 @@ void print(const DeviceTest& test) {
     std::printf("FAILED in %s\n", test.problem.c_str());
 }
 
-Json toJson(const DeviceTest& test) {
-  Json checks = Json::array();
-  for (const DeviceCheck& check : test.checks) {
-    Json json{{"name", check.name}, {"passed", check.difference.empty()}, {"ms", check.milliseconds}};
-    if (!check.difference.empty()) json["difference"] = check.difference;
-    checks.push_back(json);
-  }
-  Json json = toJson(test.device);
-  json["raymap"] = version().text;
-  json["ms"] = test.milliseconds;
-  json["checks"] = checks;
-  return json;
-}
-
 /// Returns the devices to test: the one named, or every one that can be used.
 std::vector<std::string> devicesToTest(const std::string& asked) {
   if (!asked.empty()) return {asked};
@@ -129,20 +87,20 @@ std::vector<std::string> devicesToTest(const std::string& asked) {
 
 /// Ends the program if a test failed.
 void testAll(const std::string& asked, bool isJson) {
-  Json all = Json::array();
+  Json tests = Json::array();
   bool isPassed = true, hangs = false;
   for (const std::string& id : devicesToTest(asked)) {
     ProgressLine line;
     const DeviceTest test = testDevice(id, line.callback());
     line.clear();
     if (isJson)
-      all.push_back(toJson(test));
+      tests.push_back(toJson(test));
     else
       print(test);
     isPassed = isPassed && test.problem.empty();
     hangs = hangs || test.hangs;
   }
-  if (isJson) std::cout << textOf(all);
+  if (isJson) std::cout << textOf({{"raymap", version().text}, {"tests", tests}});
   std::cout.flush();
   std::fflush(stdout);
   if (hangs) _exit(kFailedTest);  // An orderly end would wait for the driver.
@@ -167,7 +125,7 @@ void addDevices(CLI::App& app) {
     }
     const DeviceList list = devices();
     if (*isJson)
-      std::cout << textOf(toJson(list));
+      std::cout << textOf({{"devices", toJson(list.devices)}, {"note", list.note}});
     else
       print(list);
   });

@@ -58,7 +58,7 @@ void testBeforeFirstUse(std::string& device) {
     return child && succeeds(*child);
   };
   if (hasPassed() || deviceToTest() != id) return;
-  warn("the GPU is not used, the CPU instead: the test of " + id + " did not pass; `raymap devices --test " +
+  warn("the CPU is used instead of the GPU: the test of " + id + " did not pass; `raymap devices --test " +
        id + "` says why");
   device = "cpu";
 }

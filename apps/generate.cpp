@@ -98,10 +98,8 @@ Json listOf(const std::vector<glm::ivec3>& offsets) {
 Json describe(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   return {{"raymap", version().text},
-          {"mesh",
-           {{"file", arguments.mesh.string()},
-            {"load_ms", millisecondsOf(report.before, "load")},
-            {"diagnose_ms", millisecondsOf(report.before, "diagnose")}}},
+          {"mesh", arguments.mesh.string()},
+          {"steps", toJson(report.steps())},
           {"diagnostics", toJson(report.found)},
           {"grid",
            {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
@@ -121,18 +119,7 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"close_holes", arguments.options.closeHoles},
             {"thickness", arguments.options.thickness},
             {"threads", arguments.options.threads}}},
-          {"device", report.stats.device},
-          {"stages", toJson(report.stats)},
-          {"total_ms", report.stats.totalMilliseconds},
-          {"write_ms", millisecondsOf(report.after, "write")},
-          {"doubtful_share", report.stats.doubtfulShare},
-          {"turned_faces", report.stats.turnedFaces.size()},
-          {"left_out_faces", report.stats.leftOutFaces.size()},
-          {"orientation_fits", report.stats.orientationFits},
-          {"misfit_given", report.stats.misfitGiven},
-          {"misfit", report.stats.misfit},
-          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
-          {"generator_bytes", report.stats.bytes},
+          {"stats", toJson(report.stats)},
           {"peak_memory_bytes", peakMemory()}};
 }
 
@@ -140,21 +127,14 @@ Json describe(const Arguments& arguments, const Report& report) {
 Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
-            {"diagnostics", toJson(report.found)},
-            {"self_intersections", toJson(findSelfIntersections(mesh))}};
+            {"diagnostics", toJson(Inspection{report.found, findSelfIntersections(mesh)})},
+            {"stats", toJson(report.stats)}};
   if (arguments.options.sign == SignMode::None) return json;
   constexpr float kSure = 0.5f;
   const auto guessed = std::count_if(field.confidence.begin(), field.confidence.end(),
                                      [](float confidence) { return confidence < kSure; });
-  json["signs"] = {{"doubtful_share", report.stats.doubtfulShare},
-                   {"guessed_share", double(guessed) / double(field.confidence.size())},
-                   {"guessed_below", kSure}};
-  json["orientation"] = {{"turned_faces", report.stats.turnedFaces.size()},
-                         {"left_out_faces", report.stats.leftOutFaces.size()},
-                         {"fits", report.stats.orientationFits},
-                         {"misfit_given", report.stats.misfitGiven},
-                         {"misfit", report.stats.misfit}};
-  json["patch"] = {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}};
+  json["guessed_share"] = double(guessed) / double(field.confidence.size());
+  json["guessed_below"] = kSure;
   return json;
 }
 
@@ -172,8 +152,8 @@ void print(const Arguments& arguments, const Report& report) {
   std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
   std::printf("%s", describeTimes(report.steps(), report.elapsedMilliseconds).c_str());
-  std::printf("field: %.1f ms on %s, peak memory %s", report.stats.totalMilliseconds,
-              report.stats.device.c_str(), sizeText(peakMemory()).c_str());
+  std::printf("field: %.1f ms on %s, peak memory %s", report.stats.milliseconds, report.stats.device.c_str(),
+              sizeText(peakMemory()).c_str());
   if (arguments.options.sign != SignMode::None)
     std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");

@@ -131,7 +131,7 @@ void addInfo(CLI::App& app) {
     }
     Json json = toJson(found);
     json["unit"] = unit ? Json(nameOf(*unit)) : Json();
-    json["self_intersections"] = crossings ? toJson(*crossings) : Json{{"counted", false}};
+    json["self_intersections"] = crossings ? toJson(*crossings) : Json();
     json["verdict"] = toJson(verdict);
     std::cout << textOf(json);
   });

@@ -38,15 +38,16 @@ std::string commandName(const CLI::App& app) {
   return name;
 }
 
-/// Says what is wrong with the arguments, in their order. CLI11 lists unknown ones last first, and reports a
-/// misspelt command only as missing.
+/// Returns what is wrong with the arguments, in their order. CLI11 lists unknown ones last first, and reports
+/// a misspelt command only as missing.
 std::string describe(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<std::string> unknown = app.remaining(true);
   if (app.get_subcommands().empty()) {
-    std::string text = "name a command:";
+    std::string text =
+        unknown.empty() ? "name a command:" : "unknown command '" + unknown.front() + "'; use one of:";
     for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
       text += " " + command->get_name();
-    return unknown.empty() ? text : text + "; " + unknown.front() + " is none";
+    return text;
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
   std::string text = "not understood:";

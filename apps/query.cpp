@@ -150,38 +150,25 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
   Json arrays = Json::array();
   for (const AskedArray& array : kArrays)
     if (asked.*array.isAsked) arrays.push_back(array.name);
-  Json json{{"raymap", version().text},
-            {"mesh",
-             {{"file", arguments.mesh.string()},
-              {"triangles", report.triangles},
-              {"load_ms", millisecondsOf(report.before, "load")}}},
-            {"points",
-             {{"file", arguments.points.string()},
-              {"count", report.points},
-              {"not_finite", report.notFinite},
-              {"load_ms", millisecondsOf(report.before, "load points")}}},
-            {"options",
-             {{"arrays", arrays},
-              {"unsigned", arguments.isUnsigned},
-              {"orientation", arguments.orientation},
-              {"threshold", arguments.options.threshold},
-              {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
-              {"threads", arguments.options.threads}}},
-            {"stages", toJson(report.surface)},
-            {"surface_ms", report.surface.totalMilliseconds},
-            {"surface_bytes", report.surfaceBytes},
-            {"query_ms", millisecondsOf(report.after, "query")},
-            {"write_ms", millisecondsOf(report.after, "write")}};
+  Json json{
+      {"raymap", version().text},
+      {"mesh", arguments.mesh.string()},
+      {"triangles", report.triangles},
+      {"points",
+       {{"file", arguments.points.string()}, {"count", report.points}, {"non_finite", report.notFinite}}},
+      {"options",
+       {{"arrays", arrays},
+        {"unsigned", arguments.isUnsigned},
+        {"orientation", arguments.orientation},
+        {"threshold", arguments.options.threshold},
+        {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
+        {"threads", arguments.options.threads}}},
+      {"steps", toJson(report.steps())},
+      {"stats", toJson(report.surface)},
+      {"surface_bytes", report.surfaceBytes},
+      {"peak_memory_bytes", peakMemory()}};
   if (report.known > 0)
     json["distances"] = {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
-  if (!arguments.isUnsigned)
-    json.update({{"doubtful_share", report.surface.doubtfulShare},
-                 {"turned_faces", report.surface.turnedFaces.size()},
-                 {"left_out_faces", report.surface.leftOutFaces.size()},
-                 {"orientation_fits", report.surface.orientationFits},
-                 {"misfit_given", report.surface.misfitGiven},
-                 {"misfit", report.surface.misfit}});
-  json["peak_memory_bytes"] = peakMemory();
   return json;
 }
 
@@ -252,7 +239,9 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
       ->type_name("FILE")
       ->group("Files");
   addOverwriteOption(command, arguments.mayOverwrite)->group("Files");
-  command.add_option("--arrays", arguments.arrays, "What to compute, parted by commas (default distance)")
+  command
+      .add_option("--arrays", arguments.arrays,
+                  "Comma-separated list of arrays to compute (default distance)")
       ->delimiter(',')
       ->check(CLI::IsMember(names))
       ->group("Results");

@@ -9,49 +9,6 @@ namespace raymap {
 
 namespace {
 
-Json toJson(const Deviation& deviation) {
-  return {
-      {"max", deviation.max}, {"mean", deviation.mean}, {"p99", deviation.p99}, {"points", deviation.points}};
-}
-
-Json toJson(const Diagnostics& found, const SelfIntersections& crossing) {
-  Json json = toJson(found);
-  json["self_intersections"] = toJson(crossing);
-  return json;
-}
-
-Json toJson(const Removed& removed) {
-  return {{"count", removed.count}, {"volume", removed.volume}, {"largest", removed.largest}};
-}
-
-Json toJson(const std::vector<HolePlace>& places) {
-  Json json = Json::array();
-  for (const auto& [position, direction] : places)
-    json.push_back({{"position", {position.x, position.y, position.z}},
-                    {"direction", {direction.x, direction.y, direction.z}}});
-  return json;
-}
-
-Json toJson(const Loss& loss) {
-  const auto orZero = [](const Box& box) {
-    return box.isEmpty() ? Box{glm::dvec3(0.0), glm::dvec3(0.0)} : box;
-  };
-  const Box box = orZero(loss.bounds), open = orZero(loss.openBounds);
-  return {{"solid_share", loss.solidShare},
-          {"bbox_min", raymap::toJson(box.min)},
-          {"bbox_max", raymap::toJson(box.max)},
-          {"thinnest", loss.thinnest},
-          {"median_thickness", loss.medianThickness},
-          {"voxel_size", loss.voxelSize},
-          {"is_kept", loss.isKept},
-          {"kept_share", loss.keptShare},
-          {"kept_thickness", loss.keptThickness},
-          {"dropped_share", loss.droppedShare},
-          {"open_share", loss.openShare},
-          {"open_bbox_min", raymap::toJson(open.min)},
-          {"open_bbox_max", raymap::toJson(open.max)}};
-}
-
 void print(const char* name, const glm::dvec3& before, const glm::dvec3& after) {
   std::printf("  %-22s %.6g %.6g %.6g before, %.6g %.6g %.6g after\n", name, before.x, before.y, before.z,
               after.x, after.y, after.z);
@@ -107,58 +64,26 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               const MeshWriteOptions& written) {
   const std::optional<LengthUnit> unit =
       unitOf(arguments.units, named(arguments.mesh, arguments.format.input));
-  return {{"raymap", version().text},
-          {"mesh", arguments.mesh.string()},
-          {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
-          {"options",
-           {{"orientation", arguments.orientation},
-            {"close_holes", arguments.repair.closeHoles},
-            {"offset", arguments.repair.offset},
-            {"shell", arguments.repair.shell},
-            {"drain_hole", arguments.repair.drainHole},
-            {"drain_holes", arguments.repair.drainHoles},
-            {"keep_cavities", arguments.repair.keepCavities},
-            {"min_thickness", arguments.repair.minThickness},
-            {"tolerance", report.simplified.tolerance},
-            {"remesh", arguments.repair.remesh},
-            {"unit", unit ? Json(nameOf(*unit)) : Json()},
-            {"scale", arguments.units.scale},
-            {"up", arguments.units.up.empty() ? Json() : Json(arguments.units.up)}}},
-          {"file_offset", toJson(written.offset)},
-          {"before", toJson(report.before, report.crossingBefore)},
-          {"after", toJson(report.after, report.crossingAfter)},
-          {"result_from_mesh", toJson(report.ofResult)},
-          {"mesh_from_result", toJson(report.ofMesh)},
-          {"kept_from_result", toJson(report.ofKept)},
-          {"buried_share", report.buriedShare},
-          {"lost_share", report.lostShare},
-          {"trimmed_share", report.trimmedShare},
-          {"loss", toJson(report.loss)},
-          {"hollows", report.hollows},
-          {"filled_hollows", report.filledHollows},
-          {"drain_holes", report.holes},
-          {"drain_hole_places", toJson(report.holePlaces)},
-          {"solids", report.solids},
-          {"cavities", report.cavities},
-          {"drop_smaller", report.dropSmaller},
-          {"dropped", toJson(report.dropped)},
-          {"filled", toJson(report.filled)},
-          {"buried", toJson(report.buried)},
-          {"parts_overlap", report.partsOverlap},
-          {"kept", report.isKept},
-          {"closed_holes", report.closedHoles},
-          {"closing_faces", report.closingFaces},
-          {"thickened_share", report.thickenedShare},
-          {"simplified",
-           {{"tolerance", report.simplified.tolerance},
-            {"triangles_before", report.simplified.facesBefore},
-            {"triangles_after", report.simplified.facesAfter},
-            {"deviation", report.simplified.deviation}}},
-          {"turned_faces", report.stats.turnedFaces.size()},
-          {"left_out_faces", report.stats.leftOutFaces.size()},
-          {"orientation_fits", report.stats.orientationFits},
-          {"patch", {{"triangles", report.stats.patchTriangles}, {"area", report.stats.patchArea}}},
-          {"stages", toJson(report.stats)}};
+  Json json{{"raymap", version().text},
+            {"mesh", arguments.mesh.string()},
+            {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
+            {"options",
+             {{"orientation", arguments.orientation},
+              {"close_holes", arguments.repair.closeHoles},
+              {"offset", arguments.repair.offset},
+              {"shell", arguments.repair.shell},
+              {"drain_hole", arguments.repair.drainHole},
+              {"drain_holes", arguments.repair.drainHoles},
+              {"keep_cavities", arguments.repair.keepCavities},
+              {"min_thickness", arguments.repair.minThickness},
+              {"tolerance", report.simplified.tolerance},
+              {"remesh", arguments.repair.remesh},
+              {"unit", unit ? Json(nameOf(*unit)) : Json()},
+              {"scale", arguments.units.scale},
+              {"up", arguments.units.up.empty() ? Json() : Json(arguments.units.up)}}},
+            {"file_offset", toJson(written.offset)}};
+  json.update(toJson(report));
+  return json;
 }
 
 void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
@@ -166,7 +91,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
               counted(report.before.triangles, "triangle").c_str(),
               describeDefects(report.before, report.crossingBefore).c_str());
   if (report.partsOverlap)
-    std::printf("  parts of it overlap, or lie in each other without being cavities\n");
+    std::printf("  parts of it overlap, touch, or are nested without being cavities\n");
   if (report.isKept)
     printKept(report);
   else
@@ -194,12 +119,12 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
-  printShare(report.buriedShare, "of the mesh lies inside the solid, and is no surface any more");
+  printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
   printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");
   printShare(report.loss.droppedShare, "of the mesh is lost with the small parts that were dropped");
-  printShare(report.trimmedShare, "of the mesh has no place on the surface that the offset moves");
+  printShare(report.trimmedShare, "of the mesh is removed by the offset: other parts are closer");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
                 counted(report.holes, "drain hole").c_str());

@@ -1,12 +1,10 @@
 #include "report.h"
 
-#include <raymap/names.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <span>
 #include <utility>
 
 #include "terminal.h"
@@ -15,73 +13,6 @@ namespace raymap {
 
 std::string textOf(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-Json toJson(const glm::dvec3& v) {
-  return {v.x, v.y, v.z};
-}
-
-namespace {
-
-Json listHoles(const std::vector<Hole>& holes) {
-  constexpr size_t kMost = 1000;
-  Json list = Json::array();
-  for (const Hole& hole : std::span(holes).first(std::min(holes.size(), kMost)))
-    list.push_back({{"edges", hole.edges},
-                    {"length", hole.length},
-                    {"area", hole.area},
-                    {"centre", toJson(hole.centre)},
-                    {"diameter", hole.diameter}});
-  return list;
-}
-
-}  // namespace
-
-Json toJson(const SelfIntersections& found) {
-  return {{"pairs", found.pairs}, {"faces", found.faces.size()}, {"complete", found.isComplete}};
-}
-
-Json toJson(const Verdict& verdict) {
-  const auto orNull = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  return {{"kind", name(verdict.kind)},
-          {"remedy", name(verdict.remedy)},
-          {"sought", verdict.sought},
-          {"thinnest", orNull(verdict.thinnest)},
-          {"voxel_size", orNull(verdict.voxelSize)}};
-}
-
-Json toJson(const Diagnostics& found) {
-  return {{"vertices", found.vertices},
-          {"vertices_welded", found.weldedVertices},
-          {"triangles", found.triangles},
-          {"watertight", found.watertight},
-          {"consistently_oriented", found.consistentlyOriented},
-          {"balanced", found.balanced},
-          {"components", found.components},
-          {"open_components", found.openComponents},
-          {"inward_components", found.inwardComponents},
-          {"sheets", found.sheets},
-          {"sheet_share", found.sheetShare},
-          {"boundary_edges", found.boundaryEdges},
-          {"hole_count", found.holes.size()},
-          {"holes", listHoles(found.holes)},
-          {"nonmanifold_edges", found.nonManifoldEdges},
-          {"flipped_edges", found.flippedEdges},
-          {"flipped_faces", found.flippedFaces},
-          {"degenerate_faces", found.degenerateFaces},
-          {"duplicate_faces", found.duplicateFaces},
-          {"double_sided_faces", found.doubleSidedFaces},
-          {"signed_volume", found.signedVolume},
-          {"area", found.area},
-          {"bbox_min", toJson(found.bounds.min)},
-          {"bbox_max", toJson(found.bounds.max)}};
-}
-
-Json toJson(const Stats& stats) {
-  Json stages = Json::array();
-  for (const Stats::Stage& stage : stats.stages)
-    stages.push_back({{"name", stage.name}, {"ms", stage.milliseconds}});
-  return stages;
 }
 
 std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
@@ -124,12 +55,6 @@ std::string sizeText(size_t bytes) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g %s", size, units[unit]);
   return text.data();
-}
-
-double millisecondsOf(const std::vector<Stats::Stage>& steps, std::string_view name) {
-  double sum = 0.0;
-  for (const Stats::Stage& step : steps) sum += step.name == name ? step.milliseconds : 0.0;
-  return sum;
 }
 
 std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds) {

@@ -49,7 +49,7 @@ void catchUnlessIgnored(int signal, void (*handler)(int)) {
   if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
-std::string dataPath;  // Of stdout, if that is kept for data.
+std::string dataPath;  // Path of stdout, if that is kept for data.
 
 std::mutex waitingMutex;
 bool isWaitingShown = false;

@@ -70,7 +70,8 @@ def check_sheets(trial):
 
 def check_unit(trial):
     now, before = trial.run("--unit", "mm"), trial.found["after"]
-    ratio = (now["after"]["bbox_max"][0] - now["after"]["bbox_min"][0]) / (before["bbox_max"][0] - before["bbox_min"][0])
+    (low, high), (low_before, high_before) = now["after"]["bounds"], before["bounds"]
+    ratio = (high[0] - low[0]) / (high_before[0] - low_before[0])
     return math.isclose(ratio, 1000, rel_tol=0.01), f"{ratio:.4g} times as large"
 
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "../tests/support/shapes.h"
+#include "testing/shapes.h"
 #ifdef RAYMAP_BENCH_OPENVDB
 #include "methods.h"
 #endif

@@ -8,13 +8,13 @@
 #include <map>
 #include <optional>
 
-#include "../tests/kernels/work_counter.h"
 #include "api/devices.h"
 #include "base/memory.h"
 #include "meshes.h"
 #include "method/pipeline.h"
+#include "testing/kernels/vulkan_entry.h"
+#include "testing/kernels/work_counter.h"
 #include "vulkan/runtime/backend.h"
-#include "vulkan_entry.h"
 
 namespace raymap::bench {
 

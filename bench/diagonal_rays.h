@@ -3,7 +3,7 @@
 // The paper's future work: rays along all 13 directions of the lattice instead of its three axes.
 // docs/signs.md explains why raymap does not use them; this code repeats the measurement.
 
-#include "sign_scene.h"
+#include "testing/sign_scene.h"
 
 #include <vector>
 

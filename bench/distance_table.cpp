@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "testing/mesh_rows.h"
+
 namespace raymap {
 namespace {
 
@@ -76,7 +78,7 @@ void printTable(const std::filesystem::path& folder, int resolution) {
 
 int main(int argc, char** argv) {
   try {
-    raymap::printTable(argc > 1 ? argv[1] : RAYMAP_SHARED_MESHES, argc > 2 ? std::atoi(argv[2]) : 64);
+    raymap::printTable(argc > 1 ? argv[1] : raymap::meshFolder(), argc > 2 ? std::atoi(argv[2]) : 64);
   } catch (const raymap::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return int(error.code());

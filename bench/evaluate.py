@@ -10,7 +10,6 @@ The truth is the exact generalized winding number (libigl's `winding_number`, do
 """
 
 import argparse
-import csv
 import json
 import pathlib
 import subprocess
@@ -18,6 +17,7 @@ import tempfile
 
 import igl
 import numpy as np
+from mesh_table import mesh_rows
 from PIL import Image, ImageDraw
 
 MODES = ("rays", "paths", "evolution", "harmonic")
@@ -54,7 +54,7 @@ class Case:
     def milliseconds(self, mode):
         """Returns the time from triangles in memory to the finished field, the least of three runs."""
         runs = [self.run(mode), self.run_anew(mode), self.run_anew(mode)]
-        return min(stats["total_ms"] for _, stats in runs)
+        return min(stats["stats"]["milliseconds"] for _, stats in runs)
 
     def grid(self):
         return self.run("harmonic")[1]["grid"]
@@ -223,8 +223,7 @@ def winding_fields(args, folder):
 
 def deficient_meshes(args, folder):
     """Tabulates each mode's wrong signs against the exact number, and its time, for every deficient mesh."""
-    with open(args.folder / "MESHES.tsv") as file:
-        names = [row["file"] for row in csv.DictReader(file, delimiter="\t") if row["kind"] == "defect"]
+    names = [row["file"] for row in mesh_rows(args.folder) if row["kind"] == "defect"]
     lines = ["| mesh | triangles | " + " | ".join(MODES) + " | ms: " + " | ".join(MODES) + " |",
              "|---|---|" + "---|" * (2 * len(MODES))]  # fmt: skip
     for name in names:

@@ -8,7 +8,6 @@ generalized winding number of the faces as given, and the distance by its tree o
 """
 
 import argparse
-import csv
 import pathlib
 import subprocess
 import tempfile
@@ -16,8 +15,9 @@ import tempfile
 import igl
 import numpy as np
 from evaluate import read_mesh
+from mesh_table import mesh_rows
 
-NEAR = 1e-3  # Of the diagonal.
+NEAR = 1e-3  # Share of the diagonal.
 THRESHOLD = 0.5
 # Points on open meshes that may be on the wrong side, as docs/points.md says: so close to the surface, in diagonals, or
 # with a winding number so close to the threshold.
@@ -81,8 +81,7 @@ def main():
     parser.add_argument("--only", default="", help="files whose name contains this")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    with open(args.folder / "MESHES.tsv", newline="") as file:
-        rows = [row for row in csv.DictReader(file, delimiter="\t") if args.only in row["file"]]
+    rows = [row for row in mesh_rows(args.folder) if args.only in row["file"]]
     lines = ["| mesh | triangles | balanced | wrong, uniform | wrong, near | to be expected | largest error / diagonal |"]
     lines.append("|---|---|---|---|---|---|---|")
     print(*lines, sep="\n", flush=True)

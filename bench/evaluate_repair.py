@@ -10,7 +10,6 @@ on there: what the same program made with the same arguments is not made again.
 Checks by other software: admesh (in the PATH) and trimesh count faults; distances are Open3D's, from points spread at
 random over both surfaces. Needs numpy, scipy, trimesh and open3d."""
 import argparse
-import csv
 import hashlib
 import json
 import pathlib
@@ -20,6 +19,8 @@ import shutil
 import statistics
 import subprocess
 import sys
+
+from mesh_table import mesh_rows
 
 # Faults that admesh must not find in a result. It prints a count of each.
 ADMESH_FAULTS = ("Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges", "Degenerate facets",
@@ -161,7 +162,7 @@ def evaluate(raymap, mesh, arguments, has_tolerance):
     if "error" in stats:
         return stats
     found = {key: stats[key] for key in ("before", "after", "grid", "options", "cpu", "warnings", "result_from_mesh",
-                                         "mesh_from_result", "buried_share", "lost_share", "loss", "patch")}
+                                         "mesh_from_result", "buried_share", "lost_share", "loss", "stats")}
     for side in ("before", "after"):
         found[side]["holes"] = []
     if has_tolerance:
@@ -214,7 +215,7 @@ def limit_of(found):
 
 def reasons_of_distance(found):
     """Returns what the report says of each largest distance, in samples by Open3D, that exceeds the limit."""
-    loss, closed, limit = found["loss"], found["patch"]["triangles"], limit_of(found)
+    loss, closed, limit = found["loss"], found["stats"]["patch_triangles"], limit_of(found)
     lost = [f"{100 * share:.2g} % of the mesh {text}" for share, text in (
         (loss["solid_share"], "is lost with its solid"), (loss["open_share"], "is lost and bounds no solid"),
         (loss["dropped_share"], "is lost with small parts that were dropped")) if share > 0]
@@ -301,9 +302,8 @@ def main():
     if shutil.which("admesh") is None:
         sys.exit("admesh is not installed; scripts/install.sh --bench installs it")
     arguments.work.mkdir(parents=True, exist_ok=True)
-    with open(arguments.folder / "MESHES.tsv", newline="") as table:
-        names = [row["file"] for row in csv.DictReader(table, delimiter="\t", quoting=csv.QUOTE_NONE)
-                 if row["kind"] != "malformed" and (arguments.only is None or row["file"] in arguments.only)]
+    names = [row["file"] for row in mesh_rows(arguments.folder)
+             if row["kind"] != "malformed" and (arguments.only is None or row["file"] in arguments.only)]
     program = hashlib.sha256(pathlib.Path(arguments.raymap).read_bytes() + pathlib.Path(__file__).read_bytes()).hexdigest()
     key = f"{program} {arguments.resolution} {arguments.points}"
     has_tolerance = knows_tolerance(arguments.raymap)

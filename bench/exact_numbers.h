@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "reference.h"
-#include "sign_scene.h"
+#include "testing/reference.h"
+#include "testing/sign_scene.h"
 
 namespace raymap::bench {
 

@@ -199,7 +199,7 @@ def parse_arguments():
     arguments = parser.parse_intermixed_args()  # Lets the folder follow options.
     if arguments.meshes:
         if not arguments.meshes.is_dir():
-            parser.error(f"{arguments.meshes} is no folder")
+            parser.error(f"{arguments.meshes} is not a folder")
         if not meshes_of(arguments.meshes, arguments.quick):
             parser.error(f"{arguments.meshes} holds no meshes")
     names = tables_of(None, (), arguments.quick, None)

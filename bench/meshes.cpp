@@ -3,11 +3,10 @@
 #include <raymap/io.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <unordered_map>
 
-#include "../tests/support/shapes.h"
+#include "testing/mesh_rows.h"
+#include "testing/shapes.h"
 
 namespace raymap::bench {
 
@@ -68,9 +67,7 @@ Mesh bumpySphere() {
 }
 
 Mesh bunny() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  const std::filesystem::path file =
-      std::filesystem::path(folder ? folder : RAYMAP_SHARED_MESHES) / "draco__bun_zipper.ply";
+  const std::filesystem::path file = meshFolder() / "draco__bun_zipper.ply";
   return std::filesystem::exists(file) ? readMesh(file) : bumpySphere();
 }
 

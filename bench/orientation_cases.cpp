@@ -19,12 +19,12 @@
 #include <string>
 #include <vector>
 
-#include "broken_meshes.h"
-#include "cpu_run.h"
 #include "exact_numbers.h"
 #include "exchange.h"
 #include "program.h"
-#include "shapes.h"
+#include "testing/broken_meshes.h"
+#include "testing/cpu_run.h"
+#include "testing/shapes.h"
 #ifdef RAYMAP_BENCH_OPENVDB
 #include "methods.h"
 #endif

@@ -17,7 +17,7 @@
 #include "meshes.h"
 #include "point_methods.h"
 #include "program.h"
-#include "random_points.h"
+#include "testing/random_points.h"
 #include "usage.h"
 
 namespace raymap::bench {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "mesh_folder.h"
 #include "program.h"
-#include "random_points.h"
-#include "reference.h"
+#include "testing/mesh_rows.h"
+#include "testing/random_points.h"
+#include "testing/reference.h"
 
 namespace {
 

@@ -26,7 +26,7 @@ MESHES = (
     ("trimesh__cycloidal.ply", "100 parts that cross", ()),
 )
 WIDTH, HEIGHT, TITLE = 360, 270, 18
-COLUMNS = 2  # Of pairs.
+COLUMNS = 2  # Pairs in a row.
 
 
 def run(command):

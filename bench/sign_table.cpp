@@ -5,10 +5,10 @@
 #include <raymap/raymap.h>
 
 #include "base/parallel.h"
-#include "broken_meshes.h"
 #include "diagonal_rays.h"
 #include "exact_numbers.h"
-#include "shapes.h"
+#include "testing/broken_meshes.h"
+#include "testing/shapes.h"
 
 #include <algorithm>
 #include <array>

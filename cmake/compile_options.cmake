@@ -8,7 +8,7 @@ if(RAYMAP_WERROR)
   target_compile_options(raymap_compile_options INTERFACE -Werror)
 endif()
 if(CMAKE_UNITY_BUILD)
-  target_compile_options(raymap_compile_options INTERFACE -Wno-shadow) # Of one file's names by another's.
+  target_compile_options(raymap_compile_options INTERFACE -Wno-shadow) # One file's names may shadow another's.
 endif()
 if(RAYMAP_SANITIZE)
   # One instruction set is enough to find what sanitizers find; six take minutes to compile with them. x86-64 by itself

@@ -1,4 +1,4 @@
-# What `cmake --install` puts down, and how others find it: find_package(raymap) and pkg-config.
+# Files that `cmake --install` puts down, and how others find them: find_package(raymap) and pkg-config.
 include(CMakePackageConfigHelpers)
 
 # What each layer links but never shows in a header: by CMake's names, by pkg-config's, and by the linker's for what

@@ -5,8 +5,9 @@
 - Relative links lead to files and headings that exist.
 - Files of code named in `backticks` exist.
 - docs/decisions/layers.md names every layer of src/layers.txt.
-- docs/dependencies.md names every file, or a folder of it, that includes a header of a library.
-- docs/cli.md lists the exit codes that `raymap --help` lists.
+- docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
+- docs/cli.md lists the exit codes that `raymap --help` lists, and has a section on every command.
+- CONTRIBUTING.md lists the folders of the tree, in the order of src/layers.txt, and every stage of .ci/run.
 - Lines of prose end before column 101.
 
 check_docs.py [FOLDER] checks another tree."""
@@ -25,7 +26,6 @@ HEADERS = {
     "Highway": r"hwy/(?!detect)",
     "libpng": r"png\.h",
     "zlib": r"zlib\.h",
-    "minizip": r"minizip/",
     "libzip": r"zip\.h",
     "expat": r"expat\.h",
     "pugixml": r"pugixml",
@@ -137,9 +137,13 @@ def check_libraries(tree):
         row = re.search(rf"^\| {re.escape(library)} \|.*$", text, re.MULTILINE)
         places = re.findall(r"`([^`]+)`", row[0].rsplit(" | ", 1)[1]) if row else []
         include = re.compile(rf'^#include [<"]{header}', re.MULTILINE)
-        for path in sources:
-            if include.search((ROOT / path).read_text()) and not any(path.startswith(place) for place in places):
+        users = [path for path in sources if include.search((ROOT / path).read_text())]
+        for path in users:
+            if not any(path.startswith(place) for place in places):
                 yield f"{path} includes {library}, which is not said there"
+        for place in places:
+            if re.match("(src|apps)/", place) and not any(path.startswith(place) for path in users):
+                yield f"{place} does not include {library}, as is said there"
 
 
 def check_exit_codes():
@@ -152,13 +156,52 @@ def check_exit_codes():
         yield f"exit code {code} is only in " + ("the program's help" if code in told else "this table")
 
 
+def check_commands():
+    sources = "".join(path.read_text() for path in (ROOT / "apps").glob("*.cpp"))
+    headings = "".join(re.findall(r"^## .*\n", (ROOT / "docs/cli.md").read_text(), re.MULTILINE))
+    for command in re.findall(r'add_subcommand\("(\w+)"', sources):
+        if not re.search(rf"\b{command}\b", headings):
+            yield f"has no section on the command {command}"
+
+
+def check_folders(tree):
+    lines = re.search(r"^```\n(include/.*?)^```", (ROOT / "CONTRIBUTING.md").read_text(), re.DOTALL | re.MULTILINE)[1]
+    listed = []
+    for folder, described in re.findall(r"^(\S+)/ +(.*)$", lines, re.MULTILINE):
+        listed.append(folder)
+        inner = re.findall(r"(?<![\w/])([\w/]+)/(?!\w)", described)
+        listed += [name if name.startswith(folder) else f"{folder}/{name}" for name in inner]
+    folders = {str(parent) for path in tree.paths for parent in Path(path).parents}
+    for folder in sorted(set(listed) - folders):
+        yield f"lists the folder {folder}, which does not exist"
+    for folder in sorted(folders):
+        is_listed = any(name == folder or name.startswith(folder + "/") for name in listed)
+        if re.fullmatch(r"[a-z]\w*|src/\w+(/\w+)?", folder) and not is_listed:
+            yield f"does not list the folder {folder}"
+    places = {name.removeprefix("src/"): place for place, name in enumerate(listed)}
+    for layer, used in re.findall(r"^(?!top)([\w/]+):(.*)$", (ROOT / "src/layers.txt").read_text(), re.MULTILINE):
+        place = places.get(layer, places.get(layer.split("/")[0], len(listed)))
+        for below in sorted({name.split("/")[0] for name in used.split()} - {layer.split("/")[0]}):
+            if places.get(below, -1) > place:
+                yield f"lists src/{below} below {layer}, which includes it"
+
+
+def check_stages():
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    stages = re.findall(r"^stage ((?:scripts|tests)/[\w.]+)", (ROOT / ".ci/run").read_text(), re.MULTILINE)
+    for script in sorted(set(stages)):
+        if script not in text:
+            yield f"does not list {script}, a stage of .ci/run"
+
+
 def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
     faults += [fault for folder in ("docs", "docs/decisions") for fault in check_index(folder)]
     faults += [f"docs/decisions/layers.md: {fault}" for fault in check_layers()]
     faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
-    faults += [f"docs/cli.md: {fault}" for fault in check_exit_codes()]
+    faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
+    faults += [f"CONTRIBUTING.md: {fault}" for fault in [*check_folders(tree), *check_stages()]]
     for fault in faults:
         print(fault)
     print(f"{len(list(pages()))} pages, {len(faults)} faults")

@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 unset RAYMAP_IMPORT LD_LIBRARY_PATH LIBRARY_PATH CPATH CFLAGS CXXFLAGS LDFLAGS PKG_CONFIG_PATH CMAKE_PREFIX_PATH
-export CCACHE_BASEDIR=$PWD  # What one build compiled serves the others.
+export CCACHE_BASEDIR=$PWD  # Builds share what they compiled.
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compiles every kernel of the GPU backend for AMD cards that are absent, and checks the compiled code.
 
-Mesa's driver RADV has the cards' real compiler and needs no card. Prints the table of docs/performance.md. Ends with 1
-if a kernel does not compile, spills registers, needs scratch memory, or leaves room for less than a quarter of a card's
-waves, unless tests/kernels/exceptions.txt allows it. An exception that is no longer needed also fails.
+Mesa's driver RADV has the cards' real compiler and needs no card. Prints the table of docs/gpu_predictions.md. Ends
+with 1 if a kernel does not compile, spills registers, needs scratch memory, or leaves room for less than a quarter of a
+card's waves, unless tests/kernels/exceptions.txt allows it. An exception that is no longer needed also fails.
 
 check_kernels.py [PROGRAM]: PROGRAM is list_kernels. By default the script builds it.
 """

@@ -21,7 +21,7 @@ TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files th
 # Made while building.
 GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
 
-# What public headers declare, and where .cpp files define it.
+# Declarations of public headers, and the .cpp files that define them.
 ARGUMENTS = r"\(((?:[^()]|\([^()]*\))*)\)"
 DECLARED_CLASS = re.compile(r"\b(?:class|struct) RAYMAP_API\w* (\w+)[^;]*?\{")
 DECLARED_FUNCTION = re.compile(r"\bRAYMAP_API\s[^;{}()]*?\b(\w+)" + ARGUMENTS + r"[^;{()]*;")
@@ -49,12 +49,15 @@ class Layers:
                 self.below[name.strip()] = rest.split()
         declared = [layer for layers in self.below.values() for layer in layers] + list(self.headers.values())
         for layer in sorted(set(declared) - set(self.below)):
-            self.problems.append(f"{path.name}: '{layer}' is no layer")
+            self.problems.append(f"{path.name}: '{layer}' is not a layer")
         for cycle in cycles({layer: set(below) for layer, below in self.below.items()}):
             self.problems.append(f"{path.name}: a cycle between {', '.join(cycle)}")
 
     def of_folder(self, folder):
-        return folder if folder in self.below else None
+        """The layer that a folder of src is, or that the folder around it belongs to."""
+        while folder and folder not in self.below:
+            folder = folder.rpartition("/")[0]
+        return folder or None
 
     def says(self, layer):
         return f"{layer} may include only {', '.join(self.below[layer]) or 'itself'}"
@@ -107,21 +110,21 @@ def types(arguments):
     return tuple(re.sub(r"(?<=[\s&*>])\w+$", "", each.strip()).replace(" ", "") for each in text.split(","))
 
 
-def definers(src):
-    """The folders of src whose .cpp files define a function, by its namespace, name and types, or members of a class, by
+def definers(src, layers):
+    """The layers whose .cpp files define a function, by its namespace, name and types, or members of a class, by
     its namespace and name."""
     found = {}
     for path in src.rglob("*.cpp"):
-        text, folder = path.read_text(), path.parent.relative_to(src).as_posix()
+        text, layer = path.read_text(), layers.of_folder(path.parent.relative_to(src).as_posix())
         for name, arguments in DEFINITION.findall(text):
-            found.setdefault((space(text), name, types(arguments)), set()).add(folder)
+            found.setdefault((space(text), name, types(arguments)), set()).add(layer)
         for name, _ in MEMBER.findall(text):
-            found.setdefault((space(text), name), set()).add(folder)
+            found.setdefault((space(text), name), set()).add(layer)
     return found
 
 
 def declared(header):
-    """What a public header declares: (name, key in `definers`)."""
+    """Declarations of a public header: (name, key in `definers`)."""
     text = header.read_text()
     yield from ((name, (space(text), name)) for name in DECLARED_CLASS.findall(text))
     for name, arguments in DECLARED_FUNCTION.findall(text):
@@ -130,7 +133,7 @@ def declared(header):
 
 def misplaced(public, src, layers):
     """The public headers that declare what another layer than their own defines."""
-    found = definers(src)
+    found = definers(src, layers)
     for header, layer in sorted(layers.headers.items()):
         if not (public / header).is_file():
             continue

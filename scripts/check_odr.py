@@ -19,7 +19,7 @@ ENTRY_POINTS = {"main", "LLVMFuzzerTestOneInput"}
 ALTERNATIVES = {"src/c_api/c_files_missing.cpp"}  # Builds without RAYMAP_IO compile it instead of c_files.cpp.
 # Macros that stand between ctags and a definition (src/base/shader_types.h, RAYMAP_API, Highway's, GLSL's).
 MACROS = ("RAYMAP_SHARED_BEGIN(space)=namespace space {", "RAYMAP_SHARED_END=}", "RAYMAP_CONSTANT=inline constexpr",
-          "RAYMAP_API=", "RAYMAP_API_EXCEPTION=", "HWY_INLINE=inline", "layout(list)=")
+          "RAYMAP_FUNCTION=inline", "RAYMAP_API=", "RAYMAP_API_EXCEPTION=", "HWY_INLINE=inline", "layout(list)=")
 CTAGS = ["ctags", "--quiet", "--languages=C,C++", "--output-format=json", "--sort=no", "--fields=+nSpZK",
          "--kinds-C=fgsuv", "--kinds-C++=cfgsuv", "--fields-C=+{properties}",
          "--fields-C++=+{properties}{specialization}", *(f"-D{macro}" for macro in MACROS), "-f", "-", "-R"]

@@ -26,7 +26,7 @@ repair_pictures() { "$python" bench/repair_pictures.py "$build/bin/raymap" "$fol
 parts=("${@:2}")
 if [[ ${#parts[@]} -eq 0 ]]; then parts=(signs points orientation double_sided close_holes winding_fields deficient_meshes repair repair_warnings repair_pictures); fi
 for part in "${parts[@]}"; do
-  declare -F "$part" >/dev/null || { echo "$part is no part" >&2 && exit 2; }
+  declare -F "$part" >/dev/null || { echo "$part is not a part" >&2 && exit 2; }
 done
 
 scripts/install.sh --bench >&2

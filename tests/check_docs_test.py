@@ -21,7 +21,7 @@ class CheckDocs(unittest.TestCase):
         for name in files:
             if (ROOT / name).is_file():
                 (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-                is_read = name.endswith((".md", ".cpp", ".h", "layers.txt"))
+                is_read = name.endswith((".md", ".cpp", ".h", "layers.txt", ".ci/run"))
                 shutil.copy(ROOT / name, self.root / name) if is_read else (self.root / name).touch()
 
     def edit(self, name, old, new):
@@ -70,6 +70,29 @@ class CheckDocs(unittest.TestCase):
         self.append("src/mesh/weld.cpp", "#include <hwy/highway.h>")
         self.append("apps/report.cpp", "#include <png.h>")
         self.assert_found("src/mesh/weld.cpp includes Highway", "apps/report.cpp includes libpng")
+
+    def test_finds_libraries_in_places_that_do_not_use_them(self):
+        place = "`src/render/write_png.cpp`"
+        self.edit("docs/dependencies.md", place, f"{place}, `src/render/slice_view.cpp`")
+        self.assert_found("src/render/slice_view.cpp does not include libpng")
+
+    def test_finds_commands_without_a_section(self):
+        self.append("apps/convert.cpp", 'void add(CLI::App& app) { app.add_subcommand("paint", "Paint a mesh"); }')
+        self.assert_found("docs/cli.md: has no section on the command paint")
+
+    def test_finds_folders_that_are_not_listed_or_gone(self):
+        self.edit("CONTRIBUTING.md", "src/scene/ ", "src/scenes/")
+        self.edit("CONTRIBUTING.md", "cells/ (", "cell/ (")
+        self.assert_found("lists the folder src/cpu/cell,", "lists the folder src/scenes,",
+                          "does not list the folder src/cpu/cells", "does not list the folder src/scene")
+
+    def test_finds_folders_in_another_order_than_layers(self):
+        self.append("src/layers.txt", "mesh: method")
+        self.assert_found("lists src/method below mesh, which includes it")
+
+    def test_finds_stages_that_are_not_listed(self):
+        self.append(".ci/run", "stage scripts/check_spelling.py --all")
+        self.assert_found("does not list scripts/check_spelling.py, a stage of .ci/run")
 
     def test_finds_layers_that_are_not_named(self):
         self.append("src/layers.txt", "cpu/bands: base")

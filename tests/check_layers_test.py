@@ -84,6 +84,10 @@ class CheckLayers(unittest.TestCase):
         self.put("include/raymap/odds.h", "")
         self.assert_found("src/odds/ends.h: no line of src/layers.txt", "include/raymap/odds.h: no line of src/layers.txt")
 
+    def test_takes_a_folder_in_a_layer_for_a_part_of_it(self):
+        self.put("src/mesh/odds/ends.h", '#include "base/hash.h"\n#include "cpu/backend.h"\n')
+        self.assert_found("src/mesh/odds/ends.h:2 includes cpu/backend.h: mesh may include only", " 1 of them upward")
+
     def test_finds_a_path_that_is_not_whole(self):
         self.put("src/mesh/weld.cpp", '#include "holes.h"\n')
         self.assert_found("src/mesh/weld.cpp:1 includes holes.h: no such file")

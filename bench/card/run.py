@@ -22,7 +22,8 @@ BUNDLE = pathlib.Path(__file__).resolve().parent
 STEP_SECONDS = 480  # No step takes longer.
 MEASURED_SHARE = 7 / 8  # Share of a step's time for its work, so that it can report before it is ended.
 LEAST_SECONDS = 20  # A step is not begun with less.
-QUICK_TESTS = ("*VulkanScan*", "VulkanDevice*", "VulkanPipelines*", "VulkanFinish*")
+QUICK_TESTS = ("*VulkanScan*", "VulkanDevice*", "VulkanBuffer*", "VulkanCommands*", "VulkanDispatch*",
+               "VulkanPipelines*", "VulkanFinish*")
 
 Step = collections.namedtuple("Step", "name what command")
 

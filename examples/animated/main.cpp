@@ -96,7 +96,7 @@ class Movie {
     if (const std::optional<raymap::Error> error = generator_.status().error) throw *error;
   }
 
-  /// Of the frame that ran last, if it was wanted.
+  /// Returns the picture of the frame that ran last, if it was wanted.
   raymap::Picture picture() const {
     raymap::Picture picture{.width = view_.width, .height = view_.height};
     const auto* pixels = static_cast<const uint32_t*>(picture_.mapped);
@@ -146,7 +146,7 @@ void print(const std::string& what, const std::vector<double>& times) {
   std::printf("\n");
 }
 
-/// Of each stage over all frames.
+/// Returns the median time of each stage over all frames.
 std::vector<double> medians(std::vector<std::vector<double>>& times) {
   std::vector<double> result;
   for (std::vector<double>& stage : times) {
@@ -203,7 +203,7 @@ void setSize(const std::string& text, Arguments& arguments) {
   const size_t cross = whole.find('x');
   if (cross == whole.npos || !readSide(whole.substr(0, cross), arguments.width) ||
       !readSide(whole.substr(cross + 1), arguments.height))
-    throw CLI::ValidationError("--size", "'" + text + "' is no size such as 640x480");
+    throw CLI::ValidationError("--size", "'" + text + "' is not a size such as 640x480");
 }
 
 void addOptions(CLI::App& app, Arguments& arguments) {

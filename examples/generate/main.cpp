@@ -21,8 +21,8 @@ void run(const char* from, const char* to) {
   // Generate: 100 samples along the longest side of the padded bounds.
   const raymap::Grid grid = raymap::fitGrid(mesh, {.resolution = 100});
   const auto [field, stats] = raymap::generate(mesh, grid, {.device = "cpu"});
-  std::printf("%zu samples in %.0f ms, %.3g %% of them doubtful\n", grid.sampleCount(),
-              stats.totalMilliseconds, 100.0 * stats.doubtfulShare);
+  std::printf("%zu samples in %.0f ms, %.3g %% of them doubtful\n", grid.sampleCount(), stats.milliseconds,
+              100.0 * stats.doubtfulShare);
 
   // Sample: five points from one corner of the mesh's bounds to the other.
   const raymap::Box box = raymap::bounds(mesh);

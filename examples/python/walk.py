@@ -123,7 +123,7 @@ kept[::7] = kept[::7, ::-1]
 broken = raymap.Mesh(knot.vertices, kept)
 again = raymap.generate(broken, bounds=box, resolution=96)
 print(f"{((again.distance < 0) != (field.distance < 0)).mean():.3%} of the signs differ")
-solid, report, _ = raymap.repair(broken, resolution=96)
+solid, report = raymap.repair(broken, resolution=96)
 for time in ("before", "after"):
     print(time, {fact: report[time][fact] for fact in ("watertight", "hole_count", "flipped_faces")})
 figure = plt.figure(figsize=(10, 4.5), layout="constrained")

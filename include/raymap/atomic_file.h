@@ -16,8 +16,8 @@ namespace raymap {
 /// file is untouched.
 ///
 /// The temporary has no name where the file system can do without (O_TMPFILE), so that even a killed process
-/// leaves nothing. Elsewhere it has a hidden name. What a killed process left of it is removed when the same
-/// file is written again.
+/// leaves nothing. Elsewhere it has a hidden name. A temporary that a killed process left is removed
+/// when the same file is written again.
 ///
 /// Symbolic links are followed, and an existing file keeps its permissions. Devices, pipes and descriptors
 /// such as /dev/stdout are written in place, and are not seekable.

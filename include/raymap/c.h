@@ -228,7 +228,7 @@ RAYMAP_API const float* raymap_field_winding(const raymap_field* field);
 /* Returns the field's own confidences in the sign, in the same way: 0 to 1. */
 RAYMAP_API const float* raymap_field_confidence(const raymap_field* field);
 
-/* What making a field cost, and what it found out; all 0 for a field that was read from a file. */
+/* Costs of making a field, and findings about the mesh; all 0 for a field that was read from a file. */
 typedef struct raymap_stats {
   double milliseconds;     /* Time from triangles in memory to the finished field. */
   uint64_t bytes;          /* Most bytes that the generator and the field held together. */
@@ -310,7 +310,7 @@ RAYMAP_API raymap_result raymap_surface_query(const raymap_surface* surface, con
 /* All devices of this machine. */
 typedef struct raymap_devices raymap_devices;
 
-/* What is known about a device. The list owns the texts. */
+/* Description of a device. The list owns the texts. */
 typedef struct raymap_device {
   const char* id;   /* Value for the option "device". */
   const char* name; /* Name of the processor or GPU. */
@@ -320,7 +320,7 @@ typedef struct raymap_device {
   uint64_t memory;     /* Bytes of its largest heap; for the CPU, bytes available now. */
   bool is_automatic;   /* Whether the device "auto" is this one. It tests a GPU first. */
   const char* test;    /* Last test of a GPU: "untested", "running", "passed", "failed" or "unfinished". */
-  const char* test_problem; /* What it found, or where it ended; "" if it passed. */
+  const char* test_problem; /* First difference, or the check in which it ended; "" if it passed. */
 } raymap_device;
 
 /* Asks every Vulkan driver, which can take a second. The CPU comes first. */

@@ -14,7 +14,6 @@ namespace raymap {
 /// All devices of this machine.
 struct DeviceList {
   std::vector<DeviceInfo> devices = {};  ///< The CPU first, then Vulkan's devices in its order.
-  size_t automatic = 0;                  ///< Index of the device that "auto" takes. It tests a GPU first.
   std::optional<size_t> best = {};       ///< Index of the one that "vulkan" takes; none if none is usable.
   std::string note = {};                 ///< Reason why there is no Vulkan device; empty if there is one.
 };
@@ -30,22 +29,22 @@ RAYMAP_API std::string deviceToTest();
 
 /// Result of a test of a GPU.
 struct DeviceTest {
-  DeviceInfo device = {};
+  DeviceInfo device = {};                ///< The GPU that was tested.
   std::vector<DeviceCheck> checks = {};  ///< Those that ended, in their order.
   std::string problem = {};              ///< The first check that failed, and its difference; empty if none.
-  double milliseconds = 0.0;
+  double milliseconds = 0.0;             ///< Time of the whole test.
   bool hangs = false;  ///< Whether a check did not end. Its thread still runs and holds the device.
 };
 
 /// Runs small versions of every stage and of whole fields on a GPU, and compares them with the CPU, up to the
-/// first that fails. Writes
-/// the result to the user's cache folder, from where `devices` and the device "auto" read it.
+/// first that fails. Writes the result to the user's cache folder, from where `devices` and the device "auto"
+/// read it.
 ///
-/// That folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
+/// The folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
 /// If it is off (RAYMAP_CACHE=off) or cannot be written, this process remembers the result.
 ///
 /// `id` is that of a device in `devices`, or "vulkan" for the best one. Throws `Error`: Usage for a name that
-/// is none of a GPU, Unsupported if there is no such device or another thread or process tests it now,
+/// is not that of a GPU, Unsupported if there is no such device or another thread or process tests it now,
 /// Cancelled if `progress` returns false.
 RAYMAP_API DeviceTest testDevice(const std::string& id, const ProgressCallback& progress = {});
 

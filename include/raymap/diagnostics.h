@@ -11,7 +11,7 @@ namespace raymap {
 
 /// A boundary loop: a closed chain of edges with one face. Lengths are in the mesh's units.
 struct Hole {
-  size_t edges = 0;
+  size_t edges = 0;        ///< Number of edges.
   double length = 0.0;     ///< Length of the loop.
   glm::dvec3 centre{0.0};  ///< Mean of the edges' ends.
   double area = 0.0;       ///< Least area of a surface that closes it: that of its vector area.
@@ -20,28 +20,34 @@ struct Hole {
 
 /// Size, topology and defects of a mesh, measured after welding vertices at exactly equal positions.
 struct Diagnostics {
-  size_t vertices = 0;        ///< Number of vertices as stored.
-  size_t weldedVertices = 0;  ///< Number of distinct positions, used by a face or not.
-  size_t triangles = 0;
-  size_t boundaryEdges = 0;      ///< Number of edges with one face.
-  size_t nonManifoldEdges = 0;   ///< Number of edges with more than two faces.
-  size_t flippedEdges = 0;       ///< Number of edges that two faces use in the same direction.
-  size_t flippedFaces = 0;       ///< Least number of faces to reverse so that neighbours agree.
+  size_t vertices = 0;          ///< Number of vertices as stored.
+  size_t weldedVertices = 0;    ///< Number of distinct positions, used by a face or not.
+  size_t triangles = 0;         ///< Number of triangles.
+  size_t boundaryEdges = 0;     ///< Number of edges with one face.
+  size_t nonManifoldEdges = 0;  ///< Number of edges with more than two faces.
+  size_t flippedEdges = 0;      ///< Number of edges that two faces use in the same direction.
+  size_t flippedFaces =
+      0;  ///< Least number of faces to reverse so that neighbours agree; not which side is out.
   std::vector<Hole> holes = {};  ///< Boundary loops, the longest first.
   size_t components = 0;         ///< Number of parts connected through shared vertices.
-  size_t openComponents = 0;     ///< Number of them with boundary edges. See `isDoubleSided`.
-  size_t inwardComponents = 0;   ///< Number of closed ones with a negative volume: cavities, or inside out.
-  size_t sheets = 0;  ///< Number of open ones whose holes make up 30 % of the area or more, once closed.
-  double sheetShare = 0.0;     ///< Share of the area that is in sheets.
-  size_t degenerateFaces = 0;  ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
+  /// Number of components with boundary edges. Of a double-sided mesh, those of one side; so are the next
+  /// three.
+  size_t openComponents = 0;
+  /// Number of closed components with a negative volume: cavities, or inside out.
+  size_t inwardComponents = 0;
+  /// Number of open components whose holes make up 30 % of their area or more, once closed.
+  size_t sheets = 0;
+  double sheetShare = 0.0;  ///< Share of the area that is in sheets.
+  /// Number of faces with a repeated corner, or lower than 1e-6 of their longest edge.
+  size_t degenerateFaces = 0;
   /// Number of faces in groups on the same three corners, as many in one winding order as in the other.
   size_t doubleSidedFaces = 0;
   size_t duplicateFaces = 0;  ///< Number of further faces on the same three corners, either orientation.
   bool watertight = false;    ///< Whether every edge has exactly two faces.
   bool consistentlyOriented = false;  ///< Whether neighbours agree across every edge with two faces.
   bool balanced = false;  ///< Whether every edge is used equally often both ways: winding numbers are whole.
-  double signedVolume = 0.0;  ///< In the mesh's units cubed; positive if faces point outwards.
-  double area = 0.0;          ///< In the mesh's units squared.
+  double signedVolume = 0.0;  ///< Signed volume, in the mesh's units cubed; positive if faces point outwards.
+  double area = 0.0;          ///< Area of all triangles, in the mesh's units squared.
   Box bounds = {};            ///< Bounds of the vertices that faces use.
 };
 

@@ -37,7 +37,7 @@ struct GridOptions {
   double thickness = 0.0;       ///< `Options::thickness`: half of it pads the bounds besides.
 };
 
-/// Returns the smallest grid of cubic cells that covers the box. A side that is no multiple of the spacing
+/// Returns the smallest grid of cubic cells that covers the box. A side that is not a multiple of the spacing
 /// grows by the same length at both ends. Throws `Error(Usage)` if the options make no grid.
 RAYMAP_API Grid fitGrid(const MeshView& mesh, const GridOptions& options = {});
 

@@ -22,7 +22,7 @@ enum class Part : uint8_t {
   /// Surface beside a blunt edge or corner: the other side is too oblique, or a third too near. Also faces
   /// narrower than 0.00002 of the mesh's diagonal.
   Corner,
-  Solid,   ///< Surface of a solid whose other side is farther than what was looked for.
+  Solid,   ///< Surface of a solid whose other side is farther than `most`.
   Sheet,   ///< Face that bounds nothing: it is outside on both sides.
   Buried,  ///< Face that is inside on both sides.
 };

@@ -80,13 +80,14 @@ struct Options {
 
 /// Costs of a run, and its findings about the mesh.
 struct Stats {
-  std::string device = {};  ///< "cpu" or "vulkan:K".
+  /// A stage of the work.
   struct Stage {
-    std::string name = {};
-    double milliseconds = 0.0;
+    std::string name = {};      ///< Name of the stage.
+    double milliseconds = 0.0;  ///< Time that it took; on a GPU, by its own clock.
   };
+  std::string device = {};         ///< Device that computed: "cpu" or "vulkan:K"; empty if none did.
   std::vector<Stage> stages = {};  ///< Stages in the order in which they ran.
-  double totalMilliseconds = 0.0;  ///< Time from triangles in memory to the finished field.
+  double milliseconds = 0.0;       ///< Time from triangles in memory to the finished field.
   size_t bytes = 0;                ///< Most bytes that the generator and the field held together.
   double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
   std::vector<uint32_t> turnedFaces = {};  ///< Indices of the faces that were reversed, ascending.

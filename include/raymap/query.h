@@ -69,9 +69,9 @@ struct QueryOptions {
 
 /// One value per point, in the order of the points. Arrays that were not asked for are empty.
 ///
-/// A point with a coordinate that is not finite gets NaN and `kNoTriangle`. A distance beyond the largest
-/// double is infinite. What a point that is farther than `QueryOptions::maxDistance` does not get is NaN,
-/// too.
+/// A point with a coordinate that is not finite gets NaN and `kNoTriangle`. So do points beyond
+/// `QueryOptions::maxDistance`, except for `distance`, `winding` and `confidence`. A
+/// distance beyond the largest double is infinite.
 struct QueryResult {
   Buffer<double> distance = {};     ///< In the mesh's units, negative inside; not negative without a sign.
   Buffer<glm::dvec3> closest = {};  ///< Closest point of the surface, in the mesh's units.

@@ -20,6 +20,7 @@
 #include <raymap/options.h>
 #include <raymap/picture.h>
 #include <raymap/query.h>
+#include <raymap/records.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>

@@ -48,14 +48,14 @@ RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int
 /// Differences of an array of two fields on the same grid. Errors of distances are in samples (distance over
 /// spacing), of winding numbers and confidences as they are, of triangles 0.
 struct Comparison {
-  double maxError = 0.0;
-  double meanError = 0.0;
-  double rmsError = 0.0;       ///< Root mean square.
+  double maxError = 0.0;       ///< Largest error.
+  double meanError = 0.0;      ///< Mean error.
+  double rmsError = 0.0;       ///< Root mean square of the errors.
   size_t signDifferences = 0;  ///< Number of samples with a distance that is negative in one field only.
   size_t differences = 0;      ///< Number of samples whose values differ.
-  size_t nonFinite = 0;        ///< Number of samples that are NaN or infinite in either; not in the above.
-  size_t samples = 0;          ///< Number of all samples.
-  glm::ivec3 worstSample{0};   ///< The first sample with the largest error.
+  size_t nonFinite = 0;  ///< Number of samples that are NaN or infinite in either; the errors leave them out.
+  size_t samples = 0;    ///< Number of all samples.
+  glm::ivec3 worstSample{0};  ///< The first sample with the largest error.
 };
 
 /// Compares an array of two fields. If either is clamped to a band, compares distances within the narrower

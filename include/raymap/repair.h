@@ -38,43 +38,46 @@ struct RepairOptions {
   std::optional<double> tolerance = {};
   /// Called with the result before it is measured, for example to round it as a file does.
   std::function<void(Mesh&)> finish = {};
-  bool measure = true;  ///< Whether to measure both meshes and how far they deviate; takes longer.
+  /// Whether to measure both meshes and how far they deviate; takes longer. Without, nothing in the report is
+  /// set that compares the meshes or tells what is wrong with them.
+  bool measure = true;
 };
 
 /// How far points of one surface lie from where they should, in the mesh's units.
 struct Deviation {
-  double max = 0.0;
-  double mean = 0.0;
+  double max = 0.0;   ///< Largest distance.
+  double mean = 0.0;  ///< Mean distance.
   double p99 = 0.0;   ///< 99th percentile.
   size_t points = 0;  ///< Number of points measured.
 };
 
-/// A drain hole: where its axis leaves the solid, in the mesh's units, and its direction of length 1 there.
+/// Place of a drain hole.
 struct HolePlace {
-  glm::dvec3 position{0.0}, direction{0.0};
+  glm::dvec3 position{0.0};   ///< Point where its axis leaves the solid, in the mesh's units.
+  glm::dvec3 direction{0.0};  ///< Its direction there, of length 1.
 };
 
 /// Parts or cavities that the result lacks. Volumes are what their surfaces enclose, in the mesh's units
 /// cubed.
 struct Removed {
-  size_t count = 0;
+  size_t count = 0;      ///< Number of them.
   double volume = 0.0;   ///< Sum of the volumes.
   double largest = 0.0;  ///< Volume of the largest one.
 };
 
-/// What a repair loses of the mesh: parts of its solid that are thinner than the samples can see, and surface
+/// Parts of the mesh that a repair loses: those of its solid that are too thin for the samples, and surface
 /// that bounds no solid.
 struct Loss {
   double solidShare = 0.0;       ///< Share of the mesh's area that is lost and bounds such a part.
   Box bounds = {};               ///< Bounds of this area, moved by the offset. Empty if there are none.
   double thinnest = 0.0;         ///< Thickness at its thinnest point, with the offset.
-  double medianThickness = 0.0;  ///< Thickness that half of this area does not exceed; 0 if it is not known.
+  double medianThickness = 0.0;  ///< Median thickness over this area; 0 if it is not known.
   /// Largest distance between samples that was found to keep the parts, in the mesh's units. If none does,
   /// the one that keeps most of them; 0 = none keeps any.
   double voxelSize = 0.0;
   bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
-  double keptThickness = 0.0;  ///< Thickness that half of what it does not keep does not exceed.
+  double keptThickness = 0.0;  ///< Median thickness of the parts that it does not keep.
   /// Share of the mesh's area that is lost with the small parts that were dropped.
   double droppedShare = 0.0;
   /// Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
@@ -84,46 +87,48 @@ struct Loss {
 
 /// How the isosurface was simplified.
 struct SimplifyReport {
-  double tolerance = 0.0;  ///< In the mesh's units; 0 = not simplified.
+  double tolerance = 0.0;  ///< Tolerance in force, in the mesh's units; 0 = not simplified.
   size_t facesBefore = 0;  ///< Number of faces of the isosurface.
-  size_t facesAfter = 0;
+  size_t facesAfter = 0;   ///< Number of faces of the result.
   double deviation = 0.0;  ///< Largest distance measured, from points of either mesh to the other.
 };
 
-/// Report of a repair. Without `RepairOptions::measure`, nothing that compares the meshes or tells what is
-/// wrong with them is set.
+/// Changes that a repair made, and how far the result is from the mesh.
 struct RepairReport {
   Stats stats = {};                       ///< Cost of the field, then of the stages after it.
   Diagnostics before = {};                ///< Diagnostics of the given mesh.
   Diagnostics after = {};                 ///< Diagnostics of the result.
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
-  Deviation ofResult = {};  ///< From points of the result to the given surface, moved by the offset.
-  Deviation ofMesh = {};    ///< From points of the given mesh, moved by the offset, to the result. Counts
-                            ///< the lost ones, not the buried ones.
-  Deviation ofKept = {};    ///< The same without the lost points.
+  /// From points of the result to the given surface, moved by the offset, or to the hollow's surface. Drain
+  /// holes are left out.
+  Deviation ofResult = {};
+  Deviation ofMesh = {};  ///< From points of the given mesh, moved by the offset, to the result. Includes
+                          ///< lost points; excludes buried ones.
+  Deviation ofKept = {};  ///< The same without the lost points.
   /// Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as
   /// much more, here and in `lostShare`.
   double buriedShare = 0.0;
-  double lostShare = 0.0;     ///< Share of it more than a sample outside: thinner than the samples, or open.
-  double trimmedShare = 0.0;  ///< Share of the mesh's area that the moved surface has no place for. The
-                              ///< other shares are of the rest.
-  Loss loss = {};             ///< Thin parts of the mesh's solid that are lost.
-  size_t filledHollows = 0;   ///< Number of hollows that a drain hole does not fit into; they are solid.
-  size_t hollows = 0;         ///< Number of hollows that the shell left.
-  size_t holes = 0;           ///< Number of drain holes.
-  std::vector<HolePlace> holePlaces = {};  ///< Where they are, hollow by hollow.
+  double lostShare = 0.0;  ///< Share of it more than a sample outside: thinner than the samples, or open.
+  /// Share of the mesh's area that the offset removes, where other parts are closer. All other shares are
+  /// relative to what remains.
+  double trimmedShare = 0.0;
+  Loss loss = {};            ///< What the lost share consists of, and what would keep it.
+  size_t filledHollows = 0;  ///< Number of hollows that a drain hole does not fit into; they are solid.
+  size_t hollows = 0;        ///< Number of hollows that the shell left.
+  size_t holes = 0;          ///< Number of drain holes.
+  std::vector<HolePlace> holePlaces = {};  ///< Places of the drain holes, hollow by hollow.
   size_t solids = 0;                       ///< Number of parts of the result; those in cavities count, too.
   size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell count, too.
   double dropSmaller = 0.0;   ///< Volume below which parts were dropped.
   Removed dropped = {};       ///< Parts that were too small.
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
-  bool partsOverlap = false;  ///< Whether parts of a mesh with no other defect overlap or face the wrong way.
+  bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
   bool isKept = false;
   size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
-  size_t closingFaces = 0;         ///< Number of faces that close them.
+  size_t closingFaces = 0;         ///< Number of faces that close these holes.
   double thickenedShare = 0.0;     ///< Share of the mesh's area that was thinner than `minThickness`.
   SimplifyReport simplified = {};  ///< All 0 if the mesh's own faces were kept.
 };
@@ -144,10 +149,10 @@ RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options =
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of
 /// one whose holes can be filled so that nothing is wrong.
 ///
-/// Of the options, those count that say how distance and sign are found, and on what machine. Throws `Error`
-/// as `generate` and `isosurface` do. Usage also for options that a solid leaves no place for: no sign,
-/// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
-/// are thinner than two samples.
+/// The options say how distance and sign are found, and on what machine. Throws `Error` as `generate` and
+/// `isosurface` do. Usage also for options that make no sense for a solid: no sign, `band`, `invert`,
+/// `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness are thinner than
+/// two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options = {},
                            const RepairOptions& repair = {});
 

@@ -29,8 +29,8 @@ namespace raymap {
 // whoever moves the surface by writing distances sets `surfaceBounds` anew, or empties it.
 //
 // The gradient is a central difference, h to either side along each axis, of the distance in the box, and
-// outside of sqrt(|p - q|^2 + max(d(q), 0)^2). It is continuous and, for an exact field away from edges of
-// the surface, has nearly length 1. Outside, it leads away from the box: it tells nothing of a surface beyond
+// outside of sqrt(|p - q|^2 + max(d(q), 0)^2). It is continuous. For an exact field, it has nearly length 1
+// away from edges of the surface. Outside, it leads away from the box, whatever surfaces there may be beyond
 // it.
 //
 // Clamped distances (`Field::band`) are interpolated as stored; gradients vanish where all are clamped. The

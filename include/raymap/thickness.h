@@ -15,8 +15,8 @@ struct ThicknessSummary {
   glm::dvec3 thinnestAt;     ///< Point of its surface.
   double sharpest;           ///< Least thickness measured beside an edge or a tip that walls run out to.
   glm::dvec3 sharpestAt;     ///< Where.
-  double low;                ///< Thickness that 1 % of the area of walls and edges does not exceed.
-  double median;             ///< Thickness that half of that area does not exceed.
+  double low;                ///< First percentile of the thickness over the area of walls and edges.
+  double median;             ///< Median thickness over that area.
   double sheetShare = 0.0;   ///< Share of the mesh's area that is sheets.
   double buriedShare = 0.0;  ///< Share of it that is buried.
   size_t points = 0;         ///< Number of points measured.

@@ -31,11 +31,11 @@ enum class Remedy : uint8_t {
   Thicken  ///< `generate` with a thickness, then `isosurface`.
 };
 
-/// Judgement of a mesh.
+/// What kind of thing a mesh is, and what makes a clean solid of it.
 struct Verdict {
-  MeshKind kind = MeshKind::NoSurface;
-  Remedy remedy = Remedy::None;
-  double sought = 0.0;  ///< Parts thinner than this were looked for; 0: the thickness was not measured.
+  MeshKind kind = MeshKind::NoSurface;  ///< Kind of the mesh.
+  Remedy remedy = Remedy::None;         ///< Command that makes a clean solid of it.
+  double sought = 0.0;  ///< Thickness up to which thin parts were looked for; 0 = it was not measured.
   /// Thickness of the thinnest part, in the mesh's units. Nothing if no part is thinner than `sought`.
   std::optional<double> thinnest = {};
   /// Largest distance between samples that keeps that part: half of it, rounded down to two digits.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What raymap/vulkan.h says of devices, buffers and lists.
+// Types of raymap/vulkan.h for devices, buffers and lists.
 
 #include <raymap/export.h>
 #include <vulkan/vulkan_core.h>

@@ -11,7 +11,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from . import dataset
-from ._devices import Device, devices, test_device
+from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
     DeviceLostError,
@@ -23,11 +23,12 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
-from ._field import NO_TRIANGLE, Field, Stats, load_field
+from ._field import NO_TRIANGLE, Field, load_field
 from ._generate import FieldOptions, Generator, generate
 from ._mesh import Mesh, load_mesh
 from ._raymap import version as _version
-from ._repair import FastInfo, Info, Repaired, RepairReport, info, isosurface, repair
+from ._records import DeviceInfo, DeviceTest, RepairReport, Stats
+from ._repair import FastInfo, Info, Repaired, info, isosurface, repair
 from ._samples import Samples, sample_points
 from ._surface import Closest, Query, Surface, signed_distance
 from ._threads import get_threads, set_threads
@@ -49,8 +50,9 @@ __all__ = [
     "NO_TRIANGLE",
     "Cancelled",
     "Closest",
-    "Device",
+    "DeviceInfo",
     "DeviceLostError",
+    "DeviceTest",
     "Error",
     "FastInfo",
     "Field",

@@ -1,4 +1,4 @@
-"""What the program raymap has not: ``python -m raymap dataset FOLDER -o OUT``."""
+"""The command that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from . import dataset
 from ._errors import (
@@ -25,6 +25,7 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
+from ._records import DistanceMode, Orientation, SignMode
 from .dataset.files import readable
 from .dataset.pages import page_paths
 
@@ -106,10 +107,9 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
     add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
     add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
-    add("--distance", choices=["exact", "neighbours", "cell", "raster"], help="source of the magnitude (exact)")
-    signs = ["harmonic", "paths", "evolution", "rays", "ray", "none"]
-    add("--sign", choices=signs, help="method that decides inside and outside (harmonic)")
-    add("--orientation", choices=["auto", "keep", "repair"], help="whether faces are reversed (auto)")
+    add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
+    add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
+    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
@@ -132,7 +132,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
 def _bytes(text: str) -> int:
     """Returns a size in bytes, as the program raymap reads it."""
     if not (match := re.fullmatch(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
-        raise argparse.ArgumentTypeError(f"{text!r} is no size; give one as 500MB or 4GB")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size; give one as 500MB or 4GB")
     return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
 
 
@@ -156,7 +156,7 @@ def _client(scheduler: str | None) -> Any:
         distributed = importlib.import_module("distributed")
     except ImportError:
         raise UsageError("--scheduler needs Dask: pip install 'raymap[dask]'") from None
-    logging.disable()  # What matters of Dask's log is an error of ours.
+    logging.disable()  # Errors of ours tell what matters of Dask's log.
     try:
         return distributed.Client(scheduler)
     except (OSError, ValueError) as error:

@@ -4,36 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from typing import TypedDict
 
 from . import _raymap
 from ._errors import warn
 from ._progress import Progress, reporting
+from ._records import DeviceInfo, DeviceTest
 
 _TEST_SECONDS = 300.0  # The test itself gives up sooner where a check hangs.
 
 
-class Device(TypedDict):
-    """A device, as ``raymap devices`` lists it."""
-
-    id: str
-    """Value for the argument ``device``: ``"cpu"``, ``"vulkan:0"``, …"""
-    name: str
-    type: str
-    """``"discrete"``, ``"integrated"``, ``"virtual"``, ``"other"``, ``"software"`` or ``"cpu"``."""
-    driver: str
-    memory: int
-    """Bytes of its largest heap; for the CPU, bytes available now."""
-    problem: str
-    """Reason why it cannot be used; empty if it can."""
-    test: str
-    """Last test of a GPU: ``"untested"``, ``"running"``, ``"passed"``, ``"failed"`` or ``"unfinished"``."""
-    test_problem: str
-    automatic: bool
-    """Whether ``device="auto"`` takes this one. It tests a GPU first."""
-
-
-def devices() -> list[Device]:
+def devices() -> list[DeviceInfo]:
     """Returns all values that the argument ``device`` accepts, the CPU first.
 
     Asks every Vulkan driver, which can take a second.
@@ -44,20 +24,20 @@ def devices() -> list[Device]:
     return _raymap.devices()
 
 
-def test_device(id: str, *, progress: Progress = None) -> str:
+def test_device(id: str, *, progress: Progress = None) -> DeviceTest:
     """Compares every stage and whole fields on a GPU with the CPU, and keeps the result in the user's cache folder.
 
     A faulty driver may end the process.
 
     Returns:
-        The first difference; empty if there is none.
+        Its checks, and as ``problem`` the first difference; empty if there is none.
 
     Raises:
-        UsageError: The name is none of a GPU.
+        UsageError: The name is not that of a GPU.
         UnsupportedError: There is no such device, or another process tests it now.
     """
     with reporting(progress) as report:
-        return _raymap.test_device(id, report)
+        return _raymap.test_device(id, report)  # type: ignore[return-value]
 
 
 test_device.__test__ = False  # type: ignore[attr-defined]  # pytest takes it for a test.
@@ -68,12 +48,12 @@ def tested(device: str) -> str:
     gpu = _raymap.device_to_test() if device == "auto" else ""
     if not gpu:
         return device
-    code = f"import sys, raymap; sys.exit(raymap.test_device({gpu!r}) != '')"
+    code = f"import sys, raymap; sys.exit(raymap.test_device({gpu!r})['problem'] != '')"
     try:
         test = subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=_TEST_SECONDS, check=False)
         if test.returncode == 0 or _raymap.device_to_test() != gpu:
             return device
     except (OSError, subprocess.TimeoutExpired):
         pass
-    warn(f"the GPU is not used, the CPU instead: the test of {gpu} did not pass; raymap.test_device({gpu!r}) says why")
+    warn(f"the CPU is used instead of the GPU: the test of {gpu} did not pass; raymap.test_device({gpu!r}) says why")
     return "cpu"

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,46 +13,10 @@ from ._arrays import to_box, to_vector
 from ._errors import UsageError
 from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
-
-#: Name of one of a field's arrays.
-ArrayName: TypeAlias = Literal["distance", "winding", "confidence", "triangle"]
+from ._records import FieldArray, Stats
 
 #: Value of ``Field.triangle`` beyond a band, and where surface that closes a hole is closer.
 NO_TRIANGLE = 0xFFFFFFFF
-
-
-def _no_faces() -> npt.NDArray[np.uint32]:
-    return np.empty(0, np.uint32)
-
-
-@dataclass(frozen=True)
-class Stats:
-    """Cost of a field, and findings about the mesh. All 0 for a field from a file or an array."""
-
-    device: str = ""
-    """Device that made it: ``"cpu"`` or ``"vulkan:K"``; empty if none did."""
-    stages: tuple[tuple[str, float], ...] = ()
-    """Name and milliseconds of each stage, in the order in which they ran."""
-    milliseconds: float = 0.0
-    """Time from triangles in memory to the finished field."""
-    bytes: int = 0
-    """Most bytes that the generator and the field held together."""
-    doubtful_share: float = 0.0
-    """Share of samples whose six rays disagree; 0 for a consistent mesh."""
-    turned_faces: npt.NDArray[np.uint32] = field(default_factory=_no_faces)
-    """Indices of the faces that were reversed, ascending."""
-    left_out_faces: npt.NDArray[np.uint32] = field(default_factory=_no_faces)
-    """Indices of the faces that the sign left out, the other sides of double-sided ones, ascending."""
-    misfit_given: float = 0.0
-    """Disagreement of the crossings of the given mesh, 0 to 1; 0 if they were not examined."""
-    misfit: float = 0.0
-    """The same with ``turned_faces`` reversed and without ``left_out_faces``."""
-    orientation_fits: bool = True
-    """False if the faces were examined, but no choice has a misfit of at most 0.5."""
-    patch_triangles: int = 0
-    """Number of triangles of the surface that closes holes."""
-    patch_area: float = 0.0
-    """Area of that surface, in the mesh's units squared."""
 
 
 class Field:
@@ -67,7 +30,7 @@ class Field:
     them changes the field, but not ``surface_bounds``: if it moves the surface, make a new field of the array.
 
     Args:
-        distance: Distances, (nx, ny, nz), negative inside.
+        distance: DistanceModes, (nx, ny, nz), negative inside.
         origin: Position of sample (0, 0, 0).
         spacing: Distance between neighbouring samples, in the mesh's units.
         band: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
@@ -106,13 +69,14 @@ class Field:
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
         x, y, z = (float(v) for v in np.asarray(origin, np.float64))
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
-        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band), box), Stats())
+        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band), box))
         for name, array in arrays.items():
             if array is not None:
                 self._set(name, _arrays.to_numpy(array), shape)
 
-    def _take(self, core: _raymap.Field, stats: Stats) -> None:
-        self._core, self._stats = core, stats
+    def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
+        self._core = core
+        self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
         self._views: dict[str, npt.NDArray[Any]] = {}
 
     def _set(self, name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
@@ -123,7 +87,7 @@ class Field:
         else:
             self._core.set_floats(name, np.asfortranarray(array, np.float32))
 
-    def _array(self, name: ArrayName) -> npt.NDArray[Any]:
+    def _array(self, name: FieldArray) -> npt.NDArray[Any]:
         if name in self._views:
             return self._views[name]
         array: Any = self._core.array(name)
@@ -165,7 +129,7 @@ class Field:
 
     @property
     def stats(self) -> Stats:
-        """Cost of the field, and findings about the mesh."""
+        """Cost of the field, and findings about the mesh: 0 for a field from a file or an array."""
         return self._stats
 
     @property
@@ -280,7 +244,7 @@ class Field:
         with reporting(progress) as report:
             return mesh_of_core(_raymap.isosurface(self._core, float(iso), threads or 0, report))
 
-    def save(self, path: str | os.PathLike[str], array: ArrayName = "distance") -> None:
+    def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
 
         Args:
@@ -303,7 +267,7 @@ class Field:
         axis: int | Literal["x", "y", "z"],
         index: int | None = None,
         *,
-        array: ArrayName = "distance",
+        array: FieldArray = "distance",
         width: int = 512,
     ) -> npt.NDArray[np.uint8]:
         """Returns a picture of a slice, (h, w, 3) uint8, rows from the top.
@@ -392,8 +356,8 @@ class Field:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
         if self.band > 0:
             rows["band"] = f"{self.band:.6g}"
-        if self.stats.device:
-            rows["made"] = f"in {self.stats.milliseconds:.0f} ms on {self.stats.device}"
+        if device := self.stats["device"]:
+            rows["made"] = f"in {self.stats['milliseconds']:.0f} ms on {device}"
         shown: Any = self.arrays[0]
         return _html.describe("raymap.Field", rows, "slice across z", self.slice("z", array=shown, width=256))
 
@@ -405,7 +369,7 @@ class Field:
 def field_of_core(core: _raymap.Field) -> Field:
     """Returns the field that the extension module has made."""
     made = Field.__new__(Field)
-    made._take(core, Stats(**core.stats()))
+    made._take(core)
     return made
 
 

@@ -5,20 +5,17 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Literal, TypeAlias, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack, get_args
 
 import numpy.typing as npt
 
 from . import _devices, _inputs, _raymap
 from ._arrays import to_box
 from ._errors import UsageError
-from ._field import ArrayName, Field, field_of_core
+from ._field import Field, field_of_core
 from ._mesh import core_of
 from ._progress import Progress, reporting
-
-Distance: TypeAlias = Literal["exact", "neighbours", "cell", "raster"]
-Sign: TypeAlias = Literal["harmonic", "paths", "evolution", "rays", "ray", "none"]
-Orientation: TypeAlias = Literal["auto", "keep", "repair"]
+from ._records import DistanceMode, FieldArray, Orientation, SignMode
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -28,12 +25,12 @@ class SurfaceFieldOptions(TypedDict, total=False):
     voxel_size: float | None
     bounds: npt.ArrayLike | None
     padding: float
-    distance: Distance
-    sign: Sign
+    distance: DistanceMode
+    sign: SignMode
     close_holes: bool
     thickness: float | None
     band: float | None
-    arrays: Iterable[ArrayName]
+    arrays: Iterable[FieldArray]
     device: str
     threads: int | None
     memory_limit: int | None
@@ -54,13 +51,13 @@ def generate(
     voxel_size: float | None = None,
     bounds: npt.ArrayLike | None = None,
     padding: float = 0.1,
-    distance: Distance = "exact",
-    sign: Sign = "harmonic",
+    distance: DistanceMode = "exact",
+    sign: SignMode = "harmonic",
     orientation: Orientation = "auto",
     close_holes: bool = False,
     thickness: float | None = None,
     band: float | None = None,
-    arrays: Iterable[ArrayName] = ("distance",),
+    arrays: Iterable[FieldArray] = ("distance",),
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -172,7 +169,7 @@ class Generator:
 
 
 def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
-    """Refuses names of arguments that there are not."""
+    """Refuses unknown names of arguments."""
     if unknown := given.keys() - known.__annotations__.keys():
         raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
 
@@ -217,7 +214,7 @@ def _set_thickness(options: _raymap.Options, thickness: float | None) -> None:
 
 def _set_arrays(options: _raymap.Options, arrays: Iterable[str]) -> None:
     names = {arrays} if isinstance(arrays, str) else set(arrays)
-    if unknown := names - {"distance", "winding", "confidence", "triangle"}:
+    if unknown := names - set(get_args(FieldArray)):
         raise UsageError(
             f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
         )

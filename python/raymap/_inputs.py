@@ -66,7 +66,7 @@ def _meshio_faces(mesh: Any) -> npt.NDArray[Any]:
             fan = [corners[:, [0, c, c + 1]] for c in range(1, corners.shape[1] - 1)]
             faces.append(np.stack(fan, axis=1).reshape(-1, 3))
         elif kind not in ("vertex", "line"):
-            raise UsageError(f"cells of the type {kind!r} are no faces; give the triangles of the surface")
+            raise UsageError(f"cells of the type {kind!r} are not faces; give the triangles of the surface")
     if not faces:
         raise InputError("the mesh has no faces")
     return np.concatenate(faces)

@@ -137,7 +137,7 @@ def sample_points(
     kept = prepared.mesh
     centre, radius = _sphere(kept.vertices, kept.faces)
     random = _Random(operator.index(seed))
-    areas = _Areas(kept.vertices, kept.faces, prepared.stats.left_out_faces)
+    areas = _Areas(kept.vertices, kept.faces, prepared.stats["left_out_faces"])
     on_surface, triangles = areas.points(counts[0], random)
     parts = [on_surface]
     for count, deviation in zip(counts[1:-1], deviations, strict=True):
@@ -150,7 +150,7 @@ def sample_points(
     found = prepared.query(stored * unit + origin, ("distance", "direction"), threads=threads, progress=progress)
     distance, gradient = found.distance, np.where(found.distance[:, None] < 0, found.direction, -found.direction)
     distance[: counts[0]] = 0.0
-    normals = areas.normals(triangles, prepared.stats.turned_faces)
+    normals = areas.normals(triangles, prepared.stats["turned_faces"])
     ask = partial(prepared.query, threads=threads, progress=progress)
     gradient[: counts[0]] = _outward(normals, on_surface, _BESIDE * radius, ask)
     return Samples(stored, distance / unit, gradient + 0.0, origin, 1.0 / unit)

@@ -10,10 +10,11 @@ import numpy as np
 
 from . import _arrays, _inputs, _raymap
 from ._errors import UsageError
-from ._field import Field, Stats, field_of_core
-from ._generate import Orientation, SurfaceFieldOptions, check_names, fit_grid, to_memory_limit, to_options
+from ._field import Field, field_of_core
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_memory_limit, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
+from ._records import Orientation, Stats
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -112,7 +113,7 @@ class Surface:
         self._sign, self._orientation, self._threads, self._memory_limit = options.sign, orientation, threads, memory_limit
         with reporting(progress) as report:
             self._core = _raymap.Surface(mesh, options, orientation, report)
-        self._stats = Stats(**self._core.stats())
+        self._stats: Stats = self._core.stats()  # type: ignore[assignment]
 
     def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
         """Returns distances at points, (...) for points (..., 3), negative inside, in the mesh's units.

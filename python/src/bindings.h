@@ -60,11 +60,6 @@ inline glm::dvec3 toVector(const Triple& v) {
 inline Triple toTriple(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
-inline nb::list toList(const glm::dvec3& v) {
-  nb::list list;
-  for (int axis = 0; axis < 3; ++axis) list.append(v[axis]);
-  return list;
-}
 
 /// Returns a message as text. A path in it need not be UTF-8.
 nb::str toText(std::string_view message);
@@ -85,9 +80,6 @@ nb::ndarray<nb::numpy, Number> toArray(Elements elements, std::initializer_list<
                           [](void* given) noexcept { delete static_cast<Elements*>(given); });
   return {numbers, shape, owner};
 }
-
-/// Returns the names and values of `raymap generate --stats` and `raymap repair --stats`.
-nb::dict describe(const Stats& stats);
 
 void bindDevices(nb::module_& module);
 void bindDiagnostics(nb::module_& module);

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "bindings.h"
+#include "records.h"
 
 namespace raymap::python {
 
@@ -99,26 +99,6 @@ std::shared_ptr<FieldHandle> load(const std::filesystem::path& path) {
 
 }  // namespace
 
-nb::dict describe(const Stats& stats) {
-  nb::dict dict;
-  nb::list stages;
-  for (const Stats::Stage& stage : stats.stages)
-    stages.append(nb::make_tuple(stage.name, stage.milliseconds));
-  dict["device"] = stats.device;
-  dict["stages"] = nb::tuple(stages);
-  dict["milliseconds"] = stats.totalMilliseconds;
-  dict["bytes"] = stats.bytes;
-  dict["doubtful_share"] = stats.doubtfulShare;
-  dict["turned_faces"] = toArray<uint32_t>(stats.turnedFaces, {stats.turnedFaces.size()});
-  dict["left_out_faces"] = toArray<uint32_t>(stats.leftOutFaces, {stats.leftOutFaces.size()});
-  dict["misfit_given"] = stats.misfitGiven;
-  dict["misfit"] = stats.misfit;
-  dict["orientation_fits"] = stats.orientationFits;
-  dict["patch_triangles"] = stats.patchTriangles;
-  dict["patch_area"] = stats.patchArea;
-  return dict;
-}
-
 void bindField(nb::module_& module) {
   nb::class_<FieldHandle>(module, "Field")
       .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "band"_a, "surface_bounds"_a.none())
@@ -140,7 +120,7 @@ void bindField(nb::module_& module) {
                      if (box.isEmpty()) return std::nullopt;
                      return Bounds{toTriple(box.min), toTriple(box.max)};
                    })
-      .def("stats", [](const FieldHandle& self) { return describe(self.stats); })
+      .def("stats", [](const FieldHandle& self) { return toPython(self.stats); })
       .def("sample", &samplePoints, "points"_a.noconvert(), "gradients"_a, "nan_outside"_a, "threads"_a)
       .def(
           "save",

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "call.h"
+#include "records.h"
 
 namespace raymap::python {
 
@@ -107,7 +108,7 @@ void bindSurface(nb::module_& module) {
       .def("generate", &generate, "grid"_a, "options"_a, "progress"_a.none())
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
-      .def("stats", [](const Surface& self) { return describe(self.stats()); })
+      .def("stats", [](const Surface& self) { return toPython(self.stats()); })
       .def("vertices", &vertices)
       .def("faces", &faces)
       .def_prop_ro("origin", [](const Surface& self) { return toTriple(self.mesh().origin); });

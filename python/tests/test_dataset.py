@@ -46,12 +46,12 @@ def test_the_table_holds_figures_of_info_and_of_the_field(meshes: Path) -> None:
         assert row["watertight"] == str(found["watertight"]) == str(name != "open.OBJ")
         assert int(row["boundary_edges"]) == found["boundary_edges"]
         assert float(row["area"]) == found["area"]
-        assert float(row["bbox_max_y"]) == found["bbox_max"][1]
-        assert int(row["self_intersections"]) == found["self_intersections"]["pairs"]
+        assert float(row["bounds_max_y"]) == found["bounds"][1][1]
+        assert int(row["self_intersections_pairs"]) == found["self_intersections"]["pairs"]
         assert tuple(int(row[f"samples_{axis}"]) for axis in "xyz") == field.shape
         assert float(row["origin_z"]) == field.origin[2]
         assert float(row["inside_share"]) == (field.distance < 0).mean()
-        assert float(row["doubtful_share"]) == field.stats.doubtful_share
+        assert float(row["doubtful_share"]) == field.stats["doubtful_share"]
         assert (row["state"], row["reason"]) == ("done", "")
 
 
@@ -138,7 +138,7 @@ def test_a_changed_buffer_makes_a_mesh_again(tmp_path: Path, name: str) -> None:
     corners = np.fromfile(buffer, "<f4", 12)
     buffer.write_bytes((2 * corners).tobytes() + buffer.read_bytes()[48:])
     assert generate(folder).new == [name]
-    assert float(table()[name]["bbox_max_x"]) == 2
+    assert float(table()[name]["bounds_max_x"]) == 2
     content = buffer.read_bytes()
     buffer.unlink()
     missing = generate(folder)
@@ -406,7 +406,7 @@ def test_sizes_are_read_as_by_the_program(text: str, size: int) -> None:
 
 @pytest.mark.parametrize("text", ["", ".", "GB", "1e", "-1", "1.5XB", "nan", "1.5GBs"])
 def test_what_is_no_size_is_refused(text: str) -> None:
-    with pytest.raises(argparse.ArgumentTypeError, match="is no size"):
+    with pytest.raises(argparse.ArgumentTypeError, match="is not a size"):
         command._bytes(text)
 
 

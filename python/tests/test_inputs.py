@@ -39,7 +39,7 @@ def test_meshio(ball):
     found = raymap.info(cube)
     assert found["triangles"] == 12 and found["signed_volume"] == pytest.approx(1)
     np.testing.assert_array_equal(raymap._inputs.to_mesh(cube).faces[:2], [(0, 1, 3), (0, 3, 2)])
-    with pytest.raises(raymap.UsageError, match="cells of the type 'tetra' are no faces"):
+    with pytest.raises(raymap.UsageError, match="cells of the type 'tetra' are not faces"):
         raymap.info(meshio.Mesh(corners, [("tetra", [[0, 1, 2, 4]])]))
     with pytest.raises(raymap.InputError, match="the mesh has no faces"):
         raymap.info(meshio.Mesh(corners, [("vertex", [[0]])]))

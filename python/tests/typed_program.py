@@ -21,9 +21,9 @@ again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0
 picture: npt.NDArray[np.uint8] = field.slice("z", width=64)
 found: raymap.Info = raymap.info(mesh)
 holes: int = found["hole_count"] + found["self_intersections"]["pairs"]
-is_counted: bool = raymap.info(mesh, fast=True)["self_intersections"]["counted"]
-milliseconds: float = field.stats.milliseconds
-solid, report, stats = raymap.repair(mesh, resolution=16)
+uncounted: None = raymap.info(mesh, fast=True)["self_intersections"]
+milliseconds: float = field.stats["milliseconds"]
+solid, report = raymap.repair(mesh, resolution=16)
 deviation: float = report["result_from_mesh"]["p99"]
 samples: raymap.Samples = raymap.sample_points(prepared, 100, sigma=0.01, seed=3)
 pos: npt.NDArray[np.float32] = samples.pos
@@ -42,4 +42,4 @@ if TYPE_CHECKING:
     prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
     prepared.generate(orientation="keep")  # type: ignore[call-arg]
     found["colour"]  # type: ignore[typeddict-item]
-    raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[typeddict-item]
+    raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[index]

@@ -46,10 +46,18 @@ void addGpus(DeviceList& list) {
     gpu.testProblem = record.problem;
     const size_t number = list.devices.size();
     if (gpu.problem.empty() && (!list.best || gpu.type < list.devices[*list.best].type)) list.best = number;
-    const bool isBetter = list.automatic == 0 || gpu.type < list.devices[list.automatic].type;
-    if (mayBeAutomatic(gpu) && !isRefused(gpu) && isBetter) list.automatic = number;
     list.devices.push_back(std::move(gpu));
   }
+}
+
+/// Returns the index of the device that "auto" takes; 0 is the CPU.
+size_t automaticOf(const std::vector<DeviceInfo>& devices) {
+  size_t best = 0;
+  for (size_t d = 1; d < devices.size(); ++d)
+    if (mayBeAutomatic(devices[d]) && !isRefused(devices[d]) &&
+        (best == 0 || devices[d].type < devices[best].type))
+      best = d;
+  return best;
 }
 
 }  // namespace
@@ -57,15 +65,15 @@ void addGpus(DeviceList& list) {
 DeviceList devices() {
   DeviceList list;
   list.devices.push_back(cpuInfo());
-  if (!gpuPlugIn()) {
-    list.note = "this program has no GPU backend; link raymap::vulkan, built with RAYMAP_VULKAN=ON";
-    return list;
-  }
   try {
-    addGpus(list);
+    if (gpuPlugIn())
+      addGpus(list);
+    else
+      list.note = "this program has no GPU backend; link raymap::vulkan, built with RAYMAP_VULKAN=ON";
   } catch (const Error& error) {
     list.note = error.what();
   }
+  list.devices[automaticOf(list.devices)].isAutomatic = true;
   return list;
 }
 
@@ -101,18 +109,19 @@ bool mayHaveGpu() {
 void warnOfRefused(const DeviceList& list, const WarningCallback& warn) {
   for (const DeviceInfo& gpu : list.devices)
     if (warn && mayBeAutomatic(gpu) && isRefused(gpu))
-      warn("the GPU is not used, the CPU instead: " + reasonAgainst(gpu));
+      warn("the CPU is used instead of the GPU: " + reasonAgainst(gpu));
 }
 
 std::optional<size_t> chooseAutomatic(const WarningCallback& warn, const ProgressCallback& progress) {
   for (;;) {
     const DeviceList list = devices();
-    if (list.automatic == 0) {
+    const size_t automatic = automaticOf(list.devices);
+    if (automatic == 0) {
       warnOfRefused(list, warn);
       return std::nullopt;
     }
-    const size_t number = list.automatic - 1;
-    if (testOnce(list.devices[list.automatic], number, progress) == DeviceTestState::Passed) return number;
+    const size_t number = automatic - 1;
+    if (testOnce(list.devices[automatic], number, progress) == DeviceTestState::Passed) return number;
   }
 }
 
@@ -130,8 +139,9 @@ std::optional<size_t> chooseDevice(const std::string& name, const WarningCallbac
 std::string deviceToTest() {
   if (!mayHaveGpu()) return {};
   const DeviceList list = devices();
-  const DeviceInfo& automatic = list.devices[list.automatic];
-  return list.automatic != 0 && automatic.test == DeviceTestState::Untested ? automatic.id : "";
+  const size_t automatic = automaticOf(list.devices);
+  const DeviceInfo& device = list.devices[automatic];
+  return automatic != 0 && device.test == DeviceTestState::Untested ? device.id : "";
 }
 
 DeviceTest testDevice(const std::string& id, const ProgressCallback& progress) {

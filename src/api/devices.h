@@ -41,7 +41,7 @@ class ChosenDevice {
       if (!isOfTheDevice(error)) throw;  // The device is as good as before.
       close();
       if (name != "auto") throw;
-      if (warn) warn(std::string("the GPU was not used, the CPU instead: ") + error.what());
+      if (warn) warn(std::string("the CPU was used instead of the GPU: ") + error.what());
       return false;
     } catch (...) {
       close();

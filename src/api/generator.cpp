@@ -21,7 +21,7 @@ Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const Options& optio
   Box box = bounds(mesh);
   box.min -= 0.5 * options.thickness;
   box.max += 0.5 * options.thickness;
-  if (stats.patchTriangles > 0) {  // What closes holes lies in the grid.
+  if (stats.patchTriangles > 0) {  // The surface that closes holes lies in the grid.
     box.min = glm::min(box.min, grid.origin);
     box.max = glm::max(box.max, grid.position(grid.dims - 1));
   }
@@ -70,7 +70,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
     field = {};
     throw;
   }
-  stats.totalMilliseconds = stopwatch.milliseconds();
+  stats.milliseconds = stopwatch.milliseconds();
   return stats;
 }
 

@@ -22,8 +22,7 @@ void check(const SurfaceOptions& options) {
 void check(const QueryOptions& options, bool isSigned) {
   require(options.threads >= 0, "the number of threads must not be negative");
   require(options.maxDistance > 0.0, "the largest distance must be positive");
-  require(isSigned || !options.winding,
-          "the surface was made without a sign, so it knows no winding numbers");
+  require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
   require(isSigned || !options.confidence,
           "the surface was made without a sign, so it has no confidence in it");
 }
@@ -71,7 +70,7 @@ Surface::Surface(const MeshView& view, const SurfaceOptions& options) : impl_(st
     const PackedMesh mesh = impl_->copy(view, options.memoryLimit);
     impl_->prepared = cpu::prepareSurface(mesh, options, impl_->meshBytes(), progress, impl_->stats);
   });
-  impl_->stats.totalMilliseconds = stopwatch.milliseconds();
+  impl_->stats.milliseconds = stopwatch.milliseconds();
   impl_->stats.bytes = std::max(impl_->stats.bytes, bytes());
 }
 

@@ -12,4 +12,10 @@ constexpr uint64_t hashOf(std::string_view bytes) {
   return hash;
 }
 
+/// Returns a hash of three numbers, as of a position's bits. Its upper half is mixed best.
+constexpr uint64_t hashOf(uint64_t x, uint64_t y, uint64_t z) {
+  const uint64_t ofTwo = ((x * 0x9E3779B97F4A7C15) ^ y) * 0xC2B2AE3D27D4EB4F;
+  return (ofTwo ^ z) * 0x165667B19E3779F9;
+}
+
 }  // namespace raymap

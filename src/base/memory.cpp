@@ -50,9 +50,9 @@ std::string limitText(uint64_t bytes) {
   return sizeText(bytes, false);
 }
 
-void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where) {
+void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& why) {
   if (needed > limit)
-    throw Error(ErrorCode::Memory, "the field needs " + neededText(needed) + where + ", but only " +
+    throw Error(ErrorCode::Memory, "the field needs " + neededText(needed) + why + ", but only " +
                                        limitText(limit) +
                                        " may be used; use a lower resolution or a higher limit");
 }

@@ -17,9 +17,8 @@ std::string neededText(uint64_t bytes);
 /// Formats what there is at most, rounded down.
 std::string limitText(uint64_t bytes);
 
-/// Throws `Error(Memory)` if a field needs more than `limit` bytes. The message has `where` after the size:
-/// the place that needs it, or the purpose.
-void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& where = "");
+/// Throws `Error(Memory)` if a field needs more than `limit` bytes. The message has `why` after the size.
+void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& why = "");
 
 /// Throws `Error(Memory)` if a surface needs more than `availableMemory()` bytes.
 void checkSurfaceMemory(uint64_t needed);

@@ -94,7 +94,7 @@ inline raymap_grid toC(const Grid& grid) {
 
 /// Converts statistics to the struct for C.
 inline raymap_stats toC(const Stats& stats) {
-  return {.milliseconds = stats.totalMilliseconds,
+  return {.milliseconds = stats.milliseconds,
           .bytes = stats.bytes,
           .doubtful_share = stats.doubtfulShare,
           .turned_faces = stats.turnedFaces.size(),

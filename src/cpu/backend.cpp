@@ -24,33 +24,22 @@ namespace {
 
 constexpr size_t kFacesPerTask = 1024;
 
-/// Returns the bytes of the crossings and of the ray map. Most surfaces cross a lattice line twice or less.
-size_t crossingBytes(const glm::ivec3& dims) {
-  constexpr size_t kCrossings = 2;
-  // A line has its starts in both, a copy of one of them and its length while the crossings are sorted.
-  constexpr size_t kOfLine = 3 * sizeof(uint64_t) + sizeof(uint32_t),
-                   kOfCrossing = sizeof(LineRecord) + sizeof(Crossing) + sizeof(RayStep);
-  size_t lines = 0;
-  for (int axis = 0; axis < 3; ++axis) lines += lineCount(dims, axis);
-  return lines * (kOfLine + kCrossings * kOfCrossing);
-}
-
 }  // namespace
 
 size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
-  const bool exact = options.distance == DistanceMode::Exact;
-  const bool raster = options.distance == DistanceMode::Raster;
-  size_t perSample = sizeof(float);
-  if (options.triangleIds || (!exact && !raster)) perSample += sizeof(uint32_t);
-  if (!exact) perSample += sizeof(float) + sizeof(uint32_t) + (raster ? 0 : sizeof(uint64_t));
-  if (options.sign != SignMode::None) perSample += sizeof(float);
-  if (options.confidence) perSample += sizeof(float);
-  const bool needsTree = exact || options.sign == SignMode::Harmonic || options.closeHoles;
-  const size_t perTriangle = (exact ? 0 : 32) + (needsTree ? kTreeBytesPerTriangle : 0) +
-                             (options.closeHoles ? kRimBytesPerTriangle : 0);
-  return grid.sampleCount() * perSample + mesh.triangles.size() * perTriangle +
-         mesh.vertices.size() * sizeof(glm::vec3) +
-         (options.sign == SignMode::None ? 0 : crossingBytes(grid.dims));
+  const bool isExact = options.distance == DistanceMode::Exact,
+             isRaster = options.distance == DistanceMode::Raster, isSigned = options.sign != SignMode::None;
+  const size_t samples = grid.sampleCount(), triangles = mesh.triangles.size(),
+               numbers = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned ? 1 : 0) +
+                         (isSigned && options.confidence ? 1 : 0);
+  size_t bytes = numbers * samples * sizeof(float) + mesh.vertices.size() * sizeof(glm::vec3);
+  if (!isExact) bytes += CellLevel::bytesNeeded(samples);
+  if (!isExact && !isRaster) bytes += VoxelGrid::bytesExpected(samples, triangles);
+  if (isExact || options.sign == SignMode::Harmonic || options.closeHoles)
+    bytes += SurfaceTree::bytesNeeded(triangles);
+  if (isSigned) bytes += crossingBytesExpected(grid.dims) + RayMap::bytesExpected(grid.dims);
+  if (options.closeHoles) bytes += kRimBytesPerTriangle * triangles;
+  return bytes;
 }
 
 void Backend::begin() {
@@ -293,9 +282,7 @@ size_t Backend::bytes() const {
   total += mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + rises_.capacityBytes() +
            wholeness_.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +
            windingDipoles_.bytes() + winding_.capacityBytes() + patch_.bytes() + patchTree_.bytes();
-  for (const CellLevel& level : levels_)
-    total += level.grid.starts.capacityBytes() + level.grid.triangles.capacityBytes() +
-             level.squared.capacityBytes() + level.nearestCell.capacityBytes();
+  for (const CellLevel& level : levels_) total += level.bytes();
   for (const AxisCrossings& axis : crossings_)
     total += axis.starts.capacityBytes() + axis.entries.capacityBytes();
   return total + rayMap_.bytes();

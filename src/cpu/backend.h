@@ -66,7 +66,7 @@ class Backend {
   std::vector<float> windingAt(std::span<const glm::vec3> points);
   const CellMesh& cellMesh() const { return mesh_; }
   size_t bytesLeft() const;
-  static constexpr size_t kTreeBytesPerTriangle = 108;
+  static size_t patchTreeBytes(size_t triangles) { return SurfaceTree::bytesNeeded(triangles); }
   void addPatch();
 
   /// Gives away the tree of the last run's mesh, with the faces as given and one of each group of

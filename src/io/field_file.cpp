@@ -39,7 +39,7 @@ const Format& findFormat(const fs::path& path, std::string_view extension) {
                 path.string() + ": raymap was built without OpenVDB; build it with RAYMAP_OPENVDB=ON");
   if (found != kFormats.end()) return *found;
   throw Error(ErrorCode::Usage, path.string() + ": '" + path.extension().string() +
-                                    "' is no kind of field; use one of " + listOf(fieldExtensions()));
+                                    "' is not a format for fields; use one of " + listOf(fieldExtensions()));
 }
 
 NamedArray arrayOf(const Field& field, std::string_view name) {

@@ -91,7 +91,7 @@ std::string_view formatOfBytes(std::string_view head, uint64_t bytes) {
   return isBinaryStl(head, bytes) ? ".stl" : formatOfText(head);
 }
 
-/// Returns the format of a table of points, or nothing for bytes that are no text.
+/// Returns the format of a table of points, or nothing for bytes that are not text.
 std::string_view formatOfTable(std::string_view head) {
   const auto isControl = [](char c) {
     const auto code = static_cast<unsigned char>(c);

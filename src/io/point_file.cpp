@@ -31,13 +31,13 @@ constexpr std::array kPointFormats{PointFormat{".csv", writePointCsv}, PointForm
 
 [[noreturn]] void failExtension(const fs::path& path, const std::string& what,
                                 const std::vector<std::string>& known) {
-  throw Error(ErrorCode::Usage, path.string() + ": '" + path.extension().string() + "' is no kind of " +
+  throw Error(ErrorCode::Usage, path.string() + ": '" + path.extension().string() + "' is not a format for " +
                                     what + "; use one of " + listOf(known));
 }
 
 const PointFormat& findFormat(const fs::path& path, std::string_view extension) {
   const auto* found = std::ranges::find(kPointFormats, extension, &PointFormat::extension);
-  if (found == kPointFormats.end()) failExtension(path, "file for the results of a query", queryExtensions());
+  if (found == kPointFormats.end()) failExtension(path, "the results of a query", queryExtensions());
   return *found;
 }
 
@@ -90,7 +90,7 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& 
                                    std::string_view given) {
   const SourceFile source(path);
   const std::string format = formatOf(source, given, pointExtensions());
-  if (!contains(pointExtensions(), format)) failExtension(path, "file of points", pointExtensions());
+  if (!contains(pointExtensions(), format)) failExtension(path, "points", pointExtensions());
   if (format == ".npy") return readPointNpy(source);
   const Buffer<std::byte> bytes = loadFile(source);
   const MeshFile file{bytes, path, warn};

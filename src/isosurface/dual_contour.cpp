@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "isosurface/contour_cubes.h"
 #include "isosurface/uncross.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -25,7 +26,7 @@ constexpr double kLeave = 1e-3;  // Cost of a diagonal whose triangles may cross
 /// Returns a triangle's height above its longest edge, as a share of that edge.
 double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const auto square = [](const glm::dvec3& v) { return glm::dot(v, v); };
-  return glm::length(glm::cross(b - a, c - a)) / std::max({square(b - a), square(c - b), square(a - c)});
+  return glm::length(doubleAreaNormal(a, b, c)) / std::max({square(b - a), square(c - b), square(a - c)});
 }
 
 class Contour {
@@ -135,7 +136,7 @@ class Contour {
       cost += quadrics_[quad[(first + i) % 4]](glm::vec3(0.5 * (p[0] + p[2]) - p[i]));
     for (const int i : {0, 2}) {
       const glm::dvec3 &a = p[i], &b = p[i + 1], &c = p[2 - i];
-      if (!(glm::cross(b - a, c - a)[axis] > 0.0)) cost += kFold;
+      if (!(doubleAreaNormal(a, b, c)[axis] > 0.0)) cost += kFold;
       cost += kShape / std::max(shapeOf(a, b, c), 1e-9);
     }
     return cost;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mesh/face_parts.h"
+#include "mesh/face_points.h"
 #include "mesh/triangle.h"
 
 namespace raymap {
@@ -12,7 +12,8 @@ namespace raymap {
 namespace {
 
 double areaOf(const PackedMesh& mesh, const glm::uvec3& face) {
-  return triangleArea(mesh.vertices[face.x], mesh.vertices[face.y], mesh.vertices[face.z]);
+  const auto [a, b, c] = mesh.corners(face);
+  return triangleArea(a, b, c);
 }
 
 /// Returns the point of a face with two coordinates in [0, 1). Such points spread evenly if the coordinates

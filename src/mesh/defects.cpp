@@ -24,8 +24,8 @@ std::vector<uint32_t> findDuplicates(const PackedMesh& mesh, const Welding& weld
   };
   std::vector<Corners> corners(mesh.triangles.size());
   for (uint32_t face = 0; face < corners.size(); ++face) {
-    const glm::uvec3& t = mesh.triangles[face];
-    corners[face] = {{welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]}, face};
+    const glm::uvec3 welded = weldedFace(mesh, welding, face);
+    corners[face] = {{welded.x, welded.y, welded.z}, face};
     std::sort(corners[face].ids.begin(), corners[face].ids.end());
   }
   parallelSort(corners.begin(), corners.end());
@@ -59,8 +59,7 @@ Defects findDefects(const PackedMesh& mesh) {
   validate(mesh);
   Buffer<SortKey> keys;
   const Welding welding = weldVertices(mesh.vertices, keys);
-  std::vector<uint32_t> vertexOf(welding.count);
-  for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
+  const std::vector<uint32_t> vertexOf = welding.vertices();
   Defects defects;
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {

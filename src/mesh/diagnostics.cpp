@@ -32,8 +32,7 @@ void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& f
 std::vector<TracedHole> findHoles(const PackedMesh& mesh, const Welding& welding,
                                   std::span<const std::pair<uint32_t, uint32_t>> boundary) {
   if (boundary.empty()) return {};
-  std::vector<uint32_t> vertexOf(welding.count);
-  for (uint32_t v = 0; v < welding.ids.size(); ++v) vertexOf[welding.ids[v]] = v;
+  const std::vector<uint32_t> vertexOf = welding.vertices();
   return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
 }
 

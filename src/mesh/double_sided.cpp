@@ -9,27 +9,18 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "mesh/position_bits.h"
 
 namespace raymap {
 
 namespace {
 
-/// A position as bits, equal exactly where the coordinates are: -0 equals 0.
-using PositionBits = std::array<uint32_t, 3>;
-
-PositionBits bitsOf(const glm::vec3& vertex) {
-  const glm::vec3 p = vertex + 0.0f;  // Turns -0 into 0.
-  return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
-}
-
 /// Returns a hash of a face's corners that does not depend on their order.
-uint32_t hashOf(const PackedMesh& mesh, const glm::uvec3& t) {
-  const PositionBits a = bitsOf(mesh.vertices[t.x]), b = bitsOf(mesh.vertices[t.y]),
-                     c = bitsOf(mesh.vertices[t.z]);
+uint32_t faceHash(const PackedMesh& mesh, const glm::uvec3& t) {
+  const PositionBits a = positionBits(mesh.vertices[t.x]), b = positionBits(mesh.vertices[t.y]),
+                     c = positionBits(mesh.vertices[t.z]);
   const auto sum = [&](size_t axis) { return uint64_t{a[axis]} + b[axis] + c[axis]; };
-  const uint64_t hash = (sum(0) * uint64_t{0x9E3779B97F4A7C15}) ^ (sum(1) * uint64_t{0xC2B2AE3D27D4EB4F}) ^
-                        (sum(2) * uint64_t{0x165667B19E3779F9});
-  return uint32_t(((hash ^ hash >> 29) * uint64_t{0xD6E8FEB86659FD93}) >> 32);
+  return uint32_t(hashOf(sum(0), sum(1), sum(2)) >> 32);
 }
 
 /// Counts hashes up to two. There are 16 slots or more for each face, so few faces share a slot by accident.
@@ -87,7 +78,7 @@ std::vector<uint64_t> findCandidates(const PackedMesh& mesh) {
   Buffer<uint32_t> hashes(count);
   std::vector<HashCounter> counters(parts, HashCounter(count));
   forEachFace([&](size_t part, size_t f) {
-    hashes[f] = hashOf(mesh, mesh.triangles[f]);
+    hashes[f] = faceHash(mesh, mesh.triangles[f]);
     counters[part].add(hashes[f]);
   });
   for (size_t part = 1; part < parts; ++part) counters[0].add(counters[part]);
@@ -128,8 +119,8 @@ struct CornersOfFace {
 
 CornersOfFace cornersOf(const PackedMesh& mesh, uint32_t face) {
   const glm::uvec3& t = mesh.triangles[face];
-  CornersOfFace c{
-      {bitsOf(mesh.vertices[t.x]), bitsOf(mesh.vertices[t.y]), bitsOf(mesh.vertices[t.z])}, face, true};
+  const auto at = [&](uint32_t vertex) { return positionBits(mesh.vertices[vertex]); };
+  CornersOfFace c{{at(t.x), at(t.y), at(t.z)}, face, true};
   for (const auto& [low, high] : {std::pair(0u, 1u), std::pair(1u, 2u), std::pair(0u, 1u)})
     if (c.corners[high] < c.corners[low]) {
       std::swap(c.corners[low], c.corners[high]);

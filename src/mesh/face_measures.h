@@ -17,11 +17,6 @@ struct FaceMeasure {
   bool isDegenerate = false, isSurface = false;
 };
 
-inline glm::uvec3 weldedFace(const PackedMesh& mesh, const Welding& welding, size_t face) {
-  const glm::uvec3& t = mesh.triangles[face];
-  return {welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]};
-}
-
 /// Measures a face. One with a repeated corner belongs to no surface.
 FaceMeasure measureFace(const PackedMesh& mesh, const Welding& welding, size_t face,
                         const glm::dvec3& centre);

@@ -49,10 +49,7 @@ void sortBucket(std::span<SortKey> keys, size_t first, size_t positions) {
 
 std::span<const SortKey> sortHalfEdges(const PackedMesh& mesh, const Welding& welding,
                                        Buffer<SortKey>& keys) {
-  const auto cornersOf = [&](uint32_t face) {
-    const glm::uvec3& t = mesh.triangles[face];
-    return glm::uvec3(welding.ids[t.x], welding.ids[t.y], welding.ids[t.z]);
-  };
+  const auto cornersOf = [&](uint32_t face) { return weldedFace(mesh, welding, face); };
   const std::vector<uint32_t> faces = parallelSelect(mesh.triangles.size(), [&](uint32_t face) {
     const glm::uvec3 c = cornersOf(face);
     return c.x != c.y && c.y != c.z && c.z != c.x;

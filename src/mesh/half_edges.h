@@ -15,6 +15,9 @@ struct HalfEdge {
   uint32_t face;
   uint32_t thirdBits;  ///< Lowest 31 bits of the face's third corner.
   bool isForward;      ///< Whether the face runs from `low` to `high`.
+
+  uint32_t from() const { return isForward ? low : high; }
+  uint32_t to() const { return isForward ? high : low; }
 };
 
 /// Half edges as keys: by `low`, then by `high`, then by face.

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <numeric>
+
+#include "mesh/loops.h"
 
 namespace raymap {
 
 namespace {
-
-constexpr size_t kNotOnPath = std::numeric_limits<size_t>::max();
 
 /// Graph of the edges. Positions with an edge are renumbered from 0.
 struct Network {
@@ -23,7 +22,7 @@ struct Network {
     std::sort(positions.begin(), positions.end());
     positions.erase(std::unique(positions.begin(), positions.end()), positions.end());
     edgesAt.resize(positions.size());
-    for (size_t e = 0; e < edges.size(); ++e) {
+    for (uint32_t e = 0; e < edges.size(); ++e) {
       ends.emplace_back(numberOf(edges[e].first), numberOf(edges[e].second));
       edgesAt[ends[e].first].push_back(e);
       edgesAt[ends[e].second].push_back(e);
@@ -31,30 +30,30 @@ struct Network {
     isUsed.resize(edges.size());
   }
 
-  size_t numberOf(uint32_t position) const {
-    return size_t(std::lower_bound(positions.begin(), positions.end(), position) - positions.begin());
+  uint32_t numberOf(uint32_t position) const {
+    return uint32_t(std::lower_bound(positions.begin(), positions.end(), position) - positions.begin());
   }
   /// Returns the places in the order in which walks start: first those at which a chain of edges ends.
-  std::vector<size_t> starts() const {
-    std::vector<size_t> order(positions.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::stable_partition(order.begin(), order.end(), [&](size_t p) { return edgesAt[p].size() % 2 != 0; });
+  std::vector<uint32_t> starts() const {
+    std::vector<uint32_t> order(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_partition(order.begin(), order.end(), [&](uint32_t p) { return edgesAt[p].size() % 2 != 0; });
     return order;
   }
-  /// Moves `place` along an unused edge to its other end. Returns false if there is none.
-  bool step(size_t& place) {
-    std::vector<size_t>& edges = edgesAt[place];
+  /// Moves `place` along an unused edge to its other end. Returns the edge.
+  uint32_t take(uint32_t& place) {
+    std::vector<uint32_t>& edges = edgesAt[place];
     while (!edges.empty() && isUsed[edges.back()]) edges.pop_back();
-    if (edges.empty()) return false;
-    const size_t e = edges.back();
+    if (edges.empty()) return kNoEdge;
+    const uint32_t e = edges.back();
     isUsed[e] = true;
     place = ends[e].first == place ? ends[e].second : ends[e].first;
-    return true;
+    return e;
   }
 
   std::vector<uint32_t> positions;
-  std::vector<std::pair<size_t, size_t>> ends;
-  std::vector<std::vector<size_t>> edgesAt;
+  std::vector<std::pair<uint32_t, uint32_t>> ends;
+  std::vector<std::vector<uint32_t>> edgesAt;
   std::vector<bool> isUsed;
 };
 
@@ -81,28 +80,15 @@ std::vector<TracedHole> traceHoles(std::span<const std::pair<uint32_t, uint32_t>
                                    const std::function<glm::dvec3(uint32_t)>& position) {
   Network network(edges);
   std::vector<TracedHole> holes;
-  std::vector<size_t> path, placeOnPath(network.positions.size(), kNotOnPath);
-  const auto cutFrom = [&](size_t first) {  // Makes a hole of the end of the path.
+  const auto add = [&](std::span<const LoopStep> steps, uint32_t end) {
+    const auto at = [&](uint32_t place) { return position(network.positions[place]); };
     std::vector<glm::dvec3> corners;
-    for (size_t p = first; p < path.size(); ++p) corners.push_back(position(network.positions[path[p]]));
-    if (corners.size() > 1) holes.push_back({measure(corners), network.positions[path[first]]});
-    for (size_t p = first; p + 1 < path.size(); ++p) placeOnPath[path[p]] = kNotOnPath;
-    path.resize(first);
+    for (const LoopStep& step : steps) corners.push_back(at(step.from));
+    corners.push_back(at(end));
+    holes.push_back({measure(corners), network.positions[steps[0].from]});
   };
-  for (size_t place : network.starts()) {
-    path.assign(1, place);
-    placeOnPath[place] = 0;
-    while (network.step(place)) {
-      path.push_back(place);
-      if (const size_t before = placeOnPath[place]; before != kNotOnPath) {
-        cutFrom(before);
-        path.push_back(place);
-      }
-      placeOnPath[place] = path.size() - 1;
-    }
-    placeOnPath[path.back()] = kNotOnPath;
-    cutFrom(0);
-  }
+  traceLoops(
+      network.positions.size(), network.starts(), [&](uint32_t& place) { return network.take(place); }, add);
   std::stable_sort(holes.begin(), holes.end(),
                    [](const TracedHole& a, const TracedHole& b) { return a.hole.length > b.hole.length; });
   return holes;

@@ -3,6 +3,7 @@
 #include <raymap/buffer.h>
 #include <raymap/mesh_view.h>
 
+#include <array>
 #include <span>
 
 namespace raymap {
@@ -20,6 +21,10 @@ struct PackedMesh {
 
   operator MeshView() const { return {vertices, triangles, origin}; }
   glm::dvec3 position(uint32_t vertex) const { return origin + glm::dvec3(vertices[vertex]); }
+  /// Returns the corners of a face, relative to the origin.
+  std::array<glm::dvec3, 3> corners(const glm::uvec3& face) const {
+    return {glm::dvec3(vertices[face.x]), glm::dvec3(vertices[face.y]), glm::dvec3(vertices[face.z])};
+  }
 };
 
 /// Packs views. Keeps the memory of what it converts for the next one.

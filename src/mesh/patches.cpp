@@ -58,8 +58,8 @@ struct Link {
 /// Returns whether two faces at one edge share the third corner too: they are layers, not neighbours.
 bool coincide(const PackedMesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
   const auto allCorners = [&](uint32_t face) {
-    const glm::uvec3& t = mesh.triangles[face];
-    return welding.ids[t.x] ^ welding.ids[t.y] ^ welding.ids[t.z];
+    const glm::uvec3 c = weldedFace(mesh, welding, face);
+    return c.x ^ c.y ^ c.z;
   };
   return a.thirdBits == b.thirdBits && allCorners(a.face) == allCorners(b.face);
 }

@@ -1,4 +1,4 @@
-// Finds the faces that cross, with a tree of boxes and integer predicates.
+// Finds the faces that cross, with a tree of boxes and exact predicates.
 
 #include <raymap/diagnostics.h>
 
@@ -12,10 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/morton.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/sort_keys.h"
 #include "mesh/packed_mesh.h"
+#include "predicates/triangle_triangle.h"
 
 namespace raymap {
 
@@ -23,9 +25,7 @@ namespace {
 
 using Point = glm::i64vec3;
 
-constexpr int kBits = 29;                     // |coordinate| <= 2^29: determinants fit into 128 bits
-constexpr int32_t kSmall = int32_t{1} << 19;  // determinants of faces below this that meet fit into 64 bits
-constexpr uint32_t kArity = 8;                // faces per leaf, and children per node
+constexpr uint32_t kArity = 8;  // Faces per leaf, and children per node.
 constexpr size_t kLeavesPerRound = 64, kLeavesPerTask = 16;
 constexpr size_t kMostRoundsPerBatch = 256;
 constexpr size_t kFacesPerTask = 4096;
@@ -41,12 +41,12 @@ struct Box3 {
   }
   bool isSmall() const {
     const glm::ivec3 size = high - low;
-    return std::max({size.x, size.y, size.z}) < kSmall;
+    return std::max({size.x, size.y, size.z}) < kSmallExtent;
   }
 };
 
 struct Face {
-  std::array<glm::ivec3, 3> corners;
+  WholeTriangle corners;
   uint32_t id;
 
   Box3 box() const {
@@ -54,81 +54,6 @@ struct Face {
             glm::max(glm::max(corners[0], corners[1]), corners[2])};
   }
 };
-
-template <class Wide>
-int determinantSign(const Point& a, const Point& b, const Point& c) {
-  const auto minor = [](int64_t p, int64_t q, int64_t r, int64_t s) { return Wide(p) * s - Wide(q) * r; };
-  const Wide value =
-      minor(b.y, b.z, c.y, c.z) * a.x - minor(b.x, b.z, c.x, c.z) * a.y + minor(b.x, b.y, c.x, c.y) * a.z;
-  return value > 0 ? 1 : value < 0 ? -1 : 0;
-}
-
-/// Returns the side of the plane abc on which p lies: -1, 0 or 1.
-int side(const glm::ivec3& a, const glm::ivec3& b, const glm::ivec3& c, const glm::ivec3& p) {
-  __extension__ using Int128 = __int128;
-  return determinantSign<Int128>(Point(b) - Point(a), Point(c) - Point(a), Point(p) - Point(a));
-}
-
-using Sides = std::array<int, 3>;
-
-/// Plane of a face. The normal's components fit into 63 bits.
-struct Plane {
-  explicit Plane(const Face& face) : point(face.corners[0]) {
-    const Point u = Point(face.corners[1]) - point, v = Point(face.corners[2]) - point;
-    normal = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-  }
-
-  /// Returns the sides on which the corners of a face lie: -1, 0 or 1. `Wide` must hold the determinants.
-  template <class Wide>
-  Sides sidesOf(const Face& face) const {
-    Sides sides;
-    for (size_t c = 0; c < 3; ++c) {
-      const Point w = Point(face.corners[c]) - point;
-      const Wide value = Wide(normal.x) * w.x + Wide(normal.y) * w.y + Wide(normal.z) * w.z;
-      sides[c] = int(value > 0) - int(value < 0);
-    }
-    return sides;
-  }
-  Sides sidesOf(const Face& face, bool areSmall) const {
-    __extension__ using Int128 = __int128;
-    return areSmall ? sidesOf<int64_t>(face) : sidesOf<Int128>(face);
-  }
-
-  Point point, normal;
-};
-
-bool areOnBoth(const Sides& sides) {
-  return std::min(std::min(sides[0], sides[1]), sides[2]) < 0 &&
-         std::max(std::max(sides[0], sides[1]), sides[2]) > 0;
-}
-
-/// Returns the side on which one corner is alone.
-int aloneOn(const Sides& sides) {
-  return sides[0] + sides[1] + sides[2] > 0 ? -1 : 1;
-}
-
-/// Returns the face's corners in order, starting with the one that is alone on its side.
-std::array<glm::ivec3, 3> fromAlone(const Face& face, const Sides& sides) {
-  std::array<glm::ivec3, 3> corners = face.corners;
-  const auto alone = std::find(sides.begin(), sides.end(), aloneOn(sides)) - sides.begin();
-  std::rotate(corners.begin(), corners.begin() + alone, corners.end());
-  return corners;
-}
-
-/// Returns whether inner points of both faces coincide, except in a common plane. Each face must reach
-/// through the other's plane, and their intervals on the planes' common line must overlap (Guigue & Devillers
-/// 2003). Faces that share an edge do not reach through each other's planes.
-bool cross(const Face& a, const Plane& planeOfA, const Face& b, bool areSmall) {
-  const Sides ofB = planeOfA.sidesOf(b, areSmall);
-  if (!areOnBoth(ofB)) return false;
-  const Sides ofA = Plane(b).sidesOf(a, areSmall);
-  if (!areOnBoth(ofA)) return false;
-  auto [p, q, r] = fromAlone(a, ofA);
-  auto [s, t, u] = fromAlone(b, ofB);
-  if (aloneOn(ofA) < 0) std::swap(t, u);
-  if (aloneOn(ofB) < 0) std::swap(q, r);
-  return side(p, q, s, t) < 0 && side(p, r, u, s) < 0;
-}
 
 /// Returns what `std::round` does, without its call.
 double roundFast(double x) {
@@ -149,7 +74,7 @@ class Lattice {
     const glm::dvec3 size = box.size();
     int exponent = 0;
     std::frexp(0.5 * std::max({size.x, size.y, size.z}), &exponent);
-    scale_ = std::ldexp(1.0, kBits - exponent);
+    scale_ = std::ldexp(1.0, kTriangleBits - exponent);
     centre_ = glm::round((box.centre() - mesh.origin) * scale_);
   }
 
@@ -170,25 +95,15 @@ class Lattice {
   glm::dvec3 centre_;
 };
 
-/// Spreads 21 bits, with two zeros between each.
-uint64_t spread(uint32_t v) {
-  uint64_t x = v & 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 /// Returns the faces along a space-filling curve through their middles.
 Buffer<Face> sortedFaces(const PackedMesh& mesh) {
   const Lattice lattice(mesh);
   const auto make = [&](size_t begin, size_t end, SortKey* to) {
     for (size_t f = begin; f < end; ++f) {
       const Box3 box = lattice.face(f).box();
-      const glm::uvec3 middle((Point(box.low) + Point(box.high) + Point(int64_t{2} << kBits)) >>
-                              int64_t{kBits + 2 - 21});
-      *to++ = {f, spread(middle.x) | spread(middle.y) << 1 | spread(middle.z) << 2};
+      const glm::uvec3 middle((Point(box.low) + Point(box.high) + Point(int64_t{2} << kTriangleBits)) >>
+                              int64_t{kTriangleBits + 2 - 21});
+      *to++ = {f, mortonCode(middle.x, middle.y, middle.z)};
     }
   };
   Buffer<SortKey> order;
@@ -306,7 +221,7 @@ size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf,
   size_t tests = 0;
   for (size_t f = leaf * kArity; f < std::min((leaf + 1) * kArity, faces.size()); ++f) {
     const Box3 box = tree.leaf(leaf).box(f % kArity);
-    const Plane plane(faces[f]);
+    const WholePlane plane(faces[f].corners);
     const bool isSmall = box.isSmall();
     for (const size_t other : near) {
       uint32_t bits = tree.leaf(other).meeting(box);
@@ -316,7 +231,8 @@ size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf,
         ++tests;
         const size_t g = other * kArity + size_t(std::countr_zero(bits));
         const bool areSmall = isSmall && tree.leaf(other).box(g % kArity).isSmall();
-        if (cross(faces[f], plane, faces[g], areSmall)) pairs.emplace_back(faces[f].id, faces[g].id);
+        if (doCross(faces[f].corners, plane, faces[g].corners, areSmall))
+          pairs.emplace_back(faces[f].id, faces[g].id);
       }
     }
   }

@@ -1,12 +1,12 @@
 #include "mesh/weld.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/sort_keys.h"
+#include "mesh/position_bits.h"
 
 namespace raymap {
 
@@ -16,20 +16,6 @@ constexpr size_t kBlock = size_t{1} << 14;  // Vertices whose repetitions are fo
 constexpr size_t kTable = 2 * kBlock;
 constexpr uint32_t kFree = UINT32_MAX;
 
-/// Position as sortable bits, equal exactly where the coordinates are: -0 equals 0, and even NaN is ordered.
-using Bits = std::array<uint32_t, 3>;
-
-Bits bitsOf(const glm::vec3& vertex) {
-  const glm::vec3 p = vertex + 0.0f;  // Turns -0 into 0.
-  return {std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)};
-}
-
-size_t hashOf(const Bits& bits) {
-  uint64_t hash = (uint64_t{bits[0]} << 32 | bits[1]) * 0x9e3779b97f4a7c15u;
-  hash = (hash ^ (hash >> 32) ^ bits[2]) * 0xff51afd7ed558ccdu;
-  return hash >> 32;
-}
-
 /// Sets `firstOf` of each vertex of a block to the first vertex of the block at its position. Appends the
 /// first ones to `firsts`, and returns their number.
 size_t findFirsts(std::span<const glm::vec3> vertices, size_t begin, size_t end, uint32_t* firstOf,
@@ -37,9 +23,9 @@ size_t findFirsts(std::span<const glm::vec3> vertices, size_t begin, size_t end,
   std::vector<uint32_t> table(kTable, kFree);
   size_t count = 0;
   for (size_t v = begin; v < end; ++v) {
-    const Bits bits = bitsOf(vertices[v]);
-    size_t slot = hashOf(bits) % kTable;
-    while (table[slot] != kFree && bitsOf(vertices[table[slot]]) != bits) slot = (slot + 1) % kTable;
+    const PositionBits bits = positionBits(vertices[v]);
+    size_t slot = (hashOf(vertices[v]) >> 32) % kTable;
+    while (table[slot] != kFree && positionBits(vertices[table[slot]]) != bits) slot = (slot + 1) % kTable;
     if (table[slot] == kFree) firsts[count++] = table[slot] = uint32_t(v);
     firstOf[v] = table[slot];
   }
@@ -106,7 +92,7 @@ Welding weldVertices(std::span<const glm::vec3> vertices, Buffer<SortKey>& keys)
   joinBlocks(starts, firsts);
   const auto make = [&](size_t begin, size_t last, SortKey* to) {
     for (size_t k = begin; k < last; ++k) {
-      const Bits bits = bitsOf(vertices[firsts[k]]);
+      const PositionBits bits = positionBits(vertices[firsts[k]]);
       *to++ = {uint64_t{bits[2]} << 32 | firsts[k], uint64_t{bits[0]} << 32 | bits[1]};
     }
   };
@@ -122,6 +108,18 @@ Welding weldVertices(std::span<const glm::vec3> vertices, Buffer<SortKey>& keys)
 Welding weldVertices(std::span<const glm::vec3> vertices) {
   Buffer<SortKey> keys;
   return weldVertices(vertices, keys);
+}
+
+std::vector<uint32_t> Welding::vertices() const {
+  std::vector<uint32_t> last(count);
+  for (uint32_t v = 0; v < ids.size(); ++v) last[ids[v]] = v;
+  return last;
+}
+
+Welding unwelded(size_t vertices) {
+  Welding welding{Buffer<uint32_t>(vertices), vertices};
+  std::iota(welding.ids.begin(), welding.ids.end(), 0u);
+  return welding;
 }
 
 }  // namespace raymap

@@ -14,7 +14,7 @@
 #include "mesh/double_sided.h"
 #include "mesh/packed_mesh.h"
 #include "method/cell_mesh.h"
-#include "method/close_holes_edges.h"
+#include "method/close_holes_shared.h"
 #include "method/orientation_sheets.h"
 #include "method/turns.h"
 
@@ -75,7 +75,7 @@ concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<
   { b.windingAt(points) } -> std::same_as<std::vector<float>>;
   { b.cellMesh() } -> std::same_as<const CellMesh&>;
   { b.bytesLeft() } -> std::same_as<size_t>;
-  { B::kTreeBytesPerTriangle } -> std::convertible_to<size_t>;
+  { B::patchTreeBytes(size_t{}) } -> std::same_as<size_t>;  // For so many triangles.
   b.addPatch();
 };
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "method/cell_lattice_shared.h"
 #include "method/cell_mesh.h"
 
 namespace raymap {
@@ -36,8 +37,5 @@ inline float emptyCell(glm::ivec3 dims) {
   const glm::vec3 d(dims);
   return glm::dot(d, d) + 1.0f;
 }
-
-/// Index that stands for no cell.
-inline constexpr uint32_t kNoCell = 0xffffffffu;
 
 }  // namespace raymap

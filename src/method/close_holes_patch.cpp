@@ -17,6 +17,7 @@
 
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -249,17 +250,17 @@ double HolePatch::area() const {
   double area = 0.0;
   for (size_t t = 0; t < triangles.size(); ++t) {
     const glm::dvec3 a(mesh.corner(t, 0)), b(mesh.corner(t, 1)), c(mesh.corner(t, 2));
-    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    area += triangleArea(a, b, c);
   }
   return area;
 }
 
-void requirePatch(size_t missingEdges, size_t bytesPerTriangle, size_t bytesLeft) {
+void requirePatch(size_t missingEdges, size_t treeBytes, size_t bytesLeft) {
   constexpr size_t kOfEdge =
                        sizeof(MissingEdge) + 5 * sizeof(float) + sizeof(glm::vec3) + 2 * sizeof(glm::uvec3),
                    kOfCorner = sizeof(Corner) + sizeof(uint32_t) + 2 * sizeof(glm::vec3);
-  const size_t ofEdge = kOfEdge + kCubesAround * kOfCorner + 2 * bytesPerTriangle;
-  if (missingEdges > bytesLeft / ofEdge || 2 * missingEdges >= kNoTriangle)
+  const size_t left = bytesLeft - std::min(bytesLeft, treeBytes);
+  if (missingEdges > left / (kOfEdge + kCubesAround * kOfCorner) || 2 * missingEdges >= kNoTriangle)
     throw Error(ErrorCode::Memory, "surface is missing at " + std::to_string(missingEdges) +
                                        " lattice edges, too many to close in the memory left; use a lower "
                                        "resolution or a higher limit");

@@ -37,9 +37,9 @@ struct HolePatch {
 void makePatch(const CellMesh& mesh, std::span<const MissingEdge> edges, double threshold,
                const WindingSource& windingAt, Progress& progress, HolePatch& patch);
 
-/// Throws `Error(Memory)` if a patch over this many missing edges is too large for the memory left. Each of
-/// its triangles needs `bytesPerTriangle` for the search tree as well.
-void requirePatch(size_t missingEdges, size_t bytesPerTriangle, size_t bytesLeft);
+/// Throws `Error(Memory)` if a patch over this many missing edges is too large for the memory left. Its
+/// search tree needs `treeBytes` as well.
+void requirePatch(size_t missingEdges, size_t treeBytes, size_t bytesLeft);
 
 /// Runs the stage `close_holes`, after `winding_dipoles`. Leaves the distance to the mesh and patch together.
 template <HostBackend B>
@@ -48,7 +48,7 @@ void closeHoles(B& backend) {
   if (backend.doubtfulShare() == 0.0) return;
   const std::vector<MissingEdge> edges = backend.missingEdges();
   if (edges.empty()) return;
-  requirePatch(edges.size(), B::kTreeBytesPerTriangle, backend.bytesLeft());
+  requirePatch(edges.size(), B::patchTreeBytes(2 * edges.size()), backend.bytesLeft());
   makePatch(
       backend.cellMesh(), edges, backend.options().threshold,
       [&](std::span<const glm::vec3> points) { return backend.windingAt(points); }, backend.progress(),

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "mesh/half_edges.h"
+#include "mesh/position_bits.h"
 
 namespace raymap {
 
@@ -125,13 +126,7 @@ class PositionFilter {
   bool has(const glm::vec3& p) const { return bits_[slotOf(p)]; }
 
  private:
-  size_t slotOf(const glm::vec3& vertex) const {
-    const glm::vec3 p = vertex + 0.0f;  // Turns -0 into 0.
-    uint64_t hash = std::bit_cast<uint32_t>(p.x) * uint64_t{0x9E3779B97F4A7C15};
-    hash = (hash ^ std::bit_cast<uint32_t>(p.y)) * uint64_t{0xC2B2AE3D27D4EB4F};
-    hash = (hash ^ std::bit_cast<uint32_t>(p.z)) * uint64_t{0x165667B19E3779F9};
-    return hash >> 32 & (bits_.size() - 1);
-  }
+  size_t slotOf(const glm::vec3& p) const { return hashOf(p) >> 32 & (bits_.size() - 1); }
   std::vector<bool> bits_;
 };
 

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "method/winding_harmonic_shared.h"
+
 namespace raymap {
 
 /// Box of every 2^level-th sample of the grid's lattice; it may reach beyond the grid. Coordinate q lies at
@@ -28,20 +30,13 @@ struct LatticeBox {
 
 // The lattices of the harmonic winding number, the same on every backend (docs/signs.md).
 
-// Cells of margin around a coarser lattice; even, so that its first sample lies on the next coarser lattice.
-inline constexpr int kHarmonicMargin = 4;
 inline constexpr int kCoarsestSamples = 8;
 inline constexpr int kCoarsestSweeps = 12;
 
-/// Returns the lattice of a level. Level 0 is the grid itself. Coarser lattices reach `kHarmonicMargin` of
-/// their cells farther on every side, so that the field can fade out.
+/// Returns the lattice of a level.
 inline LatticeBox harmonicBox(const glm::ivec3& dims, int level) {
-  LatticeBox box{.level = level, .low = glm::ivec3(0), .dims = dims};
-  if (level > 0) {
-    box.low = glm::ivec3(-kHarmonicMargin);
-    for (int c = 0; c < 3; ++c) box.dims[c] = ((dims[c] - 1) >> level) + 2 + 2 * kHarmonicMargin;
-  }
-  return box;
+  const auto whole = static_cast<uint>(level);
+  return {.level = level, .low = glm::ivec3(harmonicLow(whole)), .dims = harmonicDims(dims, whole)};
 }
 
 /// Returns the level of the coarsest lattice, at least 2.

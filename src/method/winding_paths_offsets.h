@@ -2,11 +2,12 @@
 
 #include <raymap/options.h>
 
+#include "method/winding_paths_shared.h"
+
 namespace raymap {
 
 // Krayer & Müller 2019, §3.5, Eq. 9-11: the curves of a sample through offset points, on every backend.
 
-inline constexpr int kPathsPerPoint = 6;  // xyz, xzy, yxz, yzx, zxy, zyx
 inline constexpr int kRays = 6;
 
 /// Returns the number of offset points of a pass of `Paths` or a step of `Evolution`.

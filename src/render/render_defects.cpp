@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesh/defects.h"
+#include "mesh/triangle.h"
 #include "scene/camera.h"
 #include "scene/colour.h"
 #include "scene/scene.h"
@@ -43,7 +44,7 @@ class Canvas {
   /// Draws a point unless one before it is there. Of points at the same depth up to rounding, that of the
   /// higher rank is seen, and the first one of a rank.
   void put(int x, int y, double depth, const glm::vec3& colour, int rank) {
-    constexpr double kRounding = 1e-6;  // Of a depth: those of faces on the same corners differ by less.
+    constexpr double kRounding = 1e-6;  // Share of a depth by which faces on the same corners differ at most.
     const size_t i = size_t(y) * size_t(width_) + size_t(x);
     const double margin = kRounding * depth;
     const bool isBefore = depth < depth_[i] - margin;
@@ -125,8 +126,8 @@ class Drawing {
   }
 
   void drawFace(const glm::uvec3& t, const FaceLook* defect) {
-    const glm::dvec3 a(mesh_.vertices[t.x]), b(mesh_.vertices[t.y]), c(mesh_.vertices[t.z]);
-    const glm::dvec3 area = glm::cross(b - a, c - a);
+    const auto [a, b, c] = mesh_.corners(t);
+    const glm::dvec3 area = doubleAreaNormal(a, b, c);
     if (!(glm::length(area) > 0.0)) return;
     const bool isFront = glm::dot(area, camera_.eye() - a) > 0.0;
     const glm::dvec3 normal = (isFront ? 1.0 : -1.0) * glm::normalize(area);

@@ -12,17 +12,19 @@
 #include "base/progress.h"
 #include "base/require.h"
 #include "base/text.h"
+#include "mesh/compact.h"
 #include "method/check_options.h"
 #include "method/stage_times.h"
-#include "repair/deviation.h"
-#include "repair/drop_pieces.h"
-#include "repair/fill_holes.h"
-#include "repair/hollow.h"
-#include "repair/keep.h"
-#include "repair/loss.h"
-#include "repair/measure.h"
-#include "repair/pieces.h"
-#include "repair/thin_parts.h"
+#include "repair/solid/deviation.h"
+#include "repair/solid/given.h"
+#include "repair/solid/hollow.h"
+#include "repair/solid/loss.h"
+#include "repair/solid/measure.h"
+#include "repair/solid/thin_parts.h"
+#include "repair/topology/drop_pieces.h"
+#include "repair/topology/fill_holes.h"
+#include "repair/topology/keep.h"
+#include "repair/topology/pieces.h"
 
 namespace raymap {
 
@@ -67,20 +69,19 @@ void check(const Grid& grid, const RepairOptions& repair) {
               "); use a voxel size of at most " + numberText(0.5 * repair.minThickness));
 }
 
-/// The solid with its surface moved by the offset.
-Field makeSolid(const PackedMesh& mesh, const Grid& grid, Options options, const RepairOptions& repair,
-                Stats& stats) {
-  options.closeHoles = repair.closeHoles;
-  auto [field, cost] = generate(mesh, grid, options);
+/// Returns the solid with its surface moved by the offset.
+Field makeSolid(Given& given, Stats& stats) {
+  auto [field, cost] = given.generateSolid();
   stats = std::move(cost);
-  for (float& d : field.distance) d = static_cast<float>(double(d) - repair.offset);
+  for (float& d : field.distance) d = static_cast<float>(double(d) - given.repair.offset);
   return std::move(field);
 }
 
 /// Returns the field of what is left of a solid after parts of it were dropped or filled.
-Field remade(const Mesh& surface, const Grid& grid, Options options) {
+Field remade(const Mesh& surface, Given& given) {
+  Options options = given.options;
   options.orientation = Orientation::Keep;
-  return generate(surface, grid, options).field;
+  return given.generateOther(surface, options);
 }
 
 Mesh makeSurface(const Field& solid, const Options& options) {
@@ -163,7 +164,7 @@ Mesh dropPieces(Field& solid, Mesh& surface, const Options& options, const Repai
 /// the lost area that is left.
 double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Progress& progress,
                        std::vector<FacePoint>& lost) {
-  if (dropped.triangles.empty() || lost.empty()) return 1.0;
+  if (lost.empty()) return 1.0;
   const auto area = [&] {
     return std::accumulate(lost.begin(), lost.end(), 0.0,
                            [](double sum, const FacePoint& p) { return sum + p.area; });
@@ -247,6 +248,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
+  Given given(mesh, grid, options, repair);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
@@ -260,23 +262,28 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   };
   stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
   if (report.isKept) return finish();
-  Field solid = makeSolid(mesh, grid, options, repair, report.stats);
-  report.thickenedShare = thickenThinParts(mesh, options, repair, solid);
+  Field solid = makeSolid(given, report.stats);
+  if (repair.minThickness > 0.0) {
+    stage("surface", [&] { given.surface(); });
+    stage("thicken", [&] { report.thickenedShare = thickenThinParts(given, solid, progress); });
+  }
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
-                "the mesh bounds nothing that these samples see, or the offset takes all of it away; use "
-                "more samples, or "
-                "for a sheet --min-thickness");
+                "the result is empty: the mesh encloses no volume at this resolution, or the offset removes "
+                "all of it; "
+                "use more samples, or for a sheet --min-thickness");
   stage("isosurface", [&] { result = makeSurface(solid, options); });
   Mesh dropped;
   stage("pieces", [&] { dropped = dropPieces(solid, result, options, repair, report); });
   ExpectedPoints expected;
-  if (repair.measure) expected = expectedPoints(mesh, solid, repair, report);
+  if (repair.measure) stage("points", [&] { expected = expectedPoints(mesh, solid, repair, report); });
   std::vector<DrainHole> holes;
   if (repair.shell > 0.0) {
-    if (isChanged(report)) solid = remade(result, grid, options);
-    holes = hollow(solid, repair, options.warn, report);
-    stage("hollow", [&] { result = makeSurface(solid, options); });
+    if (isChanged(report)) stage("remake", [&] { solid = remade(result, given); });
+    stage("hollow", [&] {
+      holes = hollow(solid, repair, options.warn, report);
+      result = makeSurface(solid, options);
+    });
   }
   solid = {};
   stage("simplify", [&] { simplifySurface(result, grid, options, repair, report); });
@@ -286,9 +293,12 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
   std::vector<FacePoint> lost;
   stage("measure",
         [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
+  double share = report.lostShare;
+  if (!dropped.triangles.empty())
+    stage("dropped", [&] { share *= leaveOutDropped(dropped, grid, repair.offset, progress, lost); });
+  if (!lost.empty() && repair.minThickness == 0.0) stage("surface", [&] { given.surface(); });
   stage("loss", [&] {
-    const double share = leaveOutDropped(dropped, grid, repair.offset, progress, lost) * report.lostShare;
-    report.loss = inspectLoss(mesh, grid, lost, share, options, repair);
+    report.loss = inspectLoss(given, lost, share, progress);
     report.loss.droppedShare = report.lostShare - share;
   });
   for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string>
 
+#include "scene/shade_shared.h"
+
 namespace raymap {
 
 void checkPictureSize(int width, int height) {
@@ -68,14 +70,14 @@ Colour triangleColour(uint32_t triangle) {
 }
 
 Colour drawContour(const Colour& ground, double value, double slope, const Colour& line) {
-  return glm::mix(ground, line, lineCoverage(std::abs(value) / slope, 2.8));
+  return glm::mix(ground, line, lineCoverage(std::abs(value) / slope, kContourWidth));
 }
 
 Colour drawIsoLines(const Colour& ground, double value, double slope, double step) {
   // Lines fade out where they are closer than a few pixels: they would merge into grey.
-  const double strength = 0.45 * std::clamp(step / slope / 3.0 - 1.0, 0.0, 1.0);
+  const double strength = kIsoLineStrength * std::clamp(step / slope / kIsoLinePixels - 1.0, 0.0, 1.0);
   const double toLine = std::abs(value - step * std::round(value / step)) / slope;
-  return ground * (1.0 - strength * lineCoverage(toLine, 1.2));
+  return ground * (1.0 - strength * lineCoverage(toLine, kIsoLineWidth));
 }
 
 }  // namespace raymap

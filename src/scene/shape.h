@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "field/field_sampler.h"
+#include "scene/sphere_trace_shared.h"
 
 namespace raymap {
 
@@ -42,7 +43,7 @@ class Shape {
 
   /// Returns the outward unit normal at a point of the surface.
   glm::dvec3 normal(const glm::dvec3& p) const;
-  bool isOnCutFace(const glm::dvec3& p) const { return cut_ && std::abs(cutDistance(p)) < 1e-2; }
+  bool isOnCutFace(const glm::dvec3& p) const { return cut_ && std::abs(cutDistance(p)) < kCutTolerance; }
 
   /// Returns how far the shape reaches along each unit direction, from sample (0,0,0).
   std::vector<double> reach(std::span<const glm::dvec3> directions) const;

@@ -226,7 +226,7 @@ TEST(MalformedNpz, HugeDirectories) {
     return damaged.replace(end64 + at, sizeof value, raw(value));
   };
   const std::string damage =
-      "it is no whole zip file, as a .3mf or .npz must be: its directory is missing or damaged\n";
+      "it is not a whole zip file, as a .3mf or .npz must be: its directory is missing or damaged\n";
   for (const uint64_t huge : {uint64_t{1} << 24, uint64_t{1} << 40, UINT64_MAX}) {
     std::string entries = changed(24, huge);
     EXPECT_EQ(refusal(".npz", entries.replace(end64 + 32, sizeof huge, raw(huge))), damage) << huge;

@@ -1,4 +1,4 @@
-// What the program does at signals. They reach it while it waits for the test.
+// Behaviour of the program at signals. They reach it while it waits for the test.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -78,10 +78,7 @@ class Program {
 class Signals : public ::testing::Test {
  protected:
   fs::path path(const char* name) const { return folder_.path() / name; }
-  size_t fileCount() const {
-    return static_cast<size_t>(
-        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
-  }
+  size_t fileCount() const { return folder_.fileCount(); }
   int nothing() const { return nothing_; }
 
  private:

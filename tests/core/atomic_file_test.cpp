@@ -22,10 +22,7 @@ namespace fs = std::filesystem;
 class AtomicFile : public testing::Test {
  protected:
   fs::path file(const char* name) const { return folder_.path() / name; }
-  size_t entries() const {
-    return static_cast<size_t>(
-        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
-  }
+  size_t entries() const { return folder_.fileCount(); }
   static void writeText(const fs::path& path, const std::string& text) {
     writeAtomically(path, [&](std::ostream& out) { out << text; });
   }

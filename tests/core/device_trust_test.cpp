@@ -38,7 +38,7 @@ class DeviceTrust : public testing::Test {
   void expectRefused(const std::vector<std::string>& texts) {
     EXPECT_FALSE(isUsed());
     for (const std::string& text : texts) EXPECT_TRUE(contains(warning_, text)) << text << " in " << warning_;
-    EXPECT_EQ(devices().automatic, 0u);
+    EXPECT_TRUE(devices().devices[0].isAutomatic);
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> paths;

@@ -1,4 +1,4 @@
-// Which device a run uses, and what happens when a GPU fails.
+// Choice of the device of a run, also when a GPU fails.
 
 #include "api/devices.h"
 

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/repair.h>
+
+#include <algorithm>
 
 #include "counting_gpu.h"
 #include "shapes.h"
@@ -46,6 +49,21 @@ TEST_F(GeneratorDevices, AreListedAndOpenedOnce) {
     EXPECT_EQ(CountingGpu::opens, 1);
     EXPECT_EQ(CountingGpu::runs, 3);
   }
+}
+
+TEST_F(GeneratorDevices, AreOpenedOnceForARepair) {
+  const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
+  const RepairOptions changes{.minThickness = 0.5};
+  const Grid grid = fitRepairGrid(sheet, {.voxelSize = 0.2}, changes);
+  const Repaired repaired = repair(sheet, grid, {.device = "vulkan:3"}, changes);
+  EXPECT_EQ(repaired.report.thickenedShare, 1.0);
+  EXPECT_EQ(CountingGpu::runs, 2) << "for the solid and for the plates";
+  EXPECT_EQ(CountingGpu::lists, 1);
+  EXPECT_EQ(CountingGpu::opens, 1);
+  const std::vector<Stats::Stage>& stages = repaired.report.stats.stages;
+  for (const char* name :
+       {"inspect", "surface", "thicken", "isosurface", "pieces", "points", "simplify", "measure"})
+    EXPECT_EQ(std::ranges::count(stages, name, &Stats::Stage::name), 1) << name;
 }
 
 TEST_F(GeneratorDevices, StayOpenWhenACallIsCancelled) {

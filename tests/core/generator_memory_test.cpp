@@ -1,4 +1,4 @@
-// What a run asks for, beside what it holds.
+// Memory that a run asks for, beside what it holds.
 
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>

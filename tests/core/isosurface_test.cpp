@@ -137,7 +137,7 @@ TEST(Isosurface, ReportsProgressAndStops) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.7));
   double most = 0.0;
   const auto note = [&](std::string_view, double done) { return most = std::max(most, done), true; };
-  isosurface(field, {.threads = 1, .progress = note});  // Of several threads, all but one may be skipped.
+  isosurface(field, {.threads = 1, .progress = note});  // With several, all calls but one may be skipped.
   EXPECT_GT(most, 0.5);
   EXPECT_LE(most, 1.0);
   const auto stop = [](std::string_view, double done) { return done < 0.5; };

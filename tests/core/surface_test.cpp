@@ -11,6 +11,7 @@
 
 #include "any_threads.h"
 #include "broken_meshes.h"
+#include "error_code.h"
 #include "random_points.h"
 #include "reference.h"
 #include "shapes.h"
@@ -436,14 +437,6 @@ TEST(Surface, KnowsNoSignOnRequest) {
 
 TEST(Surface, RefusesBadInput) {
   const Mesh mesh = shapes::sphere(1.0, 2);
-  const auto codeOf = [](auto&& work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      return error.code();
-    }
-    return ErrorCode{0};
-  };
   EXPECT_EQ(codeOf([&] { Surface(Mesh{}); }), ErrorCode::Input);
   EXPECT_EQ(codeOf([&] { Surface(mesh, {.threads = -1}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { Surface(mesh, {.threshold = -0.1}); }), ErrorCode::Usage);

@@ -92,20 +92,20 @@ TEST_F(PointFiles, TakesNaNAndInfinityForNumbers) {
 }
 
 TEST_F(PointFiles, NamesTheLineAndTheValue) {
-  expectError("p.csv", "1,2,3\n\n# a\n1,two,3\n", "line 4: y is 'two', which is no number");
-  expectError("p.csv", "1,2,3\r\n1,2,3e\r\n", "line 2: z is '3e', which is no number");
+  expectError("p.csv", "1,2,3\n\n# a\n1,two,3\n", "line 4: y is 'two', which is not a number");
+  expectError("p.csv", "1,2,3\r\n1,2,3e\r\n", "line 2: z is '3e', which is not a number");
   expectError("p.csv", "1,2,3\n1,2\n", "line 2: 2 columns, but line 1 has 3");
   expectError("p.csv", "x,y,z\n1,2,3,4\n", "line 2: 4 columns, but line 1 has 3");
   expectError("p.csv", "1,,3\n",
-              "line 1: y is '', which is no number; write nan for a point that is not known");
+              "line 1: y is '', which is not a number; write nan for a point that is not known");
   expectError("p.csv", "x,z\n1,2\n",
               "line 1: no column is called y: the header names 'x', 'z'; call three columns x, y and z");
   expectError("p.xyz", "2\n", "line 1: 1 column; a row without a header holds x, y and z");
-  expectError("p.csv", "1,2,1e999\n", "line 1: z is '1e999', which is no number");
+  expectError("p.csv", "1,2,1e999\n", "line 1: z is '1e999', which is not a number");
   expectError("p.csv", "", "it holds no points");
   expectError("p.csv", "x,y,z\n", "it holds no points, only a header");
-  expectError("p.obj", "v 0 0 0\n",
-              "'.obj' is no kind of file of points; use one of .csv .npy .ply .xyz .txt", ErrorCode::Usage);
+  expectError("p.obj", "v 0 0 0\n", "'.obj' is not a format for points; use one of .csv .npy .ply .xyz .txt",
+              ErrorCode::Usage);
 }
 
 TEST_F(PointFiles, ReadsArraysOfNumPy) {
@@ -260,7 +260,7 @@ TEST_F(PointFiles, RefusesResultsThatDoNotFit) {
   noDistance.winding = twoResults().winding.clone();
   expect("r.ply", kTwo, noDistance, true, "colours need distances and a .ply");
   expect("r.vti", kTwo, twoResults(), false,
-         "'.vti' is no kind of file for the results of a query; use one of .csv .npy .npz .ply");
+         "'.vti' is not a format for the results of a query; use one of .csv .npy .npz .ply");
 }
 
 }  // namespace

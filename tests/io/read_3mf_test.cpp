@@ -11,7 +11,7 @@ using namespace samples;
 
 constexpr const char* kModel = "3D/3dmodel.model";
 constexpr const char* kNoZip =
-    "it is no whole zip file, as a .3mf or .npz must be: its directory is missing or damaged";
+    "it is not a whole zip file, as a .3mf or .npz must be: its directory is missing or damaged";
 
 struct Read {
   Mesh mesh;
@@ -196,18 +196,18 @@ TEST(Read3mf, IgnoresWhatHoldsNoGeometry) {
 TEST(Read3mf, TellsWhichElementIsDamaged) {
   const std::string at = "3D/3dmodel.model, line 3: ";
   EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1")", R"(x="1 2" y="1")")),
-            at + "vertex 2 of object 1: x is '1 2', which is no finite number");
+            at + "vertex 2 of object 1: x is '1 2', which is not a finite number");
   for (const std::string value : {"", "nan", "inf", "1e999", "0x1", "1,5"})
     EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1")", "x=\"1\" y=\"" + value + "\"")),
-              at + "vertex 2 of object 1: y is '" + value + "', which is no finite number");
+              at + "vertex 2 of object 1: y is '" + value + "', which is not a finite number");
   EXPECT_EQ(refusal(changedSquare(R"(x="1" y="1" z="0")", R"(x="1" y="1")")),
             at + "vertex 2 of object 1: has no z");
   EXPECT_EQ(refusal(changedSquare(R"(v3="3")", R"(v3="4")")),
             at + "triangle 1 of object 1: v3 is 4, but the object has 4 vertices");
   EXPECT_EQ(refusal(changedSquare(R"(v3="3")", R"(v3="-1")")),
-            at + "triangle 1 of object 1: v3 is '-1', which is no vertex index");
+            at + "triangle 1 of object 1: v3 is '-1', which is not a vertex index");
   EXPECT_EQ(refusal(changedSquare(R"(v3="3")", R"(v3="4294967296")")),
-            at + "triangle 1 of object 1: v3 is '4294967296', which is no vertex index");
+            at + "triangle 1 of object 1: v3 is '4294967296', which is not a vertex index");
   EXPECT_EQ(refusal(changedSquare(R"(v2="2")", "")), at + "triangle 1 of object 1: has no v2");
   EXPECT_EQ(refusal(changedSquare(R"(unit="millimeter")", R"(unit="mm")")),
             "3D/3dmodel.model, line 2: its unit is 'mm'; 3MF knows micron, millimeter, centimeter, inch, "
@@ -215,7 +215,7 @@ TEST(Read3mf, TellsWhichElementIsDamaged) {
   EXPECT_EQ(refusal(changedSquare(R"(id="1")", R"(id="1" type="part")")),
             at + "the type of object 1 is 'part'; 3MF knows model, surface, support, solidsupport and other");
   EXPECT_EQ(refusal(changedSquare(R"(id="1")", R"(id="x")")),
-            at + "the id of an element 'object' is 'x', which is no object's number");
+            at + "the id of an element 'object' is 'x', which is not an object's number");
   EXPECT_EQ(refusal(changedSquare(R"(<object id="1")", "<object")), at + "an element 'object' has no id");
   EXPECT_EQ(refusalOfModel(square3mf(1) + square3mf(1), {}), at + "there are two objects with the id 1");
   EXPECT_EQ(refusalOfModel(square3mf(1), {""}), at + "an element 'item' has no objectid");
@@ -223,7 +223,7 @@ TEST(Read3mf, TellsWhichElementIsDamaged) {
       refusalOfModel(square3mf(1), {R"(objectid="1")", R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0")"}),
       at + "item 1: has a transform of 11 numbers; 3MF wants 12");
   EXPECT_EQ(refusalOfModel(square3mf(1), {R"(objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 inf")"}),
-            at + "item 0: transform is 'inf', which is no finite number");
+            at + "item 0: transform is 'inf', which is not a finite number");
 }
 
 TEST(Read3mf, TellsWhatIsMissing) {

@@ -102,8 +102,8 @@ TEST(ReadGltf, NamesWhatIsWrong) {
       contains(error(R"("count":4)", R"("count":5)"), "accessors[0] has 5 elements of 12 bytes from byte 0"));
   EXPECT_TRUE(
       contains(error(R"("count":4)", R"("count":4000000000)"), "accessors[0] has 4000000000 elements"));
-  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":-4)"), "'count' is no count"));
-  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":18446744073709551615)"), "'count' is no count"));
+  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":-4)"), "'count' is not a count"));
+  EXPECT_TRUE(contains(error(R"("count":4)", R"("count":18446744073709551615)"), "'count' is not a count"));
   EXPECT_TRUE(
       contains(error(R"("count":4)", R"("count":3)"), "vertex 3 is out of range (it has 3 vertices)"));
   EXPECT_TRUE(contains(error(R"("byteOffset":48)", R"("byteOffset":49)"), "covers bytes 49 to 61"));
@@ -121,7 +121,7 @@ TEST(ReadGltf, NamesWhatIsWrong) {
   EXPECT_TRUE(contains(errorOf(readGltf, R"({"asset")"), "no valid JSON: line 1, column 9: "));
   EXPECT_TRUE(contains(errorOf(readGltf, "{\n \"a\": nothing}"), "no valid JSON: line 2, column 8: "));
   EXPECT_FALSE(contains(errorOf(readGltf, R"({"asset")"), "json.exception"));
-  EXPECT_TRUE(contains(errorOf(readGltf, "[]"), "its JSON is no object"));
+  EXPECT_TRUE(contains(errorOf(readGltf, "[]"), "its JSON is not an object"));
   EXPECT_EQ(errorOf(readGltf, "{}"), "sample.mesh: the file has no triangles");
 }
 

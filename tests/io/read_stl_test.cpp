@@ -49,7 +49,7 @@ TEST(ReadStl, WarnsOfLooseEnds) {
 TEST(ReadStl, NamesWhatIsWrong) {
   EXPECT_EQ(
       errorOf(readStl, binaryStl(20)),
-      "sample.mesh: the file announces 20 triangles, but holds only 2 (it is cut short, or no STL file)");
+      "sample.mesh: the file announces 20 triangles, but holds only 2 (it is cut short, or not an STL file)");
   EXPECT_TRUE(contains(errorOf(readStl, binaryStl(4000000000u)), "announces 4000000000 triangles"));
   EXPECT_TRUE(contains(errorOf(readStl, replaced(kTextStl, "1 0 0", "1 O 0")),
                        "line 5: expected a number, found 'O'"));

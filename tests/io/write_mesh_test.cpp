@@ -2,6 +2,7 @@
 #include <raymap/raymap.h>
 
 #include "contains.h"
+#include "error_code.h"
 #include "files.h"
 #include "io/3mf/zip_parts.h"
 #include "shapes.h"
@@ -129,19 +130,14 @@ INSTANTIATE_TEST_SUITE_P(Formats, WriteMesh, testing::Values(".ply", ".obj", ".s
 
 TEST(WriteMeshNames, AreChecked) {
   const TemporaryFolder folder;
-  const auto codeOf = [&](const char* name, const Mesh& mesh) {
-    try {
-      writeMesh(folder.path() / name, mesh);
-    } catch (const Error& error) {
-      return error.code();
-    }
-    return ErrorCode{};
+  const auto refusal = [&](const char* name, const Mesh& mesh) {
+    return codeOf([&] { writeMesh(folder.path() / name, mesh); });
   };
   const Mesh mesh = shapes::box(glm::dvec3(0.0), glm::dvec3(1.0));
-  EXPECT_EQ(codeOf("mesh.fbx", mesh), ErrorCode::Usage);
-  EXPECT_EQ(codeOf("mesh.PLY", mesh), ErrorCode{});
-  EXPECT_EQ(codeOf("none/mesh.ply", mesh), ErrorCode::File);
-  EXPECT_EQ(codeOf("empty.ply", Mesh()), ErrorCode::Input);
+  EXPECT_EQ(refusal("mesh.fbx", mesh), ErrorCode::Usage);
+  EXPECT_EQ(refusal("mesh.PLY", mesh), ErrorCode{});
+  EXPECT_EQ(refusal("none/mesh.ply", mesh), ErrorCode::File);
+  EXPECT_EQ(refusal("empty.ply", Mesh()), ErrorCode::Input);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "empty.ply"));
 }
 

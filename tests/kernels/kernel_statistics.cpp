@@ -5,9 +5,9 @@
 #include <mutex>
 #include <tuple>
 
-#include "shader_names.h"
+#include "testing/kernels/shader_names.h"
+#include "testing/kernels/vulkan_entry.h"
 #include "vulkan/device/instance.h"
-#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 

@@ -12,12 +12,12 @@
 
 #include "kernel_statistics.h"
 #include "method/pipeline.h"
-#include "shader_names.h"
-#include "spirv_counters.h"
+#include "testing/kernels/shader_names.h"
+#include "testing/kernels/spirv_counters.h"
+#include "testing/kernels/vulkan_entry.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/stages/render_field.h"
 #include "vulkan/stages/skin.h"
-#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 

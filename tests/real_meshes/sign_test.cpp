@@ -1,6 +1,7 @@
 // The sign of every mesh of the folder whose winding number is a whole number everywhere.
 
 #include <gtest/gtest.h>
+#include <raymap/io.h>
 
 #include <random>
 

@@ -238,7 +238,7 @@ TEST(CloseHoles, RefusesPatchesBeyondTheMemory) {
 TEST(CloseHoles, StopsWhenAsked) {
   const Holed holed = openSphere(40.0);
   Options options = closing();
-  options.threads = 1;  // Of several threads, all but one may be skipped.
+  options.threads = 1;  // With several, all calls but one may be skipped.
   int calls = 0;
   options.progress = [&](std::string_view stage, double) { return stage != "close_holes" || ++calls < 20; };
   try {

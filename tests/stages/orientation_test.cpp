@@ -156,7 +156,7 @@ TEST(Orientation, StopsWhenCancelled) {
   const Mesh mesh = flipped(withoutCap(shapes::sphere(1.0, 4), 0.7), 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   Options options;
-  options.threads = 1;  // Of several threads, all but one may be skipped.
+  options.threads = 1;  // With several, all calls but one may be skipped.
   options.device = "cpu";
   double last = 0.0;
   options.progress = [&](std::string_view stage, double done) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "cpu/points/exact_crossings.h"
+#include "cpu/points/face_crossings.h"
 #include "shapes.h"
 #include "sign_scene.h"
 
@@ -24,7 +24,7 @@ struct Scene {
   int32_t exactly(const glm::vec3& from, const glm::vec3& to) const {
     std::vector<uint32_t> faces(cells.triangles.size());
     for (uint32_t f = 0; f < faces.size(); ++f) faces[f] = f;
-    return countCrossingsExactly(PackedMesh(cells.vertices, cells.triangles, {}), {}, faces, from, to);
+    return countFaceCrossings(PackedMesh(cells.vertices, cells.triangles, {}), {}, faces, from, to);
   }
 
   Mesh mesh;
@@ -97,7 +97,7 @@ TEST(SegmentCrossings, FindAllTrianglesAlong) {
     }
     const PackedMesh mesh(scene.cells.vertices, scene.cells.triangles, {});
     for (uint32_t f = 0; f < count; ++f) {
-      if (countCrossingsExactly(mesh, {}, {&f, 1}, points[i], points[i + 1]) != 0) {
+      if (countFaceCrossings(mesh, {}, {&f, 1}, points[i], points[i + 1]) != 0) {
         ASSERT_NE(std::ranges::find(found, f), found.end()) << f;
       }
     }

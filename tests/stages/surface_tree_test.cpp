@@ -11,6 +11,7 @@
 #include "cells.h"
 #include "mesh/double_sided.h"
 #include "method/turns.h"
+#include "shapes.h"
 
 namespace raymap {
 
@@ -189,6 +190,14 @@ TEST(SurfaceTree, TurnsTheNormalsOfSomeFaces) {
   tree.turn(faces);
   for (uint32_t t = 0; t < tree.triangleCount(); ++t)
     EXPECT_EQ(normalOf(tree, t), faces[tree.triangleId(t)] ? glm::dvec3(0.0) : before[t]) << t;
+}
+
+TEST(SurfaceTree, KnowsWhatItWillHold) {
+  for (const int count : {1, 8, 9, 64, 65, 513, 5000}) {
+    SurfaceTree tree;
+    tree.build(cellsOf(shapes::soup(count, 1)));
+    EXPECT_EQ(tree.bytes(), SurfaceTree::bytesNeeded(size_t(count))) << count;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -56,6 +57,9 @@ class CountingGpu {
       if (onGenerate) onGenerate();
       job.field.grid = job.grid;
       job.field.distance.resizeUninitialized(job.grid.sampleCount());
+      // A small solid in the middle.
+      std::fill(job.field.distance.begin(), job.field.distance.end(), 1.0f);
+      job.field.distance[job.grid.index(job.grid.dims / 2)] = -1.0f;
     }
     void draw(const Scene&, Progress&, Picture&) override {}
   };

@@ -1,58 +1,8 @@
 #pragma once
 
-// The folder of real meshes, which some tests need.
-
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
-namespace raymap {
-
-/// Returns the folder that the environment variable RAYMAP_MESHES names, else the one beside the project.
-inline std::filesystem::path meshFolder() {
-  const char* folder = std::getenv("RAYMAP_MESHES");
-  return folder ? folder : RAYMAP_SHARED_MESHES;
-}
-
-/// A row of the folder's MESHES.tsv, by column.
-using MeshRow = std::map<std::string, std::string>;
-
-/// Returns all rows; none if there is no folder.
-inline std::vector<MeshRow> meshRows() {
-  std::ifstream list(meshFolder() / "MESHES.tsv");
-  const auto split = [](const std::string& line) {
-    std::vector<std::string> cells;
-    std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, '\t');) cells.push_back(cell);
-    return cells;
-  };
-  std::vector<MeshRow> rows;
-  std::string line;
-  std::getline(list, line);
-  const std::vector<std::string> titles = split(line);
-  while (std::getline(list, line)) {
-    const std::vector<std::string> cells = split(line);
-    MeshRow& row = rows.emplace_back();
-    for (size_t c = 0; c < std::min(titles.size(), cells.size()); ++c) row[titles[c]] = cells[c];
-  }
-  return rows;
-}
-
-/// Returns the names of all meshes that are not listed as malformed.
-inline std::vector<std::string> wellFormedMeshes() {
-  std::vector<std::string> names;
-  for (MeshRow& row : meshRows())
-    if (row["kind"] != "malformed") names.push_back(row["file"]);
-  return names;
-}
-
-}  // namespace raymap
+#include "testing/mesh_rows.h"  // IWYU pragma: export
 
 /// Leaves a test that needs the folder where there is none. Fails it where RAYMAP_REQUIRE_MESHES is set.
 #define RAYMAP_NEED_MESHES()                                                                         \

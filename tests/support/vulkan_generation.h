@@ -140,15 +140,6 @@ class VulkanGenerator : public VulkanTest {
     options.winding = options.confidence = sign != SignMode::None;
     return options;
   }
-
-  static ErrorCode codeOf(const std::function<void()>& work) {
-    try {
-      work();
-    } catch (const Error& error) {
-      return error.code();
-    }
-    return {};
-  }
 };
 
 }  // namespace raymap::vulkan

@@ -11,7 +11,7 @@ namespace raymap::vulkan {
 inline cpu::Crossings toCrossings(const EdgeCounts& counts, const glm::ivec3& dims) {
   cpu::Crossings crossings;
   for (int axis = 0; axis < 3; ++axis) {
-    const cpu::LineAxes across(axis);
+    const LineAxes across(axis);
     std::vector<std::vector<cpu::Crossing>> lines(size_t(dims[across.u]) * size_t(dims[across.v]));
     forEachEdge(dims, axis, [&](size_t line, int edge, size_t index) {
       const int32_t count = counts[size_t(axis)].at(index);

@@ -12,6 +12,7 @@
 
 #include "api/devices.h"
 #include "broken_meshes.h"
+#include "error_code.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -423,30 +424,29 @@ TEST_F(Backends, HoldLittleMemory) {
   EXPECT_LE(bytesPerSample(), 25.0);
 }
 
-ErrorCode codeOf(const Mesh& mesh, const Grid& grid, const Options& options) {
-  try {
-    generate(mesh, grid, options);
-  } catch (const Error& error) {
-    return error.code();
-  }
-  return ErrorCode::Usage;
-}
-
 TEST_F(Backends, RefuseWhatTheCpuRefuses) {
   Mesh far = shapes::sphere(1.0, 2);
   const Grid grid = fitGrid(far, {.resolution = 16});
   Options options;
   options.device = "vulkan";
+  const auto refusal = [&] { return codeOf([&] { generate(far, grid, options); }); };
   options.memoryLimit = 1000;
-  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory);
+  EXPECT_EQ(refusal(), ErrorCode::Memory);
   options.memoryLimit = 0;
   Generator generator;
   Field field;
-  options.memoryLimit = generator.generate(far, grid, options, field).bytes - 1;
-  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Memory) << "what it held before";
+  const size_t held = generator.generate(far, grid, options, field).bytes;
+  options.memoryLimit = held;
+  EXPECT_EQ(generator.generate(far, grid, options, field).bytes, held);
+  // What a larger run left does not count.
+  EXPECT_GT(generator.generate(far, fitGrid(far, {.resolution = 40}), {.device = "vulkan"}, field).bytes,
+            held);
+  EXPECT_EQ(generator.generate(far, grid, options, field).bytes, held);
+  options.memoryLimit = held - 1;
+  EXPECT_EQ(refusal(), ErrorCode::Memory);
   options.memoryLimit = 0;
   far.vertices[far.triangles[3].y] = glm::vec3(1e15f);
-  EXPECT_EQ(codeOf(far, grid, options), ErrorCode::Input);
+  EXPECT_EQ(refusal(), ErrorCode::Input);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "error_code.h"
 #include "vulkan_generation.h"
 
 namespace raymap::vulkan {

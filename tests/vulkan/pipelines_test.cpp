@@ -11,8 +11,8 @@
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "shaders/wave_vertices_spv.h"
+#include "testing/kernels/vulkan_entry.h"
 #include "vulkan_device.h"
-#include "vulkan_entry.h"
 
 namespace raymap::vulkan {
 namespace {

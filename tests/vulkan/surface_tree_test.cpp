@@ -74,9 +74,9 @@ class VulkanSurfaceTree : public VulkanTest {
   static void expectSound(const Mesh& mesh, int32_t rootError) {
     const Tree tree = build(mesh, rootError);
     const size_t count = mesh.triangles.size();
-    ASSERT_EQ(tree.leafCount, (count + kArity - 1) / kArity);
+    ASSERT_EQ(tree.leafCount, (count + kTreeArity - 1) / kTreeArity);
     std::vector<int> seen(count);
-    for (size_t place = 0; place < size_t{tree.leafCount} * kArity; ++place) {
+    for (size_t place = 0; place < size_t{tree.leafCount} * kTreeArity; ++place) {
       const uint32_t id = tree.triangleId(place);
       ASSERT_LT(id, count);
       if (place < count)
@@ -84,8 +84,8 @@ class VulkanSurfaceTree : public VulkanTest {
       else
         ASSERT_EQ(id, tree.triangleId(count - 1));
       for (int corner = 0; corner < 3; ++corner)
-        for (auto node = tree.firstLeaf + static_cast<uint32_t>(place / kArity);;
-             node = (node - 1) / kArity) {
+        for (auto node = tree.firstLeaf + static_cast<uint32_t>(place / kTreeArity);;
+             node = (node - 1) / kTreeArity) {
           ASSERT_TRUE(tree.contains(node, glm::dvec3(mesh.vertices[mesh.triangles[id][corner]])))
               << "triangle " << id << ", node " << node;
           if (node == 0) break;
@@ -94,8 +94,8 @@ class VulkanSurfaceTree : public VulkanTest {
     EXPECT_EQ(seen, std::vector<int>(count, 1));
     for (const auto& [start, nodes] : SurfaceTreeStage::placeLevels(static_cast<uint32_t>(count)))
       for (uint32_t node = std::max(start, 1u); node < start + nodes; ++node)
-        ASSERT_TRUE(tree.containsDisc((node - 1) / kArity, node)) << "node " << node;
-    for (uint32_t leaf = tree.leafCount; leaf % kArity != 0 && tree.firstLeaf > 0; ++leaf)
+        ASSERT_TRUE(tree.containsDisc((node - 1) / kTreeArity, node)) << "node " << node;
+    for (uint32_t leaf = tree.leafCount; leaf % kTreeArity != 0 && tree.firstLeaf > 0; ++leaf)
       EXPECT_LT(tree.discs[(tree.firstLeaf + leaf) * kDiscVectors].w, 0.0f);
   }
 };
@@ -231,6 +231,15 @@ TEST_F(VulkanSurfaceTree, RefusesMoreTrianglesThanReserved) {
   EXPECT_THROW(tree.record(commands, {.triangleCount = 11}, {1, 1, 1}), std::logic_error);
   EXPECT_THROW(tree.record(commands, {}, {1, 1, 1}), std::logic_error);
   EXPECT_THROW(tree.reserve(0), std::logic_error);
+}
+
+TEST_F(VulkanSurfaceTree, KnowsWhatItWillHold) {
+  constexpr uint32_t kTriangles = 1 << 18;
+  SurfaceTreeStage tree(device());
+  const uint64_t before = device().heldMemory();
+  tree.reserve(kTriangles);
+  const auto held = double(device().heldMemory() - before);
+  EXPECT_NEAR(double(SurfaceTreeStage::bytesNeeded(kTriangles)) / held, 1.0, 0.02);
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+#include <raymap/io.h>
+
 #include <algorithm>
 
 #include "mesh_folder.h"

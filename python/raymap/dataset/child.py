@@ -156,7 +156,8 @@ def _picture(field: Field, threads: int) -> bytes:
 
 
 def _field_figures(field: Field) -> dict[str, Any]:
-    stats = field.stats
+    costs = ("stages", "milliseconds", "bytes")  # They differ between runs.
+    found = {name: value for name, value in field.stats.items() if name not in costs}
     return {
         "samples": list(field.shape),
         "origin": field.origin.tolist(),
@@ -164,15 +165,7 @@ def _field_figures(field: Field) -> dict[str, Any]:
         "distance_min": float(field.distance.min()),
         "distance_max": float(field.distance.max()),
         "inside_share": float(np.count_nonzero(field.distance < 0) / field.distance.size),
-        "device": stats.device,
-        "doubtful_share": stats.doubtful_share,
-        "turned_faces": len(stats.turned_faces),
-        "left_out_faces": len(stats.left_out_faces),
-        "misfit_given": stats.misfit_given,
-        "misfit": stats.misfit,
-        "orientation_fits": stats.orientation_fits,
-        "patch_triangles": stats.patch_triangles,
-        "patch_area": stats.patch_area,
+        **{name: len(value) if isinstance(value, np.ndarray) else value for name, value in found.items()},
     }
 
 

@@ -1,4 +1,4 @@
-"""Files of which a mesh consists, their names and their hashes."""
+"""Files that make up a mesh, their names and their hashes."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], 
 
 
 def _check(options: FieldOptions) -> None:
-    """Raises what no mesh can change, for example that there is no such option: begins a field of a tetrahedron."""
+    """Raises errors that no mesh can change, such as an unknown option: begins a field of a tetrahedron."""
     mesh = tetrahedron(10 * (options.get("voxel_size") or 1))
     # The device may be one that only the workers have.
     with suppress(Cancelled, MemoryLimitError):

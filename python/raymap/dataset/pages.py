@@ -17,18 +17,6 @@ from .._raymap import write_whole
 from .files import readable
 from .work import KINDS, Job, Outcome, read_marker
 
-_INFO = [
-    "vertices", "vertices_welded", "triangles", "watertight", "consistently_oriented", "balanced", "components",
-    "boundary_edges", "hole_count", "nonmanifold_edges", "flipped_edges", "flipped_faces", "degenerate_faces",
-    "duplicate_faces", "double_sided_faces", "signed_volume", "area", "bbox_min", "bbox_max",
-]  # fmt: skip
-_FIELD = [
-    "samples", "origin", "spacing", "distance_min", "distance_max", "inside_share", "device", "doubtful_share",
-    "turned_faces", "left_out_faces", "misfit_given", "misfit", "orientation_fits", "patch_triangles", "patch_area",
-]  # fmt: skip
-_POINTS = ["points", "points_inside", "distance_min", "distance_max", "centre", "scale"]
-_AXES = {name: [f"{name}_{axis}" for axis in "xyz"] for name in ("bbox_min", "bbox_max", "samples", "origin", "centre")}
-
 
 def parquet_path(table: str | os.PathLike[str]) -> Path:
     """Returns the path of a table. Raises what would be found out at the end of a run only."""
@@ -84,28 +72,29 @@ def _row(job: Job, unfinished: dict[str, str]) -> dict[str, Any]:
     marker = None if job.name in unfinished else read_marker(job.marker)
     if marker is None:
         marker = {"state": "unfinished", "reason": unfinished.get(job.name, "")}
-    found = marker.get("info", {})
-    crossings = found.get("self_intersections", {})
-    row = {
+    return {
         "mesh": readable(job.name),
         "state": marker["state"],
         "reason": marker.get("reason", ""),
+        "warnings": "; ".join(marker.get("warnings", [])),
         "mesh_sha256": marker.get("mesh_sha256", ""),
-        **_cells(found, _INFO),
-        "self_intersections": crossings.get("pairs", ""),
-        "self_intersections_complete": crossings.get("complete", ""),
+        **_cells(marker.get("info", {})),
+        **_cells(marker.get(job.what, {})),
     }
-    row |= _cells(marker.get(job.what, {}), {"field": _FIELD, "points": _POINTS}[job.what])
-    return {**row, "warnings": "; ".join(marker.get("warnings", []))}
 
 
-def _cells(figures: dict[str, Any], names: list[str]) -> dict[str, Any]:
+def _cells(figures: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Returns a cell for each figure, also of records, positions and boxes in it, but not of lists of records."""
     cells: dict[str, Any] = {}
-    for name in names:
-        if name in _AXES:
-            cells |= dict(zip(_AXES[name], figures.get(name, [""] * 3), strict=True))
-        else:
-            cells[name] = figures.get(name, "")
+    for name, value in figures.items():
+        match value:
+            case [] | [dict(), *_]:
+                continue
+            case [[*low], [*high]]:
+                value = {"min": low, "max": high}
+            case [x, y, z]:
+                value = {"x": x, "y": y, "z": z}
+        cells |= _cells(value, f"{prefix}{name}_") if isinstance(value, dict) else {prefix + name: value}
     return cells
 
 

@@ -93,7 +93,7 @@ class Outcome(NamedTuple):
     """Why it is unfinished."""
 
 
-_children = Children()  # Of this process, for as long as it runs.
+_children = Children()  # Children of this process, for as long as it runs.
 
 
 def work(job: Job, children: Children | None = None) -> Outcome:

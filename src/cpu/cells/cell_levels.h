@@ -9,6 +9,10 @@ struct CellLevel {
   VoxelGrid grid;  ///< For `raster` only its lattice is set.
   Buffer<float> squared;
   Buffer<uint32_t> nearestCell;
+
+  size_t bytes() const { return grid.bytes() + squared.capacityBytes() + nearestCell.capacityBytes(); }
+  /// Returns the bytes over so many cells without the lists of triangles, which `raster` does not have.
+  static size_t bytesNeeded(size_t cells) { return cells * (sizeof(float) + sizeof(uint32_t)); }
 };
 
 /// Position of a sample in a lattice, in units of its cells, and the cell that holds the sample.

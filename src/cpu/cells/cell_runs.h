@@ -9,15 +9,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "cpu/cells/triangle.h"
 #include "cpu/cells/voxel_grid.h"
+#include "method/cell_runs_shared.h"
 
 namespace raymap::cpu {
 
-// Share of the triangle's reach by which cells are enlarged, to make up for rounding in double precision.
-inline constexpr double kSlack = 1e-12;
+inline constexpr auto kSlack = std::bit_cast<double>(kSlackBits);
 
 struct Interval {
   double low;

@@ -17,6 +17,12 @@ struct VoxelGrid {
   std::span<const uint32_t> list(size_t cell) const {
     return {triangles.data() + starts[cell], triangles.data() + starts[cell + 1]};
   }
+  size_t bytes() const { return starts.capacityBytes() + triangles.capacityBytes(); }
+  /// Returns the bytes of lists for a fine mesh, whose triangles touch few cells each.
+  static size_t bytesExpected(size_t cells, size_t triangles) {
+    constexpr size_t kCellsOfTriangle = 8;
+    return (cells + 1) * sizeof(uint64_t) + kCellsOfTriangle * triangles * sizeof(uint32_t);
+  }
 };
 
 /// Builds the lists by counting, an exclusive prefix sum and filling. Throws `Error(Memory)` if they need

@@ -174,6 +174,14 @@ void SurfaceTree::placeLevels() {
   discs_.resizeUninitialized(start / kPacket);
 }
 
+size_t SurfaceTree::bytesNeeded(size_t triangles) {
+  const auto packets = [](size_t n) { return (n + kPacket - 1) / kPacket; };
+  const size_t leaves = packets(triangles);
+  size_t discs = 1;  // The root's.
+  for (size_t nodes = leaves; nodes > 1; nodes = packets(nodes)) discs += packets(nodes);
+  return leaves * (sizeof(TrianglePacket) + kPacket * sizeof(uint64_t)) + discs * sizeof(DiscPacket);
+}
+
 void SurfaceTree::turn(std::span<const uint8_t> turns) {
   if (turns.empty()) return;
   parallelFor(triangleCount_, size_t{1} << 14, [&](size_t begin, size_t end) {

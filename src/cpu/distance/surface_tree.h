@@ -72,6 +72,8 @@ class SurfaceTree {
   /// Returns the level of a node; that of the leaves is 0.
   uint32_t levelOf(uint32_t node) const;
   size_t bytes() const;
+  /// Returns the bytes of a tree over so many triangles.
+  static size_t bytesNeeded(size_t triangles);
 
  private:
   std::vector<uint64_t> sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);

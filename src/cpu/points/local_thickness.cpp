@@ -15,6 +15,7 @@
 #include "cpu/points/near_surface.h"
 #include "cpu/points/ray_hits.h"
 #include "cpu/points/segment_crossings.h"
+#include "mesh/triangle.h"
 
 namespace raymap::cpu {
 
@@ -54,13 +55,10 @@ class LocalThickness {
   /// Returns the unit normal of a face, or 0 if the face is so narrow that rounding turns it or that a step
   /// to its side passes its neighbours.
   glm::dvec3 normal(uint32_t triangle) const {
-    const glm::uvec3& face = surface_.mesh.triangles[triangle];
-    const glm::dvec3 a(surface_.mesh.vertices[face.x]), b(surface_.mesh.vertices[face.y]),
-        c(surface_.mesh.vertices[face.z]);
-    const glm::dvec3 n = glm::cross(b - a, c - a);
+    const auto [a, b, c] = surface_.mesh.corners(surface_.mesh.triangles[triangle]);
+    const glm::dvec3 n = doubleAreaNormal(a, b, c);
     const double length = glm::length(n);
-    const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-    return length > 2.0 * beside_ * longest ? n / length : glm::dvec3(0.0);
+    return length > 2.0 * beside_ * longestSide(a, b, c) ? n / length : glm::dvec3(0.0);
   }
 
   /// Measures a point between two winding numbers, in front of its face and behind it.

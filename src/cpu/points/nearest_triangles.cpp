@@ -199,7 +199,7 @@ class PointBlocks {
   /// save.
   void measureApart() {
     const float most = (most_ + slack_) * (most_ + slack_);
-    uint32_t last = 0;  // That of the last point is close to the next point, too.
+    uint32_t last = 0;  // The triangle of the last point is close to the next point, too.
     for (size_t k = 0; k < sorted_.points.size(); ++k) {
       const glm::vec3& p = sorted_.points[k];
       const Tag tag;

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/morton.h"
 #include "base/parallel.h"
 #include "cpu/points/closest_point.h"
 #include "cpu/points/nearest_triangles.h"
@@ -20,14 +21,14 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Most points that are sorted together. Their numbers leave room for their places on the curve.
-constexpr size_t kBatch = size_t{1} << (64 - 3 * kCurveBits);
+constexpr size_t kPointsAtOnce = size_t{1} << (64 - 3 * kCurveBits);
 
 /// Most points that one thread answers at a time, and fewest. Sparse points gain nothing from each other.
 constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 64;
 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
-/// search is that of its farthest point. Even farther ones are moved closer, to this distance. It hardly
-/// matters there from which of two directions so close to each other one looks.
+/// search is that of its farthest point. Even farther ones are moved closer, to this distance, at which the
+/// two directions differ too little to matter.
 constexpr float kFar = 4.0f, kFarthest = 1e4f;
 
 const std::byte* bytesAt(const PointsView& view, size_t i) {
@@ -57,15 +58,6 @@ double shrinkingOf(const glm::dvec3& offset) {
 
 bool isFinite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-/// Spreads the bits of a number, so that two free ones follow each.
-uint64_t spread(uint64_t v) {
-  v = (v | v << 32) & 0x001f00000000ffffull;
-  v = (v | v << 16) & 0x001f0000ff0000ffull;
-  v = (v | v << 8) & 0x100f00f00f00f00full;
-  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
-  return (v | v << 2) & 0x1249249249249249ull;
 }
 
 /// Returns a point in the cells of a grid.
@@ -118,7 +110,7 @@ class Batch {
   /// Number of points that were sorted.
   size_t count() const { return keys_.size(); }
   /// Returns the number of a sorted point in the query.
-  size_t number(size_t k) const { return begin_ + (keys_[k] & (kBatch - 1)); }
+  size_t number(size_t k) const { return begin_ + (keys_[k] & (kPointsAtOnce - 1)); }
   /// Returns the place of a sorted point on the curve.
   uint64_t code(size_t k) const { return keys_[k] >> kNumberBits; }
   /// Returns some of the sorted points, from what the caller keeps of them.
@@ -165,7 +157,7 @@ class Batch {
   uint64_t codeOf(const glm::vec3& p) const {
     constexpr float kPlaces = 1 << kCurveBits;
     const glm::uvec3 place(glm::clamp((p - low_) * (kPlaces / side_), 0.0f, kPlaces - 1.0f));
-    return spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
+    return mortonCode(place.x, place.y, place.z);
   }
 
   template <class Visit>
@@ -323,8 +315,8 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
   sizeResult(options, view.count, result);
   Batch batch;
   std::atomic<size_t> done{0};
-  for (size_t begin = 0; begin < view.count; begin += kBatch) {
-    const size_t end = std::min(begin + kBatch, view.count);
+  for (size_t begin = 0; begin < view.count; begin += kPointsAtOnce) {
+    const size_t end = std::min(begin + kPointsAtOnce, view.count);
     batch.load(surface.grid, view, begin, end);
     for (const bool isFar : {false, true}) {
       batch.sort(isFar);

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cpu/points/exact_crossings.h"
+#include "cpu/points/face_crossings.h"
 
 namespace raymap::cpu {
 
@@ -116,7 +116,7 @@ bool PointWinding::crossExactly(const glm::dvec3& p, const glm::vec3& cells, flo
     findTrianglesAlong(source_.tree, from, cells, slack_, faces_);
     for (uint32_t& t : faces_) t = source_.tree.triangleId(t);
     const glm::dvec3 exactFrom = grid.position(from) - source_.mesh.origin;
-    const int32_t change = countCrossingsExactly(source_.mesh, source_.turns, faces_, exactFrom, p);
+    const int32_t change = countFaceCrossings(source_.mesh, source_.turns, faces_, exactFrom, p);
     if (change != kUnsure) {
       winding = source_.lattice.winding[sample] + static_cast<float>(change);
       return true;

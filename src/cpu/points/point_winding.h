@@ -81,8 +81,8 @@ class PointWinding {
   WindingSource source_;
   glm::ivec3 dims_;
   float slack_;
-  uint32_t
-      offsets_[kCorners];  // Of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
+  /// Offsets of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
+  uint32_t offsets_[kCorners];
   std::vector<uint32_t> asked_, faces_;
   std::vector<uint64_t> crossing_;  // a point below its sample
   std::vector<glm::vec3> ends_;

@@ -34,6 +34,15 @@ WindingLattice makeLattice(const Backend& backend, const Grid& grid, Field& samp
   return lattice;
 }
 
+/// Returns faces as the sign takes them. `turns` is empty if it takes all as given.
+Buffer<glm::uvec3> turnedTriangles(std::span<const glm::uvec3> given, const Turns& turns) {
+  Buffer<glm::uvec3> triangles;
+  triangles.resizeUninitialized(given.size());
+  for (size_t f = 0; f < given.size(); ++f)
+    triangles[f] = turned(given[f], turns.empty() ? kAsGiven : turns[f]);
+  return triangles;
+}
+
 /// Builds a tree of the faces as the sign takes them, if that differs from the other tree.
 void turnFaces(PreparedSurface& surface) {
   const Turns& turns = surface.turns;
@@ -43,9 +52,7 @@ void turnFaces(PreparedSurface& surface) {
     surface.turns.clear();
     return;
   }
-  surface.turnedTriangles.resizeUninitialized(given.size());
-  for (size_t f = 0; f < given.size(); ++f)
-    surface.turnedTriangles[f] = turned(given[f], turns.empty() ? kAsGiven : turns[f]);
+  surface.turnedTriangles = turnedTriangles(given, turns);
   CellMesh cells;
   toCellUnits(surface.turnedMesh(), surface.grid, cells);
   surface.turnedTree.emplace().build(cells);
@@ -115,6 +122,19 @@ PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& opt
   }
   stats.stages.clear();
   addStages(progress, stats);
+  return surface;
+}
+
+PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, SurfaceOptions options,
+                              Progress& progress) {
+  options.orientation = Orientation::Keep;
+  Buffer<glm::uvec3> triangles = turnedTriangles(mesh.triangles, turns);
+  Stats stats;
+  PreparedSurface surface =
+      prepareSurface({mesh.vertices, triangles, mesh.origin}, options, 0, progress, stats);
+  surface.mesh = mesh;
+  surface.turns = turns;
+  surface.turnedTriangles = std::move(triangles);
   return surface;
 }
 

@@ -42,4 +42,9 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid);
 PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options, size_t meshBytes,
                                Progress& progress, Stats& stats);
 
+/// Does the same for a mesh whose faces another run has turned and left out, with a sign. `turns` is empty if
+/// the sign takes all faces as given.
+PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, SurfaceOptions options,
+                              Progress& progress);
+
 }  // namespace raymap::cpu

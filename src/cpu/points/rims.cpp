@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/sort_keys.h"
+#include "mesh/position_bits.h"
 
 namespace raymap::cpu {
 
@@ -22,9 +23,9 @@ uint64_t mix(uint64_t v) {  // SplitMix64
   return v ^ v >> 31;
 }
 
-uint64_t hashOf(const glm::vec3& p) {
-  const auto bits = [](float v) { return uint64_t{std::bit_cast<uint32_t>(v + 0.0f)}; };  // -0 becomes 0.
-  return mix(mix(bits(p.x) << 32 | bits(p.y)) + bits(p.z));
+/// Edges add these hashes, so all of their bits must be mixed well.
+uint64_t mixedHashOf(const glm::vec3& p) {
+  return mix(hashOf(p));
 }
 
 /// A directed edge by its position: a number that is the same in both directions, a place that near edges
@@ -43,8 +44,8 @@ class Edges {
     parallelFor(mesh.vertices.size(), kFacesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
         constexpr float kRound = 1.5f * (1 << 23);  // The sum has no fraction.
-        hashes_[v] = hashOf(mesh.vertices[v]);
-        places_[v] = static_cast<uint32_t>(hashOf(mesh.vertices[v] + kRound));
+        hashes_[v] = mixedHashOf(mesh.vertices[v]);
+        places_[v] = static_cast<uint32_t>(mixedHashOf(mesh.vertices[v] + kRound));
       }
     });
   }

@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "cpu/distance/surface_tree.h"
+#include "predicates/segment_triangle.h"
 
 namespace raymap::cpu {
-
-/// Stands for a number of crossings that rounding errors could change.
-inline constexpr int32_t kUnsure = INT32_MIN;
 
 /// Returns a length that exceeds the rounding errors of all positions in a tree and on its lattice, in cells.
 float slackOf(const SurfaceTree& tree, const glm::ivec3& dims);

@@ -3,14 +3,11 @@
 #include <algorithm>
 
 #include "cpu/render/sphere_trace.h"
+#include "scene/shade_shared.h"
 
 namespace raymap::cpu {
 
 namespace {
-
-// Positions of the four antialiasing samples in a pixel: a rotated square. Near-horizontal and near-vertical
-// edges get all four levels with it.
-constexpr glm::dvec2 kSubPixels[] = {{0.375, 0.125}, {0.875, 0.375}, {0.625, 0.875}, {0.125, 0.625}};
 
 /// Returns the share of light that the shape leaves on the floor, for a ray that misses the shape.
 double floorShade(const Scene& scene, const Ray& ray) {
@@ -20,7 +17,7 @@ double floorShade(const Scene& scene, const Ray& ray) {
   const glm::dvec3 p = ray.origin + t * ray.direction;
   const double sun = softShadow(scene.shape, p, scene.toLight);
   const double sky = ambientOpenness(scene.shape, p, scene.up);
-  return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
+  return (kFloorInShadow + kFloorSun * sun) * (kFloorOccluded + kFloorSky * sky);
 }
 
 /// Returns the colour of the cut face. It is drawn like a slice, without lights, and is only darkened by
@@ -28,7 +25,7 @@ double floorShade(const Scene& scene, const Ray& ray) {
 Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(std::min(d, -1e-9), scene.shape.depth());
-  return (0.6 + 0.4 * ambientOpenness(scene.shape, p, n)) *
+  return (kCutOccluded + kCutSky * ambientOpenness(scene.shape, p, n)) *
          drawContour(drawIsoLines(ground, d, t * scene.camera.pixelAngle(), scene.lineStep), d,
                      t * scene.camera.pixelAngle(), kContour);
 }
@@ -42,12 +39,13 @@ Colour surface(const Scene& scene, const Ray& ray, double t) {
   const double open = ambientOpenness(scene.shape, p, n);
   const double upward = 0.5 + 0.5 * glm::dot(n, scene.up);
   const Colour incoming = sun * kSun + open * (upward * kSky + (1.0 - upward) * kBounce);
-  const double grazing = std::pow(1.0 - std::clamp(-glm::dot(n, ray.direction), 0.0, 1.0), 5.0);
+  const double grazing = std::pow(1.0 - std::clamp(-glm::dot(n, ray.direction), 0.0, 1.0), kGrazingPower);
   const double shine =
-      std::pow(std::max(glm::dot(n, glm::normalize(scene.toLight - ray.direction)), 0.0), 50.0) *
+      std::pow(std::max(glm::dot(n, glm::normalize(scene.toLight - ray.direction)), 0.0), kShinePower) *
       (sun > 0.0 ? sun : 0.0);
-  const Colour lit = 0.5 * kClay * incoming + 0.25 * grazing * open * kSky + 0.12 * shine * kSun;
-  return lit * (1.0 + lit / 4.0) / (1.0 + lit);  // Compresses highlights instead of clipping them.
+  const Colour lit =
+      kDiffusePart * kClay * incoming + kGrazingPart * grazing * open * kSky + kShinePart * shine * kSun;
+  return lit * (1.0 + lit / kWhite) / (1.0 + lit);
 }
 
 /// Returns the light along a ray. `y` is the ray's row in the picture.

@@ -9,22 +9,16 @@
 
 #include <algorithm>
 
+#include "scene/sphere_trace_shared.h"
+
 namespace raymap::cpu {
 
 namespace {
 
-// Share of the distance that a step takes. Across creases the trilinear value of an exact distance changes by
-// up to sqrt(3) per sample.
-constexpr double kCaution = 0.9;
-// Least step, in samples. It bounds the loop. Nothing thinner exists between samples.
-constexpr double kLeastStep = 0.05;
-// Tangent of the light's angular radius.
-constexpr double kLightSize = 0.11;
-
 /// Returns the part of the ray inside a ball around the shape: {first, last}, empty if last < first.
 glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
   const glm::dvec3 toCentre = shape.centre() - ray.origin;
-  const double radius = shape.radius() + 2.0;
+  const double radius = shape.radius() + kBallMargin;
   const double middle = glm::dot(toCentre, ray.direction);
   const double half2 = radius * radius - (glm::dot(toCentre, toCentre) - middle * middle);
   if (half2 <= 0.0) return {0.0, -1.0};
@@ -35,11 +29,11 @@ glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
 /// Returns the position of the surface between `outside` and `inside` along the ray. Secant and bisection
 /// steps alternate, so the search converges even if the value bends or jumps.
 double refineHit(const Shape& shape, const Ray& ray, double outside, double inside, double dOut, double dIn) {
-  for (int i = 0; i < 24 && inside - outside > 1e-4; ++i) {
-    const double share = i % 2 == 0 ? std::clamp(dOut / (dOut - dIn), 0.01, 0.99) : 0.5;
+  for (int i = 0; i < kHitSteps && inside - outside > kHitTolerance; ++i) {
+    const double share = i % 2 == 0 ? std::clamp(dOut / (dOut - dIn), kLeastSecant, kMostSecant) : 0.5;
     const double t = outside + share * (inside - outside);
     const double d = shape.distance(ray.origin + t * ray.direction);
-    if (std::abs(d) < 1e-4) return t;
+    if (std::abs(d) < kHitTolerance) return t;
     (d > 0.0 ? outside : inside) = t;
     (d > 0.0 ? dOut : dIn) = d;
   }
@@ -66,7 +60,7 @@ double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3&
   const glm::dvec2 part = clipToBall(shape, ray);
   double clear = 1.0;                   // Narrowest angle so far, divided by the light's.
   double dBefore = 1e9, stepped = 1.0;  // As if nothing had been near.
-  for (double t = std::max(part.x, 0.5); t <= part.y;) {
+  for (double t = std::max(part.x, kShadowStart); t <= part.y;) {
     const glm::dvec3 p = point + t * toLight;
     const double d = shape.distance(p);
     if (d <= 0.0) return 0.0;
@@ -77,7 +71,7 @@ double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3&
     const double narrowest =
         shape.openDistance(p) * (isBetween ? std::sqrt(1.0 - back * back / (d * d)) : 1.0);
     clear = std::min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
-    if (clear < 0.01) return 0.0;
+    if (clear < kDark) return 0.0;
     dBefore = d;
     stepped = std::max(kCaution * d, 4 * kLeastStep);
     t += stepped;
@@ -87,14 +81,14 @@ double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3&
 
 double ambientOpenness(const Shape& shape, const glm::dvec3& point, const glm::dvec3& normal) {
   double blocked = 0.0, weight = 1.0, total = 0.0;
-  for (const double share : {0.015, 0.035, 0.07, 0.13, 0.22}) {
+  for (const double share : kHeightShares) {
     const double height = share * shape.radius();
     const double open = shape.openDistance(point + height * normal);
     blocked += weight * std::clamp(1.0 - open / height, 0.0, 1.0);
     total += weight;
-    weight *= 0.8;
+    weight *= kHeightFading;
   }
-  return std::max(1.0 - 1.1 * blocked / total, 0.0);
+  return std::max(1.0 - kOcclusion * blocked / total, 0.0);
 }
 
 }  // namespace raymap::cpu

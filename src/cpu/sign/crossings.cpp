@@ -8,8 +8,8 @@
 #include "cpu/sign/crossings.h"
 
 #include "base/parallel.h"
-#include "cpu/sign/crossings_exact.h"
 #include "cpu/sign/crossings_lines.h"
+#include "method/crossings_shared.h"
 
 #include <raymap/error.h>
 
@@ -30,9 +30,6 @@ constexpr size_t kTrianglesPerChunk = 4096;
 // samples even if millions of triangles cover the whole grid.
 constexpr size_t kRecordsPerRound = size_t{1} << 22;
 constexpr size_t kRecordsPerReport = size_t{1} << 12;
-constexpr int kMaxFractionBits = 20;
-constexpr int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits
-constexpr int64_t kNarrowExtent = int64_t{1} << 30;  // below this extent, orient2d fits into 64 bits
 
 /// Range of triangles. Those before `next` have been scanned.
 struct Chunk {
@@ -173,7 +170,7 @@ void scanTriangle(const std::array<FixedVertex, 3>& p, const Lattice& lattice, L
     const LineAxes axes(axis);
     const LineRange us = lines[axes.u], vs = lines[axes.v];
     if (us.isEmpty() || vs.isEmpty()) continue;
-    if (extent < kNarrowExtent)
+    if (extent < (int64_t{1} << kNarrowBits))
       scanTriangle<int64_t>(p, axis, us, vs, lattice, records[axis]);
     else
       scanTriangle<Int128>(p, axis, us, vs, lattice, records[axis]);
@@ -243,6 +240,12 @@ void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, c
 }
 
 }  // namespace
+
+size_t crossingBytesExpected(const glm::ivec3& dims) {
+  // While they are sorted, a line has a copy of its start, and its length.
+  constexpr size_t kOfLine = 2 * sizeof(uint64_t) + sizeof(uint32_t);
+  return lineCount(dims) * (kOfLine + kExpectedCrossings * (sizeof(LineRecord) + sizeof(Crossing)));
+}
 
 void clearCrossings(const glm::ivec3& dims, Crossings& crossings) {
   for (int axis = 0; axis < 3; ++axis) clearLines(lineCount(dims, axis), crossings[axis]);

@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "method/cell_mesh.h"
+#include "predicates/lattice_line_triangle.h"
 
 #include <array>
 
@@ -16,12 +17,6 @@ struct Crossing {
   int32_t unsignedCount = 0;  ///< Number of faces, whichever way they point.
 };
 
-/// Axes across a lattice line; u is the lower one.
-struct LineAxes {
-  int u, v;
-  explicit constexpr LineAxes(int axis) : u(axis == 0 ? 1 : 0), v(axis == 2 ? 1 : 2) {}
-};
-
 /// All crossings of the lattice lines along one axis. Line (u, v), see `LineAxes`, has
 /// `entries[starts[v * dims[u] + u] ..]` with ascending, distinct indices.
 struct AxisCrossings {
@@ -30,6 +25,11 @@ struct AxisCrossings {
 };
 
 using Crossings = std::array<AxisCrossings, 3>;
+
+/// Returns the bytes of the crossings, and of what sorts them, of a mesh of which most lines meet
+/// `kExpectedCrossings`.
+size_t crossingBytesExpected(const glm::ivec3& dims);
+inline constexpr size_t kExpectedCrossings = 2;
 
 /// Lattice lines of a part of a loop.
 inline constexpr size_t kLinesPerTask = 4096;

@@ -87,6 +87,10 @@ size_t lineCount(const glm::ivec3& dims, int axis) {
   return size_t(dims[across.u]) * size_t(dims[across.v]);
 }
 
+size_t lineCount(const glm::ivec3& dims) {
+  return lineCount(dims, 0) + lineCount(dims, 1) + lineCount(dims, 2);
+}
+
 void clearLines(size_t lines, AxisCrossings& axis) {
   axis.starts.resizeUninitialized(lines + 1);
   std::fill(axis.starts.begin(), axis.starts.end(), 0);

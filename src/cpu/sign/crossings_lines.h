@@ -17,6 +17,8 @@ using LineRecords = std::array<std::vector<LineRecord>, 3>;
 
 /// Returns the number of lattice lines along an axis.
 size_t lineCount(const glm::ivec3& dims, int axis);
+/// Returns the number of all lattice lines.
+size_t lineCount(const glm::ivec3& dims);
 
 void clearLines(size_t lines, AxisCrossings& axis);
 

@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "cpu/sign/ray_sweep.h"
-#include "method/orientation_sure.h"
+#include "method/orientation_shared.h"
 
 namespace raymap::cpu {
 

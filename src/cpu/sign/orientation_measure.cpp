@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include "base/parallel.h"
+#include "method/orientation_shared.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu::HWY_NAMESPACE {
@@ -93,7 +94,7 @@ class FieldReader {
 
   const float* samples_;
   glm::ivec3 dims_;
-  size_t offsets_[8];  // Of the samples around a point: x in bit 0, y in bit 1, z in bit 2.
+  size_t offsets_[8];  // Offsets of the samples around a point: x in bit 0, y in bit 1, z in bit 2.
 };
 
 /// Returns 1 less the distance of a number from the nearest odd one.
@@ -110,7 +111,6 @@ struct Sides {
 /// triangles, and the field is read at their centres.
 HWY_INLINE Sides sidesOf(const FieldReader& field, float farSides, const Vector& a, const Vector& b,
                          const Vector& c) {
-  constexpr float kPartLength = 2.0f, kMostParts = 8.0f;
   const Float zero = hn::Zero(Tag()), one = all(1.0f);
   const Vector ab = b - a, ac = c - a, across = cross(ab, ac);
   const Float doubleArea = hn::Sqrt(across.squaredLength());

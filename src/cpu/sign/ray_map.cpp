@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "cpu/sign/crossings_lines.h"
 
 namespace raymap::cpu {
 
@@ -66,6 +67,10 @@ size_t RayMap::bytesNeeded(const Crossings& crossings) {
   for (const AxisCrossings& axis : crossings)
     sum += axis.starts.size() * sizeof(uint64_t) + axis.entries.size() * sizeof(RayStep);
   return sum;
+}
+
+size_t RayMap::bytesExpected(const glm::ivec3& dims) {
+  return lineCount(dims) * (sizeof(uint64_t) + kExpectedCrossings * sizeof(RayStep));
 }
 
 void buildRayMap(glm::ivec3 dims, const Crossings& crossings, RayMap& map) {

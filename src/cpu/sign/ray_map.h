@@ -40,6 +40,8 @@ struct RayMap {
   size_t bytes() const;
   /// Returns the bytes of the ray map of these crossings.
   static size_t bytesNeeded(const Crossings& crossings);
+  /// Returns the same for a mesh of which most lines meet `kExpectedCrossings`.
+  static size_t bytesExpected(const glm::ivec3& dims);
 
  private:
   const RayStep* find(int axis, const glm::ivec3& sample) const;

@@ -20,7 +20,7 @@
 #include "base/parallel.h"
 #include "cpu/distance/surface_shapes-inl.h"
 #include "cpu/sign/winding_dipoles.h"
-#include "method/winding_dipoles_accuracy.h"
+#include "method/winding_dipoles_shared.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu {
@@ -271,7 +271,7 @@ HWY_EXPORT(settlePoints);
 }  // namespace
 
 float latticeError(float distance) {
-  return std::max(kMostError * std::min(1.0f, kMostErrorWithin / distance), kLeastError);
+  return std::max(kMostDipoleError * std::min(1.0f, kMostErrorWithin / distance), kLeastDipoleError);
 }
 
 namespace {

@@ -30,7 +30,7 @@ class WindingDipoles {
   /// Builds the moments of a tree, for `settleAt`.
   void prepare(const SurfaceTree& tree);
   /// Computes the winding numbers at points in cell units, with looks from the `firstLook`th on as long as
-  /// the number is close to the threshold (`winding_dipoles_accuracy.h`). Needs `prepare` with the same tree.
+  /// the number is close to the threshold (`winding_dipoles_shared.h`). Needs `prepare` with the same tree.
   void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
                 uint32_t firstLook, std::span<float> winding) const;
 

@@ -190,7 +190,7 @@ class Reader : public XmlHandler {
       const auto vertex = parsed<uint32_t>(*text);
       if (!vertex)
         failElement("triangle", index,
-                    std::string(name) + " is '" + shortened(*text) + "', which is no vertex index");
+                    std::string(name) + " is '" + shortened(*text) + "', which is not a vertex index");
       if (*vertex >= object_->vertices.size())
         failElement("triangle", index,
                     std::string(name) + " is " + std::to_string(*vertex) + ", but the object has " +
@@ -235,7 +235,7 @@ class Reader : public XmlHandler {
     const auto value = parsed<uint32_t>(*text);
     if (!value)
       fail("the " + std::string(name) + " of an element '" + std::string(element) + "' is '" +
-           shortened(*text) + "', which is no object's number");
+           shortened(*text) + "', which is not an object's number");
     return *value;
   }
 
@@ -243,7 +243,7 @@ class Reader : public XmlHandler {
     const auto value = parsed<double>(text);
     if (!value || !std::isfinite(*value))
       failElement(element, index,
-                  std::string(name) + " is '" + shortened(text) + "', which is no finite number");
+                  std::string(name) + " is '" + shortened(text) + "', which is not a finite number");
     return *value;
   }
 

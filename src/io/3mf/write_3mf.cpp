@@ -11,7 +11,7 @@
 
 #include "io/3mf/units.h"
 #include "io/zip/zip_writer.h"
-#include "mesh/weld.h"
+#include "mesh/compact.h"
 
 namespace raymap {
 
@@ -76,25 +76,6 @@ bool isSoup(const PackedMesh& mesh) {
       isUsed[t[c]] = true;
     }
   return true;
-}
-
-/// Returns a mesh with one vertex for each position, in the order of the first ones.
-Mesh joined(const PackedMesh& mesh) {
-  const Welding welding = weldVertices(mesh.vertices);
-  constexpr uint32_t kNone = UINT32_MAX;
-  std::vector<uint32_t> indices(welding.count, kNone);
-  Mesh result{.origin = mesh.origin};
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-    uint32_t& index = indices[welding.ids[v]];
-    if (index != kNone) continue;
-    index = static_cast<uint32_t>(result.vertices.size());
-    result.vertices.push_back(mesh.vertices[v]);
-  }
-  result.triangles.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles)
-    result.triangles.emplace_back(indices[welding.ids[t.x]], indices[welding.ids[t.y]],
-                                  indices[welding.ids[t.z]]);
-  return result;
 }
 
 /// The part that holds the mesh, as the pieces of its text: what comes before the vertices, blocks of them,
@@ -189,7 +170,7 @@ void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about
 
 void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
   if (isSoup(mesh))
-    writeParts(out, joined(mesh), about);
+    writeParts(out, weldedCopy(mesh), about);
   else
     writeParts(out, mesh, about);
 }

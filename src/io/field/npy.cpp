@@ -77,7 +77,7 @@ NpyHeader readNpyHeader(const std::filesystem::path& path, const ReadBytes& read
   if (length > kLongestHeader) throwInvalid(path, "its NumPy header is too long");
   std::string text(length, ' ');
   read(text.data(), text.size());
-  if (start[6] > 3 || !text.starts_with('{')) throwInvalid(path, "its NumPy header is none");
+  if (start[6] > 3 || !text.starts_with('{')) throwInvalid(path, "its NumPy header is not valid");
 
   NpyHeader header;
   const std::string_view type = valueAfter(path, text, "descr");

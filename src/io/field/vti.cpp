@@ -64,7 +64,7 @@ std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image
   std::array<int64_t, 3> dims{};
   for (size_t axis = 0; axis < 3; ++axis) {
     if (!(std::abs(spacing[axis] - spacing[0]) <= kTolerance * std::abs(spacing[0])))
-      throwUnsupported(file.path, "its cells are no cubes; resample it");
+      throwUnsupported(file.path, "its cells are not cubes; resample it");
     const double first = extent[2 * axis], last = extent[2 * axis + 1];
     if (!(std::abs(first) < 1e9 && std::abs(last) < 1e9) || first != std::trunc(first) ||
         last != std::trunc(last))

@@ -38,7 +38,7 @@ struct Base64Reader {
         continue;
       }
       const int value = base64Value(c);
-      if (value < 0) throwInvalid(path, "its base64 data has a character that is none of base64's");
+      if (value < 0) throwInvalid(path, "its base64 data has a character that is not base64");
       bits = (bits << 6) | static_cast<uint32_t>(value);
       bitCount += 6;
     }
@@ -58,7 +58,7 @@ struct DecimalReader {
       Parsed parsed{};
       const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
       if (error != std::errc())
-        throwInvalid(path, "its data ends early, or holds something that is no number");
+        throwInvalid(path, "its data ends early, or holds something that is not a number");
       text.remove_prefix(static_cast<size_t>(end - text.data()));
       const T value = static_cast<T>(parsed);
       std::memcpy(to + at, &value, sizeof(T));

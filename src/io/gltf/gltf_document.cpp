@@ -95,7 +95,7 @@ void GltfDocument::parse(std::string_view json) {
   } catch (const Json::exception& error) {
     file_.fail("no valid JSON: " + inPlainWords(error.what()));
   }
-  if (!root_.is_object()) file_.fail("no glTF file: its JSON is no object");
+  if (!root_.is_object()) file_.fail("not a glTF file: its JSON is not an object");
 }
 
 /// Opens a GLB: a 12-byte header, then chunks of (length, type, data), first JSON, then perhaps BIN.
@@ -129,7 +129,7 @@ void GltfDocument::openBuffers() {
     if (uri == buffer.end()) {
       buffers_.push_back(b == 0 ? binaryChunk_ : std::span<const std::byte>());
     } else if (!uri->is_string()) {
-      file_.fail("the uri of buffer " + std::to_string(b) + " is no text");
+      file_.fail("the uri of buffer " + std::to_string(b) + " is not a string");
     } else {
       openExternal(uri->get_ref<const std::string&>());
     }
@@ -149,7 +149,7 @@ void GltfDocument::openExternal(const std::string& uri) {
 uint64_t GltfDocument::size(const char* array) const {
   const auto found = root_.find(array);
   if (found == root_.end()) return 0;
-  if (!found->is_array()) file_.fail(std::string("'") + array + "' is no list");
+  if (!found->is_array()) file_.fail(std::string("'") + array + "' is not a list");
   return found->size();
 }
 
@@ -158,7 +158,7 @@ const GltfDocument::Json& GltfDocument::element(const char* array, uint64_t inde
     file_.fail(std::string(array) + "[" + std::to_string(index) + "] does not exist: the file has " +
                std::to_string(size(array)));
   const Json& found = root_[array][index];
-  if (!found.is_object()) file_.fail(std::string(array) + "[" + std::to_string(index) + "] is no object");
+  if (!found.is_object()) file_.fail(std::string(array) + "[" + std::to_string(index) + "] is not an object");
   return found;
 }
 
@@ -166,7 +166,7 @@ uint64_t GltfDocument::number(const Json& object, const char* key) const {
   const auto found = object.find(key);
   if (found == object.end()) file_.fail(std::string("'") + key + "' is missing");
   if (!found->is_number_unsigned() || found->get<uint64_t>() >= kLargest)
-    file_.fail(std::string("'") + key + "' is no count or index: " +
+    file_.fail(std::string("'") + key + "' is not a count or index: " +
                found->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 40));
   return found->get<uint64_t>();
 }
@@ -179,10 +179,10 @@ std::vector<uint64_t> GltfDocument::indices(const Json& object, const char* key)
   std::vector<uint64_t> result;
   const auto found = object.find(key);
   if (found == object.end()) return result;
-  if (!found->is_array()) file_.fail(std::string("'") + key + "' is no list");
+  if (!found->is_array()) file_.fail(std::string("'") + key + "' is not a list");
   for (const Json& index : *found) {
     if (!index.is_number_unsigned())
-      file_.fail(std::string("'") + key + "' holds something that is no index");
+      file_.fail(std::string("'") + key + "' holds something that is not an index");
     result.push_back(index.get<uint64_t>());
   }
   return result;
@@ -193,9 +193,9 @@ std::vector<double> GltfDocument::numbers(const Json& object, const char* key, s
   const auto found = object.find(key);
   if (found == object.end()) return result;
   if (!found->is_array() || found->size() != count)
-    file_.fail(std::string("'") + key + "' is no list of " + std::to_string(count) + " numbers");
+    file_.fail(std::string("'") + key + "' is not a list of " + std::to_string(count) + " numbers");
   for (const Json& value : *found) {
-    if (!value.is_number()) file_.fail(std::string("'") + key + "' holds something that is no number");
+    if (!value.is_number()) file_.fail(std::string("'") + key + "' holds something that is not a number");
     result.push_back(value.get<double>());
   }
   return result;
@@ -249,7 +249,7 @@ void GltfDocument::readAccessor(uint64_t accessor, uint64_t elementBytes, Put pu
   const View base = view(json, accessorCount(accessor), elementBytes, what);
   for (uint64_t i = 0; i < base.count; ++i) put(i, base.data + i * base.stride);
   if (const auto sparse = json.find("sparse"); sparse != json.end()) {
-    if (!sparse->is_object()) file_.fail(what + ": 'sparse' is no object");
+    if (!sparse->is_object()) file_.fail(what + ": 'sparse' is not an object");
     readSparse(*sparse, base.count, elementBytes, what, put);
   }
 }

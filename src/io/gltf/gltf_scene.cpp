@@ -71,8 +71,7 @@ void GltfScene::findNodes() {
     stack.pop_back();
     const Json& node = document_.element("nodes", visit.node);
     if (seen[visit.node])
-      file_.fail("nodes[" + std::to_string(visit.node) +
-                 "] is reached twice: the nodes form a cycle, or no tree");
+      file_.fail("nodes[" + std::to_string(visit.node) + "] is reached twice: the nodes do not form a tree");
     seen[visit.node] = true;
     for (const uint64_t child : document_.indices(node, "children"))
       stack.push_back({child, static_cast<int>(nodes_.size())});
@@ -115,7 +114,7 @@ std::vector<const GltfScene::Json*> GltfScene::primitives(const Json& node) cons
   if (list == json.end() || !list->is_array())
     file_.fail("meshes[" + std::to_string(mesh) + "] has no list of primitives");
   for (const Json& primitive : *list) {
-    if (!primitive.is_object()) file_.fail("a primitive is no object");
+    if (!primitive.is_object()) file_.fail("a primitive is not an object");
     result.push_back(&primitive);
   }
   return result;

@@ -123,7 +123,7 @@ const PlyElement* PlyHeader::find(std::string_view element) const {
 
 PlyHeader readPlyHeader(const MeshFile& file) {
   TextScanner text(file);
-  if (text.word() != "ply") file.fail("no PLY file: it does not begin with 'ply'");
+  if (text.word() != "ply") file.fail("not a PLY file: it does not begin with 'ply'");
   // A file whose lines end in CR alone may have data that begins with a byte equal to LF.
   const bool crOnly = file.text().substr(text.position()).starts_with('\r') &&
                       !file.text().substr(text.position()).starts_with("\r\n");

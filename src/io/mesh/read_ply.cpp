@@ -143,7 +143,7 @@ class BinarySource {
 
   int64_t wholeNumber(double value) const {
     if (!(std::abs(value) <= 0x1p53) || value != std::floor(value))
-      file_.fail("an index or a count is no whole number: " + std::to_string(value));
+      file_.fail("an index or a count is not a whole number: " + std::to_string(value));
     return static_cast<int64_t>(value);
   }
 

@@ -51,7 +51,7 @@ Mesh readBinary(const MeshFile& file) {
   const uint64_t room = (file.bytes.size() - kFacetsAt) / kFacetBytes;
   if (announced > room)
     file.fail("the file announces " + counted(announced, "triangle") + ", but holds only " +
-              std::to_string(room) + " (it is cut short, or no STL file)");
+              std::to_string(room) + " (it is cut short, or not an STL file)");
   if (const uint64_t rest = file.bytes.size() - kFacetsAt - announced * kFacetBytes; rest > 0)
     file.warnThat(counted(rest, "byte") + " after the last triangle ignored");
   if (announced > UINT32_MAX / 3) file.fail("more triangles than 2^32 / 3");

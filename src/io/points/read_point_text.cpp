@@ -13,7 +13,7 @@ namespace raymap {
 namespace {
 
 using Fields = std::vector<std::string_view>;
-using Columns = std::array<size_t, 3>;  // Of x, y and z.
+using Columns = std::array<size_t, 3>;  // Indices of x, y and z.
 
 constexpr std::string_view kBlanks = " \t";
 
@@ -152,7 +152,7 @@ class TextReader {
       const std::optional<double> value = numberIn(field);
       if (!value)
         fail(std::string(1, "xyz"[c]) + " is '" + std::string(field.substr(0, kLongestShown)) +
-             "', which is no number" + (field.empty() ? "; write nan for a point that is not known" : ""));
+             "', which is not a number" + (field.empty() ? "; write nan for a point that is not known" : ""));
       point[c] = *value;
     }
     return point;

@@ -29,7 +29,7 @@ std::string part(const std::string& name) {
 }
 
 [[noreturn]] void failDirectory(const std::filesystem::path& path) {
-  fail(path, "it is no whole zip file, as a .3mf or .npz must be: its directory is missing or damaged");
+  fail(path, "it is not a whole zip file, as a .3mf or .npz must be: its directory is missing or damaged");
 }
 
 /// Opens the zip of a source, which may be null if `error` says why.

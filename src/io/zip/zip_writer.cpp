@@ -16,7 +16,7 @@ namespace raymap {
 
 namespace {
 
-/// What libzip reads from or writes to, as an object. Exceptions must not cross libzip's C code, so `problem`
+/// A source or target of libzip, as an object. Exceptions must not cross libzip's C code, so `problem`
 /// keeps the first one.
 class Source {
  public:

@@ -13,10 +13,11 @@ constexpr VkBufferUsageFlags kUsage =
     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
     VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
-/// `most` says what there is at most: "only 5 MiB is available".
-[[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, const std::string& most) {
+/// `most` says what there is at most: "only 5 MiB is available". `remedy` says what helps, too.
+[[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, const std::string& most,
+                                const std::string& remedy = "another device") {
   throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + neededText(bytes) + ", but " +
-                                     most + "; use a lower resolution or another device");
+                                     most + "; use a lower resolution or " + remedy);
 }
 
 }  // namespace
@@ -87,6 +88,8 @@ uint32_t DeviceBuffer::allocateMemory() {
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device_->handle(), handle(), &needs);
   const uint32_t type = device_->memoryType(use_, needs.memoryTypeBits);
+  if (const uint64_t left = device_->memoryLeft(); needs.size > left)
+    throwTooLarge(name_, needs.size, "only " + limitText(left) + " of the limit is left", "a higher limit");
   const uint64_t available = device_->availableMemory(type);
   if (needs.size > available)
     throwTooLarge(name_, needs.size, "only " + limitText(available) + " is available");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,6 +74,10 @@ class Device {
   /// Bytes held by our buffers.
   uint64_t heldMemory() const { return heldMemory_; }
   void changeHeldMemory(int64_t bytes) { heldMemory_ += static_cast<uint64_t>(bytes); }
+  /// Limits the bytes that our buffers may hold: no buffer grows beyond it.
+  void limitMemory(uint64_t bytes) { mostMemory_ = bytes; }
+  /// Returns the bytes that the limit leaves.
+  uint64_t memoryLeft() const { return mostMemory_ - std::min(mostMemory_, heldMemory_); }
   /// Guards of the buffers; null unless `DeviceOptions::guards` is set.
   Guards* guards() const { return guards_.get(); }
 
@@ -105,7 +111,7 @@ class Device {
   PFN_vkSetDebugUtilsObjectNameEXT setName_ = nullptr;
   PipelineLayout pipelineLayout_;
   std::optional<Pipelines> pipelines_;
-  uint64_t heldMemory_ = 0;
+  uint64_t heldMemory_ = 0, mostMemory_ = UINT64_MAX;
   std::unique_ptr<Guards> guards_;
 };
 

@@ -30,7 +30,7 @@ uint ceilDiv(uint a, uint b) {
 
 // Stands for a distance or coordinate that there is none of yet: the largest float. Devices need not support
 // infinity.
-const float kFarthest = 3.402823466e38;
+const float kLargestFloat = 3.402823466e38;
 
 // Returns the number at `address`, at most `most`; if the address is 0, the host knows the number: `most`.
 uint readCount(Uints address, uint most) {

@@ -1,8 +1,8 @@
 // Plugs the Vulkan backend into the core of programs that link raymap::vulkan.
 
+#include <cstdint>
 #include <filesystem>
 
-#include "base/memory.h"
 #include "method/gpu_plug_in.h"
 #include "shaders/raymap_vulkan_all.h"
 #include "vulkan/runtime/backend.h"
@@ -18,9 +18,9 @@ class OpenDevice final : public GpuDevice {
   explicit OpenDevice(size_t index) : device_({.index = index}) {}
 
   void generate(const Job& job, Stats& stats) override {
-    if (job.options.memoryLimit != 0)
-      checkFieldMemory(Backend::bytesNeeded(job.mesh, job.grid, job.options), job.options.memoryLimit,
-                       " on the device");
+    const bool isLimited = job.options.memoryLimit != 0;
+    if (isLimited) backend_.reset();  // What earlier runs left would count.
+    device_.limitMemory(isLimited ? job.options.memoryLimit : UINT64_MAX);
     if (!backend_) backend_.emplace(device_);
     backend_->take(job);
     runPipeline(*backend_);
@@ -31,6 +31,7 @@ class OpenDevice final : public GpuDevice {
   }
 
   void draw(const Scene& scene, Progress& progress, Picture& picture) override {
+    device_.limitMemory(UINT64_MAX);
     drawScene(device_, scene, progress, picture);
   }
 

@@ -31,7 +31,7 @@ class Gate {
  private:
   Kernel<GatePush> kernel_;
   uint32_t most_ = UINT32_MAX;
-  std::vector<uint32_t> firstParts_;  // Of each dispatch, and their number.
+  std::vector<uint32_t> firstParts_;  // First part of each dispatch, and the number of all.
   DeviceBuffer planned_, actual_;
 };
 

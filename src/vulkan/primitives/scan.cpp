@@ -43,7 +43,8 @@ void Scan::reserve(uint32_t most) {
 
 void Scan::record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, Count count) {
   if (count.most > reserved_) throw std::logic_error("a prefix sum over more elements than reserved");
-  if (values % 16 != 0 || sums % 16 != 0) throw std::logic_error("a prefix sum at no multiple of 16 bytes");
+  if (values % 16 != 0 || sums % 16 != 0)
+    throw std::logic_error("a prefix sum not at a multiple of 16 bytes");
   const uint32_t levels = levelsOf(count.most);
   if (count.address != 0)
     commands.concurrent([&] {

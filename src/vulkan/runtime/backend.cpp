@@ -22,19 +22,6 @@ uint64_t pieceBytes(uint64_t fieldBytes) {
   return std::min(fieldBytes, std::clamp(fieldBytes / 4, kLeast, kMost));
 }
 
-/// Returns the bytes held, besides the results, while the sign is computed.
-size_t signBytes(const glm::ivec3& dims, const Options& options) {
-  const glm::u64vec3 n(dims);
-  const size_t samples = n.x * n.y * n.z;
-  size_t numbers = 3 * samples + n.x * n.y + n.y * n.z + n.z * n.x;  // The ray map.
-  if (!options.winding) numbers += samples;
-  if (options.sign == SignMode::Paths || options.sign == SignMode::Evolution) numbers += samples;
-  const bool isSolved = options.sign == SignMode::Harmonic || mayTurnFaces(options);
-  for (int level = 1; isSolved && level <= coarsestHarmonicLevel(dims); ++level)
-    numbers += 2 * harmonicBox(dims, level).sampleCount();
-  return numbers * sizeof(float);
-}
-
 }  // namespace
 
 Backend::Backend(Device& device)
@@ -49,22 +36,6 @@ Backend::Backend(Device& device)
       findings_(device, "findings for the host", MemoryUse::ReadBack),
       piece_(device, "piece of a field for the host", MemoryUse::ReadBack) {
   findings_.resize<Findings>(1);
-}
-
-size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
-  constexpr size_t kNumber = sizeof(float);
-  const size_t perTriangle = kTreeBytesPerTriangle + (mayTurnFaces(options) ? 2 * kNumber : 0);
-  const size_t samples = grid.sampleCount();
-  const bool isSigned = options.sign != SignMode::None;
-  const size_t results = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned && options.winding ? 1 : 0) +
-                         (isSigned && options.confidence ? 1 : 0);
-  // Distances and sign share their memory.
-  const size_t distances = options.distance == DistanceMode::Exact ? samples * 2 : 4 * kNumber * samples;
-  const size_t signs = isSigned ? signBytes(grid.dims, options) : 0;
-  // Lists of blocks, and the bits of crossed edges.
-  const size_t closing = options.closeHoles ? samples * 5 / 2 : 0;
-  return kNumber * results * samples + pieceBytes(kNumber * samples) + std::max(distances, signs) + closing +
-         mesh.triangles.size() * perTriangle + mesh.vertices.size() * 2 * sizeof(glm::vec3);
 }
 
 void Backend::take(const Job& job) {
@@ -234,8 +205,7 @@ const CellMesh& Backend::cellMesh() {
 }
 
 size_t Backend::bytesLeft() const {
-  if (options().memoryLimit == 0) return availableMemory();
-  return options().memoryLimit - std::min<size_t>(options().memoryLimit, device_->heldMemory());
+  return options().memoryLimit == 0 ? availableMemory() : device_->memoryLeft();
 }
 
 void Backend::addPatch() {

@@ -52,12 +52,9 @@ class Backend : public StageRecorder, private RecordingListener {
   std::vector<float> windingAt(std::span<const glm::vec3> points);
   const CellMesh& cellMesh();
   size_t bytesLeft() const;
-  static constexpr size_t kTreeBytesPerTriangle = 160;
+  static size_t patchTreeBytes(size_t triangles) { return SurfaceTreeStage::bytesNeeded(triangles); }
   void addPatch();
 
-  /// Returns the bytes that a run will hold, computed from sizes alone. The lists of the voxel grid are not
-  /// included: only the device finds out their length.
-  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
   /// Returns the times of the last run's stages by the device's clock.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
   /// Returns the milliseconds by the device's clock from the uploaded mesh to the complete field. The host's

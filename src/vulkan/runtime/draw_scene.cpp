@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "scene/scene.h"
+#include "scene/sphere_trace_shared.h"
 #include "vulkan/device/command_buffer.h"
 #include "vulkan/stages/render_field.h"
 
@@ -38,7 +39,7 @@ void fillSamples(const Field& field, std::span<float> samples) {
   const double scale = 1.0 / field.grid.spacing;
   parallelFor(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s)
-      samples[s] = static_cast<float>(std::clamp(field.distance[s] * scale, -kFarthest, kFarthest));
+      samples[s] = static_cast<float>(std::clamp(field.distance[s] * scale, -kFarthestRay, kFarthestRay));
   });
 }
 

@@ -13,8 +13,8 @@
 #include "cpu/cells/cell_levels.h"
 #include "cpu/cells/distance_transform.h"
 #include "cpu/cells/voxel_grid.h"
-#include "mesh/shapes.h"
 #include "method/cell_mesh.h"
+#include "testing/shapes.h"
 
 namespace raymap {
 

@@ -12,7 +12,8 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr double kAllowed = 1e-6;  // Of the grid's diagonal; and of the distance, whose floats are as coarse.
+constexpr double kAllowed =
+    1e-6;  // Share of the grid's diagonal, and of the distance, whose floats are as coarse.
 
 std::string nameOf(const CellMesh& mesh) {
   return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "cpu/backend.h"
-#include "mesh/shapes.h"
 #include "method/pipeline.h"
+#include "testing/shapes.h"
 #include "vulkan/self_test/checks.h"
 
 namespace raymap::vulkan {

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "cpu/render/shade.h"
-#include "mesh/shapes.h"
 #include "method/pipeline.h"
+#include "testing/shapes.h"
 #include "vulkan/runtime/draw_scene.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/self_test/checks.h"

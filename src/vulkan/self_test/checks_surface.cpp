@@ -3,7 +3,7 @@
 
 #include "cpu/distance/surface_tree.h"
 #include "cpu/sign/winding_dipoles.h"
-#include "mesh/reference.h"
+#include "testing/reference.h"
 #include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/stages/exact_distance.h"
@@ -34,8 +34,8 @@ void checkTree(const Probe& probe, const SurfaceTreeStage& tree, const CellMesh&
     require(id < count, "place " + textOf(place) + " holds triangle " + textOf(id));
     ++listed[id];
     for (int corner = 0; corner < 3; ++corner)
-      for (auto node = tree.firstLeaf() + static_cast<uint32_t>(place / kArity);;
-           node = (node - 1) / kArity) {
+      for (auto node = tree.firstLeaf() + static_cast<uint32_t>(place / kTreeArity);;
+           node = (node - 1) / kTreeArity) {
         const double distance = outside(node, glm::dvec3(mesh.corner(id, corner)));
         require(distance < 1e-4, "triangle " + textOf(id) + " lies " + textOf(distance) +
                                      " cells outside the disc of node " + textOf(node));

@@ -48,7 +48,7 @@ using EdgeCounts = std::array<std::vector<int32_t>, 3>;
 /// Calls `work(line, edge, index)` for all edges of an axis: `line` as the CPU numbers it.
 template <class Work>
 void forEachEdge(glm::ivec3 dims, int axis, Work&& work) {
-  const cpu::LineAxes across(axis);
+  const LineAxes across(axis);
   const int nu = dims[across.u];
   ++dims[axis];
   size_t index = 0;

@@ -1,13 +1,12 @@
 // Cells of a lattice. GPU twin of CellLattice in method/cell_lattice.h.
 
+#include "method/cell_lattice_shared.h"
 #include "vulkan/primitives/soft_double.glsl"
 #include "vulkan/stages/cell_lattice_push.h"
 
 // Whether the host knows isOfSamples of all the kernel's lattices. Such a kernel has no doubles in software: some devices
 // spend time on branches that no invocation takes.
 layout(constant_id = 1) const bool kIsOfSamples = false;
-
-const uint kNoCell = 0xffffffffu;
 
 uint cellIndex(Lattice cells, uvec3 c) {
   return (c.z * cells.ny + c.y) * cells.nx + c.x;

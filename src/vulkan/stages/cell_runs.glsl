@@ -17,9 +17,9 @@ struct LocalTriangle {
 
 // Returns the integers nearest to x, the greater one of two; beyond 2^30, any beyond 2^30.
 ivec3 nearestIntegers(vec3 x) {
-  const float kFar = 2147483520.0;
+  const float kFarthestCell = 2147483520.0;
   const vec3 whole = floor(x);
-  return ivec3(clamp(whole + vec3(greaterThanEqual(x - whole, vec3(0.5))), vec3(-kFar), vec3(kFar)));
+  return ivec3(clamp(whole + vec3(greaterThanEqual(x - whole, vec3(0.5))), vec3(-kFarthestCell), vec3(kFarthestCell)));
 }
 
 // Finds the lowest and the highest cell that the bounds touch.

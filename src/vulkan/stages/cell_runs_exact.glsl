@@ -1,7 +1,6 @@
 // The cells of a row that a triangle touches, with the same rounding as on the CPU.
 
-// Cells grow by this share of the triangle's reach, which makes up for rounding in double precision.
-const Double kSlack = 0x3d719799812dea11ul;  // 1e-12
+#include "method/cell_runs_shared.h"
 
 struct Interval {
   Double low;
@@ -53,7 +52,7 @@ ExactCorners exactCorners(LocalTriangle local) {
     corners.b = u64vec3(corners.b.yz, corners.c.x);
     corners.c = u64vec3(corners.c.yz, at);
   }
-  corners.margin = sum(kHalf, product(kSlack, sum(doubleOf(1), far)));
+  corners.margin = sum(kHalf, product(kSlackBits, sum(doubleOf(1), far)));
   return corners;
 }
 

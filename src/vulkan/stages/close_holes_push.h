@@ -3,7 +3,7 @@
 #endif
 
 #include "base/shader_types.h"
-#include "method/close_holes_edges.h"
+#include "method/close_holes_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 

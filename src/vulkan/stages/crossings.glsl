@@ -1,13 +1,11 @@
 // Declarations shared by all kernels of the crossings: triangles on the lattice of 2^-bits cells, as in
 // cpu/sign/crossings.cpp.
 
+#include "method/crossings_shared.h"
 #include "vulkan/stages/crossed_edges.glsl"
 #include "vulkan/stages/crossings_push.h"
 
 layout(push_constant, scalar) uniform Push { CrossingsPush push; };
-
-const int kMaxFractionBits = 20;
-const int kCoordinateBits = 40;  // |coordinate| < 2^40, so that orient3d fits into 128 bits.
 
 struct SnappedTriangle {
   i64vec3 a, b, c;

@@ -1,5 +1,5 @@
 // Finds the lattice lines that a triangle crosses and the places of the crossings, as in
-// cpu/sign/crossings_exact.h: simulation of simplicity (Edelsbrunner & Mücke 1990) on integers. The including
+// predicates/lattice_line_triangle.h: simulation of simplicity (Edelsbrunner & Mücke 1990) on integers. The including
 // file defines `Wide`, a type for products of two coordinates, and its functions.
 
 const int kLongRun = 8;  // Runs longer than this are first tested as a whole.

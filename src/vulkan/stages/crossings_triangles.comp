@@ -7,7 +7,6 @@
 #include "vulkan/stages/crossings.glsl"
 
 // Narrow triangles only: their orient2d fits into 64 bits.
-const int64_t kNarrowExtent = 1l << 30;
 #define Wide int64_t
 Wide product(int64_t a, int64_t b) {
   return a * b;
@@ -25,7 +24,7 @@ bool isPositive(Wide a) {
 
 bool isNarrow(SnappedTriangle t) {
   const i64vec3 extent = max(max(t.a, t.b), t.c) - min(min(t.a, t.b), t.c);
-  return max(max(extent.x, extent.y), extent.z) < kNarrowExtent;
+  return max(max(extent.x, extent.y), extent.z) < (1l << kNarrowBits);
 }
 
 void scanTriangle(SnappedTriangle t, int bits) {

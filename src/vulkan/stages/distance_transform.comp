@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
+#include "method/cell_lattice_shared.h"
 #include "vulkan/stages/distance_transform_push.h"
 
 layout(constant_id = 1) const uint kAxis = 0;
@@ -9,8 +10,7 @@ layout(constant_id = 2) const uint kCells = 1;     // Maximum number of cells in
 layout(constant_id = 3) const uint kSegments = 1;  // Maximum number of segments in a group's lines.
 layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
 
-const uint kNone = 0xffffffffu;
-const uint kAtOnce = 4;  // Cells that an invocation loads or stores at once.
+const uint kCellsAtOnce = 4;  // Cells that an invocation loads or stores at once.
 
 // Each segment stores its sites in its first places: the site's value, its place q in the line, and the first
 // p from which on it is the lowest so far. In the end, the value's place holds the site of each p.
@@ -77,12 +77,12 @@ bool isNoHigher(int a, float valueA, int b, float valueB, int p) {
 
 // Returns the last p, at least -1, at which the parabola of site a is at most as high as that of b > a.
 int lastOf(uint siteA, float valueA, uint siteB, float valueB) {
-  const float kDoubt = 1.0 / 64.0;  // More than rounding moves a border.
+  const float kBorderMargin = 1.0 / 64.0;  // More than rounding moves a border.
   const int a = int(siteA), b = int(siteB), n = int(lineLength());
   const float border = 0.5 * ((valueB - valueA) / float(b - a) + float(a + b));
-  const float clamped = clamp(border, -0.5, float(n)) + kDoubt;
+  const float clamped = clamp(border, -0.5, float(n)) + kBorderMargin;
   const int p = int(clamped + 1.0) - 1;
-  return clamped - float(p) > 2.0 * kDoubt || isNoHigher(a, valueA, b, valueB, p) ? p : p - 1;
+  return clamped - float(p) > 2.0 * kBorderMargin || isNoHigher(a, valueA, b, valueB, p) ? p : p - 1;
 }
 
 // Algorithm 2, lines 28-44, within one segment of a line.
@@ -164,17 +164,17 @@ void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
 float valueBefore(uint cell, uint x, uint y, uint p) {
   if (kAxis == 0) return push.values.at[cell];
   const uint nearest = push.from.at[cell];
-  const uint nearestX = nearest == kNone ? x : nearest & 0xffff;
+  const uint nearestX = nearest == kNoCell ? x : nearest & 0xffff;
   const float dx = float(int(x) - int(nearestX));
   float value;
   if (kAxis == 1) {
     value = dx * dx + push.values.at[cell - x + nearestX];
   } else {
-    const uint nearestY = nearest == kNone ? y : nearest >> 16;
+    const uint nearestY = nearest == kNoCell ? y : nearest >> 16;
     const float dy = float(int(y) - int(nearestY));
     value = dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
   }
-  return nearest == kNone ? push.empty : value;
+  return nearest == kNoCell ? push.empty : value;
 }
 
 // Returns the word to write for the nearest cell at q, which the pass before found in `cell`.
@@ -205,30 +205,30 @@ uint placeAfter(uint first, uint n) {
 
 void load(Tile tile) {
   const uint count = placeCount(tile), x = tile.base % push.nx, y = tile.base / push.nx;
-  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
-    float loaded[kAtOnce];
-    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
+    float loaded[kCellsAtOnce];
+    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
       uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
       at.x = min(at.x, tile.lines - 1);
       loaded[n] = valueBefore(cellOf(tile, at.x, at.y), x + at.x, y, at.y);
     }
-    [[unroll]] for (uint n = 0; n < kAtOnce; ++n)
+    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n)
       if (placeAfter(first, n) < count) values[placeAfter(first, n)] = floatBitsToUint(loaded[n]);
   }
 }
 
 void store(Tile tile) {
   const uint count = placeCount(tile);
-  for (uint first = gl_LocalInvocationID.x; first < count; first += kAtOnce * gl_WorkGroupSize.x) {
-    uint results[kAtOnce];
-    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+  for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
+    uint results[kCellsAtOnce];
+    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
       uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
       at.x = min(at.x, tile.lines - 1);
       const uint q = values[placeOf(at.x, at.y)];
-      const uint nearest = resultOf(cellOf(tile, at.x, q == kNone ? at.y : q), q);
-      results[n] = q == kNone ? kNone : nearest;
+      const uint nearest = resultOf(cellOf(tile, at.x, q == kNoCell ? at.y : q), q);
+      results[n] = q == kNoCell ? kNoCell : nearest;
     }
-    [[unroll]] for (uint n = 0; n < kAtOnce; ++n) {
+    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
       const uvec2 at = lineAt(placeAfter(first, n));
       if (placeAfter(first, n) < count && at.x < tile.lines) push.to.at[cellOf(tile, at.x, at.y)] = results[n];
     }
@@ -247,10 +247,10 @@ void markFirsts(uint line, uint segment) {
 
 // Step 2: carries the sites through the segment.
 void carryWithin(uint line, uint begin, uint end, uint segment) {
-  uint site = kNone;
+  uint site = kNoCell;
   for (uint p = begin; p < end; ++p) {
     const uint place = placeOf(line, p);
-    if (values[place] == kNone) values[place] = site;
+    if (values[place] == kNoCell) values[place] = site;
     site = values[place];
   }
   segments[line * push.segments + segment] = site;
@@ -258,9 +258,9 @@ void carryWithin(uint line, uint begin, uint end, uint segment) {
 
 // Step 3: carries the last site into the next segment, up to the first site there.
 void carryAcross(uint line, uint begin, uint end, uint segment) {
-  uint site = kNone;
-  while (segment > 0 && site == kNone) site = segments[line * push.segments + --segment];
-  for (uint p = begin; p < end && values[placeOf(line, p)] == kNone; ++p) values[placeOf(line, p)] = site;
+  uint site = kNoCell;
+  while (segment > 0 && site == kNoCell) site = segments[line * push.segments + --segment];
+  for (uint p = begin; p < end && values[placeOf(line, p)] == kNoCell; ++p) values[placeOf(line, p)] = site;
 }
 
 void main() {
@@ -282,7 +282,7 @@ void main() {
   }
   barrier();
   if (works)
-    for (uint p = begin; p < end; ++p) values[placeOf(line, p)] = kNone;
+    for (uint p = begin; p < end; ++p) values[placeOf(line, p)] = kNoCell;
   barrier();
   if (works) markFirsts(line, segment);
   barrier();

@@ -37,9 +37,9 @@ void measureTriangle(uint index, vec3 p, inout Closest closest) {
 
 // Measures a few triangles, two samples at once for each triangle read.
 void measureTogether(Block block, uint count) {
-  const uint end = count > 0 ? kSamples : 0;
+  const uint end = count > 0 ? kBlockSamples : 0;
   for (uint s = lane(); s < end; s += 2 * gl_SubgroupSize) {
-    const uint other = min(s + gl_SubgroupSize, kSamples - 1);
+    const uint other = min(s + gl_SubgroupSize, kBlockSamples - 1);
     const vec3 p = samplePlace(block, s), q = samplePlace(block, other);
     Closest atP = readSample(s), atQ = readSample(other);
     for (uint i = 0; i < count; ++i) {
@@ -50,7 +50,7 @@ void measureTogether(Block block, uint count) {
       if (toQ < atQ.squared) atQ = Closest(toQ, index);
     }
     keepSample(s, atP);
-    if (s + gl_SubgroupSize < kSamples) keepSample(other, atQ);
+    if (s + gl_SubgroupSize < kBlockSamples) keepSample(other, atQ);
     work += count + 1;
   }
 }
@@ -82,7 +82,7 @@ uint listOctant(Block octant, uint dominating) {
 void measureOctant(Block block, uvec3 octant, uint count) {
   for (uint k = lane() % 8; k < 8; k += gl_SubgroupSize) {
     const uvec3 at = 2 * octant + placeOf(k, uvec3(2));
-    const uint s = (at.z * kSide + at.y) * kSide + at.x;
+    const uint s = (at.z * kBlockSide + at.y) * kBlockSide + at.x;
     const vec3 p = samplePlace(block, s);
     const Closest before = readSample(s);
     shareWithSubgroup();
@@ -110,7 +110,7 @@ void measureTriangles(Block block, uint dominating) {
 
 void measureLeaf(uint place, vec3 p, inout Closest closest) {
   const uint first = firstTriangleOf(leaves[waitingAt(place)]);
-  for (uint i = 0; i < kArity; ++i) measureTriangle(first + i, p, closest);
+  for (uint i = 0; i < kTreeArity; ++i) measureTriangle(first + i, p, closest);
 }
 
 float boundOfLeaf(uint place, vec3 p) {
@@ -133,7 +133,7 @@ uint nearestLeaf(vec3 p, Closest closest) {
 // settles its distance, then those that still may come closer.
 void measureLeaves(Block block) {
   shareWithSubgroup();
-  const uint end = leafCount > 0 ? kSamples : 0;
+  const uint end = leafCount > 0 ? kBlockSamples : 0;
   for (uint s = lane(); s < end; s += gl_SubgroupSize) {
     const vec3 p = samplePlace(block, s);
     Closest closest = readSample(s);
@@ -145,18 +145,18 @@ void measureLeaves(Block block) {
         wanted |= uint(i != nearest && boundOfLeaf(i, p) < closest.squared) << (i - first);
       for (; wanted != 0; wanted &= wanted - 1) {
         measureLeaf(first + findLSB(wanted), p, closest);
-        work += kArity;
+        work += kTreeArity;
       }
     }
     keepSample(s, closest);
-    work += 2 * leafCount + kArity;
+    work += 2 * leafCount + kTreeArity;
   }
   leafCount = 0;
   shareWithSubgroup();
 }
 
 bool hasRoom() {
-  return max(triangleCount, leafCount) + max(gl_SubgroupSize, kArity) <= kMostWaiting;
+  return max(triangleCount, leafCount) + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting;
 }
 
 // Queues each lane's triangle for measuring if it may win.
@@ -189,14 +189,14 @@ void fillWaiting(Block block, Corners corners, uint dominating, List list, inout
     const uint taken = isFromList ? 0 : min(size, openable(size));
     size -= taken;
     const uint parent = parentAbove(size);
-    const bool isTaken = lane() / kArity < taken, hasTriangles = isTaken && isLeaf(parent);
+    const bool isTaken = lane() / kTreeArity < taken, hasTriangles = isTaken && isLeaf(parent);
     const bool isListed = isFromList && next + lane() < list.count;
     shareWithSubgroup();
-    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize) {
+    for (uint child = lane() % kTreeArity; child < kTreeArity; child += gl_SubgroupSize) {
       const uint triangle = firstTriangleOf(parent) + child;
       offerTriangles(block, corners, hasTriangles && triangle != dominating, triangle);
       const uint node = isListed ? listedNode(list, next + lane()) : firstChildOf(parent) + child;
-      const bool isFirst = child == lane() % kArity;
+      const bool isFirst = child == lane() % kTreeArity;
       offerNodes(block, corners, isListed ? isFirst : isTaken && !hasTriangles, node, size);
     }
     if (isFromList) next += gl_SubgroupSize;
@@ -216,7 +216,7 @@ void measureList(Block block, Corners corners, uint dominating, List list) {
 
 void measureSamples(Block block, uint dominating, List list) {
   const Triangle t = readTriangle(push.frames, dominating);
-  for (uint s = lane(); s < kSamples; s += gl_SubgroupSize)
+  for (uint s = lane(); s < kBlockSamples; s += gl_SubgroupSize)
     keepSample(s, Closest(squaredDistance(t, samplePlace(block, s)), dominating));
   measureList(block, measureCorners(dominating, block), dominating, list);
 }
@@ -228,12 +228,12 @@ void main() {
   const uvec3 place = placeOf(index, blocks);
   const Block block = blockAt(place);
   const List list = listAbove(place);
-  const uint closest = list.hint == kNoTriangle ? kNoTriangle : findCentre(block, list);
-  if (closest != kNoTriangle) measureSamples(block, closest, list);
-  for (uint s = lane(); s < kSamples; s += gl_SubgroupSize) {
+  const uint closest = list.hint == kNoneClosest ? kNoneClosest : findCentre(block, list);
+  if (closest != kNoneClosest) measureSamples(block, closest, list);
+  for (uint s = lane(); s < kBlockSamples; s += gl_SubgroupSize) {
     const uvec3 at = samplePlace(block, s);
     if (any(greaterThanEqual(at, block.high))) continue;
-    const Closest found = closest == kNoTriangle ? Closest(0, kNoTriangle) : readSample(s);
+    const Closest found = closest == kNoneClosest ? Closest(0, kNoneClosest) : readSample(s);
     writeSample(at, found);
   }
   if (isTooMuchWork() && lane() == 0) push.unfinished.at[1 + atomicAdd(push.unfinished.at[0], 1)] = index;

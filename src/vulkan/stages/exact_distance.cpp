@@ -5,6 +5,8 @@
 
 #include "vulkan/stages/exact_distance.h"
 
+#include <raymap/field.h>
+
 #include <algorithm>
 
 #include "shaders/exact_distance_blocks_spv.h"
@@ -14,6 +16,8 @@
 namespace raymap::vulkan {
 
 namespace {
+
+static_assert(kNoneClosest == kNoTriangle);
 
 /// Limits a group to four subgroups, each of which needs 4.6 KB of shared memory. In software it has one
 /// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).

@@ -7,11 +7,10 @@
 layout(constant_id = 1) const uint kMaxSubgroups = 1;  // Per group.
 layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
 
-const uint kNoTriangle = 0xffffffffu;
 // Capacity of a stack in nodes, and the most nodes that opening one at a time leaves there: seven on each of
 // the levels below.
 const uint kStack = 320;
-const uint kDeepest = 7 * 10 + 1;
+const uint kMostOpened = 7 * 10 + 1;
 
 shared uint stackNodes[kMaxSubgroups * kStack];
 shared float stackBounds[kMaxSubgroups * kStack];
@@ -49,7 +48,7 @@ uint onStack(uint place) {
 // Returns the node that a lane's child or triangle belongs to, if it was taken: the nodes above the stack's new
 // size. Other lanes get any node.
 uint parentAbove(uint size) {
-  return stackNodes[onStack(min(size + lane() / kArity, kStack - 1))];
+  return stackNodes[onStack(min(size + lane() / kTreeArity, kStack - 1))];
 }
 
 bool isLeaf(uint node) {
@@ -57,11 +56,11 @@ bool isLeaf(uint node) {
 }
 
 uint firstTriangleOf(uint leaf) {
-  return (leaf - push.firstLeaf) * kArity;
+  return (leaf - push.firstLeaf) * kTreeArity;
 }
 
 uint firstChildOf(uint node) {
-  return node * kArity + 1;
+  return node * kTreeArity + 1;
 }
 
 // Samples of a block, inside the grid.
@@ -93,8 +92,8 @@ uvec3 placeOf(uint index, uvec3 counts) {
 // Returns the number of nodes to open at once with `size` others on the stack: enough that all lanes get a
 // child, unless the stack lacks the capacity.
 uint openable(uint size) {
-  const uint room = max(kStack - kDeepest, size) - size;
-  return max(min(gl_SubgroupSize / kArity, room / kArity), 1);
+  const uint room = max(kStack - kMostOpened, size) - size;
+  return max(min(gl_SubgroupSize / kTreeArity, room / kTreeArity), 1);
 }
 
 // Pushes the wanted nodes on the stack, the one with the least bound last.
@@ -102,7 +101,7 @@ void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   const uvec4 wanted = subgroupBallot(isWanted);
   const uint count = subgroupBallotBitCount(wanted);
   if (count == 0) return;
-  const float least = subgroupMin(isWanted ? bound : kFarthest);
+  const float least = subgroupMin(isWanted ? bound : kLargestFloat);
   const uint last = subgroupBallotFindLSB(subgroupBallot(isWanted && bound == least));
   const uint rank = subgroupBallotExclusiveBitCount(wanted);
   const uint place = onStack(size + (lane() == last ? count - 1 : rank - uint(lane() > last)));
@@ -120,7 +119,7 @@ uint takeNodes(inout uint size, float squared) {
   const uint seen = min(size, gl_SubgroupSize), base = size - seen;
   const bool isSeen = lane() < seen;
   const uint node = isSeen ? stackNodes[onStack(base + lane())] : 0;
-  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kFarthest;
+  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kLargestFloat;
   const bool isKept = bound < squared;
   const uvec4 kept = subgroupBallot(isKept);
   const uint count = subgroupBallotBitCount(kept), place = onStack(base + subgroupBallotExclusiveBitCount(kept));
@@ -144,7 +143,7 @@ void takeClosest(inout Closest closest, float squared, uint triangle) {
   const float least = subgroupMin(squared);
   if (!(least < closest.squared)) return;
   closest.squared = least;
-  closest.triangle = subgroupMin(squared == least ? triangle : kNoTriangle);
+  closest.triangle = subgroupMin(squared == least ? triangle : kNoneClosest);
 }
 
 // Finds the closest triangle to a point below the nodes on the stack, nearer ones first.
@@ -152,16 +151,16 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
   while (size > 0 && !isTooMuchWork()) {
     const uint taken = takeNodes(size, closest.squared);
     const uint parent = parentAbove(size);
-    const bool isTaken = lane() / kArity < taken;
+    const bool isTaken = lane() / kTreeArity < taken;
     const bool hasTriangles = isTaken && isLeaf(parent);
     shareWithSubgroup();
-    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize) {
-      float squared = kFarthest;
+    for (uint child = lane() % kTreeArity; child < kTreeArity; child += gl_SubgroupSize) {
+      float squared = kLargestFloat;
       if (hasTriangles)
         squared = squaredDistance(readTriangle(push.frames, firstTriangleOf(parent) + child), point);
       else if (isTaken)
         squared = squaredDistance(readDisc(push.discs, firstChildOf(parent) + child), point);
-      takeClosest(closest, hasTriangles ? squared : kFarthest, firstTriangleOf(parent) + child);
+      takeClosest(closest, hasTriangles ? squared : kLargestFloat, firstTriangleOf(parent) + child);
       pushNodes(size, !hasTriangles && squared < closest.squared, firstChildOf(parent) + child, squared);
     }
     work += 3;
@@ -169,7 +168,7 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
 }
 
 // List from the block above: nodes that hold every triangle that may matter, and the triangle closest to that
-// block's centre; kNoTriangle if the band does not reach the block.
+// block's centre; kNoneClosest if the band does not reach the block.
 struct List {
   uint at, count, hint;
 };
@@ -201,11 +200,11 @@ float bandOf(Block block) {
   return subgroupMax(farthest);
 }
 
-// Returns the triangle closest to the block's centre; kNoTriangle if the band does not reach the block.
+// Returns the triangle closest to the block's centre; kNoneClosest if the band does not reach the block.
 uint findCentre(Block block, List list) {
   const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
-  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kFarthest;
-  Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoTriangle);
+  const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kLargestFloat;
+  Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoneClosest);
   uint size = 0;
   for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
     const uint node = listedNode(list, first + lane());
@@ -213,7 +212,7 @@ uint findCentre(Block block, List list) {
     pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
   }
   findClosest(block.centre, size, closest);
-  if (closest.triangle == kNoTriangle && (band == 0 || isTooMuchWork())) return list.hint;
+  if (closest.triangle == kNoneClosest && (band == 0 || isTooMuchWork())) return list.hint;
   return closest.triangle;
 }
 

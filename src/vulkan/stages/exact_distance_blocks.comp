@@ -34,14 +34,14 @@ void listNodes(Block block, Corners corners, List above, uint list) {
   for (uint first = 0; first < above.count; first += gl_SubgroupSize)
     offerNodes(block, corners, list, first + lane() < above.count, listedNode(above, first + lane()));
   while (size > 0) {
-    const uint room = (kListNodes - listed - size) / (kArity - 1);
-    const uint taken = min(min(size, room), max(gl_SubgroupSize / kArity, 1));
+    const uint room = (kListNodes - listed - size) / (kTreeArity - 1);
+    const uint taken = min(min(size, room), max(gl_SubgroupSize / kTreeArity, 1));
     if (taken == 0) break;
     size -= taken;
     const uint parent = parentAbove(size);
     shareWithSubgroup();
-    for (uint child = lane() % kArity; child < kArity; child += gl_SubgroupSize)
-      offerNodes(block, corners, list, lane() / kArity < taken, firstChildOf(parent) + child);
+    for (uint child = lane() % kTreeArity; child < kTreeArity; child += gl_SubgroupSize)
+      offerNodes(block, corners, list, lane() / kTreeArity < taken, firstChildOf(parent) + child);
   }
   for (uint i = lane(); i < size; i += gl_SubgroupSize) push.lists.at[list + listed + i] = stackNodes[onStack(i)];
 }
@@ -53,8 +53,8 @@ void main() {
   const uvec3 place = placeOf(index, blocks);
   const Block block = blockAt(place);
   const List above = listAbove(place);
-  const uint closest = above.hint == kNoTriangle ? kNoTriangle : findCentre(block, above);
-  if (closest != kNoTriangle) listNodes(block, measureCorners(closest, block), above, index * kListWords + 2);
+  const uint closest = above.hint == kNoneClosest ? kNoneClosest : findCentre(block, above);
+  if (closest != kNoneClosest) listNodes(block, measureCorners(closest, block), above, index * kListWords + 2);
   if (lane() != 0) return;
   push.lists.at[index * kListWords] = listed + size;
   push.lists.at[index * kListWords + 1] = closest;

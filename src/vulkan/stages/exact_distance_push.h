@@ -6,9 +6,10 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kListNodes = 222;    // Maximum number of nodes in a block's list.
-RAYMAP_CONSTANT uint kListWords = 224;    // Number of nodes, triangle closest to the centre, nodes.
-RAYMAP_CONSTANT uint kRestLeaves = 2048;  // Leaves per pass over the unfinished blocks.
+RAYMAP_CONSTANT uint kListNodes = 222;            // Maximum number of nodes in a block's list.
+RAYMAP_CONSTANT uint kListWords = 224;            // Number of nodes, triangle closest to the centre, nodes.
+RAYMAP_CONSTANT uint kNoneClosest = 0xffffffffu;  // The public kNoTriangle.
+RAYMAP_CONSTANT uint kRestLeaves = 2048;          // Leaves per pass over the unfinished blocks.
 
 struct ExactDistancePush {
   RAYMAP_ADDRESS(Vec4s) frames;
@@ -27,7 +28,7 @@ struct ExactDistancePush {
   uint restLeaf;    // First leaf of a pass over the unfinished blocks, as an index among leaves.
   float band;       // In cells; 0: none.
   float tolerance;  // In cells: candidates that can win by at most this are dropped.
-  uint isAddition;  // Writes only samples closer to these triangles than `distance`, as kNoTriangle.
+  uint isAddition;  // Writes only samples closer to these triangles than `distance`, as kNoneClosest.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(ExactDistancePush, 104);

@@ -3,7 +3,7 @@
 #endif
 
 #include "base/shader_types.h"
-#include "method/orientation_sure.h"
+#include "method/orientation_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 

@@ -6,9 +6,6 @@
 #include "vulkan/stages/mesh.glsl"
 #include "vulkan/stages/orientation.glsl"
 
-const float kPartLength = 2.0;
-const float kMostParts = 8.0;
-
 vec3 inGrid(vec3 p) {
   return clamp(p, vec3(0), vec3(gridDims() - 1));
 }

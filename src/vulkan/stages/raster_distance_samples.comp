@@ -24,7 +24,7 @@ void main() {
   if (index >= push.nx * push.ny * push.nz) return;
   const uint row = index / push.nx;
   const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
-  float distance = kFarthest;
+  float distance = kLargestFloat;
   for (uint l = 0; l < push.levelCount; ++l) {
     CellLevelData level = push.levels.at[l];
     const CellPoint p = cellPointOf(level.cells, position);

@@ -6,7 +6,7 @@
 
 layout(push_constant, scalar) uniform Push { RayMapPush push; };
 
-const uint kBatch = 16;  // Reads in flight together; the sum waits for each of them in turn.
+const uint kReadsAtOnce = 16;  // Reads in flight together; the sum waits for each of them in turn.
 
 void main() {
   const uint line = invocationIndex();
@@ -16,10 +16,10 @@ void main() {
   const uint begin = push.end - min(push.end, kRayMapPiece);
   int sum = push.end < push.edgesOfLine ? push.edges.at[first + push.end * stride] : 0;
   uint end = push.end;
-  for (; end >= begin + kBatch; end -= kBatch) {
-    int counts[kBatch];
-    [[unroll]] for (uint i = 0; i < kBatch; ++i) counts[i] = push.edges.at[first + (end - 1 - i) * stride];
-    [[unroll]] for (uint i = 0; i < kBatch; ++i) {
+  for (; end >= begin + kReadsAtOnce; end -= kReadsAtOnce) {
+    int counts[kReadsAtOnce];
+    [[unroll]] for (uint i = 0; i < kReadsAtOnce; ++i) counts[i] = push.edges.at[first + (end - 1 - i) * stride];
+    [[unroll]] for (uint i = 0; i < kReadsAtOnce; ++i) {
       sum += counts[i];
       push.edges.at[first + (end - 1 - i) * stride] = sum;
     }

@@ -66,7 +66,7 @@ uint measure(uint index, uint lane, uint step, inout Closest closest) {
 }
 
 Closest noneYet() {
-  return Closest(kFarthest, 0xffffffffu);
+  return Closest(kLargestFloat, 0xffffffffu);
 }
 
 void store(uint index, Closest closest) {

@@ -4,9 +4,6 @@
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/sphere_trace.glsl"
 
-const vec2 kSubPixels[kRenderSubPixels] =
-    vec2[](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.625, 0.875), vec2(0.125, 0.625));
-
 shared vec3 lights[kRenderGroup];
 
 // Returns a ray that starts where the ball around the shape may begin, so that positions near the shape are
@@ -16,7 +13,7 @@ Ray cameraRay(RenderSceneData scene, vec2 at, out float skipped) {
   const vec3 direction = normalize(scene.forward + off.x * scene.right - off.y * scene.up);
   const vec3 toCentre = push.shape.centre - scene.eye;
   const float middle = dot(toCentre, direction);
-  const float reach = push.shape.radius + 2;
+  const float reach = push.shape.radius + kBallMargin;
   skipped = max(middle - reach, 0);
   if (skipped == 0) return Ray(scene.eye, direction);
   const vec3 foot = push.shape.centre - (toCentre - middle * direction);
@@ -35,10 +32,10 @@ vec3 insideColour(RenderSceneData scene, float d) {
 
 vec3 cutFace(RenderSceneData scene, vec3 p, vec3 n, float slope) {
   const float d = fieldDistance(p);
-  const float strength = 0.45 * clamp(scene.lineStep / slope / 3 - 1, 0, 1);
+  const float strength = kIsoLineStrength * clamp(scene.lineStep / slope / kIsoLinePixels - 1, 0, 1);
   const float toLine = abs(d - scene.lineStep * round(d / scene.lineStep)) / slope;
-  const vec3 lined = insideColour(scene, min(d, -1e-9)) * (1 - strength * lineCoverage(toLine, 1.2));
-  return (0.6 + 0.4 * ambientOpenness(p, n)) * mix(lined, scene.contour, lineCoverage(abs(d) / slope, 2.8));
+  const vec3 lined = insideColour(scene, min(d, -1e-9)) * (1 - strength * lineCoverage(toLine, kIsoLineWidth));
+  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * mix(lined, scene.contour, lineCoverage(abs(d) / slope, kContourWidth));
 }
 
 vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {
@@ -50,11 +47,11 @@ vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {
   const float open = ambientOpenness(p, n);
   const float upward = 0.5 + 0.5 * dot(n, scene.floorNormal);
   const vec3 incoming = sun * scene.sun + open * (upward * scene.sky + (1 - upward) * scene.bounce);
-  const float grazing = pow(1 - clamp(-dot(n, ray.direction), 0, 1), 5);
-  const float shine = pow(max(dot(n, normalize(scene.toLight - ray.direction)), 0), 50) * sun;
+  const float grazing = pow(1 - clamp(-dot(n, ray.direction), 0, 1), kGrazingPower);
+  const float shine = pow(max(dot(n, normalize(scene.toLight - ray.direction)), 0), kShinePower) * sun;
   const vec3 lit =
-      0.5 * scene.clay * incoming + 0.25 * grazing * open * scene.sky + 0.12 * shine * scene.sun;
-  return lit * (1 + lit / 4) / (1 + lit);
+      kDiffusePart * scene.clay * incoming + kGrazingPart * grazing * open * scene.sky + kShinePart * shine * scene.sun;
+  return lit * (1 + lit / kWhite) / (1 + lit);
 }
 
 float floorShade(RenderSceneData scene, Ray ray, float skipped) {
@@ -65,7 +62,7 @@ float floorShade(RenderSceneData scene, Ray ray, float skipped) {
   const vec3 p = ray.origin + t * ray.direction;
   const float sun = softShadow(p, scene.toLight);
   const float sky = ambientOpenness(p, scene.floorNormal);
-  return (0.55 + 0.45 * sun) * (0.45 + 0.55 * sky);
+  return (kFloorInShadow + kFloorSun * sun) * (kFloorOccluded + kFloorSky * sky);
 }
 
 vec3 light(vec2 at) {
@@ -89,13 +86,13 @@ void main() {
   const uint local = gl_LocalInvocationID.x;
   const uint tiles = ceilDiv(push.width, kRenderTile);
   const uvec2 tile = uvec2(groupIndex() % tiles, groupIndex() / tiles);
-  const uint inTile = local / kRenderSubPixels;
+  const uint inTile = local / kSubPixelCount;
   uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
   const bool isInside = pixel.x < push.width && pixel.y < push.rows;
   pixel.y += push.firstRow;
-  if (isInside) lights[local] = light(vec2(pixel) + kSubPixels[local % kRenderSubPixels]);
+  if (isInside) lights[local] = light(vec2(pixel) + kSubPixels[local % kSubPixelCount]);
   barrier();
-  if (!isInside || local % kRenderSubPixels != 0) return;
+  if (!isInside || local % kSubPixelCount != 0) return;
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];
   push.pixels.at[pixel.y * push.width + pixel.x] = encoded(0.25 * sum);
 }

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "scene/scene.h"
+#include "scene/sphere_trace_shared.h"
 #include "shaders/render_field_spv.h"
 
 namespace raymap::vulkan {
@@ -22,8 +23,8 @@ RenderShape describe(const Shape& shape) {
       .cutNormal = shape.isCut() ? glm::vec3(shape.cutNormal()) : glm::vec3(0.0f),
       .cutOffset = shape.isCut() ? static_cast<float>(shape.cutOffset()) : std::numeric_limits<float>::max(),
       .level = static_cast<float>(shape.level()),
-      .wall = static_cast<float>(std::min(shape.wall(), kFarthest)),
-      .band = static_cast<float>(std::min(shape.band(), kFarthest)),
+      .wall = static_cast<float>(std::min(shape.wall(), kFarthestRay)),
+      .band = static_cast<float>(std::min(shape.band(), kFarthestRay)),
       .nx = dims.x,
       .ny = dims.y,
       .nz = dims.z};
@@ -39,8 +40,8 @@ RenderSceneData describe(const Scene& scene) {
           .floorHeight = static_cast<float>(camera.floor()),
           .toLight = scene.toLight,
           .pixelAngle = static_cast<float>(camera.pixelAngle()),
-          .lineStep = static_cast<float>(std::min(scene.lineStep, kFarthest * kFarthest)),
-          .depth = static_cast<float>(std::min(scene.shape.depth(), kFarthest)),
+          .lineStep = static_cast<float>(std::min(scene.lineStep, kFarthestRay * kFarthestRay)),
+          .depth = static_cast<float>(std::min(scene.shape.depth(), kFarthestRay)),
           .sun = kSun,
           .sky = kSky,
           .bounce = kBounce,

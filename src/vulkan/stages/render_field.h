@@ -9,9 +9,6 @@ struct Scene;
 
 namespace raymap::vulkan {
 
-/// Farther than any ray goes, in samples; its square is still a finite float.
-inline constexpr double kFarthest = 1e15;
-
 /// GPU twin of cpu/render/shade.cpp: draws a scene, one ray of a pixel per invocation.
 class RenderFieldStage {
  public:

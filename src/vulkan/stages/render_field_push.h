@@ -3,13 +3,13 @@
 #endif
 
 #include "base/shader_types.h"
+#include "scene/shade_shared.h"
 #include "vulkan/stages/render_scene_push.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kRenderTile = 4;       // Pixels along a side of a group's tile.
-RAYMAP_CONSTANT uint kRenderSubPixels = 4;  // Rays per pixel, one per invocation.
-RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kRenderSubPixels;
+RAYMAP_CONSTANT uint kRenderTile = 4;  // Pixels along a side of a group's tile.
+RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kSubPixelCount;  // A ray each.
 
 struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) samples;

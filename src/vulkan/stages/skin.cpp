@@ -20,7 +20,7 @@ SkinStage::SkinStage(Device& device) : kernel_(device, shaders::kSkin, kGroup) {
 
 void SkinStage::record(Commands& commands, const Input& input, VkDeviceAddress vertices) {
   if (input.weights % 16 != 0 || input.matrices % 16 != 0)
-    throw std::logic_error("weights or matrices of a skin at no multiple of 16 bytes");
+    throw std::logic_error("weights or matrices of a skin not at a multiple of 16 bytes");
   commands.dispatch(kernel_,
                     {.rest = input.rest,
                      .vertices = vertices,

@@ -1,5 +1,6 @@
 // GPU twin of field/field_sampler.h, scene/shape.h and cpu/render/sphere_trace.cpp, which give the reasons.
 
+#include "scene/sphere_trace_shared.h"
 #include "vulkan/stages/render_scene_push.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes { RenderSceneData at[]; };
@@ -7,9 +8,6 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes
 #include "vulkan/stages/render_field_push.h"
 
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
-
-// Farther than any ray goes; its square is still a finite float.
-const float kFar = 1e15;
 
 struct Ray {
   vec3 origin;
@@ -33,7 +31,7 @@ float trilinear(vec3 q) {
   const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
   const float low = sheet(at, share.xy);
   const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
-  return clamp(push.scale * value, -kFar, kFar);
+  return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
 }
 
 float fieldValue(vec3 p) {
@@ -52,7 +50,7 @@ float cutDistance(vec3 p) {
 }
 
 bool isOnCutFace(vec3 p) {
-  return abs(cutDistance(p)) < 1e-2;
+  return abs(cutDistance(p)) < kCutTolerance;
 }
 
 float shapeDistance(vec3 p) {
@@ -80,14 +78,10 @@ vec3 shapeNormal(vec3 p) {
   return (isInnerWall ? -1 : 1) / size * gradient;
 }
 
-const float kCaution = 0.9;
-const float kLeastStep = 0.05;
-const float kLightSize = 0.11;
-
 // Uses the foot of the centre on the ray, which is exact even for a distant origin.
 vec2 clipToBall(Ray ray) {
   const vec3 toCentre = push.shape.centre - ray.origin;
-  const float radius = push.shape.radius + 2;
+  const float radius = push.shape.radius + kBallMargin;
   const float middle = dot(toCentre, ray.direction);
   const vec3 across = toCentre - middle * ray.direction;
   const float half2 = radius * radius - dot(across, across);
@@ -96,11 +90,11 @@ vec2 clipToBall(Ray ray) {
 }
 
 float refineHit(Ray ray, float outside, float inside, float dOut, float dIn) {
-  for (int i = 0; i < 24 && inside - outside > 1e-4; ++i) {
-    const float share = i % 2 == 0 ? clamp(dOut / (dOut - dIn), 0.01, 0.99) : 0.5;
+  for (int i = 0; i < kHitSteps && inside - outside > kHitTolerance; ++i) {
+    const float share = i % 2 == 0 ? clamp(dOut / (dOut - dIn), kLeastSecant, kMostSecant) : 0.5;
     const float t = outside + share * (inside - outside);
     const float d = shapeDistance(ray.origin + t * ray.direction);
-    if (abs(d) < 1e-4) return t;
+    if (abs(d) < kHitTolerance) return t;
     if (d > 0) {
       outside = t;
       dOut = d;
@@ -130,7 +124,7 @@ float softShadow(vec3 point, vec3 toLight) {
   const vec2 part = clipToBall(Ray(point, toLight));
   float clear = 1;
   float dBefore = 1e9, stepped = 1;
-  for (float t = max(part.x, 0.5); t <= part.y;) {
+  for (float t = max(part.x, kShadowStart); t <= part.y;) {
     const float d = shapeDistance(point + t * toLight);
     if (d <= 0) return 0;
     const float back = 0.5 * (stepped + (d - dBefore) / stepped * (d + dBefore));
@@ -138,7 +132,7 @@ float softShadow(vec3 point, vec3 toLight) {
     const float share = back / d;
     const float narrowest = stretched(d) * (isBetween ? sqrt(1 - share * share) : 1);
     clear = min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
-    if (clear < 0.01) return 0;
+    if (clear < kDark) return 0;
     dBefore = d;
     stepped = max(kCaution * d, 4 * kLeastStep);
     t += stepped;
@@ -147,14 +141,13 @@ float softShadow(vec3 point, vec3 toLight) {
 }
 
 float ambientOpenness(vec3 point, vec3 normal) {
-  const float shares[5] = float[](0.015, 0.035, 0.07, 0.13, 0.22);
   float blocked = 0, weight = 1, total = 0;
-  for (int i = 0; i < 5; ++i) {
-    const float height = shares[i] * push.shape.radius;
+  for (int i = 0; i < kHeights; ++i) {
+    const float height = kHeightShares[i] * push.shape.radius;
     const float open = stretched(shapeDistance(point + height * normal));
     blocked += weight * clamp(1 - open / height, 0, 1);
     total += weight;
-    weight *= 0.8;
+    weight *= kHeightFading;
   }
-  return max(1 - 1.1 * blocked / total, 0);
+  return max(1 - kOcclusion * blocked / total, 0);
 }

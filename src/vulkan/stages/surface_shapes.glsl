@@ -120,7 +120,7 @@ DiscOffset discOffset(Disc disc, vec3 point) {
 
 // Returns at most the squared distance to what the disc bounds.
 float squaredDistance(Disc disc, vec3 point) {
-  if (disc.radius < 0) return kFarthest;
+  if (disc.radius < 0) return kLargestFloat;
   const DiscOffset o = discOffset(disc, point);
   return (1 - 2 * kOutwards) * (o.beside * o.beside + o.above * o.above);
 }

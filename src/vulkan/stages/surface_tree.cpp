@@ -16,16 +16,24 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint32_t kGroup = 128;
-constexpr uint32_t kVerticesEach = 8;  // The same as in surface_tree_bounds.comp.
-constexpr uint32_t kRun = 512;         // Triangles of the curve that one group reorders.
+constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorders.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 uint32_t nodesOver(uint32_t count) {
-  return (count + kArity - 1) / kArity;
+  return (count + kTreeArity - 1) / kTreeArity;
 }
 
 uint32_t roundUp(uint32_t count) {
-  return nodesOver(count) * kArity;
+  return nodesOver(count) * kTreeArity;
+}
+
+uint64_t frameBytes(uint32_t triangles) {
+  return uint64_t{roundUp(triangles)} * kFrameVectors * 4 * sizeof(float);
+}
+
+/// The leaves come last.
+uint64_t discBytes(const SurfaceTreeStage::Level& leaves) {
+  return (uint64_t{leaves.start} + roundUp(leaves.count)) * kDiscVectors * 4 * sizeof(float);
 }
 
 }  // namespace
@@ -35,7 +43,7 @@ SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
       keys_(device, shaders::kSurfaceTreeKeys, kGroup),
       order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
       leaves_(device, shaders::kSurfaceTreeLeaves, kGroup,
-              {kGroup / kArity, static_cast<uint32_t>(rootError)}),
+              {kGroup / kTreeArity, static_cast<uint32_t>(rootError)}),
       level_(device, shaders::kSurfaceTreeLevel, kGroup, {0, static_cast<uint32_t>(rootError)}),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
@@ -54,10 +62,15 @@ void SurfaceTreeStage::reserve(uint32_t triangles) {
     sortKeys_[i].resize<uint32_t>(triangles);
     triangles_[i].resize<uint32_t>(triangles);
   }
-  frames_.resize<float>(uint64_t{roundUp(triangles)} * kFrameVectors * 4);
-  const Level leaves = placeLevels(triangles).front();
-  discs_.resize<float>((uint64_t{leaves.start} + roundUp(leaves.count)) * kDiscVectors * 4);
+  frames_.resize<std::byte>(frameBytes(triangles));
+  discs_.resize<std::byte>(discBytes(placeLevels(triangles).front()));
   reserved_ = triangles;
+}
+
+uint64_t SurfaceTreeStage::bytesNeeded(uint64_t triangles) {
+  if (triangles > kMostTriangles) return UINT64_MAX;
+  const auto count = static_cast<uint32_t>(triangles);
+  return 4 * triangles * sizeof(uint32_t) + frameBytes(count) + discBytes(placeLevels(count).front());
 }
 
 std::vector<SurfaceTreeStage::Level> SurfaceTreeStage::placeLevels(uint32_t triangles) {
@@ -67,7 +80,7 @@ std::vector<SurfaceTreeStage::Level> SurfaceTreeStage::placeLevels(uint32_t tria
     if (nodes == 1) break;
   }
   for (size_t level = levels.size() - 1; level-- > 0;)
-    levels[level].start = levels[level + 1].start * kArity + 1;
+    levels[level].start = levels[level + 1].start * kTreeArity + 1;
   return levels;
 }
 
@@ -99,7 +112,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                   {.most = mesh.triangleCount}, kMortonBits)
           .values;
   commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
-  commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kArity);
+  commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kTreeArity);
   for (size_t level = 1; level < levels_.size(); ++level) {
     push.levelStart = levels_[level].start;
     push.levelCount = levels_[level].count;

@@ -15,7 +15,7 @@ vec3 readCorner(uint triangle, uint corner) {
 // Returns the number of the level's nodes, including those that fill up its last eight; the root has no
 // siblings.
 uint levelPlaces() {
-  return push.levelStart == 0 ? 1 : ceilDiv(push.levelCount, kArity) * kArity;
+  return push.levelStart == 0 ? 1 : ceilDiv(push.levelCount, kTreeArity) * kTreeArity;
 }
 
 // Returns an arbitrary direction for a zero vector.

@@ -28,6 +28,9 @@ class SurfaceTreeStage {
   /// Reserves memory for meshes of up to this many triangles, at least one. All previously recorded work must
   /// have completed.
   void reserve(uint32_t triangles);
+  /// Returns the bytes that `reserve` takes, without the sort's bins: less than a byte per triangle.
+  /// UINT64_MAX if no tree can have so many.
+  static uint64_t bytesNeeded(uint64_t triangles);
   /// Records the stage. The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims);
 

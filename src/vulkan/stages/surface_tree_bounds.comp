@@ -6,11 +6,9 @@
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/primitives/ordered_float.glsl"
 
-const uint kVerticesEach = 8;
-
 void main() {
   const uint first = groupIndex() * gl_WorkGroupSize.x * kVerticesEach + laneIndex();
-  vec3 low = vec3(kFarthest), high = -low;
+  vec3 low = vec3(kLargestFloat), high = -low;
   [[unroll]] for (uint i = 0; i < kVerticesEach; ++i) {
     const uint vertex = first + i * gl_WorkGroupSize.x;
     if (vertex >= push.vertexCount) break;

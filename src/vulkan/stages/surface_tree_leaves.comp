@@ -8,11 +8,11 @@
 
 layout(constant_id = 1) const uint kLeaves = 1;  // Leaves per group.
 
-shared vec3 corners[kLeaves * kArity * 3];
+shared vec3 corners[kLeaves * kTreeArity * 3];
 
 Disc boundCorners(uint first) {
-  vec3 low = vec3(kFarthest), high = -low, normal = vec3(0);
-  for (uint i = first; i < first + 3 * kArity; i += 3) {
+  vec3 low = vec3(kLargestFloat), high = -low, normal = vec3(0);
+  for (uint i = first; i < first + 3 * kTreeArity; i += 3) {
     const vec3 a = corners[i], b = corners[i + 1], c = corners[i + 2];
     low = min(min(low, a), min(b, c));
     high = max(max(high, a), max(b, c));
@@ -20,8 +20,8 @@ Disc boundCorners(uint first) {
   }
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
-  float front = -kFarthest, back = -front, radius = 0, reach = 0;
-  for (uint i = first; i < first + 3 * kArity; ++i) {
+  float front = -kLargestFloat, back = -front, radius = 0, reach = 0;
+  for (uint i = first; i < first + 3 * kTreeArity; ++i) {
     const vec3 q = corners[i] - middle;
     const float height = dot(q, normal);
     front = max(front, height);
@@ -34,7 +34,7 @@ Disc boundCorners(uint first) {
 
 void main() {
   const uint place = invocationIndex(), leaf = groupIndex() * kLeaves + gl_LocalInvocationID.x;
-  if (place / kArity < push.levelCount) {
+  if (place / kTreeArity < push.levelCount) {
     // The last triangle fills up the last leaf.
     const uint triangle = push.order.at[min(place, push.triangleCount - 1)];
     const vec3 p = readCorner(triangle, 0), q = readCorner(triangle, 1), r = readCorner(triangle, 2);
@@ -46,5 +46,5 @@ void main() {
   barrier();
   if (gl_LocalInvocationID.x >= kLeaves || leaf >= levelPlaces()) return;
   writeDisc(push.discs, push.levelStart + leaf,
-            leaf < push.levelCount ? boundCorners(3 * kArity * gl_LocalInvocationID.x) : discOutOfReach());
+            leaf < push.levelCount ? boundCorners(3 * kTreeArity * gl_LocalInvocationID.x) : discOutOfReach());
 }

@@ -6,7 +6,7 @@
 #include "vulkan/stages/surface_shapes.glsl"
 
 Disc boundDiscs(uint first, uint count) {
-  vec3 low = vec3(kFarthest), high = -low, normal = vec3(0);
+  vec3 low = vec3(kLargestFloat), high = -low, normal = vec3(0);
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);
     low = min(low, disc.centre);
@@ -16,7 +16,7 @@ Disc boundDiscs(uint first, uint count) {
   normal = unitVector(normal);
   const vec3 middle = 0.5 * (low + high);
   // Extents of the discs along and across the common normal.
-  float front = -kFarthest, back = -front, radius = 0, reach = 0;
+  float front = -kLargestFloat, back = -front, radius = 0, reach = 0;
   for (uint child = first; child < first + count; ++child) {
     const Disc disc = readDisc(push.discs, child);
     const vec3 q = disc.centre - middle;
@@ -38,8 +38,8 @@ Disc boundDiscs(uint first, uint count) {
 void main() {
   const uint node = invocationIndex();
   if (node >= levelPlaces()) return;
-  const uint first = node * kArity, index = push.levelStart + node;
+  const uint first = node * kTreeArity, index = push.levelStart + node;
   writeDisc(push.discs, index,
-            node < push.levelCount ? boundDiscs(index * kArity + 1, min(kArity, push.levelBelowCount - first))
+            node < push.levelCount ? boundDiscs(index * kTreeArity + 1, min(kTreeArity, push.levelBelowCount - first))
                                    : discOutOfReach());
 }

@@ -11,8 +11,8 @@ layout(constant_id = 1) const uint kRun = 2;  // Two triangles for each invocati
 shared uint triangles[kRun];  // In the order of the curve.
 shared uvec3 places[kRun];
 shared uint keys[kRun];  // Place along one axis, then the index in the run.
-shared uint lows[3 * kRun / kArity / 2];
-shared uint highs[3 * kRun / kArity / 2];
+shared uint lows[3 * kRun / kTreeArity / 2];
+shared uint highs[3 * kRun / kTreeArity / 2];
 
 const uint kPad = 0xffffffffu;  // Beyond the last triangle: sorts after all others.
 
@@ -58,7 +58,7 @@ void main() {
     triangles[i] = push.order.at[start + i];
     places[i] = placeOf(triangles[i]);
   }
-  for (uint part = kRun; part > kArity; part /= 2) {
+  for (uint part = kRun; part > kTreeArity; part /= 2) {
     barrier();
     measureParts(part);
     for (uint i = gl_LocalInvocationID.x; i < kRun; i += gl_WorkGroupSize.x)

@@ -6,8 +6,9 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kArity = 8;        // Children per node, and triangles per leaf.
-RAYMAP_CONSTANT uint kBoundsWords = 6;  // Three lows and three highs.
+RAYMAP_CONSTANT uint kTreeArity = 8;     // Children per node, and triangles per leaf.
+RAYMAP_CONSTANT uint kBoundsWords = 6;   // Three lows and three highs.
+RAYMAP_CONSTANT uint kVerticesEach = 8;  // Vertices that an invocation takes into the bounds.
 RAYMAP_CONSTANT uint kMortonBits = 30;
 RAYMAP_CONSTANT uint kDiscVectors = 2;   // Disc with thickness: centre, radius; normal, half the thickness.
 RAYMAP_CONSTANT uint kFrameVectors = 4;  // Triangle in a frame of its own: see surface_shapes.glsl.

@@ -43,7 +43,7 @@ float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   // Barycentric coordinates of the projection of p, times area2.
   const float v = dotExactly(crossExactly(ac, pa), n);
   const float w = dotExactly(crossExactly(pa, ab), n);
-  float inside = kFarthest;
+  float inside = kLargestFloat;
   if (v >= 0.0 && w >= 0.0 && v + w <= area2 && area2 > 0.0) {
     precise const vec3 closest = pa + divide(v, area2) * ab + divide(w, area2) * ac;
     inside = squaredLength(closest);

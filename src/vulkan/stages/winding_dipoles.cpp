@@ -16,8 +16,8 @@ namespace raymap::vulkan {
 
 namespace {
 
-static_assert(kMostGroups <= kMaxGroups);    // A part has no surplus groups: they would be the next one's.
-static_assert(kSamplesPerListed <= kArity);  // A group has an invocation for each of its samples.
+static_assert(kMostGroups <= kMaxGroups);  // A part has no surplus groups: they would be the next one's.
+static_assert(kSamplesPerListed <= kTreeArity);  // A group has an invocation for each of its samples.
 
 constexpr uint32_t kDoubtsGroup = 128;
 constexpr uint32_t kMomentsGroup = 64;
@@ -38,7 +38,7 @@ uint64_t samplesOf(const glm::ivec3& dims) {
 /// many turns one after the other, but leave more of them idle at the root
 /// (docs/decisions/winding_dipoles.md).
 uint32_t invocationsOf(const Device& device) {
-  const uint32_t least = device.info().type == DeviceType::Software ? kArity : 64;
+  const uint32_t least = device.info().type == DeviceType::Software ? kTreeArity : 64;
   return std::max(least, device.limits().maxSubgroupSize);
 }
 

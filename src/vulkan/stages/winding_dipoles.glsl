@@ -28,7 +28,7 @@ void writeMoments(uint node, Moments m) {
 }
 
 float latticeError(float distance) {
-  return max(kMostError * min(1.0, kMostErrorWithin / max(distance, 1e-6)), kLeastError);
+  return max(kMostDipoleError * min(1.0, kMostErrorWithin / max(distance, 1e-6)), kLeastDipoleError);
 }
 
 bool isDoubtful(uint index) {

@@ -21,7 +21,7 @@ class WindingDipolesStage {
                                       ///< changes.
   };
 
-  /// A group of this many invocations computes a winding number, a multiple of `kArity`. Without it, the
+  /// A group of this many invocations computes a winding number, a multiple of `kTreeArity`. Without it, the
   /// device decides. Results do not depend on it.
   explicit WindingDipolesStage(Device& device, ScratchMemory* scratch = nullptr, uint32_t invocations = 0);
 

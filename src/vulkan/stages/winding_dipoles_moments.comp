@@ -16,13 +16,13 @@ void main() {
   const uint node = push.levelStart + place;
   const vec3 centre = readDisc(push.discs, node).centre;
   Moments sum = Moments(vec3(0), vec3(0), vec3(0));
-  for (uint i = 0; i < kArity; ++i)
+  for (uint i = 0; i < kTreeArity; ++i)
     if (push.isLeafLevel != 0) {
-      if (place * kArity + i >= push.triangleCount) break;
-      const Triangle t = readTriangle(push.frames, place * kArity + i);
+      if (place * kTreeArity + i >= push.triangleCount) break;
+      const Triangle t = readTriangle(push.frames, place * kTreeArity + i);
       add(sum, 0.5 * t.bx * t.cy * t.z, t.a + (t.bx + t.cx) / 3.0 * t.x + t.cy / 3.0 * t.y - centre);
     } else {
-      const uint child = node * kArity + 1 + i;
+      const uint child = node * kTreeArity + 1 + i;
       const Disc disc = readDisc(push.discs, child);
       if (disc.radius < 0) break;  // Fills up the level.
       const Moments m = readMoments(child);

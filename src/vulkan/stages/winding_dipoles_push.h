@@ -3,12 +3,12 @@
 #endif
 
 #include "base/shader_types.h"
-#include "method/winding_dipoles_accuracy.h"
+#include "method/winding_dipoles_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kMomentVectors = 3;    // Per node: the area vector, the symmetric second moment.
-RAYMAP_CONSTANT uint kMostTreeLevels = 10;  // Of 2^29 triangles.
+RAYMAP_CONSTANT uint kMostTreeLevels = 10;  // Enough for 2^29 triangles.
 // The list of doubtful samples has capacity for one of this many samples of the grid.
 RAYMAP_CONSTANT uint kSamplesPerListed = 8;
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
 constexpr uint32_t kCoarsestGroup = 256;
-constexpr double kRestrictShare = 0.125;  // Of a lattice's samples: the next coarser lattice has as many.
+constexpr double kRestrictShare = 0.125;  // Samples of the next coarser lattice per sample.
 
 uint64_t ceilDiv(uint64_t a, uint64_t b) {
   return (a + b - 1) / b;

@@ -1,22 +1,17 @@
-// Declarations shared by the kernels of the harmonic solve (lattices: method/winding_harmonic_lattices.h).
+// Declarations shared by the kernels of the harmonic solve.
 
+#include "method/winding_harmonic_shared.h"
 #include "vulkan/stages/winding_harmonic_push.h"
 #include "vulkan/stages/ray_map.glsl"
 
 layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
-
-const int kHarmonicMargin = 4;
 
 ivec3 gridDims() {
   return ivec3(push.gridX, push.gridY, push.gridZ);
 }
 
 ivec3 boxDims(uint level) {
-  return level == 0 ? gridDims() : ((gridDims() - 1) >> int(level)) + 2 + 2 * kHarmonicMargin;
-}
-
-int boxLow(uint level) {
-  return level == 0 ? 0 : -kHarmonicMargin;
+  return harmonicDims(gridDims(), level);
 }
 
 // Returns the index of this work group among those of all dispatches of a kernel.
@@ -49,7 +44,7 @@ bool isInner(ivec3 s, ivec3 dims) {
 // 5). An edge of the lattice is a chain of the grid's edges, and its count is the sum of theirs.
 int jumpAlong(Ints rays, uint axis, ivec3 s) {
   const ivec3 dims = gridDims();
-  const ivec3 at = (s + boxLow(push.level)) << int(push.level);
+  const ivec3 at = (s + harmonicLow(push.level)) << int(push.level);
   ivec3 across = at;
   across[axis] = 0;
   if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
@@ -80,7 +75,7 @@ float asked(ivec3 s, ivec3 dims) {
 
 // Returns the place of the sample of the next coarser lattice at or before a sample.
 ivec3 coarseBelow(ivec3 s) {
-  return (s >> 1) + boxLow(push.level) / 2 - boxLow(push.level + 1);
+  return (s >> 1) + harmonicLow(push.level) / 2 - harmonicLow(push.level + 1);
 }
 
 float coarseAt(ivec3 s, ivec3 dims) {

@@ -33,7 +33,7 @@ void main() {
   const uint group = wholeGroupIndex();
   if (group >= sampleCount(tiles)) return;
   const ivec3 low = sampleAt(group, tiles) * kTile;
-  const int shift = boxLow(push.level) / 2 - boxLow(push.level + 1);
+  const int shift = harmonicLow(push.level) / 2 - harmonicLow(push.level + 1);
   loadResiduals(2 * (low - shift) - 1, dims);
   barrier();
   const ivec3 local = sampleAt(gl_LocalInvocationIndex, kTile);

@@ -2,11 +2,11 @@
 // computes it for one point. Its invocations are nodes, or triangles of leaves. Subgroups play no role, and all
 // barriers are in control flow that is uniform in the group.
 
-// Invocations of a group: a multiple of kArity.
+// Invocations of a group: a multiple of kTreeArity.
 layout(constant_id = 1) const uint kInvocations = 8;
 
 // Nodes or leaves opened at once, at most.
-const uint kBatch = kInvocations / kArity;
+const uint kBatch = kInvocations / kTreeArity;
 
 // Stack of nodes to open; none is a leaf. Each turn puts at most kInvocations nodes there, over what is left of an
 // earlier turn's nodes. The least deep of these is less deep than all of the new ones, whatever their order. Hence
@@ -88,19 +88,19 @@ void visit(uint node, vec3 p, float distant) {
 }
 
 void openNodes(uint waiting, vec3 p, float distant) {
-  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kArity;
+  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kTreeArity;
   const uint parent = nodes[waiting - taken + min(ofMine, taken - 1)];
   poppedNodes += taken;
   barrier();
-  if (ofMine < taken) visit(kArity * parent + 1 + gl_LocalInvocationIndex % kArity, p, distant);
+  if (ofMine < taken) visit(kTreeArity * parent + 1 + gl_LocalInvocationIndex % kTreeArity, p, distant);
   barrier();
 }
 
 void sumLeaves(uint waiting, vec3 p) {
-  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kArity;
+  const uint taken = min(waiting, kBatch), ofMine = gl_LocalInvocationIndex / kTreeArity;
   const uint leaf = leaves[waiting - taken + min(ofMine, taken - 1)];
   poppedLeaves += taken;
-  const uint triangle = (leaf - push.firstLeaf) * kArity + gl_LocalInvocationIndex % kArity;
+  const uint triangle = (leaf - push.firstLeaf) * kTreeArity + gl_LocalInvocationIndex % kTreeArity;
   if (ofMine < taken && triangle < push.triangleCount)
     addAngle(halfSolidAngle(readTriangle(push.frames, triangle), p));
 }
@@ -108,7 +108,7 @@ void sumLeaves(uint waiting, vec3 p) {
 void startWalk(vec3 p, float distant) {
   sum = Sum(0, 0);
   poppedNodes = poppedLeaves = 0;
-  barrier();  // Of the walk before, everything has been read.
+  barrier();  // All that the last walk wrote has been read.
   if (gl_LocalInvocationIndex == 0) {
     pushedNodes = pushedLeaves = sumLow = 0;
     sumHigh = 0;

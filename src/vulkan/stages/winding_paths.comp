@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
+#include "method/winding_paths_shared.h"
 #include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/stages/ray_map.glsl"
 #include "vulkan/stages/sixth.glsl"
@@ -11,8 +12,6 @@ layout(constant_id = 1) const uint kReadsRaysOutside = 0;
 layout(push_constant, scalar) uniform Push { WindingPathsPush push; };
 
 #define OFFSET(point) ivec3(push.offsets[3 * point], push.offsets[3 * point + 1], push.offsets[3 * point + 2])
-
-const float kPathsPerPoint = 6.0;  // xyz, xzy, yxz, yzx, zxy, zyx.
 
 bool isInside(ivec3 s, ivec3 dims) {
   return all(greaterThanEqual(s, ivec3(0))) && all(lessThan(s, dims));
@@ -88,7 +87,7 @@ void main() {
   for (uint point = 0; point < push.pointCount; ++point) {
     const ivec3 offset = offsetTo(point);
     const float there = valueAt(s + offset, dims);
-    sum += push.pointScale * (float(countPaths(s, offset, dims)) + kPathsPerPoint * there);
+    sum += push.pointScale * (float(countPaths(s, offset, dims)) + float(kPathsPerPoint) * there);
   }
   push.result.at[index] = divideRounded(sum, push.divisor);
 }

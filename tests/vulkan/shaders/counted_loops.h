@@ -8,7 +8,7 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 struct CountedLoopsPush {
   RAYMAP_ADDRESS(Uints) values;
-  RAYMAP_ADDRESS(Uints) sums;  // Of the first values: `first` of them, and `more` for each invocation before.
+  RAYMAP_ADDRESS(Uints) sums;  // Of `first` values, and of `more` for each invocation before.
   uint first;
   uint more;
 };

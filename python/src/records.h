@@ -1,0 +1,40 @@
+#pragma once
+
+#include <raymap/records.h>
+
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "bindings.h"
+
+namespace raymap::python {
+
+/// Returns a result of the library (raymap/records.h) as a dict, or a member of one. Face indices become an
+/// array.
+template <class Value>
+auto toPython(const Value& value) {
+  if constexpr (Record<Value>) {
+    nb::dict dict;
+    forEachMember(value, [&](const char* name, const auto& member) { dict[name] = toPython(member); });
+    return dict;
+  } else if constexpr (std::is_enum_v<Value>) {
+    return nb::cast(name(value));
+  } else if constexpr (std::is_same_v<Value, glm::dvec3>) {
+    return nb::cast(std::vector<double>{value.x, value.y, value.z});
+  } else if constexpr (std::is_same_v<Value, Box>) {
+    return toPython(corners(value));
+  } else if constexpr (std::is_same_v<Value, std::vector<uint32_t>>) {
+    return nb::cast(toArray<uint32_t>(value, {value.size()}));
+  } else if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string> ||
+                       std::is_same_v<Value, std::optional<double>>) {
+    return nb::cast(value);
+  } else {
+    nb::list list;
+    for (const auto& element : value) list.append(toPython(element));
+    return list;
+  }
+}
+
+}  // namespace raymap::python

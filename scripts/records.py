@@ -1,0 +1,178 @@
+#!/usr/bin/env python3
+"""Writes the types of Python's records (python/raymap/_records.py) and the tables of keys (docs/report.md).
+
+Both are made of include/raymap/records.h, which names the members of each record, of the comments at these members in the
+other public headers, and of the names of enum values in src/api/names.cpp.
+
+records.py writes both; records.py --check fails where they differ. Both fail for a member that records.h leaves out, and for
+one without a comment. A folder as last argument is another tree.
+"""
+
+import re
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(sys.argv[-1] if Path(sys.argv[-1]).is_dir() else Path(__file__).resolve().parent.parent)
+TYPES, PAGE = ROOT / "python/raymap/_records.py", ROOT / "docs/report.md"
+BEGIN, END = "<!-- scripts/records.py writes what follows. -->", "<!-- That is all of it. -->"
+HEAD = '''"""Types of the library's results, dicts with the keys of the command line's JSON, and names of the values of its enums.
+
+scripts/records.py writes this file from include/raymap/records.h.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+'''
+# Types of members: in Python, and in words.
+PLAIN = {
+    **dict.fromkeys(("size_t", "unsigned", "uint32_t", "uint64_t"), ("int", "integer")),
+    "double": ("float", "number"),
+    "bool": ("bool", "boolean"),
+    "std::string": ("str", "text"),
+    "glm::dvec3": ("list[float]", "x, y, z"),
+    "glm::ivec3": ("list[int]", "i, j, k"),
+    "Box": ("list[list[float]]", "lowest and highest corner"),
+    "std::vector<uint32_t>": ("npt.NDArray[np.uint32]", "indices"),
+}
+
+
+class Struct:
+    def __init__(self, text):
+        self.text = text
+        self.members = {}  # Type and comment of each member.
+
+
+def structs(header):
+    """Yields the name and the content of each struct of a header."""
+    open_structs, comment, code, last = [], [], "", None
+    for line in header.read_text().splitlines():
+        code_part, _, after = line.strip().partition("///< ")
+        if code_part.startswith("///"):
+            comment.append(code_part[3:].strip())
+        elif not code_part and after:
+            last[1] += " " + after
+        elif found := re.fullmatch(r"struct (\w+) \{", code_part.strip()):
+            open_structs.append((found[1], Struct(" ".join(comment))))
+            comment = []
+        elif code_part.strip() == "};" and open_structs:
+            yield open_structs.pop()
+            comment = []
+        elif open_structs:
+            code += " " + code_part.strip()
+            if not code.endswith(";"):
+                continue
+            if member := re.match(r" ([^(={]+?) (\w+)(?:;| =|\{)", code):
+                last = [member[1].removeprefix("const ").rstrip("&"), " ".join(comment + [after] * bool(after))]
+                open_structs[-1][1].members[member[2]] = last
+            code, comment = "", []
+        else:
+            comment = []
+
+
+def enums():
+    """Returns the names of the values of each enum."""
+    text = (ROOT / "src/api/names.cpp").read_text()
+    found = re.findall(r"struct Names<(\w+)> \{.*?kNames\{(.*?)\};", text, re.DOTALL)
+    return {enum: re.findall(r'"(\w+)"', names) for enum, names in found}
+
+
+def snake(name):
+    return re.sub(r"(?<=[a-z])[A-Z]", lambda letter: "_" + letter[0], name.rpartition("::")[2]).lower()
+
+
+class Record:
+    def __init__(self, name, struct, variable, body):
+        self.name, self.text = name.rpartition("::")[2], struct.text
+        self.base, self.keys = None, []  # Name, type and text of each key.
+        names = {}
+        for line in body.splitlines():
+            if base := re.fullmatch(rf"  forEachMember\({variable}\.(\w+), use\);", line):
+                self.base = struct.members[base[1]][0]
+                continue
+            key, value, own = re.fullmatch(r'  use\("(\w+)", (.+?)\);(?:  ///< (.*))?', line).groups()
+            made, member = re.fullmatch(rf"(?:(\w+)\{{)?{variable}\.(\w+).*", value).groups()
+            kind, text = struct.members[member]
+            names[member] = key
+            self.keys.append((key, "size_t" if value.endswith("size()") else made or kind, own or text))
+        left_out = [member for member in struct.members if not re.search(rf"{variable}\.{member}\b", body)]
+        assert not left_out, f"include/raymap/records.h leaves out {left_out} of {name}"
+        assert all(text for _, _, text in self.keys), f"a member of {name} has no comment"
+        # Comments name members as C++ does.
+        self.keys = [(key, kind, re.sub(r"`([\w:]+)`", lambda named: f"`{names.get(named[1]) or snake(named[1])}`", text))
+                     for key, kind, text in self.keys]
+
+
+def records():
+    found = {name: struct for header in sorted((ROOT / "include/raymap").glob("*.h")) for name, struct in structs(header)}
+    text = (ROOT / "include/raymap/records.h").read_text()
+    functions = re.findall(r"^void forEachMember\(const ([\w:]+)& (\w+), auto&& use\) \{\n(.*?)\n\}", text,
+                           re.DOTALL | re.MULTILINE)
+    return [Record(name, found[name.rpartition("::")[2]], variable, body) for name, variable, body in functions]
+
+
+def type_of(kind, is_python, enum_names):
+    """Returns a type in Python, or in words."""
+    if kind in PLAIN:
+        return PLAIN[kind][0 if is_python else 1]
+    if kind in enum_names:
+        return kind if is_python else "one of " + ", ".join(f"`{name}`" for name in enum_names[kind])
+    if found := re.fullmatch(r"std::optional<(.+)>", kind):
+        return type_of(found[1], is_python, enum_names) + (" | None" if is_python else " or null")
+    if found := re.fullmatch(r"std::vector<(.+)>", kind):
+        element = type_of(found[1], is_python, enum_names)
+        return f"list[{element}]" if is_python else f"list of {element}"
+    return kind if is_python else f"[{kind}](#{kind.lower()})"
+
+
+def docstring(text, indent):
+    words = f'"""{text.replace("`", "``")}"""'
+    return textwrap.fill(words, 120, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False) + "\n"
+
+
+def python_types(all_records, enum_names):
+    text = HEAD
+    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Remedy", "SignMode"):
+        values = "".join(f'    "{name}",\n' for name in enum_names[enum])
+        text += f"\n{enum} = Literal[\n{values}]\n"
+    for record in all_records:
+        text += f"\n\nclass {record.name}({record.base or 'TypedDict'}):\n" + docstring(record.text, "    ") + "\n"
+        for key, kind, comment in record.keys:
+            text += f"    {key}: {type_of(kind, True, enum_names)}\n" + docstring(comment, "    ")
+    return text
+
+
+def tables(all_records, enum_names):
+    text = ""
+    for record in all_records:
+        base = f" It also has the keys of [{record.base}](#{record.base.lower()})." if record.base else ""
+        text += f"\n## {record.name}\n\n" + textwrap.fill(record.text + base, 100, break_on_hyphens=False)
+        text += "\n\n| key | type | value |\n|---|---|---|\n"
+        for key, kind, comment in record.keys:
+            text += f"| `{key}` | {type_of(kind, False, enum_names)} | {comment} |\n"
+    return text + "\n"
+
+
+def main():
+    all_records, enum_names = records(), enums()
+    page = PAGE.read_text()
+    before, after = page.partition(BEGIN)[0], page.partition(END)[2]
+    wanted = {TYPES: python_types(all_records, enum_names),
+              PAGE: before + BEGIN + "\n" + tables(all_records, enum_names) + END + after}
+    if "--check" not in sys.argv[1:]:
+        for path, text in wanted.items():
+            path.write_text(text)
+        return 0
+    old = [path for path, text in wanted.items() if not path.exists() or path.read_text() != text]
+    for path in old:
+        print(f"{path.relative_to(ROOT)} is not what include/raymap/records.h says; run scripts/records.py")
+    print(f"{len(all_records)} records, {sum(len(record.keys) for record in all_records)} keys, {len(old)} files differ")
+    return 1 if old else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+#pragma once
+
+// Points on faces, as the middles of the parts that a triangle is cut into:
+// - halves: each part is a triangle. For points that stand for an area, and parts that become faces.
+// - rows: neighbours are at most a step apart, and there are as few points as the area allows.
+// - even: parts of the same size and shape. For statistics, in which each point of a face counts the same.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "mesh/triangle.h"
+
+namespace raymap {
+
+/// Returns the number of parts, at least 1, into which a length must be cut so that none exceeds `step`.
+inline int partsOf(double length, double step, double most = 1e6) {
+  return static_cast<int>(std::clamp(std::ceil(length / step), 1.0, most));
+}
+
+/// Visits the middles of the parts of an evenly cut segment.
+template <class Visit>
+void forEachEdgePoint(const glm::dvec3& a, const glm::dvec3& b, int parts, Visit&& visit) {
+  for (int k = 0; k < parts; ++k) visit(glm::mix(a, b, (k + 0.5) / parts));
+}
+
+/// Most times that a face is halved: it has at most 2^22 parts.
+inline constexpr int kMostFaceHalvings = 22;
+
+/// Halves: calls `visit(a, b, c)` with the corners of the parts of a triangle, which is halved at the middle
+/// of its longest side until none is longer than `step`. They wind as the triangle.
+template <class Visit>
+void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
+                     int halvings = kMostFaceHalvings) {
+  const double ab = glm::distance(a, b), bc = glm::distance(b, c), ca = glm::distance(c, a);
+  // The longest side becomes ab.
+  if (bc > ab && bc >= ca) return forEachFacePart(b, c, a, step, visit, halvings);
+  if (ca > ab) return forEachFacePart(c, a, b, step, visit, halvings);
+  if (ab <= step || halvings == 0) return visit(a, b, c);
+  const glm::vec3 middle = 0.5f * (a + b);
+  forEachFacePart(a, middle, c, step, visit, halvings - 1);
+  forEachFacePart(middle, b, c, step, visit, halvings - 1);
+}
+
+/// Rows: visits points of a triangle in rows along its longest side. Neighbours are at most `step` apart, and
+/// the number of points is about the area in squares of it.
+template <class Visit>
+void forEachFacePoint(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double step,
+                      Visit&& visit) {
+  std::array<glm::dvec3, 3> p{a, b, c};
+  const auto length = [&](size_t k) { return glm::distance(p[k], p[(k + 1) % 3]); };
+  size_t longest = 0;
+  for (size_t k = 1; k < 3; ++k)
+    if (length(k) > length(longest)) longest = k;
+  std::rotate(p.begin(), p.begin() + ptrdiff_t(longest), p.end());
+  const double base = glm::distance(p[0], p[1]);
+  const double height = base > 0.0 ? glm::length(doubleAreaNormal(p[0], p[1], p[2])) / base : 0.0;
+  const int rows = partsOf(height, step);
+  for (int row = 0; row < rows; ++row) {
+    const double up = (row + 0.5) / rows;
+    forEachEdgePoint(glm::mix(p[0], p[2], up), glm::mix(p[1], p[2], up), partsOf(base * (1.0 - up), step),
+                     visit);
+  }
+}
+
+/// Even: visits the centres of the parts of the triangle between the sides u and v from a. Each side is cut
+/// into as many parts.
+template <class Visit>
+void forEachEvenPoint(const glm::vec3& a, const glm::vec3& u, const glm::vec3& v, int parts, Visit&& visit) {
+  const auto at = [&](float i, float j) { visit(a + (i * u + j * v) / static_cast<float>(parts)); };
+  for (int j = 0; j < parts; ++j)
+    for (int i = 0; i + j < parts; ++i) {
+      at(float(i) + 1.0f / 3, float(j) + 1.0f / 3);
+      if (i + j + 1 < parts) at(float(i) + 2.0f / 3, float(j) + 2.0f / 3);
+    }
+}
+
+}  // namespace raymap

@@ -1,0 +1,92 @@
+#pragma once
+
+// Two triangles.
+//
+// Precision: exact, on integers of up to 2^29.
+// Ties: none are broken. Triangles that touch, or lie in a common plane, do not cross.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <utility>
+
+#include "predicates/int128.h"
+
+namespace raymap {
+
+/// Largest coordinate of a corner, as a power of two: determinants fit into 128 bits.
+inline constexpr int kTriangleBits = 29;
+/// Extent below which the determinants of two triangles that meet fit into 64 bits.
+inline constexpr int32_t kSmallExtent = int32_t{1} << 19;
+
+/// Corners of a triangle with whole coordinates.
+using WholeTriangle = std::array<glm::ivec3, 3>;
+
+/// Sides of a plane on which the corners of a triangle lie: -1, 0 or 1.
+using CornerSides = std::array<int, 3>;
+
+/// Plane of a triangle. The normal's components fit into 63 bits.
+class WholePlane {
+ public:
+  explicit WholePlane(const WholeTriangle& t) : point_(t[0]) {
+    const Point u = Point(t[1]) - point_, v = Point(t[2]) - point_;
+    normal_ = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  }
+
+  /// `Wide` must hold the determinants.
+  template <class Wide>
+  int sideOf(const glm::ivec3& p) const {
+    const Point w = Point(p) - point_;
+    const Wide value = Wide(normal_.x) * w.x + Wide(normal_.y) * w.y + Wide(normal_.z) * w.z;
+    return int(value > 0) - int(value < 0);
+  }
+  template <class Wide>
+  CornerSides sidesOf(const WholeTriangle& t) const {
+    return {sideOf<Wide>(t[0]), sideOf<Wide>(t[1]), sideOf<Wide>(t[2])};
+  }
+  /// `areSmall`: both triangles meet, and their extents are below `kSmallExtent`.
+  CornerSides sidesOf(const WholeTriangle& t, bool areSmall) const {
+    return areSmall ? sidesOf<int64_t>(t) : sidesOf<Int128>(t);
+  }
+
+ private:
+  using Point = glm::i64vec3;
+
+  Point point_, normal_;
+};
+
+inline bool areOnBoth(const CornerSides& sides) {
+  return std::min(std::min(sides[0], sides[1]), sides[2]) < 0 &&
+         std::max(std::max(sides[0], sides[1]), sides[2]) > 0;
+}
+
+/// Returns the side on which one corner is alone.
+inline int aloneOn(const CornerSides& sides) {
+  return sides[0] + sides[1] + sides[2] > 0 ? -1 : 1;
+}
+
+/// Returns the corners in order, starting with the one that is alone on its side.
+inline WholeTriangle fromAlone(WholeTriangle t, const CornerSides& sides) {
+  const auto alone = std::find(sides.begin(), sides.end(), aloneOn(sides)) - sides.begin();
+  std::rotate(t.begin(), t.begin() + alone, t.end());
+  return t;
+}
+
+/// Returns whether inner points of both triangles coincide, except in a common plane. Each must reach through
+/// the other's plane, and their intervals on the planes' common line must overlap (Guigue & Devillers 2003).
+/// Triangles that share an edge do not reach through each other's planes.
+inline bool doCross(const WholeTriangle& a, const WholePlane& planeOfA, const WholeTriangle& b,
+                    bool areSmall) {
+  const CornerSides ofB = planeOfA.sidesOf(b, areSmall);
+  if (!areOnBoth(ofB)) return false;
+  const CornerSides ofA = WholePlane(b).sidesOf(a, areSmall);
+  if (!areOnBoth(ofA)) return false;
+  auto [p, q, r] = fromAlone(a, ofA);
+  auto [s, t, u] = fromAlone(b, ofB);
+  if (aloneOn(ofA) < 0) std::swap(t, u);
+  if (aloneOn(ofB) < 0) std::swap(q, r);
+  return WholePlane({p, q, s}).sideOf<Int128>(t) < 0 && WholePlane({p, r, u}).sideOf<Int128>(s) < 0;
+}
+
+}  // namespace raymap

@@ -1,0 +1,90 @@
+#include "repair/solid/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cpu/points/close_distances.h"
+#include "mesh/face_points.h"
+#include "method/cell_mesh.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kMostPoints = 2e7;
+constexpr double kMostPerSide = 4096.0;
+constexpr size_t kPointsPerReport = size_t{1} << 18;
+
+/// Returns the number of parts that each of a triangle's sides is cut into.
+int partsOfSides(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
+  return partsOf(longestSide(a, b, c), step, kMostPerSide);
+}
+
+double countPoints(const CellMesh& mesh, double step) {
+  double count = 0.0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const double parts = partsOfSides(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), step);
+    count += parts * parts;
+  }
+  return count;
+}
+
+}  // namespace
+
+SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step) {
+  CellMesh cells;
+  toCellUnits(mesh, grid, cells);
+  double count = countPoints(cells, step);
+  while (count > kMostPoints + double(mesh.triangles.size())) {
+    step *= 1.5;
+    count = countPoints(cells, step);
+  }
+  SurfacePoints points;
+  points.positions.reserve(size_t(count) + 3 * mesh.triangles.size());
+  points.faces.reserve(points.positions.capacity());
+  std::vector<bool> isTaken(mesh.vertices.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int c = 0; c < 3; ++c)
+      if (const uint32_t v = mesh.triangles[t][c]; !isTaken[v]) {
+        isTaken[v] = true;
+        points.add(cells.vertices[v], t);
+      }
+    const glm::vec3 a = cells.corner(t, 0), u = cells.corner(t, 1) - a, v = cells.corner(t, 2) - a;
+    forEachEvenPoint(a, u, v, partsOfSides(a, a + u, a + v, step),
+                     [&](const glm::vec3& p) { points.add(p, t); });
+  }
+  return points;
+}
+
+std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
+                               Progress& progress) {
+  const cpu::CloseDistances search(mesh, grid, INFINITY);
+  std::vector<float> distances(points.size());
+  std::vector<glm::dvec3> part;
+  for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
+    progress.report(double(begin) / double(points.size()));
+    const size_t count = std::min(kPointsPerReport, points.size() - begin);
+    part.clear();
+    for (size_t i = 0; i < count; ++i) part.push_back(grid.position(points[begin + i]));
+    const QueryResult found = search.measure(part);
+    for (size_t i = 0; i < count; ++i)
+      distances[begin + i] = static_cast<float>(found.distance[i] / grid.spacing);
+  }
+  return distances;
+}
+
+Deviation summarize(std::vector<float>& deviations, double spacing) {
+  Deviation result;
+  result.points = deviations.size();
+  if (deviations.empty()) return result;
+  const auto percentile = deviations.begin() + ptrdiff_t(double(deviations.size() - 1) * 0.99);
+  std::ranges::nth_element(deviations, percentile);
+  result.p99 = spacing * double(*percentile);
+  result.max = spacing * double(*std::max_element(percentile, deviations.end()));
+  result.mean =
+      spacing * std::accumulate(deviations.begin(), deviations.end(), 0.0) / double(deviations.size());
+  return result;
+}
+
+}  // namespace raymap

@@ -1,0 +1,241 @@
+#include "repair/solid/loss.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/text.h"
+#include "cpu/points/local_thickness.h"
+
+namespace raymap {
+
+namespace {
+
+// Losses of smaller shares of the mesh's area are not worth a warning. Open surface is often lost at the rims
+// of holes.
+constexpr double kNotableShare = 1e-3, kNotableOpenShare = 1e-2;
+// Share of the lost points that a distance between samples must keep.
+constexpr double kKeptShare = 0.995;
+// Largest distance from a kept point to a sample inside, in samples.
+constexpr double kReach = 1.5;
+// Distances to try: each is this much smaller than the last, down to a share of the grid's, and no grid has
+// more samples than fit into 2 GiB.
+constexpr double kFiner = 1.25, kFinest = 1.0 / 16;
+constexpr size_t kMostSamples = size_t{1} << 29;
+
+/// Lost sides of the solid.
+struct LostSides {
+  std::vector<glm::dvec3> points;  // Moved by the offset.
+  std::vector<double> diameters;   // Thickness with the offset at both sides; infinite if not known.
+
+  std::vector<double> areas;  // Areas that the points stand for.
+
+  void add(const FacePoint& point, const Thickness& thickness, double offset) {
+    areas.push_back(point.area);
+    points.push_back(point.position - offset * glm::dvec3(thickness.inward));
+    diameters.push_back(double(thickness.diameter) + 2.0 * offset);
+  }
+};
+
+/// Returns the thickness that half of the area does not exceed, of pairs of thickness and area. Leaves out
+/// infinite thickness. 0 if there is none.
+double medianOf(std::vector<std::pair<double, double>> sides) {
+  std::erase_if(sides, [](const auto& side) { return !std::isfinite(side.first); });
+  std::ranges::sort(sides);
+  double area = 0.0, below = 0.0;
+  for (const auto& side : sides) area += side.second;
+  for (const auto& side : sides)
+    if ((below += side.second) >= 0.5 * area) return std::max(side.first, 0.0);
+  return 0.0;
+}
+
+/// What samples at one distance keep of the lost sides.
+struct Trial {
+  double voxelSize = 0.0;
+  double keptShare = 0.0;
+  double keptThickness = 0.0;  // Half of what is not kept is thinner.
+  double recession = 0.0;      // Largest distance between the bounds of all points and of the kept ones.
+};
+
+Box boundsOf(std::span<const glm::dvec3> points) {
+  Box box;
+  for (const glm::dvec3& p : points) box.min = glm::min(box.min, p), box.max = glm::max(box.max, p);
+  return box;
+}
+
+/// Tells for grids what their samples see of the lost sides.
+class Trials {
+ public:
+  Trials(const cpu::PreparedSurface& surface, const LostSides& lost, const RepairOptions& repair,
+         Progress& progress)
+      : surface_(surface), lost_(lost), repair_(repair), progress_(progress) {}
+
+  /// A point is kept if a sample at most 1.5 samples away is inside. The isosurface reaches
+  /// about half a sample beyond it.
+  Trial run(double voxelSize) {
+    const Grid grid = fitRepairGrid(surface_.mesh, {.voxelSize = voxelSize}, repair_);
+    if (grid.sampleCount() > kMostSamples) return {};
+    placeSamples(grid);
+    cpu::queryPoints(surface_, samples_, {}, progress_, result_);
+    Trial trial{voxelSize};
+    std::vector<glm::dvec3> kept;
+    std::vector<std::pair<double, double>> gone;
+    double area = 0.0, keptArea = 0.0;
+    for (size_t i = 0; i < lost_.points.size(); ++i) {
+      area += lost_.areas[i];
+      if (isSeen(i)) {
+        kept.push_back(lost_.points[i]);
+        keptArea += lost_.areas[i];
+      } else {
+        gone.emplace_back(lost_.diameters[i], lost_.areas[i]);
+      }
+    }
+    trial.keptShare = area > 0.0 ? keptArea / area : 0.0;
+    trial.keptThickness = medianOf(std::move(gone));
+    trial.recession = recession(boundsOf(kept));
+    return trial;
+  }
+
+ private:
+  void placeSamples(const Grid& grid) {
+    samples_.clear();
+    ends_.clear();
+    for (const glm::dvec3& p : lost_.points) {
+      const glm::dvec3 at = (p - grid.origin) / grid.spacing, low = glm::floor(at) - 1.0;
+      for (int s = 0; s < 64; ++s)
+        if (const glm::dvec3 sample = low + glm::dvec3(s % 4, s / 4 % 4, s / 16);
+            glm::distance(at, sample) <= kReach)
+          samples_.push_back(grid.position(sample));
+      ends_.push_back(samples_.size());
+    }
+  }
+
+  bool isSeen(size_t point) const {
+    const auto* all = result_.distance.begin();
+    return std::any_of(all + (point > 0 ? ends_[point - 1] : 0), all + ends_[point],
+                       [&](double d) { return d < repair_.offset; });
+  }
+
+  double recession(const Box& kept) const {
+    const Box all = boundsOf(lost_.points);
+    const glm::dvec3 far = glm::max(kept.min - all.min, all.max - kept.max);
+    return std::max({far.x, far.y, far.z});
+  }
+
+  const cpu::PreparedSurface& surface_;
+  const LostSides& lost_;
+  const RepairOptions& repair_;
+  Progress& progress_;
+  std::vector<glm::dvec3> samples_;  // Those to look at for one point after the other.
+  std::vector<size_t> ends_;         // For each point, the end of its samples.
+  QueryResult result_;
+};
+
+bool isKept(const Trial& trial) {
+  return trial.keptShare >= kKeptShare && trial.recession <= trial.voxelSize;
+}
+
+/// Finds the largest distance between samples that keeps all. If there is none, returns the one that keeps
+/// most: a part that runs out to an edge is kept best where the samples happen to lie in it.
+Trial findVoxelSize(Trials& trials, double spacing) {
+  Trial best;
+  double voxelSize = spacing / kFiner;
+  while (voxelSize >= kFinest * spacing) {
+    const Trial trial = trials.run(roundDown(voxelSize));
+    voxelSize /= kFiner;
+    if (trial.voxelSize == 0.0) break;
+    if (isKept(trial)) return trial;
+    if (trial.keptShare > best.keptShare) best = trial;
+  }
+  return best;
+}
+
+std::string boxText(const Box& box) {
+  const auto side = [&](const char* name, double from, double to) {
+    return name + (" from " + numberText(from, 6)) + " to " + numberText(to, 6);
+  };
+  return side("x", box.min.x, box.max.x) + ", " + side("y", box.min.y, box.max.y) + ", " +
+         side("z", box.min.z, box.max.z);
+}
+
+void addSides(const LostSides& lost, Loss& loss) {
+  loss.bounds = boundsOf(lost.points);
+  std::vector<std::pair<double, double>> sides;
+  for (size_t i = 0; i < lost.points.size(); ++i) sides.emplace_back(lost.diameters[i], lost.areas[i]);
+  loss.thinnest = std::max(std::ranges::min(lost.diameters), 0.0);
+  loss.medianThickness = medianOf(std::move(sides));
+  if (!std::isfinite(loss.thinnest)) loss.thinnest = 0.0;
+}
+
+}  // namespace
+
+/// Returns whether the wall at a point may be thinner than the grid resolves. Where all walls are thicker,
+/// the rims of holes are lost, and no part of the solid.
+static bool isThin(const Thickness& thickness, double spacing) {
+  constexpr double kThick = 4.0;  // In samples.
+  return thickness.part == Part::Edge ||
+         (thickness.part == Part::Wall && thickness.diameter < kThick * spacing);
+}
+
+Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Progress& progress) {
+  Loss loss;
+  if (lost.empty()) return loss;
+  const double spacing = given.grid.spacing;
+  const cpu::PreparedSurface& surface = given.surface();
+  std::vector<Thickness> thickness(lost.size());
+  cpu::measureThickness(surface, lost, INFINITY, progress, thickness);
+  const bool isAnyThin =
+      std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, spacing); });
+  LostSides sides;
+  std::vector<glm::dvec3> open;
+  double solidArea = 0.0, openArea = 0.0;
+  for (size_t i = 0; i < lost.size(); ++i) {
+    if (isAnyThin && thickness[i].part != Part::Sheet && thickness[i].part != Part::Buried) {
+      sides.add(lost[i], thickness[i], given.repair.offset);
+      solidArea += lost[i].area;
+    } else {
+      open.push_back(lost[i].position);
+      openArea += lost[i].area;
+    }
+  }
+  if (const double area = solidArea + openArea;
+      area > 0.0) {  // Either is 0, and not nearly 0, if it has no area.
+    loss.solidShare = share * (solidArea / area);
+    loss.openShare = share * (openArea / area);
+  }
+  if (!open.empty()) loss.openBounds = boundsOf(open);
+  if (sides.points.empty()) return loss;
+  addSides(sides, loss);
+  Trials trials(surface, sides, given.repair, progress);
+  const Trial best = findVoxelSize(trials, spacing);
+  loss.voxelSize = best.voxelSize;
+  loss.keptShare = best.keptShare;
+  loss.keptThickness = best.keptThickness;
+  loss.isKept = isKept(best);
+  return loss;
+}
+
+std::string describeLoss(const Loss& loss) {
+  if (loss.solidShare < kNotableShare) return {};
+  std::string message = "parts of the solid are lost, " + numberText(100.0 * loss.solidShare, 3) +
+                        " % of the mesh's surface: " + boxText(loss.bounds);
+  if (loss.medianThickness > 0.0)
+    message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
+               numberText(loss.medianThickness, 3) + " in the median";
+  const std::string size = numberText(loss.voxelSize, 3) + " (--voxel-size)";
+  if (loss.isKept) return message + "; a voxel size of " + size + " keeps them";
+  if (loss.keptShare > 0.0)
+    return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
+           numberText(100.0 * loss.keptShare, 3) + " % of them, and half of the rest is thinner than " +
+           numberText(loss.keptThickness, 3);
+  return message + "; no voxel size that fits into memory keeps them";
+}
+
+std::string describeOpenLoss(const Loss& loss) {
+  if (loss.openShare < kNotableOpenShare) return {};
+  return "sheets and open surface are lost, " + numberText(100.0 * loss.openShare, 3) +
+         " % of the mesh's surface: " + boxText(loss.openBounds) +
+         "; they bound no solid, but --min-thickness gives them a thickness";
+}
+
+}  // namespace raymap

@@ -1,0 +1,185 @@
+#include "repair/solid/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "field/field_sampler.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kPointStep = 0.5;  // Of the points that are measured, in samples.
+// Farther from the result than this, in samples, a point of the mesh is no surface of it. What a tolerance
+// above the default allows comes on top.
+constexpr double kFar = 1.0;
+// Largest value of the field at a point of the moved surface, in samples: what interpolation gets wrong.
+constexpr double kFieldError = 0.5;
+
+// Most lost points to look at closely.
+constexpr size_t kMostLost = 4096;
+
+bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole>& holes) {
+  return std::ranges::any_of(
+      holes, [&](const DrainHole& hole) { return hole.distance(grid.position(p)) < grid.spacing; });
+}
+
+/// From the mesh's surface moved by the offset or of the hollow.
+Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
+                        const RepairOptions& repair, const std::vector<DrainHole>& holes,
+                        Progress& progress) {
+  std::vector<glm::vec3> points = surfacePoints(result, grid, kPointStep).positions;
+  std::erase_if(points, [&](const glm::vec3& p) { return isDrilled(p, grid, holes); });
+  std::vector<float> distances = distancesTo(mesh, grid, points, progress);
+  const double outer = std::abs(repair.offset) / grid.spacing;
+  const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
+  for (float& d : distances)
+    d = static_cast<float>(std::min(std::abs(double(d) - outer), std::abs(double(d) - inner)));
+  return summarize(distances, grid.spacing);
+}
+
+/// Returns a normal as long as twice the area of the face.
+glm::dvec3 areaNormal(const PackedMesh& mesh, uint32_t face) {
+  const glm::uvec3 f = mesh.triangles[face];
+  const glm::dvec3 a(mesh.vertices[f.x]), b(mesh.vertices[f.y]), c(mesh.vertices[f.z]);
+  return glm::cross(b - a, c - a);
+}
+
+double areaOf(const PackedMesh& mesh, uint32_t face) {
+  return 0.5 * glm::length(areaNormal(mesh, face));
+}
+
+glm::dvec3 normalOf(const PackedMesh& mesh, uint32_t face) {
+  const glm::dvec3 normal = areaNormal(mesh, face);
+  const double length = glm::length(normal);
+  return length > 0.0 ? normal / length : glm::dvec3(0.0);
+}
+
+/// Moves a point of a face along the normal. Returns whether it is on the moved surface then. A face may
+/// point either way. Other parts of the surface may be closer to the moved point than the offset; then they
+/// took its place.
+bool moveToPlace(const FieldSampler& solid, const glm::dvec3& move, glm::vec3& p) {
+  const glm::dvec3 front = glm::dvec3(p) + move, back = glm::dvec3(p) - move;
+  const double atFront = std::abs(solid.value(front)), atBack = std::abs(solid.value(back));
+  p = atFront < atBack ? front : back;
+  return std::min(atFront, atBack) <= kFieldError;
+}
+
+/// Returns for each face the area that one of its points stands for.
+std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points) {
+  std::vector<double> areas(mesh.triangles.size());
+  std::vector<uint32_t> counts(mesh.triangles.size());
+  for (const uint32_t face : points.faces) ++counts[face];
+  for (uint32_t face = 0; face < areas.size(); ++face)
+    if (counts[face] > 0) areas[face] = areaOf(mesh, face) / counts[face];
+  return areas;
+}
+
+double areaOf(const std::vector<double>& areas, const SurfacePoints& points) {
+  double sum = 0.0;
+  for (const uint32_t face : points.faces) sum += areas[face];
+  return sum;
+}
+
+/// Returns some points of the mesh, moved back onto their faces.
+std::vector<FacePoint> onFaces(const ExpectedPoints& expected, std::span<const size_t> numbers,
+                               const PackedMesh& mesh, const Grid& grid) {
+  const SurfacePoints& points = expected.points;
+  const size_t step = numbers.size() / kMostLost + 1;
+  std::vector<FacePoint> result;
+  for (size_t k = 0; k < numbers.size(); k += step) {
+    const uint32_t face = points.faces[numbers[k]];
+    const glm::dvec3 p = grid.position(points.positions[numbers[k]]), normal = normalOf(mesh, face);
+    result.push_back({p - glm::dot(p - mesh.position(mesh.triangles[face].x), normal) * normal, face,
+                      expected.areas[face]});
+  }
+  return result;
+}
+
+double farOf(const SimplifyReport& simplified, const Grid& grid) {
+  return kFar + std::max(simplified.tolerance / grid.spacing - kDefaultTolerance, 0.0);
+}
+
+/// Tells the buried points from the lost ones, and measures all but the buried ones. Returns the lost ones.
+std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh& result, const Grid& grid,
+                                Progress& progress, RepairReport& report) {
+  const std::vector<float> deviations = distancesTo(result, grid, expected.points.positions, progress);
+  const double far = farOf(report.simplified, grid);
+  std::vector<float> visible, kept;
+  std::vector<size_t> lost;
+  double buriedArea = 0.0, lostArea = 0.0;
+  for (size_t i = 0; i < deviations.size(); ++i) {
+    const bool isFar = deviations[i] > far;
+    const double area = expected.areas[expected.points.faces[i]];
+    if (isFar && expected.isInside[i]) {
+      buriedArea += area;
+      continue;
+    }
+    visible.push_back(deviations[i]);
+    if (isFar) {
+      lost.push_back(i);
+      lostArea += area;
+    } else {
+      kept.push_back(deviations[i]);
+    }
+  }
+  if (const double area = areaOf(expected.areas, expected.points); area > 0.0) {
+    report.buriedShare = buriedArea / area;
+    report.lostShare = lostArea / area;
+  }
+  report.ofMesh = summarize(visible, grid.spacing);
+  report.ofKept = summarize(kept, grid.spacing);
+  return lost;
+}
+
+/// Leaves out what the drain holes took away.
+void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<DrainHole>& holes) {
+  if (holes.empty()) return;
+  size_t kept = 0;
+  expected.points.eraseIf([&](size_t i) {
+    const bool isErased = isDrilled(expected.points.positions[i], grid, holes);
+    if (!isErased) expected.isInside[kept++] = expected.isInside[i];
+    return isErased;
+  });
+  expected.isInside.resize(kept);
+}
+
+}  // namespace
+
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
+  found = diagnose(mesh);
+  crossing = findSelfIntersections(mesh);
+}
+
+ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
+                              RepairReport& report) {
+  ExpectedPoints expected{surfacePoints(mesh, solid.grid, kPointStep), {}, {}};
+  SurfacePoints& points = expected.points;
+  expected.areas = areasOfPoints(mesh, points);
+  const double area = areaOf(expected.areas, points);
+  const FieldSampler sampler(solid);
+  const double offset = repair.offset / solid.grid.spacing;
+  if (offset != 0.0)
+    points.eraseIf([&](size_t i) {
+      return !moveToPlace(sampler, offset * normalOf(mesh, points.faces[i]), points.positions[i]);
+    });
+  if (offset != 0.0 && area > 0.0) report.trimmedShare = 1.0 - areaOf(expected.areas, points) / area;
+  expected.isInside.reserve(points.positions.size());
+  for (const glm::vec3& p : points.positions) expected.isInside.push_back(sampler.value(p) < 0.0);
+  return expected;
+}
+
+std::vector<FacePoint> measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid,
+                               const RepairOptions& repair, const std::vector<DrainHole>& holes,
+                               ExpectedPoints expected, Progress& progress, RepairReport& report) {
+  inspect(result, report.after, report.crossingAfter);
+  progress.part(0.2, 0.6);
+  eraseDrilled(expected, grid, holes);
+  const std::vector<size_t> lost = measureMesh(expected, result, grid, progress, report);
+  progress.part(0.6, 1.0);
+  report.ofResult = measureResult(result, mesh, grid, repair, holes, progress);
+  return onFaces(expected, lost, mesh, grid);
+}
+
+}  // namespace raymap

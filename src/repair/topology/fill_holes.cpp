@@ -1,0 +1,148 @@
+#include "repair/topology/fill_holes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "mesh/half_edges.h"
+#include "mesh/loops.h"
+#include "mesh/triangle.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr size_t kMostEdges = 300;  // The time grows with the cube.
+
+/// An edge of a rim in the direction in which a face of the hole uses it, and the third corner of its face.
+struct RimEdge {
+  uint32_t from, to, third;
+};
+
+/// Returns the edges that only one face uses, by their first vertex.
+std::vector<RimEdge> findRimEdges(const Mesh& mesh) {
+  Buffer<SortKey> keys;
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
+  std::vector<RimEdge> rim;
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    if (edge.size() != 1) return;
+    const HalfEdge only = halfEdgeOf(edge[0]);
+    const glm::uvec3& t = mesh.triangles[only.face];
+    rim.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
+  });
+  std::ranges::sort(rim, {}, &RimEdge::from);
+  return rim;
+}
+
+using Rim = std::vector<RimEdge>;
+
+/// Joins edges to closed rims. Returns nothing if one does not close, or has too few or too many edges.
+std::optional<std::vector<Rim>> traceRims(const std::vector<RimEdge>& edges, size_t vertices) {
+  std::vector<bool> isUsed(edges.size());
+  const auto take = [&](uint32_t& place) {
+    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &RimEdge::from) - edges.begin());
+    while (e < edges.size() && edges[e].from == place && isUsed[e]) ++e;
+    if (e == edges.size() || edges[e].from != place) return kNoEdge;
+    isUsed[e] = true;
+    place = edges[e].to;
+    return uint32_t(e);
+  };
+  std::vector<uint32_t> starts;
+  for (const RimEdge& edge : edges) starts.push_back(edge.from);
+  std::vector<Rim> rims;
+  bool areGood = true;
+  traceLoops(vertices, starts, take, [&](std::span<const LoopStep> steps, uint32_t end) {
+    areGood = areGood && end == steps[0].from && steps.size() >= 3 && steps.size() <= kMostEdges;
+    Rim& rim = rims.emplace_back();
+    for (const LoopStep& step : steps) rim.push_back(edges[step.edge]);
+  });
+  if (!areGood) return {};
+  return rims;
+}
+
+/// Finds the best triangulation of a rim by dynamic programming over its parts.
+class RimFiller {
+ public:
+  RimFiller(const Mesh& mesh, const Rim& rim)
+      : mesh_(mesh), rim_(rim), size_(rim.size()), best_(size_ * size_) {
+    for (size_t length = 2; length < size_; ++length)
+      for (size_t i = 0; i + length < size_; ++i) best_[i * size_ + i + length] = bestBetween(i, i + length);
+  }
+
+  void append(std::vector<glm::uvec3>& triangles) const {
+    std::vector<std::pair<size_t, size_t>> parts{{0, size_ - 1}};
+    while (!parts.empty()) {
+      const auto [i, j] = parts.back();
+      parts.pop_back();
+      if (j == i + 1) continue;
+      const size_t k = at(i, j).middle;
+      triangles.emplace_back(rim_[i].from, rim_[k].from, rim_[j].from);
+      parts.emplace_back(i, k);
+      parts.emplace_back(k, j);
+    }
+  }
+
+ private:
+  /// Cost of a part: first the sharpest edge, 0 if flat and 2 if folded; then the area.
+  struct Part {
+    double sharpness = 0.0, area = 0.0;
+    size_t middle = 0;
+
+    bool operator<(const Part& other) const {
+      return std::pair(sharpness, area) < std::pair(other.sharpness, other.area);
+    }
+  };
+
+  const Part& at(size_t i, size_t j) const { return best_[i * size_ + j]; }
+  glm::dvec3 corner(size_t i) const { return glm::dvec3(mesh_.vertices[rim_[i].from]); }
+
+  static double sharpness(const glm::dvec3& n, const glm::dvec3& m) {
+    const double lengths = glm::length(n) * glm::length(m);
+    return lengths > 0.0 ? 1.0 - glm::dot(n, m) / lengths : 2.0;
+  }
+
+  /// Returns the normal of the face beyond the edge from i to j: of the mesh, or of the part between them.
+  glm::dvec3 normalBeyond(size_t i, size_t j) const {
+    if (j != i + 1) return doubleAreaNormal(corner(i), corner(at(i, j).middle), corner(j));
+    return normalOfMesh(i);
+  }
+  glm::dvec3 normalOfMesh(size_t i) const {
+    const RimEdge& edge = rim_[i];
+    const auto position = [&](uint32_t v) { return glm::dvec3(mesh_.vertices[v]); };
+    return doubleAreaNormal(position(edge.to), position(edge.from), position(edge.third));
+  }
+
+  Part bestBetween(size_t i, size_t j) const {
+    Part best{.sharpness = INFINITY};
+    for (size_t k = i + 1; k < j; ++k) {
+      const glm::dvec3 n = doubleAreaNormal(corner(i), corner(k), corner(j));
+      Part part{.sharpness = std::max({at(i, k).sharpness, at(k, j).sharpness,
+                                       sharpness(n, normalBeyond(i, k)), sharpness(n, normalBeyond(k, j))}),
+                .area = at(i, k).area + at(k, j).area + 0.5 * glm::length(n),
+                .middle = k};
+      if (i == 0 && j == size_ - 1) part.sharpness = std::max(part.sharpness, sharpness(n, normalOfMesh(j)));
+      if (part < best) best = part;
+    }
+    return best;
+  }
+
+  const Mesh& mesh_;
+  const Rim& rim_;
+  size_t size_;
+  std::vector<Part> best_;  // Best filling of the part from the first index to the second.
+};
+
+}  // namespace
+
+FilledHoles fillHoles(Mesh& mesh) {
+  const auto rims = traceRims(findRimEdges(mesh), mesh.vertices.size());
+  if (!rims) return {};
+  const size_t before = mesh.triangles.size();
+  for (const Rim& rim : *rims) RimFiller(mesh, rim).append(mesh.triangles);
+  return {rims->size(), mesh.triangles.size() - before};
+}
+
+}  // namespace raymap

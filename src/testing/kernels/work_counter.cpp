@@ -1,0 +1,301 @@
+#include "testing/kernels/work_counter.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+#include "testing/kernels/shader_names.h"
+#include "testing/kernels/vulkan_entry.h"
+#include "vulkan/device/command_buffer.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+/// Record of a dispatch in the log, which the host reads.
+struct LogEntry {
+  WorkCounters work;
+  VkDispatchIndirectCommand groups;
+  uint32_t unused;
+};
+constexpr uint32_t kLogEntries = 8192;
+
+struct PipelineInfo {
+  std::string name;
+  uint32_t groupSize;
+};
+
+}  // namespace
+
+struct WorkCounter::State {
+  DeviceBuffer counters, log;
+  std::mutex mutex;  // Kernels may be made on several threads.
+  std::map<VkShaderModule, std::string> modules;
+  std::map<VkPipeline, PipelineInfo> pipelines;
+  std::map<VkBuffer, VkDeviceSize> sizes;
+  std::map<VkDeviceAddress, std::pair<VkDeviceSize, VkBuffer>> addresses;
+  std::vector<CountedCommand> commands;
+  std::vector<size_t> pending;  // Dispatches by index in the log, as indices of commands.
+  PipelineInfo bound;
+  std::vector<VkDeviceAddress> pointers;        // Push constants that may be addresses.
+  std::vector<VkDeviceAddress> pointersBefore;  // Those of the dispatch before.
+  std::string stage;
+  uint32_t step = 0, submission = 0;
+
+  void add(const std::string& name, uint64_t groups, uint32_t groupSize, const WorkCounters& work) {
+    commands.push_back({.name = name,
+                        .stage = stage,
+                        .step = step,
+                        .submission = submission,
+                        .groups = groups,
+                        .groupSize = groupSize,
+                        .work = work});
+  }
+  uint64_t touchableBytes() const;
+  void harvest();
+};
+
+/// Sums the sizes of the buffers from the pointers on, each buffer once.
+uint64_t WorkCounter::State::touchableBytes() const {
+  std::map<VkBuffer, uint64_t> touched;
+  for (const VkDeviceAddress pointer : pointers) {
+    const auto above = addresses.upper_bound(pointer);
+    if (above == addresses.begin()) continue;
+    const auto& [address, buffer] = *std::prev(above);
+    if (pointer >= address + buffer.first) continue;
+    uint64_t& bytes = touched[buffer.second];
+    bytes = std::max<uint64_t>(bytes, address + buffer.first - pointer);
+  }
+  uint64_t sum = 0;
+  for (const auto& [buffer, bytes] : touched) sum += bytes;
+  return sum;
+}
+
+/// Reads the log of a completed submission.
+void WorkCounter::State::harvest() {
+  const std::span<const LogEntry> entries = log.mapped<const LogEntry>();
+  for (size_t i = 0; i < pending.size(); ++i) {
+    CountedCommand& command = commands[pending[i]];
+    command.work = entries[i].work;
+    if (command.groups > 0) continue;
+    const VkDispatchIndirectCommand& groups = entries[i].groups;
+    command.groups = uint64_t{groups.x} * groups.y * groups.z;
+  }
+  pending.clear();
+  ++submission;
+}
+
+/// The entries of Vulkan's function table that count.
+struct WorkCounter::Entries {
+  static inline State* state = nullptr;
+  static inline Entries* current = nullptr;
+
+  ReplacedEntry<PFN_vkCreateShaderModule> createModule{vkCreateShaderModule, makeModule};
+  ReplacedEntry<PFN_vkCreateComputePipelines> createPipelines{vkCreateComputePipelines, makePipelines};
+  ReplacedEntry<PFN_vkCreateBuffer> createBuffer{vkCreateBuffer, makeBuffer};
+  ReplacedEntry<PFN_vkDestroyBuffer> destroyBuffer{vkDestroyBuffer, forgetBuffer};
+  ReplacedEntry<PFN_vkGetBufferDeviceAddress> getAddress{vkGetBufferDeviceAddress, addressOf};
+  ReplacedEntry<PFN_vkCmdBindPipeline> bind{vkCmdBindPipeline, bindPipeline};
+  ReplacedEntry<PFN_vkCmdPushConstants> push{vkCmdPushConstants, pushConstants};
+  ReplacedEntry<PFN_vkCmdDispatchBase> dispatch{vkCmdDispatchBase, dispatchGroups};
+  ReplacedEntry<PFN_vkCmdDispatchIndirect> dispatchIndirect{vkCmdDispatchIndirect, dispatchFrom};
+  ReplacedEntry<PFN_vkCmdFillBuffer> fill{vkCmdFillBuffer, fillBuffer};
+  ReplacedEntry<PFN_vkCmdUpdateBuffer> update{vkCmdUpdateBuffer, updateBuffer};
+  ReplacedEntry<PFN_vkCmdCopyBuffer> copy{vkCmdCopyBuffer, copyBuffer};
+  ReplacedEntry<PFN_vkCmdPipelineBarrier2> barrier{vkCmdPipelineBarrier2, placeBarrier};
+  ReplacedEntry<PFN_vkWaitForFences> wait{vkWaitForFences, waitForFences};
+
+  static VKAPI_ATTR VkResult VKAPI_CALL makeModule(VkDevice device, const VkShaderModuleCreateInfo* info,
+                                                   const VkAllocationCallbacks* allocator,
+                                                   VkShaderModule* module) {
+    const std::vector<uint32_t> code =
+        withCounters({info->pCode, info->codeSize / sizeof(uint32_t)}, state->counters.address());
+    VkShaderModuleCreateInfo counting = *info;
+    counting.codeSize = code.size() * sizeof(uint32_t);
+    counting.pCode = code.data();
+    const VkResult result = current->createModule.real()(device, &counting, allocator, module);
+    const std::lock_guard lock(state->mutex);
+    if (result == VK_SUCCESS) state->modules[*module] = shaderName(*info);
+    return result;
+  }
+
+  static VKAPI_ATTR VkResult VKAPI_CALL makePipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                                      const VkComputePipelineCreateInfo* infos,
+                                                      const VkAllocationCallbacks* allocator,
+                                                      VkPipeline* pipelines) {
+    const VkResult result =
+        current->createPipelines.real()(device, cache, count, infos, allocator, pipelines);
+    if (result != VK_SUCCESS) return result;
+    const std::lock_guard lock(state->mutex);
+    for (uint32_t i = 0; i < count; ++i) {
+      const VkPipelineShaderStageCreateInfo& stage = infos[i].stage;
+      state->pipelines[pipelines[i]] = {state->modules.at(stage.module),
+                                        *static_cast<const uint32_t*>(stage.pSpecializationInfo->pData)};
+    }
+    return result;
+  }
+
+  static VKAPI_ATTR VkResult VKAPI_CALL makeBuffer(VkDevice device, const VkBufferCreateInfo* info,
+                                                   const VkAllocationCallbacks* allocator, VkBuffer* buffer) {
+    const VkResult result = current->createBuffer.real()(device, info, allocator, buffer);
+    if (result == VK_SUCCESS) state->sizes[*buffer] = info->size;
+    return result;
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL forgetBuffer(VkDevice device, VkBuffer buffer,
+                                                 const VkAllocationCallbacks* allocator) {
+    state->sizes.erase(buffer);
+    std::erase_if(state->addresses, [buffer](const auto& entry) { return entry.second.second == buffer; });
+    current->destroyBuffer.real()(device, buffer, allocator);
+  }
+
+  static VKAPI_ATTR VkDeviceAddress VKAPI_CALL addressOf(VkDevice device,
+                                                         const VkBufferDeviceAddressInfo* info) {
+    const VkDeviceAddress address = current->getAddress.real()(device, info);
+    state->addresses[address] = {state->sizes[info->buffer], info->buffer};
+    return address;
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL bindPipeline(VkCommandBuffer buffer, VkPipelineBindPoint point,
+                                                 VkPipeline pipeline) {
+    state->bound = state->pipelines.at(pipeline);
+    current->bind.real()(buffer, point, pipeline);
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL pushConstants(VkCommandBuffer buffer, VkPipelineLayout layout,
+                                                  VkShaderStageFlags stages, uint32_t offset, uint32_t size,
+                                                  const void* values) {
+    state->pointers.resize(size / sizeof(VkDeviceAddress));
+    std::memcpy(state->pointers.data(), values, state->pointers.size() * sizeof(VkDeviceAddress));
+    current->push.real()(buffer, layout, stages, offset, size, values);
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL dispatchGroups(VkCommandBuffer buffer, uint32_t firstX, uint32_t firstY,
+                                                   uint32_t firstZ, uint32_t x, uint32_t y, uint32_t z) {
+    current->dispatch.real()(buffer, firstX, firstY, firstZ, x, y, z);
+    logDispatch(buffer, uint64_t{x} * y * z);
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL dispatchFrom(VkCommandBuffer buffer, VkBuffer arguments,
+                                                 VkDeviceSize offset) {
+    const VkBufferCopy region{.srcOffset = offset,
+                              .dstOffset = logOffset() + offsetof(LogEntry, groups),
+                              .size = sizeof(VkDispatchIndirectCommand)};
+    wholeBarrier(buffer);
+    current->copy.real()(buffer, arguments, state->log.handle(), 1, &region);
+    current->dispatchIndirect.real()(buffer, arguments, offset);
+    logDispatch(buffer, 0);
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL fillBuffer(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset,
+                                               VkDeviceSize size, uint32_t value) {
+    current->fill.real()(buffer, to, offset, size, value);
+    state->add("fill", 0, 0, {.bytesWritten = size});
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL updateBuffer(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset,
+                                                 VkDeviceSize size, const void* values) {
+    current->update.real()(buffer, to, offset, size, values);
+    state->add("update", 0, 0, {.bytesWritten = size});
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL copyBuffer(VkCommandBuffer buffer, VkBuffer from, VkBuffer to,
+                                               uint32_t count, const VkBufferCopy* regions) {
+    current->copy.real()(buffer, from, to, count, regions);
+    state->add("copy", 0, 0, {.bytesRead = regions->size, .bytesWritten = regions->size});
+  }
+
+  static VKAPI_ATTR void VKAPI_CALL placeBarrier(VkCommandBuffer buffer, const VkDependencyInfo* info) {
+    current->barrier.real()(buffer, info);
+    ++state->step;
+  }
+
+  static VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, const VkFence* fences,
+                                                      VkBool32 all, uint64_t timeout) {
+    const VkResult result = current->wait.real()(device, count, fences, all, timeout);
+    if (result == VK_SUCCESS) state->harvest();
+    return result;
+  }
+
+  static VkDeviceSize logOffset() { return state->log.offset() + state->pending.size() * sizeof(LogEntry); }
+
+  /// Moves the counters of the dispatch before into the log, and clears them.
+  static void logDispatch(VkCommandBuffer buffer, uint64_t groups) {
+    if (state->pending.size() == kLogEntries) throw std::length_error("more dispatches than the log holds");
+    const DeviceBuffer& counters = state->counters;
+    const VkBufferCopy region{
+        .srcOffset = counters.offset(), .dstOffset = logOffset(), .size = sizeof(WorkCounters)};
+    wholeBarrier(buffer);
+    current->copy.real()(buffer, counters.handle(), state->log.handle(), 1, &region);
+    wholeBarrier(buffer);
+    current->fill.real()(buffer, counters.handle(), counters.offset(), counters.bytes(), 0);
+    wholeBarrier(buffer);
+    const bool isMore = !state->commands.empty() && state->commands.back().step == state->step &&
+                        state->commands.back().name == state->bound.name &&
+                        state->pointers == state->pointersBefore;
+    state->pointersBefore = state->pointers;
+    state->pending.push_back(state->commands.size());
+    state->add(state->bound.name, groups, state->bound.groupSize, {});
+    state->commands.back().touchableBytes = state->touchableBytes();
+    state->commands.back().isMore = isMore;
+  }
+
+  static void wholeBarrier(VkCommandBuffer buffer) {
+    const VkMemoryBarrier2 memory{
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+    const VkDependencyInfo info{
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &memory};
+    current->barrier.real()(buffer, &info);
+  }
+};
+
+WorkCounter::WorkCounter() : state_(std::make_unique<State>()) {
+  sharedInstance();  // Loads the functions.
+  Entries::state = state_.get();
+  entries_ = std::make_unique<Entries>();
+  Entries::current = entries_.get();
+}
+
+WorkCounter::~WorkCounter() {
+  entries_.reset();
+  Entries::current = nullptr;
+  Entries::state = nullptr;
+}
+
+void WorkCounter::start(Device& device) {
+  state_->counters = DeviceBuffer(device, "work counters");
+  state_->counters.resize<WorkCounters>(1);
+  state_->log = DeviceBuffer(device, "log of the work counters", MemoryUse::ReadBack);
+  state_->log.resize<LogEntry>(kLogEntries);
+  CommandBuffer own(device);
+  own.begin().fill(state_->counters, 0);
+  own.submitAndWait();
+  clear();
+}
+
+void WorkCounter::stop() {
+  state_->counters.release();
+  state_->log.release();
+}
+
+void WorkCounter::setStage(const std::string& stage) {
+  state_->stage = stage;
+}
+
+void WorkCounter::clear() {
+  state_->commands.clear();
+  state_->pending.clear();
+  state_->step = state_->submission = 0;
+}
+
+const std::vector<CountedCommand>& WorkCounter::commands() const {
+  return state_->commands;
+}
+
+}  // namespace raymap::vulkan

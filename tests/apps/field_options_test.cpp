@@ -1,0 +1,115 @@
+#include <fstream>
+#include <vector>
+
+#include "cli.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class CliFieldOptions : public Cli {};
+
+TEST_F(CliFieldOptions, CoversTheRequestedBox) {
+  writeTorus();
+  succeed("generate torus.ply -o box.nrrd --voxel-size 0.5 --bounds -4 -3 -1 4 3 1");
+  const Grid grid = readField(path("box.nrrd")).grid;
+  EXPECT_EQ(grid.dims, glm::ivec3(16, 12, 4));
+  EXPECT_DOUBLE_EQ(grid.origin.x, -3.75);
+  // Negative numbers are not taken for options.
+  succeed("generate torus.ply -o short.nrrd --voxel-size .25 --bounds -.5 -1e0 -.25e+1 .5 +1 -.5");
+  const Grid other = readField(path("short.nrrd")).grid;
+  EXPECT_EQ(other.dims, glm::ivec3(4, 8, 8));
+  EXPECT_DOUBLE_EQ(other.origin.z, -2.375);
+}
+
+TEST_F(CliFieldOptions, SamplesCurvesAsAsked) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).x > 2.2; });
+  writeMesh(path("torn.ply"), mesh);
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  std::ofstream(path("points.txt")) << "# in samples\n 3 -2 1\n\n-100\t0 4   # far away\r\n";
+  Options options{.orientation = Orientation::Keep, .winding = true, .device = "cpu"};
+  const auto expectSame = [&](const std::string& arguments) {
+    succeed(
+        "generate torn.ply -o f.npy --winding w.npy --resolution 24 --device cpu --orientation keep --stats "
+        "s.json " +
+        arguments);
+    const Field expected = generate(mesh, grid, options).field;
+    // A .npy of winding numbers is read as distances.
+    const Field made = readField(path("w.npy"));
+    ASSERT_EQ(made.distance.size(), expected.winding.size());
+    for (size_t s = 0; s < expected.winding.size(); ++s)
+      ASSERT_NEAR(made.distance[s], expected.winding[s], 1e-6f) << arguments << ", sample " << s;
+  };
+  options.sign = SignMode::Ray;
+  expectSame("--sign ray");
+  options.sign = SignMode::Paths;
+  options.sampling = Sampling::Paper;
+  options.passes = 3;
+  expectSame("--sign paths --sampling paper --passes 3");
+  EXPECT_EQ(json("s.json")["options"]["sampling"], "paper");
+  EXPECT_EQ(json("s.json")["options"]["offsets"], Json::array());
+  options.offsets = {{3, -2, 1}, {-100, 0, 4}};
+  expectSame("--sign paths --sampling paper --passes 3 --offsets points.txt");
+  EXPECT_EQ(json("s.json")["options"]["offsets"], Json({{3, -2, 1}, {-100, 0, 4}}));
+  options.sign = SignMode::Evolution;
+  options.sampling = Sampling::Raymap;
+  expectSame("--sign evolution --passes 3 --offsets points.txt");
+}
+
+TEST_F(CliFieldOptions, NamesTheLineOfABadOffset) {
+  writeTorus();
+  const auto refuse = [&](const std::string& lines, ErrorCode code, const std::string& message) {
+    std::ofstream(path("points.txt")) << lines;
+    expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets points.txt", code, message);
+  };
+  refuse("1 2 3\n\n4 5\n", ErrorCode::Input, "points.txt:3: 2 numbers; a line holds an offset x y z");
+  refuse("1 2 3 4\n", ErrorCode::Input, "points.txt:1: 4 numbers");
+  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: '0.5' is not a whole number of 32 bits");
+  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: '3000000000' is not a whole number of 32 bits");
+  refuse("1, 2, 3\n", ErrorCode::Input, "points.txt:1: '1,'");
+  refuse("# nothing\n", ErrorCode::Input, "points.txt: it holds no offsets");
+  expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets no.txt", ErrorCode::File,
+                "no.txt: cannot be opened");
+  expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets .", ErrorCode::File, "cannot be opened");
+  for (const char* extra : {"--offsets points.txt", "--sampling paper", "--sign rays --sampling paper"})
+    expectFailure(std::string("generate torus.ply -o f.nrrd ") + extra, ErrorCode::Usage,
+                  "--sampling and --offsets need --sign paths or evolution");
+  EXPECT_FALSE(fs::exists(path("f.nrrd")));
+}
+
+TEST_F(CliFieldOptions, ThickensSheets) {
+  writeMesh(path("square.ply"), makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}},
+                                         {{0, 1, 2}, {0, 2, 3}}));
+  succeed("mesh square.ply -o plate.stl --thickness 0.4 --voxel-size 0.1");
+  const Diagnostics found = diagnose(readMesh(path("plate.stl")));
+  EXPECT_TRUE(found.watertight);
+  // The volume of a plate, of half cylinders at its sides and of a ball at its corners.
+  EXPECT_NEAR(found.signedVolume, 4.0 * 4.0 * 0.4 + 8.0 * 0.1257 / 2.0 * 2.0 + 0.0335, 0.1);
+  succeed("generate square.ply -o plate.nrrd --thickness 0.4 --voxel-size 0.1 --stats plate.json");
+  EXPECT_EQ(json("plate.json")["options"]["thickness"], 0.4);
+  succeed("render square.ply -o plate.png --thickness 0.4 --resolution 32 --size 64 48");
+  expectFailure("generate square.ply -o f.nrrd --thickness 0.4 --sign rays", ErrorCode::Usage,
+                "place of --sign");
+  expectFailure("generate square.ply -o f.nrrd --thickness 0.4 --close-holes", ErrorCode::Usage,
+                "needs a sign");
+}
+
+TEST_F(CliFieldOptions, MakesRoomForThePlateAroundASheet) {
+  writeMesh(path("sheet.ply"), makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                        {{0, 1, 2}, {0, 2, 3}}));
+  succeed("mesh sheet.ply -o plate.ply --thickness 0.6 --resolution 40");
+  EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().x, 1.6, 0.03);
+  EXPECT_NEAR(bounds(readMesh(path("plate.ply"))).size().z, 0.6, 0.03);
+  succeed("generate sheet.ply -o plate.nrrd --thickness 0.6 --resolution 40");
+  const Field field = readField(path("plate.nrrd"));
+  EXPECT_NEAR(field.grid.spacing, (1.0 + 2.0 * (0.1 + 0.3)) / 40, 1e-9);
+  EXPECT_NEAR(field.grid.origin.x, -0.4 + 0.5 * field.grid.spacing, 1e-9);
+  EXPECT_LE(field.grid.origin.z, -0.4 + 0.5 * field.grid.spacing + 1e-9);
+  EXPECT_GT(field.distance[0], 0.0f);
+  succeed("generate sheet.ply -o cut.nrrd --thickness 0.6 --voxel-size 0.1 --bounds 0 0 0 1 1 0.2");
+  EXPECT_EQ(readField(path("cut.nrrd")).grid.dims, glm::ivec3(10, 10, 2));
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "broken_meshes.h"
+#include "cli.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class CliGenerate : public Cli {};
+
+TEST_F(CliGenerate, MakesAFieldOfAMesh) {
+  writeTorus();
+  const Result result = succeed(
+      "generate torus.ply -o torus.nrrd --resolution 40 --triangle-ids ids.npy --winding w.npy "
+      "--confidence c.npy --stats stats.json");
+  EXPECT_NE(result.out.find("wrong with it: nothing"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("wrote torus.nrrd"), std::string::npos) << result.out;
+  const Field field = readField(path("torus.nrrd"));
+  EXPECT_EQ(std::max({field.grid.dims.x, field.grid.dims.y, field.grid.dims.z}), 40);
+  const glm::ivec3 middle = field.grid.dims / 2;
+  EXPECT_NEAR(field.distance[field.grid.index(middle)], 1.3, field.grid.spacing);  // In the torus's hole,
+  const int inside = int((2.0 - field.grid.origin.x) / field.grid.spacing);
+  EXPECT_LT(field.distance[field.grid.index({inside, middle.y, middle.z})], -0.5);  // and in its tube.
+  for (const char* name : {"ids.npy", "w.npy", "c.npy"}) EXPECT_TRUE(fs::exists(path(name))) << name;
+}
+
+TEST_F(CliGenerate, ReportsStatistics) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
+  mesh.triangles.pop_back();
+  writeMesh(path("torn.ply"), mesh);
+  const std::string summary =
+      succeed("generate torn.ply -o torn.nrrd --voxel-size 0.25 --threads 2 --stats stats.json").out;
+  const Json stats = json("stats.json");
+  const Grid grid = readField(path("torn.nrrd")).grid;
+  EXPECT_EQ(stats["grid"]["dims"], Json({grid.dims.x, grid.dims.y, grid.dims.z}));
+  EXPECT_EQ(stats["grid"]["samples"], grid.sampleCount());
+  EXPECT_EQ(stats["grid"]["spacing"], 0.25);
+  EXPECT_EQ(stats["diagnostics"]["boundary_edges"], 3);
+  EXPECT_NE(summary.find("size 5.4 x 5.4 x 1.4, wrong with it: 3 boundary edges\n"), std::string::npos)
+      << summary;
+  Json info = Json::parse(succeed("info torn.ply --json").out);
+  EXPECT_EQ(info["hole_count"], 1);
+  EXPECT_EQ(info["holes"][0]["edges"], 3);
+  EXPECT_EQ(info["self_intersections"]["pairs"], 0);
+  EXPECT_TRUE(info["unit"].is_null());
+  for (const char* key : {"self_intersections", "unit", "verdict"}) info.erase(key);
+  EXPECT_EQ(stats["diagnostics"], info);
+  EXPECT_EQ(stats["options"]["threads"], 2);
+  EXPECT_GT(stats["stats"]["doubtful_share"], 0.0);
+  EXPECT_GT(stats["peak_memory_bytes"], grid.sampleCount() * sizeof(float));
+  double sum = 0.0;
+  for (const Json& stage : stats["stats"]["stages"]) sum += stage["milliseconds"].get<double>();
+  EXPECT_GT(stats["stats"]["stages"].size(), 3u);
+  EXPECT_LE(sum, stats["stats"]["milliseconds"].get<double>() * 1.001);
+}
+
+TEST_F(CliGenerate, ShowsWhereTheTimeGoes) {
+  writeTorus();
+  std::istringstream out(
+      succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu --stats stats.json").out);
+  std::vector<std::string> names;
+  for (std::string line; std::getline(out, line);) {
+    if (!line.starts_with("  ")) continue;
+    std::istringstream words(line);
+    std::string name, unit;
+    double milliseconds = -1.0;
+    words >> name >> milliseconds >> unit;
+    EXPECT_EQ(unit, "ms") << line;
+    EXPECT_GE(milliseconds, 0.0) << line;
+    names.push_back(name);
+  }
+  ASSERT_GT(names.size(), 9u);
+  EXPECT_EQ(std::vector(names.begin(), names.begin() + 4),
+            (std::vector<std::string>{"load", "diagnose", "fit", "begin"}));
+  EXPECT_EQ(std::vector(names.end() - 4, names.end()),
+            (std::vector<std::string>{"write", "report", "other", "elapsed"}));
+  const Json steps = json("stats.json")["steps"];
+  ASSERT_EQ(steps.size(), names.size() - 3);  // It is written in the step "report".
+  for (size_t s = 0; s < steps.size(); ++s) EXPECT_EQ(steps[s]["name"], names[s]);
+  EXPECT_EQ(succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu").out.find("  report  "),
+            std::string::npos);
+}
+
+TEST_F(CliGenerate, ReportsDefects) {
+  Mesh mesh = shapes::sphere(1.0, 3);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
+  std::swap(mesh.triangles[9].x, mesh.triangles[9].y);
+  writeMesh(path("torn.ply"), mesh);
+  succeed("generate torn.ply -o torn.nrrd --resolution 24 --report report.json --report-picture report.png");
+  const Json report = json("report.json");
+  EXPECT_EQ(report["diagnostics"]["flipped_faces"], 1);
+  EXPECT_EQ(report["diagnostics"]["hole_count"], 1);
+  EXPECT_EQ(report["diagnostics"]["self_intersections"]["pairs"], 0);
+  EXPECT_GT(report["stats"]["doubtful_share"], 0.01);
+  EXPECT_GT(report["guessed_share"], 0.0);
+  EXPECT_LT(report["guessed_share"], 0.9);
+  EXPECT_GT(fs::file_size(path("report.png")), 1000u);
+  succeed("info torn.ply --picture torn.png --size 100 80 --up 0 0 1 --direction 0 1 0");
+  EXPECT_GT(fs::file_size(path("torn.png")), 500u);
+  expectFailure("info torn.ply --picture torn.jpg", ErrorCode::Usage, "torn.jpg");
+  expectFailure("info torn.ply --picture torn.png --direction 0 1 0", ErrorCode::Usage, "two different");
+}
+
+TEST_F(CliGenerate, ClosesHoles) {
+  Mesh mesh = shapes::sphere(1.0, 4);
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
+  writeMesh(path("open.ply"), mesh);
+  const Result result =
+      succeed("generate open.ply -o open.nrrd --resolution 32 --close-holes --device cpu --stats stats.json");
+  EXPECT_NE(result.out.find("closed holes:"), std::string::npos) << result.out;
+  const Json stats = json("stats.json");
+  EXPECT_TRUE(stats["options"]["close_holes"]);
+  EXPECT_NEAR(stats["stats"]["patch_area"], 1.13, 0.1);
+  EXPECT_GT(stats["stats"]["patch_triangles"], 100);
+  expectFailure("generate open.ply -o none.nrrd --close-holes --sign none", ErrorCode::Usage, "needs a sign");
+}
+
+TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const size_t faces = ball.triangles.size();
+  const auto least = [](const fs::path& file) {
+    const Field field = readField(file);
+    return *std::min_element(field.distance.begin(), field.distance.end());
+  };
+  writeMesh(path("ball.ply"), withDoubledFaces(ball, 1.0, 1));
+  const std::string info = succeed("info ball.ply").out;
+  EXPECT_NE(info.find("\ndouble-sided faces       10,240\n"), std::string::npos) << info;
+  EXPECT_EQ(Json::parse(succeed("info ball.ply --json").out)["double_sided_faces"], 2 * faces);
+  const std::string text =
+      succeed("generate ball.ply -o ball.nrrd --resolution 48 --device cpu --stats s.json --report r.json")
+          .out;
+  EXPECT_NE(text.find("10,240 double-sided faces"), std::string::npos) << text;
+  EXPECT_NE(text.find("bound a solid; 5,120 other sides left out\n"), std::string::npos) << text;
+  EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], faces);
+  EXPECT_EQ(json("s.json")["stats"]["orientation_fits"], true);
+  EXPECT_EQ(json("r.json")["stats"]["left_out_faces"], faces);
+  EXPECT_EQ(json("r.json")["stats"]["orientation_fits"], true);
+  EXPECT_LT(least(path("ball.nrrd")), -0.95f);
+  succeed("generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json");
+  EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], 0);
+  EXPECT_GT(least(path("kept.nrrd")), 0.0f);
+  const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;
+  EXPECT_NE(repaired.find("5,120 other sides left out"), std::string::npos) << repaired;
+  const Json solid = json("solid.json");
+  EXPECT_EQ(solid["stats"]["left_out_faces"], faces);
+  EXPECT_EQ(solid["stats"]["orientation_fits"], true);
+  EXPECT_TRUE(solid["after"]["watertight"]);
+  EXPECT_NEAR(solid["after"]["signed_volume"], 4.18879, 0.04);
+}
+
+TEST_F(CliGenerate, SaysThatNoOrientationFits) {
+  Mesh fan = shapes::sphere(1.0, 5);  // All faces meet in the centre.
+  fan.vertices.emplace_back(0.0f);
+  for (glm::uvec3& t : fan.triangles) t.z = uint32_t(fan.vertices.size() - 1);
+  writeMesh(path("fan.ply"), withFlippedFaces(fan, 0.5, 5));
+  const std::string text =
+      succeed("generate fan.ply -o fan.nrrd --resolution 40 --device cpu --stats s.json").out;
+  EXPECT_NE(text.find("orientation: no directions of the faces fit the crossings, misfit "),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("; the faces are used as given\n"), std::string::npos) << text;
+  EXPECT_EQ(json("s.json")["stats"]["orientation_fits"], false);
+  EXPECT_EQ(json("s.json")["stats"]["turned_faces"], 0);
+  EXPECT_GT(json("s.json")["stats"]["misfit"], 0.5);
+}
+
+TEST_F(CliGenerate, KeepsAllArraysInOneFile) {
+  writeTorus();
+  for (const char* extension : {".npz", ".vti", ".vdb"}) {
+    if (!hasFieldFormat(extension)) continue;
+    SCOPED_TRACE(extension);
+    succeed(std::string("generate torus.ply --resolution 16 -o f") + extension +
+            " --winding w.nrrd --confidence c.nrrd --triangle-ids t.nrrd");
+    const Field all = readField(path(std::string("f") + extension));
+    EXPECT_TRUE(std::ranges::equal(all.winding, readField(path("w.nrrd")).winding));
+    EXPECT_TRUE(std::ranges::equal(all.confidence, readField(path("c.nrrd")).confidence));
+    EXPECT_TRUE(std::ranges::equal(all.triangle, readField(path("t.nrrd")).triangle));
+    EXPECT_EQ(all.distance.size(), all.winding.size());
+    succeed(std::string("convert f") + extension + " g.npz");
+    EXPECT_TRUE(std::ranges::equal(readField(path("g.npz")).triangle, all.triangle));
+    succeed(std::string("compare f") + extension + " g.npz --as triangle");
+  }
+}
+
+TEST_F(CliGenerate, TakesTheNumberOfThreadsFromTheVariable) {
+  writeTorus();
+  const std::string generate = "generate torus.ply -o f.nrrd --resolution 16 --device cpu";
+  succeed(generate + " --threads 100000");
+  const std::string all = readBytes(path("f.nrrd"));
+  EXPECT_EQ(run(generate, "RAYMAP_THREADS=1").code, 0);
+  EXPECT_EQ(readBytes(path("f.nrrd")), all);
+  const Result wrong = run(generate, "RAYMAP_THREADS=all");
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("the environment variable RAYMAP_THREADS is 'all'"), std::string::npos)
+      << wrong.err;
+}
+
+}  // namespace
+}  // namespace raymap

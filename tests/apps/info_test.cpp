@@ -1,0 +1,101 @@
+#include "cli.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class CliInfo : public Cli {};
+
+TEST_F(CliInfo, WritesTheExampleMesh) {
+  succeed("example -o globe.ply");
+  const Json whole = Json::parse(succeed("info globe.ply --json").out);
+  EXPECT_TRUE(whole["watertight"]);
+  EXPECT_TRUE(whole["consistently_oriented"]);
+  EXPECT_EQ(whole["degenerate_faces"], 0);
+  EXPECT_EQ(whole["components"], 2);
+  EXPECT_GT(whole["triangles"], 90000);
+  succeed("example -o torn.ply --holes");
+  EXPECT_GT(Json::parse(succeed("info torn.ply --json").out)["boundary_edges"], 300);
+}
+
+TEST_F(CliInfo, LeavesOutCrossingPairsOnRequest) {
+  writeMesh(path("two.ply"), shapes::joined(shapes::torus(2.0, 0.7, 40, 24), shapes::sphere(1.5, 3)));
+  EXPECT_NE(succeed("info two.ply --fast").out.find("\ncrossing pairs of faces  not counted (--fast)\n"),
+            std::string::npos);
+  Json fast = Json::parse(succeed("info two.ply --fast --json").out);
+  Json full = Json::parse(succeed("info two.ply --json").out);
+  EXPECT_TRUE(fast["self_intersections"].is_null());
+  EXPECT_GT(full["self_intersections"]["pairs"], 100);
+  EXPECT_EQ(fast["verdict"]["kind"], "several_solids");
+  EXPECT_EQ(full["verdict"]["kind"], "overlapping_solids");
+  for (const char* key : {"self_intersections", "verdict"}) {
+    fast.erase(key);
+    full.erase(key);
+  }
+  EXPECT_EQ(fast, full);
+  expectFailure("info two.ply --fast --picture two.png", ErrorCode::Usage, "leave out --fast");
+}
+
+TEST_F(CliInfo, EndsInformationWithAVerdict) {
+  const auto verdict = [&](const Mesh& mesh, const std::string& arguments) {
+    writeMesh(path("a mesh.ply"), mesh);
+    const std::string text = succeed("info 'a mesh.ply'" + arguments).out;
+    return text.substr(text.find("\n\n") + 2);
+  };
+  const Mesh torus = shapes::torus(2.0, 0.7, 40, 24), ball = shapes::sphere(1.5, 3);
+  const Mesh two = shapes::joined(torus, ball);
+  const std::string pairs = std::to_string(findSelfIntersections(two).pairs);
+  EXPECT_EQ(
+      verdict(torus, ""),
+      "This is a clean solid, with nothing wrong.\nNo part is thinner than 0.216; a repair with 256 samples "
+      "keeps all.\n");
+  EXPECT_EQ(verdict(two, ""),
+            "This is 2 closed parts that overlap: " + pairs +
+                " pairs of faces cross.\nTo make it a clean solid: raymap repair "
+                "'a mesh.ply' -o 'a mesh.solid.ply'\nNo part is thinner than 0.216; a repair "
+                "with 256 samples keeps all.\n");
+  const auto slab = [&](double depth) { return verdict(shapes::box({0, 0, 0}, {10, 10, depth}), ""); };
+  EXPECT_EQ(slab(0.2),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.2 thick. A repair "
+            "with 256 samples keeps it; so does --voxel-size 0.1.\n");
+  EXPECT_EQ(slab(0.03),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.03 thick. To keep "
+            "it takes --voxel-size 0.015: 800 x 800 x 136 samples.\n");
+  EXPECT_EQ(slab(0.001),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.001 thick. To "
+            "keep it would take --voxel-size 0.0005: 24,000 x 24,000 x 4,003 samples, which is too many; 256 "
+            "samples "
+            "keep parts from 0.0938 on.\n");
+  EXPECT_EQ(verdict(two, " --fast"),
+            "This is 2 clean, separate solids, with nothing wrong. Faces that cross were not counted "
+            "(--fast).\n");
+  Mesh torn = torus;
+  torn.triangles.pop_back();
+  std::swap(torn.triangles[9].x, torn.triangles[9].y);
+  EXPECT_TRUE(verdict(torn, "").starts_with(
+      "This is a solid with holes, as scans have: 1 hole, 0.507 wide. It also has "))
+      << verdict(torn, "");
+  EXPECT_NE(verdict(torn, "").find("It also has 1 turned face.\n"), std::string::npos);
+  Mesh square;
+  square.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const std::string sheet = verdict(square, "");
+  const size_t command = sheet.find("raymap mesh ");
+  ASSERT_NE(command, std::string::npos) << sheet;
+  EXPECT_EQ(sheet.substr(command),
+            "raymap mesh 'a mesh.ply' -o 'a mesh.solid.ply' --thickness 0.2 --voxel-size 0.05\n");
+  succeed(sheet.substr(command + 7, sheet.size() - command - 8) + " --device cpu");
+  EXPECT_NEAR(diagnose(readMesh(path("a mesh.solid.ply"))).signedVolume, 20.0, 2.0);
+}
+
+TEST_F(CliInfo, TellsTheUnit) {
+  writeMesh(path("box.3mf"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)), {.unit = LengthUnit::Inch});
+  const Result inch = run("info box.3mf");
+  EXPECT_NE(inch.out.find("unit                     mm\n"), std::string::npos) << inch.out;
+  EXPECT_EQ(inch.err,
+            "raymap: warning: box.3mf: 3D/3dmodel.model is in the unit inch; converted to millimetres\n");
+  EXPECT_EQ(Json::parse(run("info box.3mf --json").out)["unit"], "mm");
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,53 @@
+#include "cli.h"
+
+namespace raymap {
+namespace {
+
+class CliMain : public Cli {};
+
+TEST_F(CliMain, PrintsHelpAndVersion) {
+  EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
+  const std::string help = succeed("--help").out;
+  for (const char* word : {"generate", "info", "query", "mesh", "render", "repair", "compare", "convert",
+                           "example", "devices", "Exit codes"})
+    EXPECT_NE(help.find(word), std::string::npos) << word;
+  const std::string generate = succeed("generate --help").out;
+  for (const char* option :
+       {"--output",       "--resolution", "--voxel-size", "--bounds",    "--padding",
+        "--distance",     "--sign",       "--passes",     "--threshold", "--band",
+        "--close-holes",  "--invert",     "--device",     "--threads",   "--memory-limit",
+        "--triangle-ids", "--winding",    "--confidence", "--stats",     "Examples:"})
+    EXPECT_NE(generate.find(option), std::string::npos) << option;
+  const std::string render = succeed("render --help").out;
+  for (const char* option :
+       {"--cut", "--shell", "--slice", "--index", "--resolution", "--size", "--direction", "--device"})
+    EXPECT_NE(render.find(option), std::string::npos) << option;
+}
+
+TEST_F(CliMain, ShowsOptionsAsTheyAreWritten) {
+  for (const char* command : {"generate", "info", "query", "mesh", "render", "repair", "compare", "convert",
+                              "example", "devices"}) {
+    const std::string help = succeed(std::string(command) + " --help").out;
+    for (const char* oddity : {"{false}", "{true}", "[0]", "(=1024b)", "INT in ["})
+      EXPECT_EQ(help.find(oddity), std::string::npos) << help;
+  }
+  EXPECT_NE(succeed("repair --help").out.find("--no-close-holes "), std::string::npos);
+}
+
+TEST_F(CliMain, FailsWhereItsTextIsLost) {
+  for (const char* arguments : {"--version", "--help", "repair --help"}) {
+    const Result result = shell(std::string("$R ") + arguments + " >/dev/full");
+    EXPECT_EQ(result.code, static_cast<int>(ErrorCode::File)) << arguments;
+    EXPECT_EQ(result.err, "raymap: error: standard output: cannot write the text: No space left on device\n");
+  }
+}
+
+TEST_F(CliMain, NamesTheCommands) {
+  expectFailure("", ErrorCode::Usage,
+                "name a command: generate info query mesh render repair compare convert example devices;");
+  expectFailure("paint torus.ply", ErrorCode::Usage,
+                "unknown command 'paint'; use one of: generate info query mesh render");
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,76 @@
+#include <fstream>
+#include <sstream>
+
+#include "cli.h"
+
+namespace raymap {
+namespace {
+
+class CliQuery : public Cli {};
+
+TEST_F(CliQuery, MeasuresPoints) {
+  writeTorus();
+  std::ofstream(path("p.csv")) << "name,x,y,z\nin,2,0,0\nout,0,0,0\nlost,nan,0,0\n";
+  const Result result = succeed("query torus.ply p.csv -o r.csv --arrays triangle,distance --stats s.json");
+  EXPECT_NE(result.out.find("p.csv: 3 points, 1 not finite"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(", 1 point inside"), std::string::npos) << result.out;
+  std::istringstream rows(readBytes(path("r.csv")));
+  std::string header, in, out, lost;
+  for (std::string* row : {&header, &in, &out, &lost}) std::getline(rows, *row);
+  EXPECT_EQ(header, "x,y,z,distance,triangle");
+  EXPECT_EQ(in.rfind("2,0,0,-0.6", 0), 0u) << in;
+  EXPECT_EQ(out.rfind("0,0,0,1.", 0), 0u) << out;
+  EXPECT_EQ(lost, "nan,0,0,nan,-1");
+  const Json stats = json("s.json");
+  EXPECT_EQ(stats["points"]["count"], 3);
+  EXPECT_EQ(stats["points"]["non_finite"], 1);
+  EXPECT_EQ(stats["options"]["arrays"], Json({"distance", "triangle"}));
+  EXPECT_TRUE(stats["options"]["max_distance"].is_null());
+  EXPECT_EQ(stats["distances"]["inside"], 1);
+  EXPECT_EQ(stats["stats"]["turned_faces"], 0);
+}
+
+TEST_F(CliQuery, MeasuresPointsWithoutASign) {
+  writeTorus();
+  std::ofstream(path("p.xyz")) << "2 0 0\n0 0 0\n";
+  succeed("query torus.ply p.xyz -o r.csv --unsigned --max-distance 1 --stats s.json");
+  const std::string rows = readBytes(path("r.csv"));
+  EXPECT_EQ(rows.rfind("x,y,z,distance\n2,0,0,0.6", 0), 0u) << rows;
+  EXPECT_NE(rows.find("\n0,0,0,1\n"), std::string::npos) << rows;
+  EXPECT_EQ(json("s.json")["options"]["max_distance"], 1.0);
+  EXPECT_EQ(json("s.json")["stats"]["doubtful_share"], 0.0);
+}
+
+TEST_F(CliQuery, ColoursAPointCloud) {
+  writeTorus();
+  succeed("query torus.ply torus.ply -o r.ply --colour");
+  const std::string bytes = readBytes(path("r.ply"));
+  EXPECT_NE(bytes.find("element vertex 960\n"), std::string::npos);
+  EXPECT_NE(bytes.find("property float distance\nproperty uchar red\n"), std::string::npos);
+  EXPECT_EQ(readPoints(path("r.ply")).size(), 960u);
+}
+
+TEST_F(CliQuery, RefusesQueriesThatMakeNoSense) {
+  writeTorus();
+  std::ofstream(path("p.csv")) << "1,2,3\n1,2\n";
+  const auto usage = ErrorCode::Usage;
+  expectFailure("query torus.ply p.csv -o r.csv", ErrorCode::Input,
+                "p.csv: line 2: 2 columns, but line 1 has 3");
+  expectFailure("query torus.ply p.csv -o r.txt", usage, "the name must end in one of .csv .npy .npz .ply");
+  succeed("convert torus.ply torus.stl");
+  expectFailure("query torus.ply torus.stl -o r.csv", usage, "'.stl' is not a format for points");
+  fs::remove(path("torus.stl"));
+  expectFailure("query torus.ply p.csv -o r.npy --arrays distance,closest", usage, "a .npy holds one array");
+  expectFailure("query torus.ply p.csv -o r.csv --colour", usage, "--colour needs");
+  expectFailure("query torus.ply p.csv -o r.ply --colour --arrays winding", usage, "--colour needs");
+  expectFailure("query torus.ply p.csv -o r.csv --unsigned --arrays winding", usage, "leave out --unsigned");
+  expectFailure("query torus.ply p.csv -o r.csv --arrays length", usage, "length not in");
+  expectFailure("query torus.ply p.csv -o r.csv --max-distance 0", usage, "must be a number above 0");
+  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 30kB", ErrorCode::Memory,
+                "960 points and their results need 30.7 kB, which leaves nothing of the 30.7 kB");
+  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 40kB", ErrorCode::Memory, "");
+  EXPECT_EQ(fileCount(), 2u);
+}
+
+}  // namespace
+}  // namespace raymap

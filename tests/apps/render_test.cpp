@@ -1,0 +1,55 @@
+#include "cli.h"
+
+namespace raymap {
+namespace {
+
+class CliRender : public Cli {};
+
+TEST_F(CliRender, DrawsPictures) {
+  writeTorus();
+  succeed("generate torus.ply -o torus.nrrd --resolution 24");
+  succeed("render torus.nrrd -o picture.png --size 64 48");
+  const std::string png = readBytes(path("picture.png"));
+  ASSERT_GT(png.size(), 24u);
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x40\0\0\0\x30", 8));  // IHDR: width, height.
+  succeed("render torus.nrrd -o cut.png --size 64 48 --cut --shell 0.2");
+  EXPECT_NE(readBytes(path("cut.png")), png);
+  succeed("render torus.ply -o direct.png --resolution 24 --size 64 48");
+  EXPECT_EQ(readBytes(path("direct.png")), png);
+  expectFailure("render torus.nrrd -o gpu.png --device gpu", ErrorCode::Usage, "'gpu'");
+  expectFailure("render torus.nrrd -o gpu.png --device vulkan:99", ErrorCode::Unsupported, "vulkan:99");
+  EXPECT_FALSE(fs::exists(path("gpu.png")));
+  const Result slice = succeed("render torus.nrrd -o slice.png --slice z --index 3");
+  EXPECT_EQ(slice.out.rfind("wrote slice.png, ", 0), 0u) << slice.out;
+  expectFailure("render torus.nrrd -o slice.png --slice z --index 99", ErrorCode::Usage, "across z");
+  EXPECT_TRUE(fs::exists(path("slice.png")));
+}
+
+TEST_F(CliRender, DrawsFilesOfPrintersAndCadWithZUp) {
+  writeTorus();
+  succeed("convert torus.ply torus.stl");
+  const std::string small = " --size 32 24 --resolution 24 -o ";
+  const auto drawn = [&](const std::string& arguments) {
+    succeed(arguments + " p.png");
+    return readBytes(path("p.png"));
+  };
+  const std::string zUp = drawn("render torus.ply --up 0 0 1 --direction -0.6 1 -0.45" + small);
+  const std::string yUp = drawn("render torus.ply --up 0 1 0 --direction -0.6 -0.45 -1" + small);
+  EXPECT_NE(zUp, yUp);
+  EXPECT_EQ(drawn("render torus.ply" + small), yUp);
+  EXPECT_EQ(drawn("render torus.ply --up 0 0 1" + small), zUp);
+  EXPECT_EQ(drawn("render torus.stl" + small), zUp);
+  EXPECT_EQ(drawn("render torus.stl --up 0 1 0" + small), yUp);
+  EXPECT_EQ(shell("$R render - --format stl < torus.stl 2>.text" + small + "-").out, zUp);
+  EXPECT_EQ(shell("$R render - --format ply < torus.ply 2>.text" + small + "-").out, yUp);
+
+  EXPECT_EQ(drawn("info torus.stl --size 32 24 --picture"),
+            drawn("info torus.ply --size 32 24 --up 0 0 1 --picture"));
+  EXPECT_NE(drawn("info torus.stl --size 32 24 --picture"), drawn("info torus.ply --size 32 24 --picture"));
+  succeed("generate torus.stl -o f.nrrd --resolution 8 --report-picture r.png");
+  EXPECT_EQ(readBytes(path("r.png")), drawn("info torus.ply --up 0 0 1 --picture"));
+}
+
+}  // namespace
+}  // namespace raymap

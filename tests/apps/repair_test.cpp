@@ -1,0 +1,202 @@
+#include <cmath>
+#include <vector>
+
+#include "cli.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+class CliRepair : public Cli {};
+
+TEST_F(CliRepair, RepairsAMesh) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
+  mesh.triangles.pop_back();
+  writeMesh(path("torn.ply"), mesh);
+  const std::string text =
+      succeed("repair torn.ply -o solid.stl --remesh --resolution 64 --stats solid.json").out;
+  EXPECT_NE(text.find("wrong with it: 3 boundary edges"), std::string::npos) << text;
+  EXPECT_NE(text.find("watertight"), std::string::npos) << text;
+  const Json solid = json("solid.json");
+  const double spacing = solid["grid"]["spacing"];
+  EXPECT_TRUE(solid["after"]["watertight"]);
+  EXPECT_LT(solid["result_from_mesh"]["max"], 0.5 * spacing);
+  EXPECT_LT(solid["mesh_from_result"]["max"], 0.5 * spacing);
+  EXPECT_GT(solid["result_from_mesh"]["points"], 10000);
+  EXPECT_EQ(solid["after"]["self_intersections"]["pairs"], 0);
+  EXPECT_NE(text.find("0 pairs before, 0 pairs after"), std::string::npos) << text;
+  EXPECT_GT(solid["stats"]["patch_triangles"], 0);
+  succeed("repair torn.ply -o grown.ply --resolution 64 --offset 0.15 --stats grown.json");
+  const double ratio = json("grown.json")["after"]["signed_volume"].get<double>() /
+                       solid["after"]["signed_volume"].get<double>();
+  EXPECT_NEAR(ratio, 0.85 * 0.85 / 0.49, 0.01);
+  EXPECT_LT(json("grown.json")["result_from_mesh"]["p99"], 0.2 * spacing);
+  expectFailure("repair torn.ply -o none.ply --resolution 64 --offset -1", ErrorCode::Input,
+                "the mesh encloses no volume at this resolution");
+  const std::string filled = succeed("repair torn.ply -o filled.ply --stats filled.json").out;
+  EXPECT_NE(filled.find("\nclosed 1 hole with 1 face, all other faces kept as they are"), std::string::npos)
+      << filled;
+  EXPECT_EQ(json("filled.json")["closed_holes"], 1);
+  EXPECT_EQ(json("filled.json")["closing_faces"], 1);
+  EXPECT_EQ(json("filled.json")["after"]["triangles"], 4800);
+}
+
+TEST_F(CliRepair, KeepsAMeshThatIsRight) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  writeMesh(path("ball.stl"), ball);
+  const std::string text = succeed("repair ball.stl -o kept.stl --stats kept.json").out;
+  EXPECT_NE(text.find("\nkept as it is, because nothing is wrong with it; to make it anew: --remesh\n"
+                      "result: 5,120 triangles, 1 solid, 0 cavities, checked as stored: watertight"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
+  EXPECT_EQ(json("kept.json")["kept"], true);
+  EXPECT_EQ(json("kept.json")["solids"], 1);
+  EXPECT_EQ(json("kept.json")["stats"]["stages"].at(0).at("name"), "inspect");
+  succeed("repair ball.stl -o made.stl --remesh --resolution 32 --stats made.json");
+  EXPECT_EQ(json("made.json")["kept"], false);
+  EXPECT_NE(json("made.json")["after"]["triangles"], 5120);
+  writeMesh(path("two.ply"), shapes::joined(ball, shapes::sphere(0.5, 3)));
+  const std::string overlap = succeed("repair two.ply -o one.ply --resolution 32 --stats one.json").out;
+  EXPECT_NE(overlap.find("parts of it overlap"), std::string::npos) << overlap;
+  EXPECT_EQ(json("one.json")["parts_overlap"], true);
+}
+
+TEST_F(CliRepair, LeavesHolesAndFacesAsTheyAreOnRequest) {
+  Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
+  for (size_t f = 0; f < mesh.triangles.size(); f += 5) turnFaces(mesh, std::vector<uint32_t>{uint32_t(f)});
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.65; });
+  writeMesh(path("torn.ply"), mesh);
+  succeed("repair torn.ply -o turned.stl --resolution 48 --stats turned.json");
+  const Json turned = json("turned.json");
+  EXPECT_GT(turned["stats"]["turned_faces"], mesh.triangles.size() / 6);
+  EXPECT_GT(turned["stats"]["patch_triangles"], 0);
+  succeed(
+      "repair torn.ply -o kept.stl --resolution 48 --orientation keep --no-close-holes --stats kept.json");
+  const Json kept = json("kept.json");
+  EXPECT_EQ(kept["stats"]["turned_faces"], 0);
+  EXPECT_EQ(kept["stats"]["patch_triangles"], 0);
+  EXPECT_TRUE(kept["after"]["watertight"]);
+}
+
+TEST_F(CliRepair, DropsCrumbsAndFillsBubbles) {
+  Mesh bubble = shapes::sphere(0.5, 3);
+  for (glm::uvec3& t : bubble.triangles) std::swap(t.y, t.z);
+  Mesh mesh = shapes::joined(shapes::joined(shapes::sphere(1.0, 4), bubble), shapes::sphere(0.25, 3));
+  mesh = shapes::joined(mesh, shapes::sphere(0.08, 2, {1.3, 0, 0}));
+  writeMesh(path("ball.ply"), mesh);
+  const Result dropped =
+      run("repair ball.ply -o ball.stl --remesh --resolution 64 --drop-smaller 0.01 --stats ball.json");
+  EXPECT_EQ(dropped.code, 0);
+  const Json ball = json("ball.json");
+  EXPECT_EQ(ball["solids"], 1);
+  EXPECT_EQ(ball["cavities"], 0);
+  EXPECT_EQ(ball["drop_smaller"], 0.01);
+  EXPECT_EQ(ball["dropped"]["count"], 1);
+  EXPECT_NEAR(ball["dropped"]["largest"], 4.18879 * 0.000512, 0.0003);
+  EXPECT_NEAR(ball["filled"]["volume"], 4.18879 * 0.125, 0.01);
+  EXPECT_NEAR(ball["buried"]["volume"], 4.18879 * 0.015625, 0.005);
+  EXPECT_NE(dropped.out.find("1 part, volume 0.002"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.out.find("; below 0.01\n"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.out.find("1 cavity, volume 0.5"), std::string::npos) << dropped.out;
+  EXPECT_NE(dropped.err.find("warning: filled 1 sealed cavity"), std::string::npos) << dropped.err;
+  succeed(
+      "repair ball.ply -o all.stl --remesh --resolution 64 --drop-smaller 0 --keep-cavities --stats "
+      "all.json");
+  EXPECT_EQ(json("all.json")["solids"], 3);
+  EXPECT_EQ(json("all.json")["cavities"], 1);
+  EXPECT_EQ(json("all.json")["dropped"]["count"], 0);
+  expectFailure("repair ball.ply -o none.stl --remesh --resolution 64 --drop-smaller 9", ErrorCode::Input,
+                "every part is smaller");
+  expectFailure("repair ball.ply -o none.stl --drop-smaller -1", ErrorCode::Usage, "--drop-smaller");
+}
+
+TEST_F(CliRepair, ThickensThinParts) {
+  const Mesh fin = shapes::joined(shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({1, 1.95, 3}, {3, 2.05, 7}));
+  writeMesh(path("fin.ply"), fin);
+  const std::string text =
+      succeed("repair fin.ply -o fin.stl --voxel-size 0.2 --min-thickness 0.5 --stats fin.json").out;
+  EXPECT_NE(text.find("of the mesh's area was thinner than 0.5"), std::string::npos) << text;
+  const Json stats = json("fin.json");
+  EXPECT_EQ(stats["options"]["min_thickness"], 0.5);
+  EXPECT_NEAR(stats["thickened_share"].get<double>(), 12.0 / 113.2, 0.01);
+  EXPECT_TRUE(stats["after"]["watertight"]);
+  EXPECT_NEAR(bounds(readMesh(path("fin.stl"))).max.z, 7.2, 0.1);
+  expectFailure("repair fin.ply -o none.stl --voxel-size 0.4 --min-thickness 0.5", ErrorCode::Usage,
+                "use a voxel size of at most 0.25");
+}
+
+TEST_F(CliRepair, HollowsAMeshOut) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  succeed("repair ball.ply -o ball.stl --resolution 64 --shell 0.2 --stats ball.json");
+  const Json ball = json("ball.json");
+  EXPECT_EQ(ball["hollows"], 1);
+  EXPECT_EQ(ball["after"]["components"], 2);
+  EXPECT_NEAR(ball["after"]["signed_volume"], 4.18879 * (1.0 - 0.512), 0.02);
+  succeed("repair ball.ply -o drained.stl --resolution 64 --shell 0.2 --drain-hole 0.3 --stats drained.json");
+  const Json drained = json("drained.json");
+  EXPECT_EQ(drained["drain_holes"], 1);
+  EXPECT_EQ(drained["after"]["components"], 1);
+  EXPECT_TRUE(drained["after"]["watertight"]);
+  // A sphere in a sphere becomes one surface: the drain runs straight down from the middle.
+  const Mesh mesh = readMesh(path("drained.stl"));
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const glm::dvec3 p = mesh.position(v);
+    EXPECT_TRUE(p.z > -0.7 || std::hypot(p.x, p.y) > 0.1) << p.x << " " << p.y << " " << p.z;
+  }
+  expectFailure("repair ball.ply -o thin.stl --resolution 64 --shell 0.01", ErrorCode::Usage,
+                "thinner than two samples");
+  expectFailure("repair ball.ply -o thin.stl --drain-hole 0.3", ErrorCode::Usage,
+                "--drain-hole requires --shell");
+}
+
+TEST_F(CliRepair, DrillsVents) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  const std::string repair = "repair ball.ply -o ball.stl --resolution 48 --shell 0.25 --stats ball.json ";
+  const std::string text = succeed(repair + "--drain-hole 0.3 --drain-holes 2").out;
+  EXPECT_NE(text.find("  1 hollow, 2 drain holes\n  drain hole "), std::string::npos) << text;
+  EXPECT_NE(text.find(", direction 0 0 -1\n"), std::string::npos) << text;
+  const Json ball = json("ball.json");
+  ASSERT_EQ(ball["drain_hole_places"].size(), 2u);
+  EXPECT_NEAR(ball["drain_hole_places"][0]["position"][2], -1.0, 0.1);
+  EXPECT_NEAR(ball["drain_hole_places"][1]["position"][2], 1.0, 0.1);
+  EXPECT_EQ(ball["drain_hole_places"][1]["direction"][2], 1.0);
+  EXPECT_EQ(ball["cavities"], 0);
+  const Result crowded = run(repair + "--drain-hole 0.7 --drain-holes 9");
+  EXPECT_EQ(crowded.code, 0);
+  EXPECT_NE(crowded.err.find("of 9 drain holes were made"), std::string::npos) << crowded.err;
+  const Result none = run(repair + "--drain-hole 1.7");
+  EXPECT_NE(none.err.find("1 hollow is too small for the drain hole"), std::string::npos) << none.err;
+  EXPECT_EQ(json("ball.json")["drain_holes"], 0);
+  expectFailure(repair + "--drain-hole 0.3 --drain-holes 0", ErrorCode::Usage, "--drain-holes");
+  expectFailure(repair + "--drain-holes 2", ErrorCode::Usage, "--drain-holes requires --drain-hole");
+}
+
+TEST_F(CliRepair, RepairsInUnitsAndAxes) {
+  writeMesh(path("ball.glb"), shapes::sphere(1.0, 4));
+  succeed("repair ball.glb -o ball.3mf --unit mm --up y --resolution 20 --stats s.json");
+  EXPECT_NEAR(bounds(readMesh(path("ball.3mf"))).max.z, 1000, 10);
+  const Json options = json("s.json")["options"];
+  EXPECT_EQ(options["unit"], "mm");
+  EXPECT_EQ(options["scale"], 1.0);
+  EXPECT_EQ(options["up"], "y");
+  succeed("repair ball.glb -o plain.glb --resolution 20 --stats t.json");
+  EXPECT_EQ(json("t.json")["options"]["unit"], "m");
+  EXPECT_TRUE(json("t.json")["options"]["up"].is_null());
+}
+
+TEST_F(CliRepair, DrillsDownInTheAxesOfTheResult) {
+  writeMesh(path("ball.ply"), shapes::sphere(1.0, 4));
+  const auto drilled = [&](const std::string& output, const std::string& options) {
+    succeed("repair ball.ply -o " + output + " --resolution 40 --shell .15 --drain-hole .25 " + options);
+    return readBytes(path(output));
+  };
+  const std::string glb = drilled("a.glb", "--up y");
+  EXPECT_EQ(glb, drilled("b.glb", "--up y --down 0 -1 0"));
+  EXPECT_NE(glb, drilled("c.glb", "--up y --down 0 0 -1"));
+  EXPECT_EQ(drilled("a.ply", "--up z"), drilled("b.ply", "--down 0 0 -1"));
+  EXPECT_EQ(drilled("c.glb", "--down 0 0 -1"), drilled("d.glb", ""));
+}
+
+}  // namespace
+}  // namespace raymap

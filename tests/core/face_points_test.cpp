@@ -1,0 +1,117 @@
+#include "mesh/face_points.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace raymap {
+namespace {
+
+using glm::dvec3;
+using glm::vec3;
+
+const vec3 kA(0, 0, 1), kB(5, 1, 1), kC(1, 3, 2);
+
+/// Returns the least of a point's weights in a triangle, of which none is negative inside.
+double leastWeight(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
+  const dvec3 n = doubleAreaNormal(a, b, c);
+  const auto weight = [&](const dvec3& s, const dvec3& e) {
+    return glm::dot(doubleAreaNormal(p, s, e), n) / glm::dot(n, n);
+  };
+  return std::min({weight(a, b), weight(b, c), weight(c, a)});
+}
+
+/// Returns the largest distance from points of a triangle to the closest of `points`.
+double widestGap(const std::vector<dvec3>& points, const dvec3& a, const dvec3& b, const dvec3& c) {
+  double widest = 0.0;
+  constexpr int kParts = 40;
+  for (int i = 0; i <= kParts; ++i)
+    for (int j = 0; i + j <= kParts; ++j) {
+      const dvec3 p = a + (double(i) * (b - a) + double(j) * (c - a)) / double(kParts);
+      double least = INFINITY;
+      for (const dvec3& q : points) least = std::min(least, glm::distance(p, q));
+      widest = std::max(widest, least);
+    }
+  return widest;
+}
+
+TEST(FacePoints, LengthsAreCutIntoParts) {
+  EXPECT_EQ(partsOf(0.0, 1.0), 1);
+  EXPECT_EQ(partsOf(2.0, 1.0), 2);
+  EXPECT_EQ(partsOf(2.1, 1.0), 3);
+  EXPECT_EQ(partsOf(1e9, 1.0), 1'000'000);
+  EXPECT_EQ(partsOf(1e9, 1.0, 5.0), 5);
+}
+
+TEST(FacePoints, EdgesHaveTheMiddlesOfTheirParts) {
+  std::vector<dvec3> points;
+  forEachEdgePoint({0, 0, 0}, {4, 0, 0}, 2, [&](const dvec3& p) { points.push_back(p); });
+  EXPECT_EQ(points, (std::vector<dvec3>{{1, 0, 0}, {3, 0, 0}}));
+}
+
+TEST(FacePoints, HalvesAreTrianglesThatWindAlike) {
+  for (const double step : {10.0, 2.0, 0.3}) {
+    dvec3 sum(0.0);
+    size_t parts = 0;
+    forEachFacePart(kA, kB, kC, step, [&](const vec3& a, const vec3& b, const vec3& c) {
+      EXPECT_LE(longestSide(a, b, c), step);
+      sum += doubleAreaNormal(a, b, c);
+      ++parts;
+    });
+    EXPECT_NEAR(glm::distance(sum, doubleAreaNormal(kA, kB, kC)), 0.0, 1e-5);
+    EXPECT_EQ(parts == 1, step == 10.0);
+  }
+}
+
+TEST(FacePoints, HalvesOfSliversAreFew) {
+  size_t parts = 0;
+  forEachFacePart({0, 0, 0}, {64, 0, 0}, {64, 0.01f, 0}, 1.0,
+                  [&](const vec3&, const vec3&, const vec3&) { ++parts; });
+  EXPECT_GE(parts, 64u);
+  EXPECT_LT(parts, 64u * 64u / 2u);  // An even cut has 64 x 64.
+  parts = 0;
+  forEachFacePart(
+      {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.0, [&](const vec3&, const vec3&, const vec3&) { ++parts; }, 4);
+  EXPECT_EQ(parts, 16u);
+}
+
+TEST(FacePoints, RowsLeaveNoGapMuchWiderThanAStep) {
+  for (const double step : {1.5, 0.5, 0.2})
+    for (const auto& [a, b, c] : {std::array<dvec3, 3>{kA, kB, kC}, {kC, kA, kB}, {kB, kC, kA}}) {
+      std::vector<dvec3> points;
+      forEachFacePoint(a, b, c, step, [&](const dvec3& p) { points.push_back(p); });
+      for (const dvec3& p : points) EXPECT_GT(leastWeight(p, a, b, c), -1e-12);
+      EXPECT_LT(widestGap(points, a, b, c), 1.2 * step);
+      const double squares = triangleArea(a, b, c) / (step * step);
+      EXPECT_GE(double(points.size()), squares);
+      EXPECT_LT(double(points.size()), squares + 4.0 * longestSide(a, b, c) / step);
+    }
+}
+
+TEST(FacePoints, RowsOfATriangleWithoutAreaAreOneRow) {
+  std::vector<dvec3> points;
+  forEachFacePoint({0, 0, 0}, {1, 0, 0}, {4, 0, 0}, 1.0, [&](const dvec3& p) { points.push_back(p); });
+  EXPECT_EQ(points.size(), 2u);
+  points.clear();
+  forEachFacePoint({1, 2, 3}, {1, 2, 3}, {1, 2, 3}, 1.0, [&](const dvec3& p) { points.push_back(p); });
+  EXPECT_EQ(points, std::vector<dvec3>{dvec3(1, 2, 3)});
+}
+
+TEST(FacePoints, EvenPointsAreCentresOfEqualParts) {
+  for (const int parts : {1, 2, 7}) {
+    std::vector<dvec3> points;
+    forEachEvenPoint(kA, kB - kA, kC - kA, parts, [&](const vec3& p) { points.emplace_back(p); });
+    ASSERT_EQ(points.size(), size_t(parts) * size_t(parts));
+    dvec3 sum(0.0);
+    for (const dvec3& p : points) {
+      EXPECT_GT(leastWeight(p, kA, kB, kC), 0.3 / parts);
+      sum += p;
+    }
+    const dvec3 centre = dvec3(kA + kB + kC) / 3.0;
+    EXPECT_NEAR(glm::distance(sum / double(points.size()), centre), 0.0, 1e-5);
+    EXPECT_LT(widestGap(points, kA, kB, kC), 5.2 / parts);
+  }
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,107 @@
+#include "repair/topology/fill_holes.h"
+
+#include <gtest/gtest.h>
+#include <raymap/mesh_view.h>
+
+#include <numbers>
+
+#include "broken_meshes.h"
+#include "closed_mesh.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+TEST(FillHoles, GivesAHoleItsFaceBack) {
+  Mesh mesh = shapes::sphere(1.0, 2);
+  const glm::uvec3 lost = mesh.triangles[5];
+  mesh.triangles.erase(mesh.triangles.begin() + 5);
+  const size_t left = mesh.triangles.size();
+  const FilledHoles filled = fillHoles(mesh);
+  EXPECT_EQ(filled.holes, 1u);
+  EXPECT_EQ(filled.faces, 1u);
+  ASSERT_EQ(mesh.triangles.size(), left + 1);
+  glm::uvec3 face = mesh.triangles.back();
+  while (face.x != lost.x) face = {face.y, face.z, face.x};
+  EXPECT_EQ(face, lost);
+}
+
+TEST(FillHoles, TakesTheFlatDiagonal) {
+  // Both triangles of a side of a box whose diagonal is free to choose: only one is flat.
+  for (const size_t side : {0, 2, 4, 6, 8, 10}) {
+    Mesh mesh = shapes::box({0, 0, 0}, {1, 2, 3});
+    mesh.triangles.erase(mesh.triangles.begin() + ptrdiff_t(side),
+                         mesh.triangles.begin() + ptrdiff_t(side) + 2);
+    const FilledHoles filled = fillHoles(mesh);
+    EXPECT_EQ(filled.holes, 1u);
+    EXPECT_EQ(filled.faces, 2u);
+    EXPECT_TRUE(isClosed(mesh));
+    EXPECT_NEAR(volumeOf(mesh), 6.0, 1e-5);
+  }
+}
+
+TEST(FillHoles, FollowsTheSurface) {
+  // A ridge: without the two faces between its slopes, the diagonal along the ridge is the least sharp one.
+  const std::vector<glm::dvec3> p{{0, 0, 1}, {2, 0, 1}, {0, -1, 0}, {2, 1, 0}, {0, 1, 0}, {2, -1, 0}};
+  const Mesh roof =
+      makeMesh(p, {{0, 2, 1}, {2, 5, 1}, {0, 3, 4}, {0, 1, 3}, {2, 4, 3}, {2, 3, 5}, {0, 4, 2}, {1, 5, 3}});
+  ASSERT_TRUE(isClosed(roof));
+  Mesh mesh = roof;
+  std::erase_if(mesh.triangles,
+                [](const glm::uvec3& t) { return t == glm::uvec3(0, 2, 1) || t == glm::uvec3(0, 1, 3); });
+  EXPECT_EQ(fillHoles(mesh).faces, 2u);
+  EXPECT_NEAR(volumeOf(mesh), volumeOf(roof), 1e-6);
+}
+
+TEST(FillHoles, ClosesRoundHoles) {
+  Mesh mesh = withHoles(shapes::sphere(1.0, 4), 5, 0.06, 2);
+  const size_t left = mesh.triangles.size(), lost = 5120 - left;
+  const FilledHoles filled = fillHoles(mesh);
+  EXPECT_EQ(filled.holes, 5u);
+  EXPECT_GT(lost, 100u);
+  EXPECT_EQ(mesh.triangles.size(), left + filled.faces);
+  EXPECT_TRUE(isClosed(mesh));
+  EXPECT_NEAR(volumeOf(mesh), 4.1888, 0.05);
+}
+
+Mesh cone(uint32_t rim) {
+  std::vector<glm::dvec3> p{{0, 0, 1}};
+  std::vector<glm::uvec3> t;
+  for (uint32_t i = 0; i < rim; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / rim;
+    p.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    t.emplace_back(0, 1 + i, 1 + (i + 1) % rim);
+  }
+  return makeMesh(p, std::move(t));
+}
+
+TEST(FillHoles, FillsRimsOfUpTo300Edges) {
+  Mesh fits = cone(300), large = cone(301);
+  EXPECT_EQ(fillHoles(fits).faces, 298u);
+  EXPECT_TRUE(isClosed(fits));
+  EXPECT_NEAR(volumeOf(fits), std::numbers::pi / 3.0, 0.001);
+  EXPECT_EQ(fillHoles(large).holes, 0u);
+  EXPECT_EQ(large.triangles.size(), 301u);
+}
+
+TEST(FillHoles, PartsRimsThatMeet) {
+  const Mesh whole = shapes::sphere(1.0, 2);
+  for (const uint32_t centre : {0u, 12u, 40u}) {  // Of five faces and of six.
+    Mesh mesh = whole;
+    size_t around = 0;
+    std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
+      const bool isAround = t.x == centre || t.y == centre || t.z == centre;
+      return isAround && around++ % 2 == 0;
+    });
+    const size_t lost = whole.triangles.size() - mesh.triangles.size();
+    const FilledHoles filled = fillHoles(mesh);
+    EXPECT_EQ(filled.faces, lost);
+    EXPECT_GT(filled.holes, 0u);
+    EXPECT_EQ(mesh.triangles.size(), whole.triangles.size());
+    EXPECT_TRUE(isClosed(mesh));
+    EXPECT_NEAR(volumeOf(mesh), volumeOf(whole), 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace raymap

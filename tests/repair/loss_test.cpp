@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+#include <raymap/repair.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "repair/solid/loss.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+struct Outcome {
+  RepairReport report;
+  Grid grid;
+  std::string warnings;
+};
+
+Outcome runAt(const Mesh& mesh, double spacing, RepairOptions how = {}) {
+  how.remesh = true;
+  Outcome outcome;
+  outcome.grid = fitRepairGrid(mesh, {.voxelSize = spacing}, how);
+  Options options{.device = "cpu"};
+  options.warn = [&](std::string_view text) { outcome.warnings.append(text).append("\n"); };
+  outcome.report = repair(mesh, outcome.grid, options, how).report;
+  return outcome;
+}
+
+/// Returns by how many samples the bounds of the result are off.
+double boundsOff(const Outcome& outcome) {
+  const Box &before = outcome.report.before.bounds, &after = outcome.report.after.bounds;
+  const glm::dvec3 off = glm::max(glm::abs(before.min - after.min), glm::abs(before.max - after.max));
+  return std::max({off.x, off.y, off.z}) / outcome.grid.spacing;
+}
+
+TEST(Loss, DoesNotCountWhatTheToleranceAllows) {
+  const Mesh ball = shapes::sphere(10.0, 4);
+  const Outcome outcome = runAt(ball, 0.5, {.tolerance = 3.0});
+  EXPECT_GT(outcome.report.ofMesh.max, 1.0);  // Far more than a sample.
+  EXPECT_LE(outcome.report.ofMesh.max, 3.5);
+  EXPECT_EQ(outcome.report.lostShare, 0.0);
+  EXPECT_EQ(outcome.report.buriedShare, 0.0);
+  EXPECT_EQ(outcome.warnings, "");
+}
+
+/// Returns a box of 10 x 10 x 10 with a plate, 6 high and 8 wide. A corner of the plate is inside the box.
+Mesh boxWithPlate(double thickness) {
+  return shapes::joined(shapes::box({0, 0, 0}, {10, 10, 10}),
+                        shapes::box({1, 4.03, 9}, {9, 4.03 + thickness, 16}));
+}
+
+/// Returns a prism along y, 4 high at x = 0, that runs out to `edge` at x = 20.
+Mesh wedge(double edge) {
+  std::vector<glm::dvec3> p;
+  for (const double y : {0.0, 10.0})
+    for (const glm::dvec3& corner :
+         {glm::dvec3(0, y, -2), {20, y, -0.5 * edge}, {20, y, 0.5 * edge}, {0, y, 2}})
+      p.push_back(corner);
+  return makeMesh(p, {{0, 1, 2},
+                      {0, 2, 3},
+                      {4, 6, 5},
+                      {4, 7, 6},
+                      {0, 4, 5},
+                      {0, 5, 1},
+                      {1, 5, 6},
+                      {1, 6, 2},
+                      {2, 6, 7},
+                      {2, 7, 3},
+                      {3, 7, 4},
+                      {3, 4, 0}});
+}
+
+TEST(Loss, OfAPlateIsToldAndTheVoxelSizeKeepsIt) {
+  const Mesh mesh = boxWithPlate(0.3);
+  const Outcome coarse = runAt(mesh, 1.0);
+  const Loss& loss = coarse.report.loss;
+  EXPECT_GT(boundsOff(coarse), 5.0);
+  // The sides of the plate outside are 2 x 48 of 600 + 117.
+  EXPECT_NEAR(loss.solidShare, 0.11, 0.03);
+  EXPECT_NEAR(loss.solidShare, coarse.report.lostShare, 1e-3);
+  EXPECT_NEAR(loss.thinnest, 0.3, 0.01);
+  EXPECT_NEAR(loss.medianThickness, 0.3, 0.01);
+  EXPECT_NEAR(loss.bounds.max.z, 16.0, 1e-5);
+  EXPECT_NEAR(loss.bounds.min.x, 1.0, 1e-5);
+  EXPECT_GT(loss.bounds.min.z, 10.0);
+  EXPECT_TRUE(loss.isKept);
+  EXPECT_NE(coarse.warnings.find("x from 1 to 9, y from 4.03 to 4.33, z from 1"), std::string::npos)
+      << coarse.warnings;
+  EXPECT_NE(coarse.warnings.find("they are 0.3 thick at the thinnest, 0.3 in the median; a voxel size of"),
+            std::string::npos);
+  EXPECT_NE(coarse.warnings.find("(--voxel-size) keeps them"), std::string::npos) << coarse.warnings;
+  const Outcome fine = runAt(mesh, loss.voxelSize);
+  EXPECT_LT(boundsOff(fine), 1.0);
+  EXPECT_EQ(fine.report.loss.solidShare, 0.0);
+  EXPECT_EQ(fine.warnings, "");
+}
+
+TEST(Loss, OfAWingIsKeptByTheVoxelSize) {
+  int losses = 0;
+  for (const double spacing : {1.2, 1.1, 1.0, 0.95, 0.9, 0.85, 0.8, 0.75}) {
+    const Outcome coarse = runAt(wedge(0.25), spacing);
+    if (coarse.report.loss.solidShare < 1e-3) continue;
+    ++losses;
+    EXPECT_GT(boundsOff(coarse), 1.0);
+    EXPECT_NEAR(coarse.report.loss.thinnest, 0.25, 0.06);
+    EXPECT_NEAR(coarse.report.loss.bounds.max.x, 20.0, 1e-5);
+    ASSERT_TRUE(coarse.report.loss.isKept) << coarse.warnings;
+    const Outcome fine = runAt(wedge(0.25), coarse.report.loss.voxelSize);
+    EXPECT_LT(boundsOff(fine), 1.0);
+    EXPECT_LT(fine.report.loss.solidShare, 1e-3);
+  }
+  EXPECT_GE(losses, 2);
+}
+
+TEST(Loss, OfASharpEdgeSaysWhatIsKept) {
+  // The middle of the wedge is never a plane of samples: it is oblique.
+  Mesh mesh = wedge(0.0);
+  for (glm::vec3& v : mesh.vertices) {
+    v.z *= 0.25f;
+    v = {v.x, std::cos(0.5f) * v.y - std::sin(0.5f) * v.z, std::sin(0.5f) * v.y + std::cos(0.5f) * v.z};
+    v = {std::cos(0.3f) * v.x - std::sin(0.3f) * v.z, v.y, std::sin(0.3f) * v.x + std::cos(0.3f) * v.z};
+  }
+  const Outcome coarse = runAt(mesh, 1.0);
+  const Loss& loss = coarse.report.loss;
+  EXPECT_GT(loss.solidShare, 0.005);
+  EXPECT_FALSE(loss.isKept);
+  EXPECT_GT(loss.keptShare, 0.5);
+  EXPECT_LT(loss.keptShare, 0.995);
+  EXPECT_GT(loss.keptThickness, 0.0);
+  EXPECT_LT(loss.keptThickness, loss.medianThickness);
+  EXPECT_NE(coarse.warnings.find("no voxel size that fits into memory keeps all"), std::string::npos)
+      << coarse.warnings;
+}
+
+TEST(Loss, CountsTheOffset) {
+  // The plate is 0.1 thinner on both sides.
+  const Loss loss = runAt(boxWithPlate(0.5), 0.9, {.offset = -0.1}).report.loss;
+  EXPECT_GT(loss.solidShare, 0.05);
+  EXPECT_NEAR(loss.thinnest, 0.3, 0.01);
+}
+
+TEST(Loss, TellsSheetsFromPartsOfTheSolid) {
+  const Mesh box = shapes::box({0, 0, 0}, {10, 10, 10});
+  const Outcome whole = runAt(box, 1.0);
+  EXPECT_EQ(whole.report.loss.solidShare, 0.0);
+  EXPECT_EQ(whole.report.loss.openShare, 0.0);
+  EXPECT_EQ(whole.warnings, "");
+  const std::vector<glm::dvec3> corners{{15, 0, 0}, {15, 8, 0}, {15, 8, 8}, {15, 0, 8}};
+  const Outcome sheet = runAt(shapes::joined(box, makeMesh(corners, {{0, 1, 2}, {0, 2, 3}})), 0.5);
+  EXPECT_NEAR(sheet.report.lostShare, 64.0 / 664.0, 0.02);
+  EXPECT_EQ(sheet.report.loss.solidShare, 0.0);
+  EXPECT_TRUE(sheet.report.loss.bounds.isEmpty());
+  EXPECT_EQ(sheet.report.loss.openShare, sheet.report.lostShare);
+  EXPECT_NEAR(sheet.report.loss.openBounds.min.x, 15.0, 1e-5);
+  EXPECT_LT(glm::distance(sheet.report.loss.openBounds.max, glm::dvec3(15, 8, 8)), 0.3);
+  EXPECT_NE(sheet.warnings.find("sheets and open surface are lost, 9."), std::string::npos) << sheet.warnings;
+  EXPECT_NE(sheet.warnings.find("--min-thickness"), std::string::npos) << sheet.warnings;
+  EXPECT_EQ(sheet.warnings.find("parts of the solid"), std::string::npos) << sheet.warnings;
+}
+
+TEST(Loss, TellsOfHollowsThatWereNotMade) {
+  const Mesh box = shapes::box({0, 0, 0}, {10, 10, 4});
+  const Outcome thin = runAt(box, 0.5, {.shell = 2.5});
+  EXPECT_EQ(thin.report.hollows, 0u);
+  EXPECT_NE(thin.warnings.find("nowhere thick enough for a hollow"), std::string::npos) << thin.warnings;
+  const Outcome narrow = runAt(box, 0.5, {.shell = 1.0, .drainHole = 3.0});
+  EXPECT_EQ(narrow.report.hollows, 0u);
+  EXPECT_EQ(narrow.report.filledHollows, 1u);
+  EXPECT_NE(narrow.warnings.find("1 hollow is too small for the drain hole"), std::string::npos)
+      << narrow.warnings;
+  const Outcome made = runAt(box, 0.5, {.shell = 1.0, .drainHole = 1.0});
+  EXPECT_EQ(made.report.hollows, 1u);
+  EXPECT_EQ(made.report.filledHollows, 0u);
+  EXPECT_EQ(made.warnings, "");
+}
+
+TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
+  const std::vector<glm::dvec3> corners{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}};
+  const Mesh sheet = makeMesh(corners, {{0, 1, 2}, {0, 2, 3}});
+  const Grid grid = fitGrid(sheet, {.voxelSize = 1.0});
+  const Options options{.device = "cpu"};
+  const RepairOptions changes;
+  Given given(sheet, grid, options, changes);
+  Progress progress;
+  std::vector<FacePoint> lost;
+  for (int k = 1; k <= 20; ++k) {
+    lost.push_back({.position = {0.3 * k, 1, 0}, .triangle = 0, .area = 0.1 / k});
+    const Loss loss = inspectLoss(given, lost, 0.07 * k, progress);
+    EXPECT_EQ(loss.solidShare, 0.0) << k;
+    EXPECT_EQ(loss.openShare, 0.07 * k) << k;
+  }
+}
+
+}  // namespace
+}  // namespace raymap

@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+#include <raymap/repair.h>
+
+#include <algorithm>
+
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+/// Returns the report of a repair with samples `spacing` apart.
+RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {}) {
+  repair.closeHoles = false;
+  const Grid grid = fitRepairGrid(mesh, {.voxelSize = spacing}, repair);
+  return raymap::repair(mesh, grid, {.device = "cpu"}, repair).report;
+}
+
+void expectAllShown(const RepairReport& report, double within) {
+  EXPECT_EQ(report.lostShare, 0.0);
+  EXPECT_EQ(report.buriedShare, 0.0);
+  EXPECT_LE(report.ofMesh.max, within);
+  EXPECT_LE(report.ofResult.max, within);
+  EXPECT_EQ(report.ofKept.points, report.ofMesh.points);
+  EXPECT_EQ(report.ofKept.max, report.ofMesh.max);
+}
+
+/// Returns a mesh with a square of two faces added. It lies across x and bounds nothing.
+Mesh withSquare(const Mesh& mesh, double x, double side) {
+  const std::vector<glm::dvec3> corners{{x, 0, 0}, {x, side, 0}, {x, side, side}, {x, 0, side}};
+  return shapes::joined(mesh, makeMesh(corners, {{0, 1, 2}, {0, 2, 3}}));
+}
+
+const Mesh kBox = shapes::box({0, 0, 0}, {10, 8, 6});
+
+TEST(Measure, RaisesNoFalseAlarmWhereFacesLieInPlanesOfSamples) {
+  const Mesh box = shapes::box({0, 0, 0}, {40, 30, 10});
+  for (const int resolution : {256, 96, 60, 53, 48, 47}) {
+    const Grid grid = fitRepairGrid(box, {.resolution = resolution}, {});
+    const RepairReport report = repair(box, grid, {.device = "cpu"}, {}).report;
+    expectAllShown(report, 0.1 * grid.spacing);
+    EXPECT_EQ(report.trimmedShare, 0.0);
+  }
+}
+
+TEST(Measure, CountsAsLostWhatIsMoreThanASampleOutside) {
+  const RepairReport closer = reportOf(withSquare(kBox, 10.98, 4.0), 1.0);
+  expectAllShown(closer, 1.0);
+  // A deviation that the tolerance allows beyond its default of 0.1 is not a loss.
+  expectAllShown(reportOf(withSquare(kBox, 11.48, 4.0), 1.0, {.tolerance = 0.6}), 1.5);
+  EXPECT_GT(reportOf(withSquare(kBox, 11.52, 4.0), 1.0, {.tolerance = 0.6}).lostShare, 0.0);
+  EXPECT_GT(reportOf(withSquare(kBox, 11.02, 4.0), 1.0, {.tolerance = 0.0}).lostShare, 0.0);
+  const RepairReport farther = reportOf(withSquare(kBox, 11.02, 4.0), 1.0);
+  EXPECT_GT(farther.lostShare, 0.0);
+  EXPECT_EQ(farther.buriedShare, 0.0);
+  EXPECT_EQ(farther.trimmedShare, 0.0);
+}
+
+TEST(Measure, DoesNotHideLostPointsInTheLargestDistance) {
+  const RepairReport report = reportOf(withSquare(kBox, 13.0, 4.0), 0.25);
+  EXPECT_NEAR(report.lostShare, 16.0 / (376.0 + 16.0), 1e-9);
+  EXPECT_NEAR(report.ofMesh.max, 3.0, 0.02);
+  EXPECT_LT(report.ofKept.max, 0.02);
+  EXPECT_LT(report.ofKept.points, report.ofMesh.points);
+}
+
+TEST(Measure, CountsAsBuriedWhatIsMoreThanASampleInside) {
+  // 16 + 4 of the second box are inside the first one, and 4 of the first inside the second.
+  const Mesh mesh = shapes::joined(shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({2, 1, 1}, {6, 3, 3}));
+  const RepairReport report = reportOf(mesh, 0.05);
+  EXPECT_NEAR(report.buriedShare, 24.0 / 136.0, 0.02);
+  EXPECT_EQ(report.lostShare, 0.0);
+  EXPECT_LE(report.ofMesh.max, 0.05);
+}
+
+TEST(Measure, ComparesWithTheMovedSurface) {
+  Mesh insideOut = kBox;
+  for (glm::uvec3& face : insideOut.triangles) std::swap(face.y, face.z);
+  for (const Mesh& mesh : {kBox, insideOut}) {
+    const RepairReport grown = reportOf(mesh, 0.1, {.offset = 1.0});
+    expectAllShown(grown, 0.02);
+    EXPECT_EQ(grown.trimmedShare, 0.0);
+    // The box inside is 8 x 6 x 4. Its faces moved from the middle of the given ones.
+    const RepairReport shrunken = reportOf(mesh, 0.1, {.offset = -1.0});
+    expectAllShown(shrunken, 0.1);
+    EXPECT_NEAR(shrunken.trimmedShare, 1.0 - 208.0 / 376.0, 0.03);
+  }
+}
+
+TEST(Measure, KnowsTheSurfaceOfAHollow) {
+  for (const double shell : {0.5, 1.5}) {
+    expectAllShown(reportOf(kBox, 0.2, {.offset = 1.0, .shell = shell}), 0.04);
+    expectAllShown(reportOf(kBox, 0.2, {.shell = shell}), 0.04);
+  }
+  expectAllShown(reportOf(kBox, 0.2, {.shell = 0.5, .drainHole = 2.0}), 0.1);
+}
+
+}  // namespace
+}  // namespace raymap
