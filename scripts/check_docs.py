@@ -188,7 +188,7 @@ def check_folders(tree):
 
 def check_stages():
     text = (ROOT / "CONTRIBUTING.md").read_text()
-    stages = re.findall(r"^stage ((?:scripts|tests)/[\w.]+)", (ROOT / ".ci/run").read_text(), re.MULTILINE)
+    stages = re.findall(r"^ *stage ((?:scripts|tests)/[\w.]+)", (ROOT / ".ci/run").read_text(), re.MULTILINE)
     for script in sorted(set(stages)):
         if script not in text:
             yield f"does not list {script}, a stage of .ci/run"
