@@ -3,7 +3,6 @@
 // Points on faces, as the middles of the parts that a triangle is cut into:
 // - halves: each part is a triangle. For points that stand for an area, and parts that become faces.
 // - rows: neighbours are at most a step apart, and there are as few points as the area allows.
-// - even: parts of the same size and shape. For statistics, in which each point of a face counts the same.
 
 #include <algorithm>
 #include <array>
@@ -15,8 +14,8 @@
 namespace raymap {
 
 /// Returns the number of parts, at least 1, into which a length must be cut so that none exceeds `step`.
-inline int partsOf(double length, double step, double most = 1e6) {
-  return static_cast<int>(std::clamp(std::ceil(length / step), 1.0, most));
+inline int partsOf(double length, double step) {
+  return static_cast<int>(std::clamp(std::ceil(length / step), 1.0, 1e6));
 }
 
 /// Visits the middles of the parts of an evenly cut segment.
@@ -62,18 +61,6 @@ void forEachFacePoint(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3
     forEachEdgePoint(glm::mix(p[0], p[2], up), glm::mix(p[1], p[2], up), partsOf(base * (1.0 - up), step),
                      visit);
   }
-}
-
-/// Even: visits the centres of the parts of the triangle between the sides u and v from a. Each side is cut
-/// into as many parts.
-template <class Visit>
-void forEachEvenPoint(const glm::vec3& a, const glm::vec3& u, const glm::vec3& v, int parts, Visit&& visit) {
-  const auto at = [&](float i, float j) { visit(a + (i * u + j * v) / static_cast<float>(parts)); };
-  for (int j = 0; j < parts; ++j)
-    for (int i = 0; i + j < parts; ++i) {
-      at(float(i) + 1.0f / 3, float(j) + 1.0f / 3);
-      if (i + j + 1 < parts) at(float(i) + 2.0f / 3, float(j) + 2.0f / 3);
-    }
 }
 
 }  // namespace raymap

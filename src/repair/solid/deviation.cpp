@@ -6,6 +6,7 @@
 
 #include "cpu/points/close_distances.h"
 #include "mesh/face_points.h"
+#include "mesh/triangle.h"
 #include "method/cell_mesh.h"
 
 namespace raymap {
@@ -13,19 +14,14 @@ namespace raymap {
 namespace {
 
 constexpr double kMostPoints = 2e7;
-constexpr double kMostPerSide = 4096.0;
 constexpr size_t kPointsPerReport = size_t{1} << 18;
 
-/// Returns the number of parts that each of a triangle's sides is cut into.
-int partsOfSides(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step) {
-  return partsOf(longestSide(a, b, c), step, kMostPerSide);
-}
-
+/// Returns about how many points the triangles have in rows: at most half as many more.
 double countPoints(const CellMesh& mesh, double step) {
   double count = 0.0;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double parts = partsOfSides(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), step);
-    count += parts * parts;
+    const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    count += triangleArea(a, b, c) / (step * step) + longestSide(a, b, c) / step + 1.0;
   }
   return count;
 }
@@ -41,8 +37,6 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
     count = countPoints(cells, step);
   }
   SurfacePoints points;
-  points.positions.reserve(size_t(count) + 3 * mesh.triangles.size());
-  points.faces.reserve(points.positions.capacity());
   std::vector<bool> isTaken(mesh.vertices.size());
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int c = 0; c < 3; ++c)
@@ -50,9 +44,8 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
         isTaken[v] = true;
         points.add(cells.vertices[v], t);
       }
-    const glm::vec3 a = cells.corner(t, 0), u = cells.corner(t, 1) - a, v = cells.corner(t, 2) - a;
-    forEachEvenPoint(a, u, v, partsOfSides(a, a + u, a + v, step),
-                     [&](const glm::vec3& p) { points.add(p, t); });
+    forEachFacePoint(cells.corner(t, 0), cells.corner(t, 1), cells.corner(t, 2), step,
+                     [&](const glm::dvec3& p) { points.add(p, t); });
   }
   return points;
 }

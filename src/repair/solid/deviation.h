@@ -35,8 +35,9 @@ struct SurfacePoints {
   }
 };
 
-/// Returns points of a mesh: its vertices and points on its triangles. Every point of a triangle is within
-/// about `step` samples of one. The points are sparser if there would be too many.
+/// Returns points of a mesh: its vertices, and points in rows on its triangles that are at most `step`
+/// samples apart. Each point of a triangle stands for about as much area. The points are sparser if there
+/// would be too many.
 SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step);
 
 /// Returns the exact distances of points to a mesh, all in samples of the grid.

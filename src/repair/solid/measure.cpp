@@ -5,6 +5,7 @@
 #include <span>
 
 #include "field/field_sampler.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -39,21 +40,14 @@ Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const 
   return summarize(distances, grid.spacing);
 }
 
-/// Returns a normal as long as twice the area of the face.
-glm::dvec3 areaNormal(const PackedMesh& mesh, uint32_t face) {
-  const glm::uvec3 f = mesh.triangles[face];
-  const glm::dvec3 a(mesh.vertices[f.x]), b(mesh.vertices[f.y]), c(mesh.vertices[f.z]);
-  return glm::cross(b - a, c - a);
-}
-
 double areaOf(const PackedMesh& mesh, uint32_t face) {
-  return 0.5 * glm::length(areaNormal(mesh, face));
+  const auto [a, b, c] = mesh.corners(mesh.triangles[face]);
+  return triangleArea(a, b, c);
 }
 
 glm::dvec3 normalOf(const PackedMesh& mesh, uint32_t face) {
-  const glm::dvec3 normal = areaNormal(mesh, face);
-  const double length = glm::length(normal);
-  return length > 0.0 ? normal / length : glm::dvec3(0.0);
+  const auto [a, b, c] = mesh.corners(mesh.triangles[face]);
+  return unitNormal(a, b, c);
 }
 
 /// Moves a point of a face along the normal. Returns whether it is on the moved surface then. A face may
