@@ -46,8 +46,8 @@ struct RepairOptions {
 /// How far points of one surface lie from where they should, in the mesh's units.
 struct Deviation {
   double max = 0.0;   ///< Largest distance.
-  double mean = 0.0;  ///< Mean distance.
-  double p99 = 0.0;   ///< 99th percentile.
+  double mean = 0.0;  ///< Mean distance over the area of the surface.
+  double p99 = 0.0;   ///< Distance that 99 % of the area do not exceed.
   size_t points = 0;  ///< Number of points measured.
 };
 

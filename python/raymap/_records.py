@@ -224,9 +224,9 @@ class Deviation(TypedDict):
     max: float
     """Largest distance."""
     mean: float
-    """Mean distance."""
+    """Mean distance over the area of the surface."""
     p99: float
-    """99th percentile."""
+    """Distance that 99 % of the area do not exceed."""
     points: int
     """Number of points measured."""
 

@@ -2,6 +2,7 @@
 #include <raymap/repair.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "shapes.h"
 
@@ -61,6 +62,27 @@ TEST(Measure, DoesNotHideLostPointsInTheLargestDistance) {
   EXPECT_NEAR(report.ofMesh.max, 3.0, 0.02);
   EXPECT_LT(report.ofKept.max, 0.02);
   EXPECT_LT(report.ofKept.points, report.ofMesh.points);
+}
+
+TEST(Measure, WeighsDistancesByArea) {
+  // However finely a lost square is divided, it is 16 of 392, or 2 of 378, and 3 outside.
+  const auto divided = [](double side, int parts) {
+    Mesh mesh = kBox;
+    for (int i = 0; i < parts * parts; ++i) {
+      Mesh part = withSquare({}, 13.0, side / parts);
+      part.origin += glm::dvec3(0.0, side / parts * (i % parts), side / parts * (i / parts));
+      mesh = shapes::joined(mesh, part);
+    }
+    return mesh;
+  };
+  for (const int parts : {1, 30}) {
+    const RepairReport large = reportOf(divided(4.0, parts), 0.5);
+    EXPECT_NEAR(large.ofMesh.mean, 3.0 * 16.0 / 392.0, 0.01);
+    EXPECT_NEAR(large.ofMesh.p99, 3.0, 0.02);
+    const RepairReport small = reportOf(divided(std::sqrt(2.0), parts), 0.5);
+    EXPECT_LT(small.ofMesh.p99, 0.05);
+    EXPECT_NEAR(small.ofMesh.max, 3.0, 0.02);
+  }
 }
 
 TEST(Measure, CountsAsBuriedWhatIsMoreThanASampleInside) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "cpu/points/close_distances.h"
 #include "mesh/face_points.h"
@@ -50,6 +49,17 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
   return points;
 }
 
+std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points) {
+  std::vector<double> areas(mesh.triangles.size());
+  std::vector<uint32_t> counts(mesh.triangles.size());
+  for (const uint32_t face : points.faces) ++counts[face];
+  for (uint32_t face = 0; face < areas.size(); ++face) {
+    const auto [a, b, c] = mesh.corners(mesh.triangles[face]);
+    if (counts[face] > 0) areas[face] = triangleArea(a, b, c) / counts[face];
+  }
+  return areas;
+}
+
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
   const cpu::CloseDistances search(mesh, grid, INFINITY);
@@ -67,16 +77,18 @@ std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::sp
   return distances;
 }
 
-Deviation summarize(std::vector<float>& deviations, double spacing) {
+Deviation summarize(std::vector<AreaDistance>& found, double spacing) {
   Deviation result;
-  result.points = deviations.size();
-  if (deviations.empty()) return result;
-  const auto percentile = deviations.begin() + ptrdiff_t(double(deviations.size() - 1) * 0.99);
-  std::ranges::nth_element(deviations, percentile);
-  result.p99 = spacing * double(*percentile);
-  result.max = spacing * double(*std::max_element(percentile, deviations.end()));
-  result.mean =
-      spacing * std::accumulate(deviations.begin(), deviations.end(), 0.0) / double(deviations.size());
+  result.points = found.size();
+  if (found.empty()) return result;
+  std::ranges::sort(found, {}, &AreaDistance::distance);
+  double area = 0.0, sum = 0.0, below = 0.0;
+  for (const auto& [distance, part] : found) area += part, sum += distance * part;
+  const auto percentile =
+      std::ranges::find_if(found, [&](const AreaDistance& f) { return (below += f.area) >= 0.99 * area; });
+  result.max = spacing * double(found.back().distance);
+  result.p99 = spacing * double(percentile->distance);
+  result.mean = area > 0.0 ? spacing * sum / area : 0.0;
   return result;
 }
 

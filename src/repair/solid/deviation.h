@@ -40,12 +40,20 @@ struct SurfacePoints {
 /// would be too many.
 SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step);
 
+/// Returns for each face of a mesh the area that one of its points stands for.
+std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points);
+
 /// Returns the exact distances of points to a mesh, all in samples of the grid.
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress);
 
-/// Returns statistics of `deviations`, multiplied by `spacing`. The deviations are in samples and get
-/// reordered.
-Deviation summarize(std::vector<float>& deviations, double spacing);
+/// The distance of a point, in samples, and the area that it stands for.
+struct AreaDistance {
+  float distance = 0.0f;
+  double area = 0.0;
+};
+
+/// Returns statistics over the area, with distances multiplied by `spacing`. Sorts the distances.
+Deviation summarize(std::vector<AreaDistance>& found, double spacing);
 
 }  // namespace raymap

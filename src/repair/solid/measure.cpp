@@ -30,19 +30,19 @@ bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole
 Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
                         const RepairOptions& repair, const std::vector<DrainHole>& holes,
                         Progress& progress) {
-  std::vector<glm::vec3> points = surfacePoints(result, grid, kPointStep).positions;
-  std::erase_if(points, [&](const glm::vec3& p) { return isDrilled(p, grid, holes); });
-  std::vector<float> distances = distancesTo(mesh, grid, points, progress);
+  SurfacePoints points = surfacePoints(result, grid, kPointStep);
+  const std::vector<double> areas = areasOfPoints(result, points);
+  points.eraseIf([&](size_t i) { return isDrilled(points.positions[i], grid, holes); });
+  const std::vector<float> distances = distancesTo(mesh, grid, points.positions, progress);
   const double outer = std::abs(repair.offset) / grid.spacing;
   const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
-  for (float& d : distances)
-    d = static_cast<float>(std::min(std::abs(double(d) - outer), std::abs(double(d) - inner)));
-  return summarize(distances, grid.spacing);
-}
-
-double areaOf(const PackedMesh& mesh, uint32_t face) {
-  const auto [a, b, c] = mesh.corners(mesh.triangles[face]);
-  return triangleArea(a, b, c);
+  std::vector<AreaDistance> found;
+  for (size_t i = 0; i < distances.size(); ++i) {
+    const double d = distances[i];
+    found.push_back(
+        {static_cast<float>(std::min(std::abs(d - outer), std::abs(d - inner))), areas[points.faces[i]]});
+  }
+  return summarize(found, grid.spacing);
 }
 
 glm::dvec3 normalOf(const PackedMesh& mesh, uint32_t face) {
@@ -58,16 +58,6 @@ bool moveToPlace(const FieldSampler& solid, const glm::dvec3& move, glm::vec3& p
   const double atFront = std::abs(solid.value(front)), atBack = std::abs(solid.value(back));
   p = atFront < atBack ? front : back;
   return std::min(atFront, atBack) <= kFieldError;
-}
-
-/// Returns for each face the area that one of its points stands for.
-std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points) {
-  std::vector<double> areas(mesh.triangles.size());
-  std::vector<uint32_t> counts(mesh.triangles.size());
-  for (const uint32_t face : points.faces) ++counts[face];
-  for (uint32_t face = 0; face < areas.size(); ++face)
-    if (counts[face] > 0) areas[face] = areaOf(mesh, face) / counts[face];
-  return areas;
 }
 
 double areaOf(const std::vector<double>& areas, const SurfacePoints& points) {
@@ -100,7 +90,7 @@ std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh
                                 Progress& progress, RepairReport& report) {
   const std::vector<float> deviations = distancesTo(result, grid, expected.points.positions, progress);
   const double far = farOf(report.simplified, grid);
-  std::vector<float> visible, kept;
+  std::vector<AreaDistance> visible, kept;
   std::vector<size_t> lost;
   double buriedArea = 0.0, lostArea = 0.0;
   for (size_t i = 0; i < deviations.size(); ++i) {
@@ -110,12 +100,12 @@ std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh
       buriedArea += area;
       continue;
     }
-    visible.push_back(deviations[i]);
+    visible.push_back({deviations[i], area});
     if (isFar) {
       lost.push_back(i);
       lostArea += area;
     } else {
-      kept.push_back(deviations[i]);
+      kept.push_back({deviations[i], area});
     }
   }
   if (const double area = areaOf(expected.areas, expected.points); area > 0.0) {
