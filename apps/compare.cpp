@@ -66,8 +66,8 @@ FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
 void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                {{"--output", arguments.picture, {".png"}}});
-  Field a = readField(arguments.a, arguments.format.input),
-        b = readField(arguments.b, arguments.format.input);
+  Field a = readField(arguments.a, {.format = arguments.format.input}),
+        b = readField(arguments.b, {.format = arguments.format.input});
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;

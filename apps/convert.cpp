@@ -46,7 +46,7 @@ void writeConverted(const Arguments& arguments, const Field& field) {
   if (arguments.units.areGiven() || arguments.recenter)
     throw Error(ErrorCode::Usage, "--unit, --scale, --up and --recenter are for meshes, and " +
                                       arguments.input.string() + " is a field; leave them out");
-  writeField(arguments.output, field, name(heldArray(field)), arguments.format.output);
+  writeField(arguments.output, field, {.array = heldArray(field), .format = arguments.format.output});
   printWritten(arguments.output);
 }
 

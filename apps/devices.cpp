@@ -33,7 +33,7 @@ constexpr int kFailedTest = 9;
 
 void print(const DeviceList& list) {
   for (const DeviceInfo& device : list.devices) {
-    std::printf("%-10s %-5s %s\n", device.id.c_str(), device.isAutomatic ? "auto" : "", device.name.c_str());
+    std::printf("%-10s %-5s %s\n", device.id.c_str(), device.automatic ? "auto" : "", device.name.c_str());
     if (device.threads > 0)
       std::printf("%16s %u threads, %s of memory left\n", "", device.threads,
                   sizeText(device.memory).c_str());
@@ -91,7 +91,7 @@ void testAll(const std::string& asked, bool isJson) {
   bool isPassed = true, hangs = false;
   for (const std::string& id : devicesToTest(asked)) {
     ProgressLine line;
-    const DeviceTest test = testDevice(id, line.callback());
+    const DeviceTest test = testDevice(id, {.progress = line.callback()});
     line.clear();
     if (isJson)
       tests.push_back(toJson(test));

@@ -45,7 +45,7 @@ void addGridOptions(CLI::App& command, FieldArguments& arguments) {
 }
 
 void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
-  Options& options = arguments.options;
+  FieldOptions& options = arguments.options;
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command.add_option(name, value, help)->group("Method");
   };
@@ -101,7 +101,7 @@ void addThresholdOption(CLI::App& command, FieldArguments& arguments) {
 void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
   command
       .add_option(
-          "--device", arguments.options.device,
+          "--device", arguments.machine.device,
           "Device that computes the field: cpu, vulkan, vulkan:K (see raymap devices), or auto (default), a "
           "GPU if there is one, else the CPU")
       ->group("Machine");
@@ -110,12 +110,12 @@ void addMachineOptions(CLI::App& command, FieldArguments& arguments) {
 
 void addCpuOptions(CLI::App& command, FieldArguments& arguments) {
   command
-      .add_option("--threads", arguments.options.threads,
+      .add_option("--threads", arguments.machine.threads,
                   "Number of CPU threads; 0 = RAYMAP_THREADS, or else all (default)")
       ->check(wholeNumberFrom(0))
       ->group("Machine");
   command
-      .add_option("--memory-limit", arguments.options.memoryLimit,
+      .add_option("--memory-limit", arguments.machine.memoryLimit,
                   "Most memory to use, e.g. 2GB (default: all that is available)")
       ->transform(sizeInBytes())
       ->type_name("SIZE")
@@ -152,10 +152,10 @@ void finishFieldArguments(FieldArguments& arguments) {
   }
 }
 
-Options withProgress(Options options, ProgressLine& line) {
-  options.progress = line.callback();
-  options.warn = warn;
-  return options;
+MachineOptions withProgress(MachineOptions machine, ProgressLine& line) {
+  machine.progress = line.callback();
+  machine.warn = warn;
+  return machine;
 }
 
 std::vector<std::string> meshAndFieldExtensions() {
@@ -169,10 +169,10 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
   std::variant<Mesh, Field> read = loadMeshOrField(path, format);
   if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
   const Mesh& mesh = std::get<Mesh>(read);
-  Options options = arguments.options;
-  testBeforeFirstUse(options.device);
+  MachineOptions machine = arguments.machine;
+  testBeforeFirstUse(machine.device);
   ProgressLine line;
-  return generate(mesh, fitGrid(mesh, arguments.grid), withProgress(options, line)).field;
+  return generate(mesh, fitGrid(mesh, arguments.grid), arguments.options, withProgress(machine, line)).field;
 }
 
 }  // namespace raymap

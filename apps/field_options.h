@@ -18,7 +18,8 @@ struct FieldArguments {
   std::vector<double> bounds;
   std::string distance = "exact", sign = "harmonic", orientation = "auto", sampling = "raymap";
   std::filesystem::path offsets;
-  Options options;
+  FieldOptions options;
+  MachineOptions machine;
 };
 
 /// Adds the options of all of them, in groups, to a command.
@@ -35,7 +36,7 @@ void addThresholdOption(CLI::App& command, FieldArguments& arguments);
 void finishFieldArguments(FieldArguments& arguments);
 
 /// Returns the options with progress on `line`, which must outlive them, and warnings on stderr.
-Options withProgress(Options options, ProgressLine& line);
+MachineOptions withProgress(MachineOptions machine, ProgressLine& line);
 
 /// Returns the extensions of meshes and fields that can be read.
 std::vector<std::string> meshAndFieldExtensions();

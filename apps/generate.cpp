@@ -65,28 +65,28 @@ std::vector<Output> outputs(Arguments& arguments) {
 
 void finishOptions(Arguments& arguments) {
   finishFieldArguments(arguments);
-  Options& options = arguments.options;
-  options.triangleIds = !arguments.triangleIds.empty();
+  FieldOptions& options = arguments.options;
+  options.triangle = !arguments.triangleIds.empty();
   options.winding = !arguments.winding.empty();
   const bool isSigned = options.sign != SignMode::None;
   options.confidence = !arguments.confidence.empty() || (isSigned && !arguments.report.empty());
   if (!isSigned && (options.winding || options.confidence))
     throw Error(ErrorCode::Usage,
                 "--winding and --confidence need a sign; leave out --sign none and --thickness");
-  if (options.distance == DistanceMode::Raster && options.triangleIds)
+  if (options.distance == DistanceMode::Raster && options.triangle)
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
 
 void writeAll(const Arguments& arguments, const Field& field, Report& report) {
-  const auto write = [&](const fs::path& path, const char* name) {
+  const auto write = [&](const fs::path& path, FieldArray array) {
     if (path.empty()) return;
-    writeField(path, field, name, arguments.format.output);
+    writeField(path, field, {.array = array, .format = arguments.format.output});
     report.written.push_back(path);
   };
-  write(arguments.field, "distance");
-  write(arguments.triangleIds, "triangle");
-  write(arguments.winding, "winding");
-  write(arguments.confidence, "confidence");
+  write(arguments.field, FieldArray::Distance);
+  write(arguments.triangleIds, FieldArray::Triangle);
+  write(arguments.winding, FieldArray::Winding);
+  write(arguments.confidence, FieldArray::Confidence);
 }
 
 Json listOf(const std::vector<glm::ivec3>& offsets) {
@@ -118,7 +118,7 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"invert", arguments.options.invert},
             {"close_holes", arguments.options.closeHoles},
             {"thickness", arguments.options.thickness},
-            {"threads", arguments.options.threads}}},
+            {"threads", arguments.machine.threads}}},
           {"stats", toJson(report.stats)},
           {"peak_memory_bytes", peakMemory()}};
 }
@@ -179,7 +179,7 @@ void run(Arguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
-  testBeforeFirstUse(arguments.options.device);
+  testBeforeFirstUse(arguments.machine.device);
   Report report;
   Mesh mesh;
   Field field;
@@ -188,10 +188,12 @@ void run(Arguments& arguments) {
     ProgressLine line;
     // The summary line needs no more. The files list everything.
     const bool isBrief = arguments.stats.empty() && arguments.report.empty();
-    timeStep(report.before, "diagnose",
-             [&] { report.found = diagnose(mesh, {.isBrief = isBrief, .progress = line.callback()}); });
+    timeStep(report.before, "diagnose", [&] {
+      report.found = diagnose(mesh, {.brief = isBrief}, withProgress(arguments.machine, line));
+    });
     timeStep(report.before, "fit", [&] { report.grid = fitGrid(mesh, arguments.grid); });
-    report.stats = Generator().generate(mesh, report.grid, withProgress(arguments.options, line), field);
+    report.stats = Generator().generate(mesh, report.grid, arguments.options, field,
+                                        withProgress(arguments.machine, line));
   }
   timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())

@@ -41,7 +41,7 @@ void print(const std::vector<Hole>& holes) {
 void print(const std::optional<SelfIntersections>& crossings) {
   std::string text = "not counted (--fast)";
   if (crossings)
-    text = (crossings->isComplete ? "" : "at least ") + grouped(crossings->pairs) + ", of " +
+    text = (crossings->complete ? "" : "at least ") + grouped(crossings->pairs) + ", of " +
            counted(crossings->faces.size(), "face");
   std::printf("%-24s %s\n", "crossing pairs of faces", text.c_str());
 }
@@ -116,11 +116,11 @@ void addInfo(CLI::App& app) {
       throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
     const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input);
     ProgressLine line;
-    const Diagnostics found = diagnose(mesh, {.progress = line.callback()});
+    const MachineOptions machine{.progress = line.callback()};
+    const Diagnostics found = diagnose(mesh, {}, machine);
     std::optional<SelfIntersections> crossings;
-    if (!arguments->isFast) crossings = findSelfIntersections(mesh, line.callback());
-    const Verdict verdict =
-        crossings ? judge(mesh, found, *crossings, line.callback()) : judge(found, crossings);
+    if (!arguments->isFast) crossings = findSelfIntersections(mesh, machine);
+    const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
     line.clear();
     if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
     const std::optional<LengthUnit> unit = meshUnit(named(arguments->mesh, arguments->format.input));

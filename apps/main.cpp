@@ -65,6 +65,27 @@ std::vector<std::string> readArguments(int argc, char** argv) {
   return arguments;
 }
 
+/// Returns the exit code of an error, as docs/cli.md lists it.
+int exitCode(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::Usage:
+      return 2;
+    case ErrorCode::Input:
+      return 3;
+    case ErrorCode::File:
+      return 4;
+    case ErrorCode::Memory:
+      return 5;
+    case ErrorCode::Cancelled:
+      return 6;
+    case ErrorCode::Unsupported:
+      return 7;
+    case ErrorCode::DeviceLost:
+      return 8;
+  }
+  return 1;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
   app.set_version_flag("--version", std::string("raymap ") + version().text);
@@ -92,8 +113,7 @@ int run(int argc, char** argv) {
       return 0;
     }
     if (dynamic_cast<const CLI::RuntimeError*>(&error) != nullptr) return error.get_exit_code();
-    return fail(static_cast<int>(ErrorCode::Usage),
-                describe(app, error) + "; see " + commandName(app) + " --help");
+    return fail(exitCode(ErrorCode::Usage), describe(app, error) + "; see " + commandName(app) + " --help");
   }
 }
 
@@ -108,9 +128,9 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const Error& error) {
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
-    return fail(isStopped ? 128 + caughtSignal() : static_cast<int>(error.code()), error.what());
+    return fail(isStopped ? 128 + caughtSignal() : exitCode(error.code()), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(static_cast<int>(ErrorCode::Memory), "out of memory; use a lower resolution");
+    return fail(exitCode(ErrorCode::Memory), "out of memory; use a lower resolution");
   } catch (const std::exception& error) {
     return fail(1, std::string("this is a bug, please report it: ") + error.what());
   }

@@ -32,11 +32,7 @@ struct Arguments : FieldArguments {
 
 Mesh makeSurface(const Field& field, const Arguments& arguments) {
   ProgressLine line;
-  IsosurfaceOptions options = arguments.surface;
-  options.threads = arguments.options.threads;
-  options.warn = warn;
-  options.progress = line.callback();
-  return isosurface(field, options);
+  return isosurface(field, arguments.surface, withProgress(arguments.machine, line));
 }
 
 void run(Arguments& arguments) {

@@ -49,7 +49,7 @@ std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact) {
   std::vector<std::string> fit;
   for (const std::string& extension : writableMeshExtensions()) {
     const Mesh stored = asStored("mesh" + extension, mesh.exact, mesh.options);
-    if (holds(diagnose(stored, {.isBrief = true}), exact)) fit.push_back(extension);
+    if (holds(diagnose(stored, {.brief = true}), exact)) fit.push_back(extension);
   }
   std::string list;
   for (size_t i = 0; i < fit.size(); ++i) list += (i == 0 ? "" : i + 1 < fit.size() ? ", " : " or ") + fit[i];
@@ -87,9 +87,9 @@ StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOp
 
 void checkStored(const StoredMesh& mesh) {
   if (!isRounded(mesh)) return;
-  const Diagnostics found = diagnose(mesh.stored, {.isBrief = true});
+  const Diagnostics found = diagnose(mesh.stored, {.brief = true});
   if (isSound(found) && found.weldedVertices == found.vertices) return;
-  const Diagnostics exact = diagnose(mesh.exact, {.isBrief = true});
+  const Diagnostics exact = diagnose(mesh.exact, {.brief = true});
   if (holds(found, exact)) return;
   fail(mesh, exact,
        grouped(exact.weldedVertices - found.weldedVertices) + " of " +
@@ -101,7 +101,7 @@ void checkCrossing(const StoredMesh& mesh, size_t crossing) {
   if (crossing == 0 || !isRounded(mesh)) return;
   const size_t before = findSelfIntersections(mesh.exact).pairs;
   if (crossing > before)
-    fail(mesh, diagnose(mesh.exact, {.isBrief = true}),
+    fail(mesh, diagnose(mesh.exact, {.brief = true}),
          counted(crossing, "pair") + " of faces cross instead of " + grouped(before));
 }
 

@@ -74,7 +74,6 @@ QueryOptions askedFor(const Arguments& arguments) {
   for (const AskedArray& array : kArrays)
     options.*array.isAsked = std::ranges::find(arguments.arrays, array.name) != arguments.arrays.end();
   options.maxDistance = arguments.maxDistance;
-  options.threads = arguments.options.threads;
   return options;
 }
 
@@ -105,12 +104,12 @@ void check(Arguments& arguments, const QueryOptions& asked) {
 
 std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& format) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readPoints(path, warn, format);
+  return readPoints(path, {.format = format, .warn = warn});
 }
 
 /// Returns how much of the limit is left for the surface when points and results are held too; 0: no limit.
 size_t limitOfSurface(const Arguments& arguments, const QueryOptions& asked, size_t points) {
-  const size_t limit = arguments.options.memoryLimit;
+  const size_t limit = arguments.machine.memoryLimit;
   if (limit == 0) return 0;
   size_t bytes = sizeof(glm::dvec3);
   for (const AskedArray& array : kArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
@@ -123,13 +122,13 @@ size_t limitOfSurface(const Arguments& arguments, const QueryOptions& asked, siz
   return limit - bytes;
 }
 
-Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit, ProgressLine& line) {
-  return Surface(mesh, {.sign = !arguments.isUnsigned,
-                        .orientation = fromName<Orientation>(arguments.orientation),
-                        .threshold = arguments.options.threshold,
-                        .threads = arguments.options.threads,
-                        .memoryLimit = memoryLimit,
-                        .progress = line.callback()});
+Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit, MachineOptions machine) {
+  machine.memoryLimit = memoryLimit;
+  return Surface(mesh,
+                 {.sign = arguments.isUnsigned ? SignMode::None : SignMode::Harmonic,
+                  .orientation = fromName<Orientation>(arguments.orientation),
+                  .threshold = arguments.options.threshold},
+                 machine);
 }
 
 void count(std::span<const glm::dvec3> points, const QueryResult& result, Report& report) {
@@ -162,7 +161,7 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
         {"orientation", arguments.orientation},
         {"threshold", arguments.options.threshold},
         {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
-        {"threads", arguments.options.threads}}},
+        {"threads", arguments.machine.threads}}},
       {"steps", toJson(report.steps())},
       {"stats", toJson(report.surface)},
       {"surface_bytes", report.surfaceBytes},
@@ -198,7 +197,7 @@ void writeResults(const Arguments& arguments, std::span<const glm::dvec3> points
 
 void run(Arguments& arguments) {
   const Clock::time_point start = Clock::now();
-  QueryOptions asked = askedFor(arguments);
+  const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
   Report report;
   Mesh mesh;
@@ -210,11 +209,12 @@ void run(Arguments& arguments) {
   report.triangles = mesh.triangles.size();
   {
     ProgressLine line;
-    asked.progress = line.callback();
-    const Surface surface = prepare(mesh, arguments, limitOfSurface(arguments, asked, points.size()), line);
+    const MachineOptions machine = withProgress(arguments.machine, line);
+    const Surface surface =
+        prepare(mesh, arguments, limitOfSurface(arguments, asked, points.size()), machine);
     report.surface = surface.stats();
     report.surfaceBytes = surface.bytes();
-    timeStep(report.after, "query", [&] { surface.query(points, asked, result); });
+    timeStep(report.after, "query", [&] { surface.query(points, asked, result, machine); });
   }
   timeStep(report.after, "write", [&] { writeResults(arguments, points, result); });
   count(points, result, report);

@@ -32,17 +32,17 @@ struct Arguments {
   double thickness = 0.0;
   ViewArguments view;
   RenderOptions options;
+  MachineOptions machine;
 };
 
 Field loadField(const Arguments& arguments) {
   FieldArguments field;
   field.grid.resolution = arguments.resolution;
-  field.options.threads = arguments.options.threads;
-  field.options.device = arguments.options.device;
+  field.machine = arguments.machine;
   field.options.thickness = field.grid.thickness = arguments.thickness;
   field.options.winding = arguments.as == "winding";
   field.options.confidence = arguments.as == "confidence";
-  field.options.triangleIds = arguments.as == "triangle";
+  field.options.triangle = arguments.as == "triangle";
   return loadField(arguments.input, field, arguments.format.input);
 }
 
@@ -52,12 +52,10 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   if (array != FieldArray::Distance)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
-  RenderOptions options = arguments.options;
-  testBeforeFirstUse(options.device);
+  MachineOptions machine = arguments.machine;
+  testBeforeFirstUse(machine.device);
   ProgressLine line;
-  options.warn = warn;
-  options.progress = line.callback();
-  return renderField(field, options);
+  return renderField(field, arguments.options, withProgress(machine, line));
 }
 
 void run(Arguments& arguments) {
@@ -108,11 +106,11 @@ void addRender(CLI::App& app) {
                    "Draw a solid of this thickness around a mesh's surface, in its units: for sheets")
       ->check(numberFrom(0, true));
   command->add_option(
-      "--device", arguments->options.device,
+      "--device", arguments->machine.device,
       "Device that makes a mesh's field and draws it: cpu, vulkan, vulkan:K (see raymap devices), or auto "
       "(default), a GPU if there is one, else the CPU");
   command
-      ->add_option("--threads", arguments->options.threads,
+      ->add_option("--threads", arguments->machine.threads,
                    "Number of CPU threads; 0 = RAYMAP_THREADS, or else all (default)")
       ->check(wholeNumberFrom(0));
   addViewOptions(*command, arguments->view);

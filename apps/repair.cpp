@@ -32,9 +32,6 @@ result deviates from the mesh.)";
 RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments,
                        StoredMesh& stored) {
   ProgressLine line;
-  Options options = arguments.options;
-  options.progress = line.callback();
-  options.warn = warn;
   RepairOptions how = arguments.repair;
   how.finish = [&](Mesh& result) {
     stored = storeMesh(arguments.result, std::move(result),
@@ -44,7 +41,7 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
     checkStored(stored);
     result = std::move(stored.stored);
   };
-  Repaired repaired = repair(mesh, grid, options, how);
+  Repaired repaired = repair(mesh, grid, arguments.options, how, withProgress(arguments.machine, line));
   stored.stored = std::move(repaired.mesh);
   return std::move(repaired.report);
 }
@@ -63,7 +60,7 @@ void run(RepairArguments& arguments) {
   checkMeshUnits(arguments.units, output);
   Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
   convertUnits(mesh, arguments.units, input, output);
-  testBeforeFirstUse(arguments.options.device);
+  testBeforeFirstUse(arguments.machine.device);
   const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
   StoredMesh stored;
   const RepairReport report = makeSolid(mesh, grid, arguments, stored);

@@ -15,7 +15,7 @@ void print(const char* name, const glm::dvec3& before, const glm::dvec3& after) 
 }
 
 std::string pairsText(const SelfIntersections& crossing) {
-  return (crossing.isComplete ? "" : "at least ") + counted(crossing.pairs, "pair");
+  return (crossing.complete ? "" : "at least ") + counted(crossing.pairs, "pair");
 }
 
 void print(const char* name, const Deviation& deviation, double spacing) {
@@ -92,7 +92,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
               describeDefects(report.before, report.crossingBefore).c_str());
   if (report.partsOverlap)
     std::printf("  parts of it overlap, touch, or are nested without being cavities\n");
-  if (report.isKept)
+  if (report.kept)
     printKept(report);
   else
     std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
@@ -107,7 +107,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   std::printf("  %-22s %g before, %g after\n", "area", before.area, after.area);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
-  if (report.isKept) return;
+  if (report.kept) return;
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);
@@ -136,7 +136,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
                 100.0 * report.thickenedShare, arguments.repair.minThickness);
   if (const SimplifyReport& simplified = report.simplified; simplified.tolerance > 0.0)
     std::printf("  %-22s from %s, at most %.3g (%.2g samples) off the isosurface\n", "simplified",
-                counted(simplified.facesBefore, "triangle").c_str(), simplified.deviation,
+                counted(simplified.trianglesBefore, "triangle").c_str(), simplified.deviation,
                 simplified.deviation / grid.spacing);
 }
 

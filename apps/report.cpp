@@ -27,7 +27,7 @@ std::string describeDefects(const Diagnostics& found, const std::optional<SelfIn
   for (const auto& [count, name] : defects)
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, name);
   if (crossings && crossings->pairs > 0)
-    text += (text.empty() ? "" : ", ") + std::string(crossings->isComplete ? "" : "at least ") +
+    text += (text.empty() ? "" : ", ") + std::string(crossings->complete ? "" : "at least ") +
             counted(crossings->pairs, "crossing pair") + " of faces";
   if (text.empty()) return crossings ? "nothing" : "nothing (faces that cross were not counted)";
   return text;

@@ -182,12 +182,12 @@ void finishText() {
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMesh(path, warn, format);
+  return readMesh(path, {.format = format, .warn = warn});
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshOrField(path, warn, format);
+  return readMeshOrField(path, {.format = format, .warn = warn});
 }
 
 }  // namespace raymap

@@ -49,7 +49,7 @@ std::string nameSolids(const Diagnostics& found) {
 }
 
 std::string pairsOf(const SelfIntersections& crossings) {
-  return (crossings.isComplete ? "" : "at least ") + counted(crossings.pairs, "pair") + " of faces";
+  return (crossings.complete ? "" : "at least ") + counted(crossings.pairs, "pair") + " of faces";
 }
 
 std::string describeHoles(const Diagnostics& found) {

@@ -167,6 +167,8 @@ double volume(const Field& field) {
   return sum * std::pow(field.grid.spacing, 3);
 }
 
+const MachineOptions kCpu{.device = "cpu"};
+
 Mesh lidOf(const Holed& holed) {
   Mesh lid = holed.closed;
   lid.triangles.erase(lid.triangles.begin(),
@@ -175,13 +177,9 @@ Mesh lidOf(const Holed& holed) {
 }
 
 void printRow(const std::string& name, const char* method, const Field& field, const Holed& holed) {
-  Options plain;
-  plain.device = "cpu";
-  const Field toLid = generate(holed.closed, field.grid, plain).field,
-              toWhole = generate(holed.whole, field.grid, plain).field;
-  Options unsignedOptions = plain;
-  unsignedOptions.sign = SignMode::None;
-  const Field lid = generate(lidOf(holed), field.grid, unsignedOptions).field;
+  const Field toLid = generate(holed.closed, field.grid, {}, kCpu).field,
+              toWhole = generate(holed.whole, field.grid, {}, kCpu).field;
+  const Field lid = generate(lidOf(holed), field.grid, {.sign = SignMode::None}, kCpu).field;
   double largestToLid = 0.0, largestToWhole = 0.0;
   const double meanToLid = errorsOf(field, toLid, largestToLid),
                meanToWhole = errorsOf(field, toWhole, largestToWhole);
@@ -196,14 +194,12 @@ void printRows(const std::string& name, const Mesh& mesh, const glm::dvec3& norm
   for (const double degrees : {5.0, 15.0, 30.0}) {
     const Holed holed = cutOff(mesh, normal, degrees);
     const std::string row = name + ", " + std::to_string(int(degrees)) + "°";
-    Options options;
-    options.device = "cpu";
-    const Field plain = generate(holed.open, grid, options).field;
-    options.closeHoles = true;
-    printRow(row, "`--close-holes`", generate(holed.open, grid, options).field, holed);
+    const Field plain = generate(holed.open, grid, {}, kCpu).field;
+    const FieldOptions closing{.closeHoles = true};
+    printRow(row, "`--close-holes`", generate(holed.open, grid, closing, kCpu).field, holed);
     printRow(row, "plain", plain, holed);
 #ifdef RAYMAP_BENCH_OPENVDB
-    Field vdb = generate(holed.open, grid, options).field;
+    Field vdb = generate(holed.open, grid, closing, kCpu).field;
     bench::runOpenvdb({.mesh = holed.open, .grid = grid, .band = kBand}, vdb.distance);
     printRow(row, "OpenVDB", vdb, holed);
 #endif

@@ -180,7 +180,7 @@ uint32_t waitsOf(const std::vector<CountedCommand>& commands) {
   return last;
 }
 
-Options optionsOf(const std::string& setting) {
+FieldOptions optionsOf(const std::string& setting) {
   if (setting == "default") return {};
   if (setting == "quick") return {.distance = DistanceMode::Cell, .sign = SignMode::Rays};
   throw Error(ErrorCode::Usage, "there is no setting '" + setting + "'; use default or quick");
@@ -204,7 +204,7 @@ struct StopAtEnd {
 };
 
 std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
-                                  const Options& options) {
+                                  const FieldOptions& options) {
   const vulkan::ReplacedEntry grown(vkGetPhysicalDeviceMemoryProperties, growHeaps);
   realMemory = grown.real();
   vulkan::WorkCounter counter;
@@ -227,7 +227,7 @@ std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mesh
 
 /// Returns the milliseconds of each stage, and of all from the mesh to the field, without counters.
 std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
-                                      const Options& options) {
+                                      const FieldOptions& options) {
   vulkan::Device device(where);
   std::map<std::string, double> times;
   if (device.info().type == DeviceType::Software) return times;
@@ -286,8 +286,8 @@ void printTable(const std::vector<CountedCommand>& commands, const Card& card,
   printRow("all", all, times);
 }
 
-void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution, const Options& options,
-               const Card& card) {
+void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution,
+               const FieldOptions& options, const Card& card) {
   const Grid grid = fitGrid(mesh, {.resolution = resolution});
   const std::map<std::string, double> times = measure(where, mesh, grid, options);
   printTable(count(where, mesh, grid, options), card, times);
@@ -297,7 +297,7 @@ void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolut
 
 void countWork(const CountOptions& options) {
   setenv("RAYMAP_CACHE", "off", 1);  // Changed kernels are of no use to other runs.
-  const std::optional<size_t> index = chooseDevice(options.device);
+  const std::optional<size_t> index = chooseDevice({.device = options.device});
   if (!index) throw Error(ErrorCode::Usage, options.device + " is no Vulkan device");
   for (const std::string& name : options.meshes) {
     const Mesh mesh = benchMesh(name);

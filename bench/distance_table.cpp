@@ -42,7 +42,7 @@ struct Errors {
 };
 
 Field unsignedField(const Mesh& mesh, const Grid& grid, DistanceMode distance) {
-  Options options;
+  FieldOptions options;
   options.distance = distance;
   options.sign = SignMode::None;
   return generate(mesh, grid, options).field;

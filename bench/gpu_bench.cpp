@@ -77,7 +77,7 @@ Json measure(Make&& make) {
 }
 
 /// Measures a case on the device. Each case has its own backend, so that it holds only what the case needs.
-Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, const Options& options) {
+Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   vulkan::Backend backend(device);
   Field field;
   Json report = measure([&]() -> Run {
@@ -92,11 +92,11 @@ Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, con
   return report;
 }
 
-Json runOnCpu(const Mesh& mesh, const Grid& grid, const Options& options) {
+Json runOnCpu(const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   Generator generator;
   Field field;
   return measure([&]() -> Run {
-    Stats stats = generator.generate(mesh, grid, options, field);
+    Stats stats = generator.generate(mesh, grid, options, field, {.device = "cpu"});
     return {stats.milliseconds, std::move(stats.stages)};
   });
 }
@@ -122,8 +122,8 @@ Json runCase(vulkan::Device& device, const Json& input) {
   }
   const Grid grid = fitGrid(mesh, {.resolution = input.at("resolution")});
   const bool isCpu = input.at("device") == "cpu";
-  const Options options{
-      .distance = kDistances.at(input.at("distance")), .sign = kSigns.at(input.at("sign")), .device = "cpu"};
+  const FieldOptions options{.distance = kDistances.at(input.at("distance")),
+                             .sign = kSigns.at(input.at("sign"))};
   Json report = isCpu ? runOnCpu(mesh, grid, options) : runOnDevice(device, mesh, grid, options);
   report["samples"] = grid.sampleCount();
   report["cells"] = coveringCells(mesh, grid);
@@ -188,7 +188,7 @@ int run(int argc, char** argv) {
     countWork(count);
     return 0;
   }
-  const std::optional<size_t> index = chooseDevice(name);
+  const std::optional<size_t> index = chooseDevice({.device = name});
   if (!index) throw Error(ErrorCode::Usage, name + " is no Vulkan device");
   vulkan::Device device({.index = index});
   print({{"device", device.info().name},

@@ -29,10 +29,11 @@ constexpr double kNear = 2.5e-3;  // of the diagonal
 using Prepared = std::function<void()>;
 
 void runSurface(const PointCase& input, bool isSigned, const Prepared& prepared, Buffer<double>& values) {
-  const Surface surface(input.mesh, {.sign = isSigned, .threads = input.threads});
+  const Surface surface(input.mesh, {.sign = isSigned ? SignMode::Harmonic : SignMode::None},
+                        {.threads = input.threads});
   prepared();
   QueryResult result;
-  surface.query(input.points, {.threads = input.threads}, result);
+  surface.query(input.points, {}, result, {.threads = input.threads});
   values = std::move(result.distance);
 }
 
@@ -89,14 +90,14 @@ std::vector<glm::vec3> readPoints(const std::string& name) {
 /// Returns the median wall time and the mean CPU time of one call, in milliseconds.
 nlohmann::json measureCalls(const PointCase& input, size_t pointsPerCall) {
   constexpr int kCalls = 201;
-  const Surface surface(input.mesh, {.threads = input.threads});
+  const Surface surface(input.mesh, {}, {.threads = input.threads});
   QueryResult result;
   std::vector<double> times;
   const double cpu = Usage::now().cpu;
   for (size_t call = 0; call < kCalls; ++call) {
     const size_t begin = call * pointsPerCall % (input.points.size() - pointsPerCall);
     const auto start = std::chrono::steady_clock::now();
-    surface.query(PointsView(&input.points[begin].x, pointsPerCall), {.threads = input.threads}, result);
+    surface.query(PointsView(&input.points[begin].x, pointsPerCall), {}, result, {.threads = input.threads});
     times.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }

@@ -7,18 +7,13 @@
 namespace raymap::bench {
 
 void runRaymap(const Case& input, Buffer<float>& values) {
-  Options options;
-  options.threads = input.threads;
-  options.band = input.band;
   Field field;
-  Generator().generate(input.mesh, input.grid, options, field);
+  Generator().generate(input.mesh, input.grid, {.band = input.band}, field, {.threads = input.threads});
   values = std::move(field.distance);
 }
 
 void runRaymapWinding(const Case& input, Buffer<float>& values) {
-  Options options;
-  options.threads = input.threads;
-  options.winding = true;
+  const FieldOptions options{.winding = true};
   Progress progress;
   Field field;
   withThreads(input.threads, [&] {

@@ -36,7 +36,7 @@ struct Traffic {
 struct Stage {
   const char* name;
   Run run;
-  Options options;
+  FieldOptions options;
   std::vector<Run> once;    ///< Stages that must have run before.
   std::vector<Run> always;  ///< Stages that run before every time, untimed.
   Traffic traffic;
@@ -47,12 +47,14 @@ constexpr int kFloat = sizeof(float);
 constexpr int kIndex = sizeof(uint32_t);
 
 std::vector<Stage> stages() {
-  const auto distance = [](DistanceMode mode) { return Options{.distance = mode, .sign = SignMode::None}; };
-  const auto sign = [](SignMode mode) { return Options{.sign = mode}; };
+  const auto distance = [](DistanceMode mode) {
+    return FieldOptions{.distance = mode, .sign = SignMode::None};
+  };
+  const auto sign = [](SignMode mode) { return FieldOptions{.sign = mode}; };
   const std::vector<Run> rays{run<&B::crossings>, run<&B::rayMap>};
-  const Options exact = distance(DistanceMode::Exact), cell = distance(DistanceMode::Cell);
-  const Options neighbours = distance(DistanceMode::Neighbours), raster = distance(DistanceMode::Raster);
-  Options band = exact;
+  const FieldOptions exact = distance(DistanceMode::Exact), cell = distance(DistanceMode::Cell);
+  const FieldOptions neighbours = distance(DistanceMode::Neighbours), raster = distance(DistanceMode::Raster);
+  FieldOptions band = exact;
   band.band = 3.0;
   return {
       {"exact_distance", run<&B::exactDistance>, exact, {}, {}, {kFloat, kTriangle}},
@@ -120,10 +122,10 @@ const Mesh& cachedMesh(const std::string& name) {
 void runStage(benchmark::State& state, const Stage& stage, const std::string& meshName) {
   const Mesh& mesh = cachedMesh(meshName);
   const Grid grid = fitGrid(mesh, {.resolution = int(state.range(0))});
-  Progress progress(stage.options.progress);
+  Progress progress;
   Field field;
   cpu::Backend backend;
-  withThreads(stage.options.threads, [&] {
+  withThreads(0, [&] {
     backend.take({mesh, grid, stage.options, progress, field});
     backend.begin();
     for (const Run before : stage.once) before(backend);

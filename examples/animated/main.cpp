@@ -131,7 +131,7 @@ class Movie {
   raymap::vulkan::Skinner skinner_;
   raymap::vulkan::Renderer renderer_;
   raymap::Grid grid_;
-  raymap::Options options_;
+  raymap::FieldOptions options_;
   raymap::RenderOptions view_;
   raymap::vulkan::SkinBuffers skin_;
   Buffer triangles_, matrices_, vertices_, distance_, pixels_, picture_;
@@ -171,7 +171,7 @@ void run(const Arguments& arguments) {
   };
   AnimatedMesh mesh = arguments.mesh.empty()
                           ? bendingTube()
-                          : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, warn);
+                          : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, {.warn = warn});
   turnWrongFaces(mesh.rest);
   std::filesystem::create_directories(arguments.folder);
   Gpu gpu(arguments.device);
@@ -229,7 +229,7 @@ int parseAndRun(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : int(raymap::ErrorCode::Usage);
+    return app.exit(error) == 0 ? 0 : 2;
   }
   run(arguments);
   return 0;
@@ -246,9 +246,7 @@ int main(int argc, char** argv) {
   try {
     return parseAndRun(argc, argv);
   } catch (const raymap::Error& error) {
-    return fail(int(error.code()), error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
-    return fail(int(raymap::ErrorCode::File), error.what());
+    return fail(error.code() == raymap::ErrorCode::Usage ? 2 : 1, error.what());
   } catch (const std::exception& error) {
     return fail(1, error.what());
   }

@@ -31,7 +31,7 @@ extern "C" {
 
 /* ---- Errors ---- */
 
-/* The values are those of raymap::ErrorCode. */
+/* What went wrong. The numbers never change; those of raymap::ErrorCode may. */
 typedef enum raymap_result {
   RAYMAP_OK = 0,
   RAYMAP_ERROR_BUG = 1,         /* Something unexpected: please report the message. */
@@ -89,8 +89,8 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
  *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
  *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
- *   "invert", "close_holes", "triangle_ids", "winding", "confidence" (0)
- *                       switches, as in raymap::Options */
+ *   "invert", "close_holes", "triangle", "winding", "confidence" (0)
+ *                       switches, as in raymap::FieldOptions */
 RAYMAP_API raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value);
 
 /* Sets the offset points of "paths" and "evolution", used in turn: x, y, z of each, in samples. They are
@@ -214,7 +214,7 @@ RAYMAP_API raymap_result raymap_generator_run(raymap_generator* generator, const
 /* Copies the grid of a field. */
 RAYMAP_API raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid);
 /* Returns the distance to which the field is clamped; 0 if it is not clamped, and for NULL. */
-RAYMAP_API double raymap_field_band(const raymap_field* field);
+RAYMAP_API double raymap_field_clamp_distance(const raymap_field* field);
 
 /* Returns the field's own distances, one per sample, negative inside. NULL if the field is empty or NULL. The
  * field owns the array: it is valid until the field is filled again or freed. */

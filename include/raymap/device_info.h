@@ -19,8 +19,8 @@ enum class DeviceTestState {
 
 /// A device that can compute fields.
 struct DeviceInfo {
-  std::string id = {};                  ///< Value for `Options::device`: "cpu", "vulkan:0", "vulkan:1", …
-  std::string name = {};                ///< Name of the processor or GPU.
+  std::string id = {};    ///< Value for `MachineOptions::device`: "cpu", "vulkan:0", "vulkan:1", …
+  std::string name = {};  ///< Name of the processor or GPU.
   DeviceType type = DeviceType::Other;  ///< Kind of the device.
   std::string driver = {};              ///< Name and version of the driver; empty for the CPU.
   unsigned threads = 0;                 ///< Number of hardware threads of the CPU; 0 for others.
@@ -34,7 +34,7 @@ struct DeviceInfo {
   std::string identity = {};  ///< Differs for every device and version of a driver; empty for the CPU.
   DeviceTestState test = DeviceTestState::Untested;  ///< Outcome of the last test of a GPU.
   std::string testProblem = {};  ///< First difference, or the check in which the test ended; empty if passed.
-  bool isAutomatic = false;      ///< Whether the device "auto" is this one. It tests a GPU first.
+  bool automatic = false;        ///< Whether the device "auto" is this one. It tests a GPU first.
 };
 
 /// One check of a GPU: a stage, or whole fields.

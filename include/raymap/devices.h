@@ -1,8 +1,8 @@
 #pragma once
 
-#include <raymap/callbacks.h>
 #include <raymap/device_info.h>
 #include <raymap/export.h>
+#include <raymap/machine.h>
 
 #include <cstddef>
 #include <optional>
@@ -18,8 +18,8 @@ struct DeviceList {
   std::string note = {};                 ///< Reason why there is no Vulkan device; empty if there is one.
 };
 
-/// Returns all values that `Options::device` accepts, with what is behind them. Asks every Vulkan driver,
-/// which can take a second.
+/// Returns all values that `MachineOptions::device` accepts, with what is behind them. Asks every Vulkan
+/// driver, which can take a second.
 RAYMAP_API DeviceList devices();
 
 /// Returns the id of the GPU that the device "auto" would test before its first use; empty if there is none.
@@ -43,9 +43,10 @@ struct DeviceTest {
 /// The folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
 /// If it is off (RAYMAP_CACHE=off) or cannot be written, this process remembers the result.
 ///
-/// `id` is that of a device in `devices`, or "vulkan" for the best one. Throws `Error`: Usage for a name that
+/// `id` is that of a device in `devices`, or "vulkan" for the best one. Of `machine` only `progress` counts.
+/// Throws `Error`: Usage for a name that
 /// is not that of a GPU, Unsupported if there is no such device or another thread or process tests it now,
-/// Cancelled if `progress` returns false.
-RAYMAP_API DeviceTest testDevice(const std::string& id, const ProgressCallback& progress = {});
+/// Cancelled.
+RAYMAP_API DeviceTest testDevice(const std::string& id, const MachineOptions& machine = {});
 
 }  // namespace raymap

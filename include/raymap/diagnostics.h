@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/callbacks.h>
+#include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 
 #include <cstddef>
@@ -59,13 +59,13 @@ inline bool isDoubleSided(const Diagnostics& found) {
 
 /// Options of `diagnose`.
 struct DiagnoseOptions {
-  bool isBrief = false;  ///< Leaves out holes, components, sheets and flipped faces: they take longest.
-  ProgressCallback progress = {};  ///< Receives the stage "diagnose".
+  bool brief = false;  ///< Leaves out holes, components, sheets and flipped faces: they take longest.
 };
 
-/// Measures a mesh. Throws `Error(Input)`; see `validate`. Throws `Error(Cancelled)` if the progress callback
-/// returns false.
-RAYMAP_API Diagnostics diagnose(const MeshView& mesh, const DiagnoseOptions& options = {});
+/// Measures a mesh. `machine.threads` and `progress` count. Throws `Error`: Input (see `validate`),
+/// Cancelled.
+RAYMAP_API Diagnostics diagnose(const MeshView& mesh, const DiagnoseOptions& options = {},
+                                const MachineOptions& machine = {});
 
 /// Faces that cross others, so that inner points of the two coincide. Faces that only touch, overlap in one
 /// plane or share an edge do not cross. The test is exact for corners rounded to a lattice of at least 2^29
@@ -73,12 +73,11 @@ RAYMAP_API Diagnostics diagnose(const MeshView& mesh, const DiagnoseOptions& opt
 struct SelfIntersections {
   size_t pairs = 0;                  ///< Number of crossing pairs.
   std::vector<uint32_t> faces = {};  ///< Indices of the faces in them, ascending.
-  bool isComplete = true;            ///< False if the search stopped early: there are at least so many pairs.
+  bool complete = true;              ///< False if the search stopped early: there are at least so many pairs.
 };
 
-/// Finds the faces that cross others. Stops early where too many faces overlap. Throws `Error(Input)`; see
-/// `validate`. `progress` receives the stage "crossing pairs"; throws `Error(Cancelled)` if it returns false.
-RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh,
-                                                   const ProgressCallback& progress = {});
+/// Finds the faces that cross others. Stops early where too many faces overlap. `machine.threads` and
+/// `progress` count. Throws `Error`: Input (see `validate`), Cancelled.
+RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh, const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -7,15 +7,15 @@
 
 namespace raymap {
 
-/// Kinds of failure. The command line exits with the value of the code; raymap/c.h returns it.
+/// Kinds of failure. The command line and raymap/c.h have numbers of their own for them.
 enum class ErrorCode {
-  Usage = 2,        ///< An option or argument makes no sense.
-  Input = 3,        ///< A file or array was read, but its content is not valid.
-  File = 4,         ///< A file cannot be opened, read or written.
-  Memory = 5,       ///< The work needs more memory than allowed.
-  Cancelled = 6,    ///< A progress callback asked to stop.
-  Unsupported = 7,  ///< Valid, but beyond what this build or this machine can do.
-  DeviceLost = 8    ///< The GPU stopped answering while it worked.
+  Usage,        ///< An option or argument makes no sense.
+  Input,        ///< A file or array was read, but its content is not valid.
+  File,         ///< A file cannot be opened, read or written.
+  Memory,       ///< The work needs more memory than allowed.
+  Cancelled,    ///< A progress callback asked to stop.
+  Unsupported,  ///< Valid, but beyond what this build or this machine can do.
+  DeviceLost    ///< The GPU stopped answering while it worked.
 };
 
 /// The one exception type of the library. `what()` says what is wrong, where, and what to do.

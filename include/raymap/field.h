@@ -15,7 +15,9 @@ struct Field {
   Buffer<uint32_t> triangle = {};  ///< Index of the closest triangle, or `kNoTriangle`.
   Buffer<float> winding = {};      ///< Winding number, +1 inside a closed surface that faces outwards.
   Buffer<float> confidence = {};   ///< Confidence in the sign, 0 to 1.
-  double band = 0.0;               ///< Distances are clamped to +-band, in the mesh's units; 0 = not clamped.
+  /// Distances are clamped to +-this, in the mesh's units; 0 = not clamped. `FieldOptions::band` times the
+  /// spacing.
+  double clampDistance = 0.0;
   /// Bounds of the surface that distances lead to, in the mesh's units; empty if they are not known. They
   /// tell what may lie outside the grid; see raymap/sample.h.
   Box surfaceBounds = {};
@@ -24,7 +26,7 @@ struct Field {
 /// One of a field's arrays.
 enum class FieldArray { Distance, Winding, Confidence, Triangle };
 
-/// Value of `Field::triangle` beyond a band, and where surface that closes a hole is closer.
+/// Value of `Field::triangle` where the distance is clamped, and where surface that closes a hole is closer.
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;
 
 }  // namespace raymap

@@ -2,6 +2,7 @@
 
 #include <raymap/export.h>
 #include <raymap/field.h>
+#include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/options.h>
 
@@ -29,13 +30,15 @@ class RAYMAP_API Generator {
   Generator(Generator&&) noexcept;
   Generator& operator=(Generator&&) noexcept;
 
-  /// Returns a new field.
-  Generated generate(const MeshView& mesh, const Grid& grid, const Options& options = {});
+  /// Returns a new field. All of `machine` counts. It warns when "auto" falls back to the CPU.
+  Generated generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
+                     const MachineOptions& machine = {});
 
   /// Fills `field`, reusing its memory. Throws `Error`: Input (see `validate`), Usage for options that
   /// contradict each other, Memory, Cancelled, Unsupported or DeviceLost for the device; the field is then
   /// empty.
-  Stats generate(const MeshView& mesh, const Grid& grid, const Options& options, Field& field);
+  Stats generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options, Field& field,
+                 const MachineOptions& machine = {});
 
  private:
   struct Impl;
@@ -43,6 +46,7 @@ class RAYMAP_API Generator {
 };
 
 /// Returns a field made by a generator of its own. Throws as `Generator::generate` does.
-RAYMAP_API Generated generate(const MeshView& mesh, const Grid& grid, const Options& options = {});
+RAYMAP_API Generated generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
+                              const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -34,7 +34,7 @@ struct GridOptions {
   double voxelSize = 0.0;       ///< Spacing in the mesh's units; 0 = from the resolution.
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
   double padding = 0.1;         ///< Padding of the bounds on every side, as a share of their longest side.
-  double thickness = 0.0;       ///< `Options::thickness`: half of it pads the bounds besides.
+  double thickness = 0.0;       ///< `FieldOptions::thickness`: half of it pads the bounds besides.
 };
 
 /// Returns the smallest grid of cubic cells that covers the box. A side that is not a multiple of the spacing

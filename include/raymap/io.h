@@ -21,25 +21,30 @@ namespace raymap {
 // `format` counts in its place: an extension, such as ".stl". Without either, a file to read is recognised by
 // its first bytes, if these leave no doubt.
 
+/// How to read a file.
+struct ReadOptions {
+  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+  WarningCallback warn = {};     ///< Called with what is odd in the file, but does not stop the call.
+};
+
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
 /// differ by content. Applies node transforms and instances, cuts polygons into triangles, joins all meshes
 /// of the file. Positions are as the file has them; those of a 3MF are in millimetres. Throws `Error`: File,
 /// Memory, or Input that names the file, the element and the value; Unsupported.
-RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn = {},
-                         std::string_view format = {});
+RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a glTF or GLB file with its skins and one of its animations; a mesh without any stands still. Keeps
 /// the four joints of a vertex that have the largest weights; morph targets stay at rest. Throws as
 /// `readMesh` does.
 RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
-                                         const WarningCallback& warn = {});
+                                         const ReadOptions& options = {});
 
 /// How to write a mesh.
 struct MeshWriteOptions {
   glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
   LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states for the mesh's lengths.
   std::string_view format = {};              ///< Extension that counts where the path has none that is known.
-  WarningCallback warn = {};
+  WarningCallback warn = {};                 ///< Called if the format moves vertices.
 };
 
 /// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
@@ -71,19 +76,24 @@ RAYMAP_API std::vector<std::string> fieldExtensions();
 
 /// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: the result has origin 0 and spacing 1. Throws
 /// `Error`: Usage for another extension, File, Input, Memory, Unsupported.
-RAYMAP_API Field readField(const std::filesystem::path& path, std::string_view format = {});
+RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.
 RAYMAP_API std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path,
-                                                     const WarningCallback& warn = {},
-                                                     std::string_view format = {});
+                                                     const ReadOptions& options = {});
 
-/// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance", "winding",
-/// "confidence" or "triangle". With the distance, .npz, .vti and .vdb hold all other arrays of the field too.
-/// The file appears whole or not at all. Throws `Error`: Usage for another extension, an array that the field
-/// does not have or a grid without samples or with numbers that are not finite; File.
+/// How to write a field.
+struct FieldWriteOptions {
+  /// Array to write. With the distance, .npz, .vti and .vdb hold all other arrays of the field too.
+  FieldArray array = FieldArray::Distance;
+  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+};
+
+/// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension. The file appears whole or not
+/// at all. Throws `Error`: Usage for another extension, an array that the field does not have or a grid
+/// without samples or with numbers that are not finite; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
-                           std::string_view name = "distance", std::string_view format = {});
+                           const FieldWriteOptions& options = {});
 
 /// Reads points in double precision, in the order of the file:
 /// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or
@@ -95,12 +105,12 @@ RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field
 /// NaN and infinities are numbers. Throws `Error`: Usage for another extension, File, Memory, Unsupported, or
 /// Input that names the file, the line and the value.
 RAYMAP_API std::vector<glm::dvec3> readPoints(const std::filesystem::path& path,
-                                              const WarningCallback& warn = {}, std::string_view format = {});
+                                              const ReadOptions& options = {});
 
 /// How to write the results of a query.
-struct WriteQueryOptions {
+struct QueryWriteOptions {
   bool colour = false;  ///< Whether a .ply gets the colour of each distance, as in slices of a field.
-  std::string_view format = {};  ///< Extension that counts if the path has none that is known.
+  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
 };
 
 /// Writes all arrays of a result, by extension:
@@ -112,7 +122,7 @@ struct WriteQueryOptions {
 /// The file appears whole or not at all. Throws `Error`: Usage for another extension, or for results that do
 /// not fit the points or the format; File.
 RAYMAP_API void writeQuery(const std::filesystem::path& path, std::span<const glm::dvec3> points,
-                           const QueryResult& result, const WriteQueryOptions& options = {});
+                           const QueryResult& result, const QueryWriteOptions& options = {});
 
 /// Returns the extensions that `readPoints` knows.
 RAYMAP_API std::vector<std::string> pointExtensions();

@@ -1,16 +1,13 @@
 #pragma once
 
-#include <raymap/callbacks.h>
 #include <raymap/field.h>
+#include <raymap/machine.h>
 
 namespace raymap {
 
 /// How to make the surface of a field.
 struct IsosurfaceOptions {
-  double iso = 0.0;                ///< Distance at which the surface lies, in the mesh's units.
-  int threads = 0;                 ///< Number of threads; 0 = `defaultThreads`.
-  WarningCallback warn = {};       ///< Called if the solid reaches the grid's box.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
+  double iso = 0.0;  ///< Distance at which the surface lies, in the mesh's units.
 };
 
 /// Returns the surface of the solid whose distances are below `iso`, by dual contouring (Ju et al. 2002).
@@ -20,9 +17,13 @@ struct IsosurfaceOptions {
 /// result is closed where the solid reaches the grid's box. Planes are fitted to the distances, so that
 /// corners and sharp edges are kept. Same field, same mesh, for any number of threads.
 ///
+/// `machine.threads`, `warn` and `progress` count. It warns if the solid reaches the grid's box.
+///
 /// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory, Cancelled.
-RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {});
+RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {},
+                           const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`, which an error leaves empty.
-RAYMAP_API void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result);
+RAYMAP_API void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
+                           const MachineOptions& machine = {});
 
 }  // namespace raymap

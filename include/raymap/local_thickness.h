@@ -1,7 +1,5 @@
 #pragma once
 
-#include <raymap/callbacks.h>
-
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
@@ -22,7 +20,7 @@ enum class Part : uint8_t {
   /// Surface beside a blunt edge or corner: the other side is too oblique, or a third too near. Also faces
   /// narrower than 0.00002 of the mesh's diagonal.
   Corner,
-  Solid,   ///< Surface of a solid whose other side is farther than `most`.
+  Solid,   ///< Surface of a solid whose other side is farther than `ThicknessOptions::maxThickness`.
   Sheet,   ///< Face that bounds nothing: it is outside on both sides.
   Buried,  ///< Face that is inside on both sides.
 };
@@ -45,9 +43,7 @@ struct Thickness {
 /// How to measure thickness.
 struct ThicknessOptions {
   /// Largest thickness to find. Thicker parts count as infinitely thick. The smaller, the faster.
-  double most = std::numeric_limits<double>::infinity();
-  int threads = 0;                 ///< Number of threads; 0 = `defaultThreads`.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
+  double maxThickness = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace raymap

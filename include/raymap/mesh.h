@@ -16,6 +16,9 @@ static_assert(sizeof(glm::vec3) == 12 && alignof(glm::vec3) == 4);
 static_assert(sizeof(glm::uvec3) == 12 && alignof(glm::uvec3) == 4);
 static_assert(sizeof(glm::ivec3) == 12 && alignof(glm::ivec3) == 4);
 static_assert(sizeof(glm::dvec3) == 24 && alignof(glm::dvec3) == alignof(double));
+
+/// Types of the numbers in arrays that views refer to.
+enum class Scalar : uint8_t { Float, Double };
 static_assert(sizeof(glm::vec<3, uint64_t>) == 24 && alignof(glm::vec<3, uint64_t>) == alignof(uint64_t));
 
 /// An axis-aligned box in the mesh's units. Empty until something is added.

@@ -26,7 +26,6 @@ struct MeshStrides {
 /// memory that the `Generator` keeps. Double positions are centred on their bounds in double precision before
 /// they are rounded, as by `makeMesh`; their field is the same, bit for bit.
 struct MeshView {
-  enum class Scalar : uint8_t { Float, Double };
   enum class Index : uint8_t { UInt32, UInt64 };
 
   const void* vertices = nullptr;

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <raymap/callbacks.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -46,36 +44,28 @@ enum class Orientation {
   Repair  ///< Whenever the rays then agree no worse.
 };
 
-/// How to make a field. The defaults suit most meshes.
-struct Options {
+/// What the field is. The defaults suit most meshes; raymap/machine.h says where it is made.
+struct FieldOptions {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
   Orientation orientation = Orientation::Auto;
   int passes = 5;                        ///< Number of passes P of `Paths` or of steps of `Evolution`.
   Sampling sampling = Sampling::Raymap;  ///< Offset points of `Paths` and `Evolution`, and the rays there.
   std::vector<glm::ivec3> offsets =
-      {};                    ///< Offset points in samples, used in turn, in place of `sampling`'s.
-  double threshold = 0.5;    ///< A sample is inside if |winding number| exceeds this (§3.5).
-  double band = 0.0;         ///< Distances are clamped to this many samples; 0 = not clamped.
-  bool invert = false;       ///< Whether inside is positive instead of negative.
-  bool closeHoles = false;   ///< Whether distances count the surface that is missing in holes.
-  int threads = 0;           ///< Number of CPU threads; 0 = `defaultThreads`.
-  bool triangleIds = false;  ///< Whether to fill `Field::triangle`; not with `Raster`.
-  bool winding = false;      ///< Whether to fill `Field::winding`; not without a sign.
-  bool confidence = false;   ///< Whether to fill `Field::confidence`; not without a sign.
-  size_t memoryLimit = 0;    ///< Most bytes that the generator and the field may hold; 0 = what is available.
+      {};                   ///< Offset points in samples, used in turn, in place of `sampling`'s.
+  double threshold = 0.5;   ///< A sample is inside if |winding number| exceeds this (§3.5).
+  double band = 0.0;        ///< Distances are clamped to this many samples; 0 = not clamped.
+  bool invert = false;      ///< Whether inside is positive instead of negative.
+  bool closeHoles = false;  ///< Whether distances count the surface that is missing in holes.
+  bool triangle = false;    ///< Whether to fill `Field::triangle`; not with `Raster`.
+  bool winding = false;     ///< Whether to fill `Field::winding`; not without a sign.
+  bool confidence = false;  ///< Whether to fill `Field::confidence`; not without a sign.
 
   /// Thickness of a wall around the surface, in the mesh's units. Above 0, the solid is everything within
   /// half of it from the surface, whatever `sign` says: for sheets that enclose nothing. Excludes `winding`,
   /// `confidence` and `closeHoles`, which need a sign. `GridOptions::thickness` makes place for it in the
   /// grid.
   double thickness = 0.0;
-
-  /// Device that computes the field. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them,
-  /// which may be a software rasterizer; "auto", a real GPU if one is usable, else the CPU. See `devices`.
-  std::string device = "auto";
-  WarningCallback warn = {};       ///< Called with the reason when "auto" falls back to the CPU.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
 /// Costs of a run, and its findings about the mesh.

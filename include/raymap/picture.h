@@ -1,11 +1,9 @@
 #pragma once
 
-#include <raymap/callbacks.h>
 #include <raymap/grid.h>
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace raymap {
@@ -33,13 +31,6 @@ struct RenderOptions {
   /// Box that the camera frames instead of the shape, in the mesh's units. Pictures of a moving shape share
   /// one, so that the camera stands still. The ball around it cuts off what reaches farther.
   std::optional<Box> frame = {};
-  int threads = 0;  ///< Number of CPU threads; 0 = `defaultThreads`.
-
-  /// Device that draws, as in `Options::device`. A GPU's picture differs a little from the CPU's: the mean of
-  /// a colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8.
-  std::string device = "auto";
-  WarningCallback warn = {};       ///< Called with the reason when "auto" falls back to the CPU.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
 }  // namespace raymap

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <raymap/buffer.h>
-#include <raymap/callbacks.h>
+#include <raymap/mesh.h>
 #include <raymap/options.h>
 
 #include <concepts>
@@ -15,19 +15,15 @@ namespace raymap {
 
 /// How to prepare a mesh.
 struct SurfaceOptions {
-  bool sign =
-      true;  ///< Whether queries tell inside from outside. Without, the surface takes less time and memory.
+  /// `Harmonic`, or `None`: queries then do not tell inside from outside, and the surface takes less time and
+  /// memory.
+  SignMode sign = SignMode::Harmonic;
   Orientation orientation = Orientation::Auto;  ///< Whether faces that point the wrong way may be reversed.
   double threshold = 0.5;                       ///< A point is inside if |winding number| exceeds this.
-  int threads = 0;                              ///< Number of threads; 0 = `defaultThreads`.
-  size_t memoryLimit = 0;  ///< Most bytes that the surface may hold while it is made; 0 = what is available.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
 /// Points in the caller's memory. Point i: three numbers at `data` + i * `stride` bytes, in the mesh's units.
 struct PointsView {
-  enum class Scalar : uint8_t { Float, Double };
-
   const void* data = nullptr;
   size_t count = 0;
   size_t stride = sizeof(glm::vec3);  ///< Bytes from one point to the next.
@@ -63,8 +59,6 @@ struct QueryOptions {
   bool confidence = false;   ///< Whether to fill `QueryResult::confidence`. Needs a sign.
   /// Farther points get this distance, with their sign, and no closest point, triangle or direction.
   double maxDistance = std::numeric_limits<double>::infinity();
-  int threads = 0;                 ///< Number of threads; 0 = `defaultThreads`.
-  ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
 /// One value per point, in the order of the points. Arrays that were not asked for are empty.

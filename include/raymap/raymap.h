@@ -14,6 +14,7 @@
 #include <raymap/io.h>
 #include <raymap/isosurface.h>
 #include <raymap/local_thickness.h>
+#include <raymap/machine.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>

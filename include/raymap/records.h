@@ -56,7 +56,7 @@ void forEachMember(const Diagnostics& found, auto&& use) {
 void forEachMember(const SelfIntersections& found, auto&& use) {
   use("pairs", found.pairs);
   use("faces", found.faces.size());  ///< Number of faces in them.
-  use("complete", found.isComplete);
+  use("complete", found.complete);
 }
 
 /// Diagnostics of a mesh with the faces that cross.
@@ -122,7 +122,7 @@ void forEachMember(const Loss& loss, auto&& use) {
   use("thinnest", loss.thinnest);
   use("median_thickness", loss.medianThickness);
   use("voxel_size", loss.voxelSize);
-  use("kept", loss.isKept);
+  use("kept", loss.kept);
   use("kept_share", loss.keptShare);
   use("kept_thickness", loss.keptThickness);
   use("dropped_share", loss.droppedShare);
@@ -132,8 +132,8 @@ void forEachMember(const Loss& loss, auto&& use) {
 
 void forEachMember(const SimplifyReport& simplified, auto&& use) {
   use("tolerance", simplified.tolerance);
-  use("triangles_before", simplified.facesBefore);
-  use("triangles_after", simplified.facesAfter);
+  use("triangles_before", simplified.trianglesBefore);
+  use("triangles_after", simplified.trianglesAfter);
   use("deviation", simplified.deviation);
 }
 
@@ -158,7 +158,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("filled", report.filled);
   use("buried", report.buried);
   use("parts_overlap", report.partsOverlap);
-  use("kept", report.isKept);
+  use("kept", report.kept);
   use("closed_holes", report.closedHoles);
   use("closing_faces", report.closingFaces);
   use("thickened_share", report.thickenedShare);
@@ -170,7 +170,7 @@ void forEachMember(const DeviceInfo& device, auto&& use) {
   use("id", device.id);
   use("name", device.name);
   use("type", device.type);
-  use("automatic", device.isAutomatic);
+  use("automatic", device.automatic);
   use("driver", device.driver);
   use("threads", device.threads);
   use("memory", device.memory);

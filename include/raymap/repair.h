@@ -2,6 +2,7 @@
 
 #include <raymap/diagnostics.h>
 #include <raymap/grid.h>
+#include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/options.h>
 
@@ -75,7 +76,7 @@ struct Loss {
   /// Largest distance between samples that was found to keep the parts, in the mesh's units. If none does,
   /// the one that keeps most of them; 0 = none keeps any.
   double voxelSize = 0.0;
-  bool isKept = false;         ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
+  bool kept = false;           ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
   double keptThickness = 0.0;  ///< Median thickness of the parts that it does not keep.
   /// Share of the mesh's area that is lost with the small parts that were dropped.
@@ -87,10 +88,10 @@ struct Loss {
 
 /// How the isosurface was simplified.
 struct SimplifyReport {
-  double tolerance = 0.0;  ///< Tolerance in force, in the mesh's units; 0 = not simplified.
-  size_t facesBefore = 0;  ///< Number of faces of the isosurface.
-  size_t facesAfter = 0;   ///< Number of faces of the result.
-  double deviation = 0.0;  ///< Largest distance measured, from points of either mesh to the other.
+  double tolerance = 0.0;      ///< Tolerance in force, in the mesh's units; 0 = not simplified.
+  size_t trianglesBefore = 0;  ///< Number of triangles of the isosurface.
+  size_t trianglesAfter = 0;   ///< Number of triangles of the result.
+  double deviation = 0.0;      ///< Largest distance measured, from points of either mesh to the other.
 };
 
 /// Changes that a repair made, and how far the result is from the mesh.
@@ -126,7 +127,7 @@ struct RepairReport {
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
-  bool isKept = false;
+  bool kept = false;
   size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
   size_t closingFaces = 0;         ///< Number of faces that close these holes.
   double thickenedShare = 0.0;     ///< Share of the mesh's area that was thinner than `minThickness`.
@@ -149,11 +150,11 @@ RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options =
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of
 /// one whose holes can be filled so that nothing is wrong.
 ///
-/// The options say how distance and sign are found, and on what machine. Throws `Error` as `generate` and
-/// `isosurface` do. Usage also for options that make no sense for a solid: no sign, `band`, `invert`,
-/// `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness are thinner than
-/// two samples.
-RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const Options& options = {},
-                           const RepairOptions& repair = {});
+/// `options` say how distance and sign are found. All of `machine` counts, `device` for the fields. Throws
+/// `Error` as `generate` and `isosurface` do. Usage also for options that make no sense for a solid: no sign,
+/// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
+/// are thinner than two samples.
+RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
+                           const RepairOptions& repair = {}, const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/field.h>
+#include <raymap/machine.h>
 
 #include <span>
 
@@ -33,9 +34,9 @@ namespace raymap {
 // away from edges of the surface. Outside, it leads away from the box, whatever surfaces there may be beyond
 // it.
 //
-// Clamped distances (`Field::band`) are interpolated as stored; gradients vanish where all are clamped. The
-// result is NaN where one of the samples around the point is, and for points that are NaN. The gradient of an
-// infinite point is NaN.
+// Clamped distances (`Field::clampDistance`) are interpolated as stored; gradients vanish where all are
+// clamped. The result is NaN where one of the samples around the point is, and for points that are NaN. The
+// gradient of an infinite point is NaN.
 
 /// Results of points outside the box of the outermost samples.
 enum class Outside {
@@ -47,7 +48,6 @@ enum class Outside {
 struct SampleOptions {
   bool gradients = false;            ///< Whether to compute gradients; they take six distances each.
   Outside outside = Outside::Bound;  ///< Results of points outside the box.
-  int threads = 0;                   ///< Number of threads; 0 = `defaultThreads`.
 };
 
 /// Results in the order of the points.
@@ -63,12 +63,12 @@ RAYMAP_API double distanceAt(const Field& field, const glm::dvec3& point, Outsid
 RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point,
                                  Outside outside = Outside::Bound);
 
-/// Samples many points in parallel. A point's results do not depend on the others. Throws `Error`: Usage if
-/// the field has no distances, Memory.
+/// Samples many points in parallel. A point's results do not depend on the others. Of `machine` only
+/// `threads` counts. Throws `Error`: Usage if the field has no distances, Memory.
 RAYMAP_API Samples sample(const Field& field, std::span<const glm::dvec3> points,
-                          const SampleOptions& options = {});
+                          const SampleOptions& options = {}, const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`.
 RAYMAP_API void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
-                       Samples& result);
+                       Samples& result, const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -3,6 +3,7 @@
 #include <raymap/export.h>
 #include <raymap/generate.h>
 #include <raymap/local_thickness.h>
+#include <raymap/machine.h>
 #include <raymap/query.h>
 
 #include <memory>
@@ -20,21 +21,26 @@ namespace raymap {
 /// the number of threads.
 class RAYMAP_API Surface {
  public:
-  /// Prepares a mesh. Throws `Error`: Input (see `validate`), Usage for the options, Memory, Cancelled.
-  explicit Surface(const MeshView& mesh, const SurfaceOptions& options = {});
+  /// Prepares a mesh on the CPU. `machine.threads`, `memoryLimit` and `progress` count. Throws `Error`: Input
+  /// (see `validate`), Usage for the options, Memory, Cancelled.
+  explicit Surface(const MeshView& mesh, const SurfaceOptions& options = {},
+                   const MachineOptions& machine = {});
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;
 
-  /// Returns what is asked for at the points. Throws `Error`: Usage for options that make no sense, Memory,
-  /// Cancelled.
-  QueryResult query(const PointsView& points, const QueryOptions& options = {}) const;
+  /// Returns what is asked for at the points. `machine.threads` and `progress` count. Throws `Error`: Usage
+  /// for options that make no sense, Memory, Cancelled.
+  QueryResult query(const PointsView& points, const QueryOptions& options = {},
+                    const MachineOptions& machine = {}) const;
   /// Does the same, reusing the memory of `result`. After an error its contents are undefined.
-  void query(const PointsView& points, const QueryOptions& options, QueryResult& result) const;
+  void query(const PointsView& points, const QueryOptions& options, QueryResult& result,
+             const MachineOptions& machine = {}) const;
 
   /// Returns a field of the mesh. Its faces are turned and left out as the surface found best, whatever
-  /// `options.orientation` says. Throws as `raymap::generate` does.
-  Generated generate(const Grid& grid, const Options& options = {}) const;
+  /// `options.orientation` says. Uses `machine` and throws as `raymap::generate` does.
+  Generated generate(const Grid& grid, const FieldOptions& options = {},
+                     const MachineOptions& machine = {}) const;
 
   /// Returns the mesh as the surface keeps it: positions in single precision about an origin.
   MeshView mesh() const;
@@ -43,10 +49,11 @@ class RAYMAP_API Surface {
   /// Returns what it cost to prepare the mesh, and what was found out about it.
   const Stats& stats() const;
 
-  /// Returns the thickness of the mesh at points of its faces. Throws `Error`: Usage for options that make no
-  /// sense, for a face that does not exist and without a sign; Memory, Cancelled.
-  std::vector<Thickness> thickness(std::span<const FacePoint> points,
-                                   const ThicknessOptions& options = {}) const;
+  /// Returns the thickness of the mesh at points of its faces. `machine.threads` and `progress` count. Throws
+  /// `Error`: Usage for options that make no sense, for a face that does not exist and without a sign;
+  /// Memory, Cancelled.
+  std::vector<Thickness> thickness(std::span<const FacePoint> points, const ThicknessOptions& options = {},
+                                   const MachineOptions& machine = {}) const;
 
  private:
   struct Impl;

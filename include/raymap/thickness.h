@@ -31,19 +31,21 @@ RAYMAP_API ThicknessSummary summarizeThickness(std::span<const FacePoint> points
                                                std::span<const Thickness> thickness);
 
 /// Measures the thickness at 100,000 points that are spread evenly over the area of the mesh.
-RAYMAP_API ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options = {});
+/// `machine.threads` and `progress` count.
+RAYMAP_API ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options = {},
+                                               const MachineOptions& machine = {});
 
 /// Judges a mesh as `judge` without it does, and by the thickness of the thinnest part: of solids of at most
-/// two million triangles, as far as it is thinner than a 25th of the longest side. Throws as `findThinnest`
-/// does.
+/// two million triangles, as far as it is thinner than a 25th of the longest side. Uses `machine` and throws
+/// as `findThinnest` does.
 RAYMAP_API Verdict judge(const MeshView& mesh, const Diagnostics& found, const SelfIntersections& crossings,
-                         const ProgressCallback& progress = {});
+                         const MachineOptions& machine = {});
 
 /// Returns the thickness of a mesh's thinnest part: the local thickness that all but 0.2 % of the area
 /// exceeds, at 5,000 points. So tips, and specks that noise makes, do not count. Returns nothing if no such
-/// part is thinner than `most`. Throws `Error` as `Surface` does. Takes less than 0.1 s for a hundred
-/// thousand triangles, but as long as `diagnose` for a million.
-RAYMAP_API std::optional<double> findThinnest(const MeshView& mesh, double most,
-                                              const ProgressCallback& progress = {});
+/// part is thinner than `maxThickness`. Uses `machine` and throws `Error` as `Surface` does. Takes less than
+/// 0.1 s for a hundred thousand triangles, but as long as `diagnose` for a million.
+RAYMAP_API std::optional<double> findThinnest(const MeshView& mesh, double maxThickness,
+                                              const MachineOptions& machine = {});
 
 }  // namespace raymap

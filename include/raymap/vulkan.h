@@ -45,8 +45,8 @@ struct Target {
   BufferRange triangle = {};    ///< 32-bit indices; not with `DistanceMode::Raster`.
   BufferRange winding = {};     ///< Floats; not with `SignMode::None`.
   BufferRange confidence = {};  ///< Floats; not with `SignMode::None`.
-  /// `kStatusWords` 32-bit numbers for `Generator::status`, for frames whose status must outlive the next
-  /// frame's. Needs VK_BUFFER_USAGE_TRANSFER_DST_BIT instead.
+  /// `statusBytes()` bytes for `Generator::status`, for frames whose status must outlive the next frame's.
+  /// Needs VK_BUFFER_USAGE_TRANSFER_DST_BIT instead.
   BufferRange status = {};
 };
 
@@ -75,14 +75,15 @@ struct Status {
   double doubtfulShare = 0.0;  ///< Share of samples whose six rays disagree.
 };
 
-inline constexpr size_t kStatusWords = 18;
+/// Returns the size of the status that a frame writes to `Target::status`. It may grow with a version.
+RAYMAP_API size_t statusBytes();
 
 /// Records the making of fields. Used by one thread at a time. The generator, and all that it was given, must
 /// outlive the device's work on what was recorded.
 class RAYMAP_API Generator {
  public:
-  /// Opens a device of its own: "vulkan" or "vulkan:K" as in `Options::device`. Throws `Error`: Usage for
-  /// another name, Unsupported if there is none.
+  /// Opens a device of its own: "vulkan" or "vulkan:K" as in `MachineOptions::device`. Throws `Error`: Usage
+  /// for another name, Unsupported if there is none.
   explicit Generator(std::string_view device = "vulkan");
   /// Runs on the caller's device, made with `requireFeatures`, which must outlive the generator.
   explicit Generator(const DeviceHandles& device);
@@ -103,8 +104,7 @@ class RAYMAP_API Generator {
   ///
   /// It allocates no device memory, submits nothing and waits for nothing. Earlier frames may still run.
   /// `options.distance` and `options.sign` must be the reserved ones; the others may change from frame to
-  /// frame. Options about the host (threads, device, memory, progress) and about which results are wanted do
-  /// not count: `target` decides the latter.
+  /// frame. Options about which results are wanted do not count: `target` decides them.
   ///
   /// The frame begins with a barrier that waits for all earlier commands on the queue. It ends with one that
   /// makes the results visible to all later commands and to the host. Frames on one queue therefore share the
@@ -118,13 +118,14 @@ class RAYMAP_API Generator {
   ///
   /// Throws `Error`: Usage, or Unsupported for `closeHoles`, `thickness` and `Orientation::Repair`. Nothing
   /// is recorded then.
-  void record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid, const Options& options,
-              const Target& target);
+  void record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid,
+              const FieldOptions& options, const Target& target);
 
   /// Returns the status of the frame that the device completed last. No frame may be running.
   Status status() const;
-  /// Returns the status of the frame that wrote these words to its `Target::status`.
-  Status status(std::span<const uint32_t, kStatusWords> words) const;
+  /// Returns the status of the frame that wrote these bytes to its `Target::status`. Throws `Error(Usage)` if
+  /// they are not `statusBytes()`.
+  Status status(std::span<const std::byte> written) const;
 
   /// Returns the bytes of device memory held.
   uint64_t bytes() const;
@@ -165,7 +166,7 @@ class RAYMAP_API Skinner {
 struct FieldBuffer {
   BufferRange distance = {};  ///< Floats, x fastest, in the mesh's units.
   Grid grid = {};
-  double band = 0.0;  ///< `Field::band`, in the mesh's units.
+  double clampDistance = 0.0;  ///< `Field::clampDistance`, in the mesh's units.
 };
 
 /// Records pictures, drawn as by `renderField`. Barriers, threads and lifetime are those of `Generator`.
@@ -178,8 +179,7 @@ class RAYMAP_API Renderer {
 
   /// Writes 32 bits per pixel to `pixels`, rows from the top: sRGB red in the lowest byte, then green, blue
   /// and 255, as in VK_FORMAT_R8G8B8A8_SRGB. `options.frame` is required, as only the device knows where the
-  /// shape is. Options about the host (threads, device, progress) do not count. Throws `Error`: Usage,
-  /// Unsupported; nothing is recorded then.
+  /// shape is. Throws `Error`: Usage, Unsupported; nothing is recorded then.
   void record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
               const BufferRange& pixels);
 

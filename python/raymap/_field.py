@@ -15,7 +15,7 @@ from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
 from ._records import FieldArray, Stats
 
-#: Value of ``Field.triangle`` beyond a band, and where surface that closes a hole is closer.
+#: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.
 NO_TRIANGLE = 0xFFFFFFFF
 
 
@@ -33,7 +33,7 @@ class Field:
         distance: DistanceModes, (nx, ny, nz), negative inside.
         origin: Position of sample (0, 0, 0).
         spacing: Distance between neighbouring samples, in the mesh's units.
-        band: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
+        clamp_distance: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
         surface_bounds: Box that holds the whole surface, ((x0, y0, z0), (x1, y1, z1)); None = not known. ``sample``
             uses it outside of the grid.
         winding: Winding numbers, of the same shape.
@@ -57,7 +57,7 @@ class Field:
         origin: npt.ArrayLike = (0.0, 0.0, 0.0),
         spacing: float = 1.0,
         *,
-        band: float = 0.0,
+        clamp_distance: float = 0.0,
         surface_bounds: npt.ArrayLike | None = None,
         winding: npt.ArrayLike | None = None,
         confidence: npt.ArrayLike | None = None,
@@ -69,7 +69,7 @@ class Field:
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
         x, y, z = (float(v) for v in np.asarray(origin, np.float64))
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
-        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(band), box))
+        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(clamp_distance), box))
         for name, array in arrays.items():
             if array is not None:
                 self._set(name, _arrays.to_numpy(array), shape)
@@ -120,7 +120,7 @@ class Field:
 
     @property
     def triangle(self) -> npt.NDArray[np.uint32]:
-        """Indices of closest triangles, (nx, ny, nz) uint32; ``raymap.NO_TRIANGLE`` beyond a band.
+        """Indices of closest triangles, (nx, ny, nz) uint32; ``raymap.NO_TRIANGLE`` where the distance is clamped.
 
         Raises:
             AttributeError: The field does not have them.
@@ -153,9 +153,9 @@ class Field:
         return self._core.spacing
 
     @property
-    def band(self) -> float:
+    def clamp_distance(self) -> float:
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
-        return self._core.band
+        return self._core.clamp_distance
 
     @property
     def surface_bounds(self) -> npt.NDArray[np.float64] | None:
@@ -334,10 +334,11 @@ class Field:
         options = _raymap.RenderOptions()
         options.width, options.height, options.field_of_view = int(width), int(height), float(field_of_view)
         options.direction, options.up = to_vector(direction), to_vector(up)
-        options.cut, options.shell, options.threads = bool(cut), float(shell), threads or 0
-        options.device = _devices.tested(device)
+        options.cut, options.shell = bool(cut), float(shell)
+        machine = _raymap.MachineOptions()
+        machine.device, machine.threads = _devices.tested(device), threads or 0
         with reporting(progress) as report:
-            return _raymap.render_field(self._core, options, report)
+            return _raymap.render_field(self._core, options, machine, report)
 
     def __repr__(self) -> str:
         nx, ny, nz = self.shape
@@ -354,8 +355,8 @@ class Field:
         }
         if "distance" in self.arrays:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
-        if self.band > 0:
-            rows["band"] = f"{self.band:.6g}"
+        if self.clamp_distance > 0:
+            rows["clamped at"] = f"{self.clamp_distance:.6g}"
         if device := self.stats["device"]:
             rows["made"] = f"in {self.stats['milliseconds']:.0f} ms on {device}"
         shown: Any = self.arrays[0]
@@ -363,7 +364,8 @@ class Field:
 
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = {name: self._array(name) for name in self.arrays}  # type: ignore[arg-type]
-        return _restore, (self.shape, self.origin, self.spacing, self.band, self._core.surface_bounds, arrays, self.stats)
+        placement = self.shape, self.origin, self.spacing, self.clamp_distance, self._core.surface_bounds
+        return _restore, (*placement, arrays, self.stats)
 
 
 def field_of_core(core: _raymap.Field) -> Field:
@@ -382,14 +384,14 @@ def _restore(
     shape: tuple[int, int, int],
     origin: npt.NDArray[np.float64],
     spacing: float,
-    band: float,
+    clamp_distance: float,
     surface_bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     arrays: dict[str, npt.NDArray[Any]],
     stats: Stats,
 ) -> Field:
     """Makes a field of what was pickled."""
     restored = Field.__new__(Field)
-    restored._take(_raymap.Field(shape, to_vector(origin), spacing, band, surface_bounds), stats)
+    restored._take(_raymap.Field(shape, to_vector(origin), spacing, clamp_distance, surface_bounds), stats)
     for name, array in arrays.items():
         restored._set(name, array, shape)
     return restored

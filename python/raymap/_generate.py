@@ -164,8 +164,9 @@ class Generator:
         mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         core_options = to_options(options, options.get("orientation", "auto"))
         grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
+        machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
-            return field_of_core(self._core.generate(mesh, grid, core_options, report))
+            return field_of_core(self._core.generate(mesh, grid, core_options, machine, report))
 
 
 def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
@@ -188,9 +189,9 @@ def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> 
     return fit(resolution, voxel_size or 0.0, box, options.get("padding", 0.1), options.get("thickness") or 0.0)
 
 
-def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.Options:
+def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.FieldOptions:
     """Returns the options as the extension module takes them."""
-    options = _raymap.Options()
+    options = _raymap.FieldOptions()
     options.distance = given.get("distance", "exact")
     options.sign = given.get("sign", "harmonic")
     options.orientation = orientation
@@ -198,11 +199,10 @@ def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.
     _set_thickness(options, given.get("thickness"))
     options.band = given.get("band") or 0.0
     _set_arrays(options, given.get("arrays", ("distance",)))
-    set_machine(options, given.get("device", "auto"), given.get("threads"), given.get("memory_limit"))
     return options
 
 
-def _set_thickness(options: _raymap.Options, thickness: float | None) -> None:
+def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> None:
     if thickness is None:
         return
     if not thickness > 0:
@@ -212,7 +212,7 @@ def _set_thickness(options: _raymap.Options, thickness: float | None) -> None:
     options.sign, options.thickness = "none", float(thickness)
 
 
-def _set_arrays(options: _raymap.Options, arrays: Iterable[str]) -> None:
+def _set_arrays(options: _raymap.FieldOptions, arrays: Iterable[str]) -> None:
     names = {arrays} if isinstance(arrays, str) else set(arrays)
     if unknown := names - set(get_args(FieldArray)):
         raise UsageError(
@@ -225,17 +225,13 @@ def _set_arrays(options: _raymap.Options, arrays: Iterable[str]) -> None:
     options.triangle = "triangle" in names
 
 
-def set_machine(options: _raymap.Options, device: str, threads: int | None, memory_limit: int | None) -> None:
-    """Sets what every long call takes."""
-    options.threads = operator.index(threads or 0)
-    options.memory_limit = to_memory_limit(memory_limit)
-    options.device = _devices.tested(device)
-
-
-def to_memory_limit(memory_limit: int | None) -> int:
-    """Returns a limit in bytes as the extension module takes it: 0 = what is available."""
-    if memory_limit is None:
-        return 0
-    if not operator.index(memory_limit) > 0:
-        raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
-    return operator.index(memory_limit)
+def to_machine(device: str, threads: int | None, memory_limit: int | None = None) -> _raymap.MachineOptions:
+    """Returns what every long call takes."""
+    machine = _raymap.MachineOptions()
+    machine.device = _devices.tested(device)
+    machine.threads = operator.index(threads or 0)
+    if memory_limit is not None:
+        if not operator.index(memory_limit) > 0:
+            raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+        machine.memory_limit = operator.index(memory_limit)
+    return machine

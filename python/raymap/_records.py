@@ -286,9 +286,9 @@ class SimplifyReport(TypedDict):
     tolerance: float
     """Tolerance in force, in the mesh's units; 0 = not simplified."""
     triangles_before: int
-    """Number of faces of the isosurface."""
+    """Number of triangles of the isosurface."""
     triangles_after: int
-    """Number of faces of the result."""
+    """Number of triangles of the result."""
     deviation: float
     """Largest distance measured, from points of either mesh to the other."""
 

@@ -9,7 +9,7 @@ from . import _inputs, _raymap
 from ._arrays import to_vector
 from ._errors import UsageError
 from ._field import Field
-from ._generate import set_machine
+from ._generate import to_machine
 from ._mesh import Mesh, core_of, mesh_of_core
 from ._progress import Progress, reporting
 from ._records import Diagnostics, Inspection, Orientation, RepairReport, Verdict
@@ -132,9 +132,9 @@ def repair(
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     if voxel_size is not None and not voxel_size > 0:
         raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
-    options = _raymap.Options()
+    options = _raymap.FieldOptions()
     options.orientation = orientation
-    set_machine(options, device, threads, memory_limit)
+    machine = to_machine(device, threads, memory_limit)
     how = _raymap.RepairOptions()
     how.close_holes = bool(close_holes)
     how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), to_vector(down)
@@ -145,7 +145,8 @@ def repair(
     if tolerance is not None:
         how.tolerance = float(tolerance)
     with reporting(progress) as report:
-        result, found = _raymap.repair(mesh, operator.index(resolution), voxel_size or 0.0, options, how, report)
+        size = operator.index(resolution), voxel_size or 0.0
+        result, found = _raymap.repair(mesh, *size, options, how, machine, report)
     return Repaired(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 

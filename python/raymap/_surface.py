@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
 
@@ -11,7 +10,7 @@ import numpy as np
 from . import _arrays, _inputs, _raymap
 from ._errors import UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_memory_limit, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_machine, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import Orientation, Stats
@@ -108,11 +107,10 @@ class Surface:
         mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         options = _raymap.SurfaceOptions()
         options.sign = bool(sign)
-        options.threads = operator.index(threads or 0)
-        options.memory_limit = to_memory_limit(memory_limit)
+        machine = to_machine("cpu", threads, memory_limit)
         self._sign, self._orientation, self._threads, self._memory_limit = options.sign, orientation, threads, memory_limit
         with reporting(progress) as report:
-            self._core = _raymap.Surface(mesh, options, orientation, report)
+            self._core = _raymap.Surface(mesh, options, orientation, machine, report)
         self._stats: Stats = self._core.stats()  # type: ignore[assignment]
 
     def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
@@ -222,11 +220,11 @@ class Surface:
             setattr(options, name, name in names)
         if max_distance is not None:
             options.max_distance = float(max_distance)
-        options.threads = operator.index(threads or 0)
+        machine = to_machine("cpu", threads)
         flat = _arrays.to_points(points, keep_single=True)
         shape = tuple(np.shape(points))
         with reporting(progress) as report:
-            found = self._core.query(flat, options, report)
+            found = self._core.query(flat, options, machine, report)
         for name, array in found.items():
             converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
@@ -249,8 +247,9 @@ class Surface:
             options = {"sign": "none", **options}
         core_options = to_options(options, self._orientation)
         grid = fit_grid(self._core.fit_grid, options)
+        machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
-            return field_of_core(self._core.generate(grid, core_options, report))
+            return field_of_core(self._core.generate(grid, core_options, machine, report))
 
     @property
     def mesh(self) -> Mesh:

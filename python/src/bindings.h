@@ -15,6 +15,7 @@
 #include <nanobind/stl/vector.h>
 #include <raymap/generate.h>
 #include <raymap/grid.h>
+#include <raymap/machine.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 
@@ -87,6 +88,7 @@ void bindErrors(nb::module_& module);
 void bindField(nb::module_& module);
 void bindGenerate(nb::module_& module);
 void bindIsosurface(nb::module_& module);
+void bindMachine(nb::module_& module);
 void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);

@@ -23,6 +23,12 @@ ProgressCallback Call::progress() {
   };
 }
 
+MachineOptions Call::on(MachineOptions machine) {
+  machine.progress = progress();
+  machine.warn = warn();
+  return machine;
+}
+
 WarningCallback Call::warn() {
   return [this](std::string_view message) {
     const std::lock_guard lock(mutex_);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/callbacks.h>
+#include <raymap/machine.h>
 
 #include <atomic>
 #include <condition_variable>
@@ -28,6 +28,8 @@ class Call {
   /// Callbacks to give to the library. They stay valid as long as this object.
   ProgressCallback progress();
   WarningCallback warn();
+  /// Returns the options with both.
+  MachineOptions on(MachineOptions machine);
 
   /// Does the work. Throws what the work, the callable or a signal's handler throws. Then passes on warnings.
   void run(const std::function<void()>& work);

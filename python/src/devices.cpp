@@ -19,7 +19,7 @@ nb::list listDevices() {
 nb::dict test(const std::string& id, nb::object progress) {
   Call call(std::move(progress));
   DeviceTest result;
-  call.run([&] { result = testDevice(id, call.progress()); });
+  call.run([&] { result = testDevice(id, call.on({})); });
   return toPython(result);
 }
 

@@ -16,9 +16,10 @@ nb::dict info(const MeshHandle& mesh, bool isFast, nb::object progress) {
   std::optional<SelfIntersections> crossings;
   Verdict verdict;
   call.run([&] {
-    found = diagnose(mesh.view, {.progress = call.progress()});
-    if (!isFast) crossings = findSelfIntersections(mesh.view, call.progress());
-    verdict = crossings ? judge(mesh.view, found, *crossings, call.progress()) : judge(found, crossings);
+    const MachineOptions machine = call.on({});
+    found = diagnose(mesh.view, {}, machine);
+    if (!isFast) crossings = findSelfIntersections(mesh.view, machine);
+    verdict = crossings ? judge(mesh.view, found, *crossings, machine) : judge(found, crossings);
   });
   nb::dict dict = toPython(found);
   dict["self_intersections"] = crossings ? nb::object(toPython(*crossings)) : nb::none();

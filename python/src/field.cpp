@@ -56,11 +56,12 @@ using WholeGrid = nb::ndarray<const uint32_t, nb::ndim<3>, nb::f_contig, nb::dev
 
 /// Returns a field without arrays, for `setArray`.
 std::shared_ptr<FieldHandle> makeField(const std::tuple<int, int, int>& dims, const Triple& origin,
-                                       double spacing, double band, const std::optional<Bounds>& surface) {
+                                       double spacing, double clampDistance,
+                                       const std::optional<Bounds>& surface) {
   auto handle = std::make_shared<FieldHandle>();
   const auto [x, y, z] = dims;
   handle->field.grid = {.dims = {x, y, z}, .origin = toVector(origin), .spacing = spacing};
-  handle->field.band = band;
+  handle->field.clampDistance = clampDistance;
   if (surface) handle->field.surfaceBounds = Box{toVector(surface->first), toVector(surface->second)};
   return handle;
 }
@@ -85,7 +86,7 @@ nb::ndarray<nb::numpy, float> samplePoints(const FieldHandle& handle, const Poin
   {
     const nb::gil_scoped_release release;
     const std::span all(reinterpret_cast<const glm::dvec3*>(points.data()), points.shape(0));
-    sample(handle.field, all, {.gradients = gradients, .outside = outside, .threads = threads}, samples);
+    sample(handle.field, all, {.gradients = gradients, .outside = outside}, samples, {.threads = threads});
   }
   if (gradients) return toArray<float>(std::move(samples.gradient), {points.shape(0), 3});
   return toArray<float>(std::move(samples.distance), {points.shape(0)});
@@ -101,7 +102,8 @@ std::shared_ptr<FieldHandle> load(const std::filesystem::path& path) {
 
 void bindField(nb::module_& module) {
   nb::class_<FieldHandle>(module, "Field")
-      .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "band"_a, "surface_bounds"_a.none())
+      .def(nb::new_(&makeField), "dims"_a, "origin"_a, "spacing"_a, "clamp_distance"_a,
+           "surface_bounds"_a.none())
       .def("set_floats", &setArray<FloatGrid>, "name"_a, "array"_a.noconvert())
       .def("set_wholes", &setArray<WholeGrid>, "name"_a, "array"_a.noconvert())
       .def("array", &viewArray, "name"_a)
@@ -113,7 +115,7 @@ void bindField(nb::module_& module) {
                    })
       .def_prop_ro("origin", [](const FieldHandle& self) { return toTriple(self.field.grid.origin); })
       .def_prop_ro("spacing", [](const FieldHandle& self) { return self.field.grid.spacing; })
-      .def_prop_ro("band", [](const FieldHandle& self) { return self.field.band; })
+      .def_prop_ro("clamp_distance", [](const FieldHandle& self) { return self.field.clampDistance; })
       .def_prop_ro("surface_bounds",
                    [](const FieldHandle& self) -> std::optional<Bounds> {
                      const Box& box = self.field.surfaceBounds;
@@ -125,7 +127,9 @@ void bindField(nb::module_& module) {
       .def(
           "save",
           [](const FieldHandle& self, const std::filesystem::path& path, const std::string& array,
-             const std::string& format) { writeField(path, self.field, array, format); },
+             const std::string& format) {
+            writeField(path, self.field, {.array = fromName<FieldArray>(array), .format = format});
+          },
           "path"_a, "array"_a, "format"_a = "", nb::call_guard<nb::gil_scoped_release>());
   module.def("load_field", &load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
 }

@@ -13,15 +13,13 @@ namespace {
 /// A generator that several threads of Python may call: they wait for each other.
 class GeneratorHandle {
  public:
-  std::shared_ptr<FieldHandle> generate(const MeshHandle& mesh, const Grid& grid, Options options,
-                                        nb::object progress) {
+  std::shared_ptr<FieldHandle> generate(const MeshHandle& mesh, const Grid& grid, const FieldOptions& options,
+                                        const MachineOptions& machine, nb::object progress) {
     Call call(std::move(progress));
-    options.progress = call.progress();
-    options.warn = call.warn();
     std::shared_ptr<FieldHandle> result = unusedField();
     call.run([&] {
       const std::lock_guard lock(mutex_);
-      result->stats = generator_.generate(mesh.view, grid, options, result->field);
+      result->stats = generator_.generate(mesh.view, grid, options, result->field, call.on(machine));
     });
     return result;
   }
@@ -44,30 +42,35 @@ class GeneratorHandle {
 
 /// Binds an option whose value is the name of an enum's.
 template <class Enum>
-void bindName(nb::class_<Options>& options, const char* option, Enum Options::*member) {
+void bindName(nb::class_<FieldOptions>& options, const char* option, Enum FieldOptions::*member) {
   options.def_prop_rw(
-      option, [member](const Options& self) { return std::string(name(self.*member)); },
-      [member](Options& self, std::string_view value) { self.*member = fromName<Enum>(value); });
+      option, [member](const FieldOptions& self) { return std::string(name(self.*member)); },
+      [member](FieldOptions& self, std::string_view value) { self.*member = fromName<Enum>(value); });
 }
 
 void bindOptions(nb::module_& module) {
-  nb::class_<Options> options(module, "Options");
+  nb::class_<FieldOptions> options(module, "FieldOptions");
   options.def(nb::init<>());
-  bindName(options, "distance", &Options::distance);
-  bindName(options, "sign", &Options::sign);
-  bindName(options, "orientation", &Options::orientation);
-  options.def_rw("band", &Options::band)
-      .def_rw("close_holes", &Options::closeHoles)
-      .def_rw("thickness", &Options::thickness)
-      .def_rw("threads", &Options::threads)
-      .def_rw("memory_limit", &Options::memoryLimit)
-      .def_rw("triangle", &Options::triangleIds)
-      .def_rw("winding", &Options::winding)
-      .def_rw("confidence", &Options::confidence)
-      .def_rw("device", &Options::device);
+  bindName(options, "distance", &FieldOptions::distance);
+  bindName(options, "sign", &FieldOptions::sign);
+  bindName(options, "orientation", &FieldOptions::orientation);
+  options.def_rw("band", &FieldOptions::band)
+      .def_rw("close_holes", &FieldOptions::closeHoles)
+      .def_rw("thickness", &FieldOptions::thickness)
+      .def_rw("triangle", &FieldOptions::triangle)
+      .def_rw("winding", &FieldOptions::winding)
+      .def_rw("confidence", &FieldOptions::confidence);
 }
 
 }  // namespace
+
+void bindMachine(nb::module_& module) {
+  nb::class_<MachineOptions>(module, "MachineOptions")
+      .def(nb::init<>())
+      .def_rw("device", &MachineOptions::device)
+      .def_rw("threads", &MachineOptions::threads)
+      .def_rw("memory_limit", &MachineOptions::memoryLimit);
+}
 
 Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
          double padding, double thickness) {
@@ -90,7 +93,8 @@ void bindGenerate(nb::module_& module) {
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())
-      .def("generate", &GeneratorHandle::generate, "mesh"_a, "grid"_a, "options"_a, "progress"_a.none());
+      .def("generate", &GeneratorHandle::generate, "mesh"_a, "grid"_a, "options"_a, "machine"_a,
+           "progress"_a.none());
 }
 
 }  // namespace raymap::python

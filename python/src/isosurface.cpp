@@ -10,10 +10,7 @@ std::shared_ptr<MeshHandle> makeSurface(const FieldHandle& field, double iso, in
                                         nb::object progress) {
   Call call(std::move(progress));
   Mesh mesh;
-  call.run([&] {
-    mesh = isosurface(field.field,
-                      {.iso = iso, .threads = threads, .warn = call.warn(), .progress = call.progress()});
-  });
+  call.run([&] { mesh = isosurface(field.field, {.iso = iso}, call.on({.threads = threads})); });
   return own(std::move(mesh));
 }
 

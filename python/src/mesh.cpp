@@ -34,7 +34,7 @@ std::shared_ptr<MeshHandle> view(nb::object vertexArray, nb::object faceArray, c
   check(vertices, real == nb::dtype<float>() || real == nb::dtype<double>(), "vertices: no (n, 3) of floats");
   check(faces, whole == nb::dtype<uint32_t>() || whole == nb::dtype<uint64_t>(),
         "faces: no (n, 3) of unsigned numbers");
-  mesh.scalar = real == nb::dtype<float>() ? MeshView::Scalar::Float : MeshView::Scalar::Double;
+  mesh.scalar = real == nb::dtype<float>() ? Scalar::Float : Scalar::Double;
   mesh.index = whole == nb::dtype<uint32_t>() ? MeshView::Index::UInt32 : MeshView::Index::UInt64;
   mesh.vertices = vertices.data();
   mesh.vertexCount = vertices.shape(0);
@@ -51,7 +51,7 @@ std::shared_ptr<MeshHandle> view(nb::object vertexArray, nb::object faceArray, c
 std::shared_ptr<MeshHandle> load(const std::filesystem::path& path) {
   Call call{nb::none()};
   Mesh mesh;
-  call.run([&] { mesh = readMesh(path, call.warn()); });
+  call.run([&] { mesh = readMesh(path, {.warn = call.warn()}); });
   return own(std::move(mesh));
 }
 

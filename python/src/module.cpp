@@ -26,6 +26,7 @@ NB_MODULE(_raymap, module) {
   module.def("get_threads", &raymap::defaultThreads);
   module.def("write_whole", &writeWhole, "path"_a, "content"_a);
   bindErrors(module);
+  bindMachine(module);
   bindMesh(module);
   bindDiagnostics(module);
   bindField(module);

@@ -25,12 +25,11 @@ Pixels drawSlice(const FieldHandle& field, int axis, int index, int width, std::
   return toPixels(std::move(picture));
 }
 
-Pixels drawField(const FieldHandle& field, RenderOptions options, nb::object progress) {
+Pixels drawField(const FieldHandle& field, const RenderOptions& options, const MachineOptions& machine,
+                 nb::object progress) {
   Call call(std::move(progress));
-  options.progress = call.progress();
-  options.warn = call.warn();
   Picture picture;
-  call.run([&] { picture = renderField(field.field, options); });
+  call.run([&] { picture = renderField(field.field, options, call.on(machine)); });
   return toPixels(std::move(picture));
 }
 
@@ -49,12 +48,10 @@ void bindRender(nb::module_& module) {
       .def_rw("height", &RenderOptions::height)
       .def_rw("field_of_view", &RenderOptions::fieldOfView)
       .def_rw("cut", &RenderOptions::cut)
-      .def_rw("shell", &RenderOptions::shell)
-      .def_rw("threads", &RenderOptions::threads)
-      .def_rw("device", &RenderOptions::device);
+      .def_rw("shell", &RenderOptions::shell);
   bindVector(options, "direction", &RenderOptions::direction);
   bindVector(options, "up", &RenderOptions::up);
-  module.def("render_field", &drawField, "field"_a, "options"_a, "progress"_a.none());
+  module.def("render_field", &drawField, "field"_a, "options"_a, "machine"_a, "progress"_a.none());
   module.def("render_slice", &drawSlice, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
 }
 

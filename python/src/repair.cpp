@@ -11,16 +11,16 @@ namespace {
 
 /// Returns the mesh and the report.
 std::pair<std::shared_ptr<MeshHandle>, nb::dict> repairMesh(const MeshHandle& mesh, int resolution,
-                                                            double voxelSize, Options options,
-                                                            const RepairOptions& how, nb::object progress) {
+                                                            double voxelSize, const FieldOptions& options,
+                                                            const RepairOptions& how,
+                                                            const MachineOptions& machine,
+                                                            nb::object progress) {
   Call call(std::move(progress));
-  options.progress = call.progress();
-  options.warn = call.warn();
   Repaired result;
   call.run([&] {
     validate(mesh.view);
     const Grid grid = fitRepairGrid(mesh.view, {.resolution = resolution, .voxelSize = voxelSize}, how);
-    result = repair(mesh.view, grid, options, how);
+    result = repair(mesh.view, grid, options, how, call.on(machine));
   });
   return {own(std::move(result.mesh)), toPython(result.report)};
 }
@@ -47,7 +47,7 @@ void bindRepair(nb::module_& module) {
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });
   module.attr("repair_resolution") = kRepairResolution;
   module.def("repair", &repairMesh, "mesh"_a, "resolution"_a, "voxel_size"_a, "options"_a, "repair"_a,
-             "progress"_a.none());
+             "machine"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -11,23 +11,20 @@ namespace raymap::python {
 namespace {
 
 std::shared_ptr<Surface> make(const MeshHandle& mesh, SurfaceOptions options, std::string_view orientation,
-                              nb::object progress) {
+                              const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   options.orientation = fromName<Orientation>(orientation);
-  options.progress = call.progress();
   std::shared_ptr<Surface> made;
-  call.run([&] { made = std::make_shared<Surface>(mesh.view, options); });
+  call.run([&] { made = std::make_shared<Surface>(mesh.view, options, call.on(machine)); });
   return made;
 }
 
-std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, Options options,
-                                      nb::object progress) {
+std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, const FieldOptions& options,
+                                      const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
-  options.progress = call.progress();
-  options.warn = call.warn();
   const auto result = std::make_shared<FieldHandle>();
   call.run([&] {
-    Generated made = self.generate(grid, options);
+    Generated made = self.generate(grid, options, call.on(machine));
     result->field = std::move(made.field);
     result->stats = std::move(made.stats);
   });
@@ -51,13 +48,12 @@ template <class Real>
 using PointArray = nb::ndarray<const Real, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 template <class Real>
-nb::dict query(const Surface& self, const PointArray<Real>& points, QueryOptions options,
-               nb::object progress) {
+nb::dict query(const Surface& self, const PointArray<Real>& points, const QueryOptions& options,
+               const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
-  options.progress = call.progress();
   QueryResult result;
   const PointsView view(points.data(), points.shape(0));
-  call.run([&] { self.query(view, options, result); });
+  call.run([&] { self.query(view, options, result, call.on(machine)); });
   return toDict(std::move(result), options, points.shape(0));
 }
 
@@ -76,9 +72,9 @@ nb::ndarray<nb::numpy, const uint32_t> faces(nb::handle_t<Surface> self) {
 void bindOptions(nb::module_& module) {
   nb::class_<SurfaceOptions>(module, "SurfaceOptions")
       .def(nb::init<>())
-      .def_rw("sign", &SurfaceOptions::sign)
-      .def_rw("threads", &SurfaceOptions::threads)
-      .def_rw("memory_limit", &SurfaceOptions::memoryLimit);
+      .def_prop_rw(
+          "sign", [](const SurfaceOptions& self) { return self.sign != SignMode::None; },
+          [](SurfaceOptions& self, bool sign) { self.sign = sign ? SignMode::Harmonic : SignMode::None; });
   nb::class_<QueryOptions>(module, "QueryOptions")
       .def(nb::init<>())
       .def_rw("distance", &QueryOptions::distance)
@@ -88,8 +84,7 @@ void bindOptions(nb::module_& module) {
       .def_rw("direction", &QueryOptions::direction)
       .def_rw("winding", &QueryOptions::winding)
       .def_rw("confidence", &QueryOptions::confidence)
-      .def_rw("max_distance", &QueryOptions::maxDistance)
-      .def_rw("threads", &QueryOptions::threads);
+      .def_rw("max_distance", &QueryOptions::maxDistance);
 }
 
 }  // namespace
@@ -97,7 +92,7 @@ void bindOptions(nb::module_& module) {
 void bindSurface(nb::module_& module) {
   bindOptions(module);
   nb::class_<Surface>(module, "Surface")
-      .def(nb::new_(&make), "mesh"_a, "options"_a, "orientation"_a, "progress"_a.none())
+      .def(nb::new_(&make), "mesh"_a, "options"_a, "orientation"_a, "machine"_a, "progress"_a.none())
       .def(
           "fit_grid",
           [](const Surface& self, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
@@ -105,9 +100,9 @@ void bindSurface(nb::module_& module) {
             return fit(self.mesh(), resolution, voxelSize, bounds, padding, thickness);
           },
           "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a)
-      .def("generate", &generate, "grid"_a, "options"_a, "progress"_a.none())
-      .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
-      .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "progress"_a.none())
+      .def("generate", &generate, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
+      .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
+      .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })
       .def("vertices", &vertices)
       .def("faces", &faces)

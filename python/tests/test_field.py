@@ -60,7 +60,7 @@ def test_grid(field):
     np.testing.assert_allclose(field.origin, (-1.2, -1.5, -1.8), atol=1e-12)
     assert field.origin.shape == (3,) and field.origin.dtype == np.float64
     assert field.spacing == pytest.approx(0.1)
-    assert field.band == 0
+    assert field.clamp_distance == 0
     arrays = "distance, winding, confidence, triangle"
     assert repr(field) == f"raymap.Field(25 x 31 x 37 samples, spacing 0.1, arrays {arrays})"
 
@@ -273,8 +273,8 @@ def test_pickling_keeps_everything(field):
         assert getattr(copy, name).strides == (4, 100, 3100)
     assert copy.stats["device"] == "cpu" and copy.stats["stages"] == field.stats["stages"]
     np.testing.assert_array_equal(copy.surface_bounds, field.surface_bounds)
-    clamped = raymap.Field(np.zeros((2, 2, 2)), band=1.5)
-    assert pickle.loads(pickle.dumps(clamped)).band == 1.5
+    clamped = raymap.Field(np.zeros((2, 2, 2)), clamp_distance=1.5)
+    assert pickle.loads(pickle.dumps(clamped)).clamp_distance == 1.5
     assert pickle.loads(pickle.dumps(clamped)).surface_bounds is None
 
 

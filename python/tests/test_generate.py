@@ -60,7 +60,7 @@ def test_options_are_those_of_the_command_line(ball, run_raymap, options, argume
     field = generate(broken, **options)
     np.testing.assert_array_equal(field.distance, expected.distance)
     np.testing.assert_array_equal(field.origin, expected.origin)
-    assert (field.spacing, field.band) == (expected.spacing, expected.band)
+    assert (field.spacing, field.clamp_distance) == (expected.spacing, expected.clamp_distance)
 
 
 def test_arrays_are_those_of_the_command_line(ball, run_raymap):

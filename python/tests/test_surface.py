@@ -173,7 +173,7 @@ def test_fields_are_those_of_generate(ball, options):
         for made in (surface, pickle.loads(pickle.dumps(surface))):
             field = made.generate(**options)
             np.testing.assert_array_equal(field.origin, expected.origin)
-            assert (field.spacing, field.band) == (expected.spacing, expected.band)
+            assert (field.spacing, field.clamp_distance) == (expected.spacing, expected.clamp_distance)
             if orientation == "keep":
                 np.testing.assert_array_equal(field.distance, expected.distance)
             else:  # The corners of reversed faces come in another order.

@@ -73,7 +73,7 @@ DeviceList devices() {
   } catch (const Error& error) {
     list.note = error.what();
   }
-  list.devices[automaticOf(list.devices)].isAutomatic = true;
+  list.devices[automaticOf(list.devices)].automatic = true;
   return list;
 }
 
@@ -112,28 +112,26 @@ void warnOfRefused(const DeviceList& list, const WarningCallback& warn) {
       warn("the CPU is used instead of the GPU: " + reasonAgainst(gpu));
 }
 
-std::optional<size_t> chooseAutomatic(const WarningCallback& warn, const ProgressCallback& progress) {
+std::optional<size_t> chooseAutomatic(const MachineOptions& machine) {
   for (;;) {
     const DeviceList list = devices();
     const size_t automatic = automaticOf(list.devices);
     if (automatic == 0) {
-      warnOfRefused(list, warn);
+      warnOfRefused(list, machine.warn);
       return std::nullopt;
     }
     const size_t number = automatic - 1;
-    if (testOnce(list.devices[automatic], number, progress) == DeviceTestState::Passed) return number;
+    if (testOnce(list.devices[automatic], number, machine.progress) == DeviceTestState::Passed) return number;
   }
 }
 
 }  // namespace
 
-std::optional<size_t> chooseDevice(const std::string& name, const WarningCallback& warn,
-                                   const ProgressCallback& progress) {
-  const DeviceName asked = parse(name);
+std::optional<size_t> chooseDevice(const MachineOptions& machine) {
+  const DeviceName asked = parse(machine.device);
   if (asked.kind == DeviceName::Kind::Cpu) return std::nullopt;
-  if (asked.kind == DeviceName::Kind::Auto)
-    return mayHaveGpu() ? chooseAutomatic(warn, progress) : std::nullopt;
-  return indexOf(asked, devices(), name) - 1;
+  if (asked.kind == DeviceName::Kind::Auto) return mayHaveGpu() ? chooseAutomatic(machine) : std::nullopt;
+  return indexOf(asked, devices(), machine.device) - 1;
 }
 
 std::string deviceToTest() {
@@ -144,13 +142,13 @@ std::string deviceToTest() {
   return automatic != 0 && device.test == DeviceTestState::Untested ? device.id : "";
 }
 
-DeviceTest testDevice(const std::string& id, const ProgressCallback& progress) {
+DeviceTest testDevice(const std::string& id, const MachineOptions& machine) {
   const DeviceName asked = parse(id);
   if (asked.kind != DeviceName::Kind::Vulkan)
     throw Error(ErrorCode::Usage, "'" + id + "' is not the name of a GPU; use vulkan or vulkan:K");
   const DeviceList list = devices();
   const size_t index = indexOf(asked, list, id);
-  return testGpu(list.devices[index], index - 1, progress);
+  return testGpu(list.devices[index], index - 1, machine.progress);
 }
 
 bool isOfTheDevice(const Error& error) {
@@ -158,12 +156,11 @@ bool isOfTheDevice(const Error& error) {
          error.code() != ErrorCode::Cancelled;
 }
 
-GpuDevice* ChosenDevice::open(const std::string& name, const WarningCallback& warn,
-                              const ProgressCallback& progress) {
-  if (name_ != name) {
+GpuDevice* ChosenDevice::open(const MachineOptions& machine) {
+  if (name_ != machine.device) {
     close();
-    number_ = chooseDevice(name, warn, progress);
-    name_ = name;
+    number_ = chooseDevice(machine);
+    name_ = machine.device;
   }
   if (number_ && !gpu_) gpu_ = gpuPlugIn()->open(*number_);
   return gpu_.get();

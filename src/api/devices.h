@@ -1,8 +1,8 @@
 #pragma once
 
-#include <raymap/callbacks.h>
 #include <raymap/devices.h>
 #include <raymap/error.h>
+#include <raymap/machine.h>
 
 #include <memory>
 #include <optional>
@@ -12,12 +12,11 @@
 
 namespace raymap {
 
-/// Returns the number of the GPU that `Options::device` names; none for the CPU. `auto` asks drivers only on
+/// Returns the number of the GPU that `machine.device` names; none for the CPU. `auto` asks drivers only on
 /// machines that have a GPU, tests a GPU before its first use, and calls `warn` with the reason if it takes
 /// the CPU because GPUs failed. Throws `Error`: Usage for a name that is none, Unsupported if there is no
-/// such device, Cancelled if `progress` returns false.
-std::optional<size_t> chooseDevice(const std::string& name, const WarningCallback& warn = {},
-                                   const ProgressCallback& progress = {});
+/// such device, Cancelled.
+std::optional<size_t> chooseDevice(const MachineOptions& machine);
 
 /// Returns whether another device may succeed where this error stopped one: not if the input or the options
 /// are at fault, or the user cancelled.
@@ -27,21 +26,20 @@ bool isOfTheDevice(const Error& error);
 /// the device works.
 class ChosenDevice {
  public:
-  /// Calls `work(device, number)` if `name` means a GPU. Returns false if the CPU has to do the work: `name`
-  /// means the CPU, or the GPU that `auto` chose failed. Then it calls `warn` with the reason.
-  /// `progress` is that of the test of a new GPU.
+  /// Calls `work(device, number)` if `machine.device` means a GPU. Returns false if the CPU has to do the
+  /// work: the name means the CPU, or the GPU that `auto` chose failed. Then it warns with the reason.
+  /// `machine.progress` is that of the test of a new GPU.
   template <class Work>
-  bool run(const std::string& name, const WarningCallback& warn, const ProgressCallback& progress,
-           Work&& work) {
+  bool run(const MachineOptions& machine, Work&& work) {
     try {
-      GpuDevice* const device = open(name, warn, progress);
+      GpuDevice* const device = open(machine);
       if (device) work(*device, *number_);
       return device != nullptr;
     } catch (const Error& error) {
       if (!isOfTheDevice(error)) throw;  // The device is as good as before.
       close();
-      if (name != "auto") throw;
-      if (warn) warn(std::string("the CPU was used instead of the GPU: ") + error.what());
+      if (machine.device != "auto") throw;
+      if (machine.warn) machine.warn(std::string("the CPU was used instead of the GPU: ") + error.what());
       return false;
     } catch (...) {
       close();
@@ -51,7 +49,7 @@ class ChosenDevice {
 
  private:
   /// Returns null for the CPU.
-  GpuDevice* open(const std::string& name, const WarningCallback& warn, const ProgressCallback& progress);
+  GpuDevice* open(const MachineOptions& machine);
   void close();
 
   std::optional<std::string> name_;  ///< Name that was chosen last.

@@ -16,7 +16,7 @@ namespace {
 
 /// Returns the bounds of the surface that a field's distances lead to; empty for a field inside out, which
 /// has its solid on the other side.
-Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const Options& options, const Stats& stats) {
+Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options, const Stats& stats) {
   if (options.invert) return {};
   Box box = bounds(mesh);
   box.min -= 0.5 * options.thickness;
@@ -35,8 +35,8 @@ struct Generator::Impl {
   ChosenDevice device;
   MeshPacker packer;
 
-  PackedMesh pack(const MeshView& view, const Options& options) {
-    if (options.memoryLimit) checkFieldMemory(MeshPacker::bytesNeeded(view), options.memoryLimit);
+  PackedMesh pack(const MeshView& view, size_t memoryLimit) {
+    if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
     const PackedMesh mesh = packer.pack(view);
     validate(mesh);
     return mesh;
@@ -48,23 +48,27 @@ Generator::~Generator() = default;
 Generator::Generator(Generator&&) noexcept = default;
 Generator& Generator::operator=(Generator&&) noexcept = default;
 
-Stats Generator::generate(const MeshView& view, const Grid& grid, const Options& asked, Field& field) {
+Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOptions& asked, Field& field,
+                          const MachineOptions& machine) {
   const Stopwatch stopwatch;
   Stats stats;
   try {
     checkOptions(grid, asked);
-    const Options options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
-    const PackedMesh mesh = impl_->pack(view, options);
+    const FieldOptions options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
+    const PackedMesh mesh = impl_->pack(view, machine.memoryLimit);
     const auto onGpu = [&](GpuDevice& gpu, size_t number) {
-      Progress progress(options.progress);
-      withThreads(options.threads, [&] { gpu.generate({mesh, grid, options, progress, field}, stats); });
+      Progress progress(machine.progress);
+      withThreads(machine.threads, [&] {
+        gpu.generate({mesh, grid, options, progress, field, machine}, stats);
+      });
       stats.device = "vulkan:" + std::to_string(number);
     };
-    if (!impl_->device.run(options.device, options.warn, options.progress, onGpu)) {
-      Progress progress(options.progress);
-      stats = cpu::runOnCpu(impl_->cpuBackend, {mesh, grid, options, progress, field}, impl_->packer.bytes());
+    if (!impl_->device.run(machine, onGpu)) {
+      Progress progress(machine.progress);
+      stats = cpu::runOnCpu(impl_->cpuBackend, {mesh, grid, options, progress, field, machine},
+                            impl_->packer.bytes());
     }
-    if (asked.thickness > 0.0) thicken(asked, field);
+    if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
   } catch (...) {
     field = {};
@@ -74,14 +78,16 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const Options&
   return stats;
 }
 
-Generated Generator::generate(const MeshView& mesh, const Grid& grid, const Options& options) {
+Generated Generator::generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options,
+                              const MachineOptions& machine) {
   Generated result;
-  result.stats = generate(mesh, grid, options, result.field);
+  result.stats = generate(mesh, grid, options, result.field, machine);
   return result;
 }
 
-Generated generate(const MeshView& mesh, const Grid& grid, const Options& options) {
-  return Generator().generate(mesh, grid, options);
+Generated generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options,
+                   const MachineOptions& machine) {
+  return Generator().generate(mesh, grid, options, machine);
 }
 
 }  // namespace raymap

@@ -1,3 +1,4 @@
+#include <raymap/names.h>
 #include <raymap/surface.h>
 
 #include <algorithm>
@@ -15,12 +16,12 @@ namespace raymap {
 namespace {
 
 void check(const SurfaceOptions& options) {
-  require(options.threads >= 0, "the number of threads must not be negative");
+  require(options.sign == SignMode::Harmonic || options.sign == SignMode::None,
+          "a surface cannot use the sign '" + std::string(name(options.sign)) + "'; use harmonic or none");
   require(options.threshold >= 0.0, "the threshold must not be negative");
 }
 
 void check(const QueryOptions& options, bool isSigned) {
-  require(options.threads >= 0, "the number of threads must not be negative");
   require(options.maxDistance > 0.0, "the largest distance must be positive");
   require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
   require(isSigned || !options.confidence,
@@ -29,8 +30,7 @@ void check(const QueryOptions& options, bool isSigned) {
 
 void check(const ThicknessOptions& options, std::span<const FacePoint> points, size_t triangles,
            bool isSigned) {
-  require(options.threads >= 0, "the number of threads must not be negative");
-  require(options.most > 0.0, "the largest thickness must be positive");
+  require(options.maxThickness > 0.0, "the largest thickness must be positive");
   require(isSigned, "the surface was made without a sign, so it has no thickness");
   for (size_t i = 0; i < points.size(); ++i)
     if (points[i].triangle >= triangles)
@@ -62,13 +62,14 @@ struct Surface::Impl {
   size_t meshBytes() const { return vertices.capacityBytes() + triangles.capacityBytes(); }
 };
 
-Surface::Surface(const MeshView& view, const SurfaceOptions& options) : impl_(std::make_unique<Impl>()) {
+Surface::Surface(const MeshView& view, const SurfaceOptions& options, const MachineOptions& machine)
+    : impl_(std::make_unique<Impl>()) {
   const Stopwatch stopwatch;
   check(options);
-  Progress progress(options.progress);
-  withThreads(options.threads, [&] {
-    const PackedMesh mesh = impl_->copy(view, options.memoryLimit);
-    impl_->prepared = cpu::prepareSurface(mesh, options, impl_->meshBytes(), progress, impl_->stats);
+  Progress progress(machine.progress);
+  withThreads(machine.threads, [&] {
+    const PackedMesh mesh = impl_->copy(view, machine.memoryLimit);
+    impl_->prepared = cpu::prepareSurface(mesh, options, machine, impl_->meshBytes(), progress, impl_->stats);
   });
   impl_->stats.milliseconds = stopwatch.milliseconds();
   impl_->stats.bytes = std::max(impl_->stats.bytes, bytes());
@@ -78,38 +79,41 @@ Surface::~Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
 Surface& Surface::operator=(Surface&&) noexcept = default;
 
-void Surface::query(const PointsView& points, const QueryOptions& options, QueryResult& result) const {
+void Surface::query(const PointsView& points, const QueryOptions& options, QueryResult& result,
+                    const MachineOptions& machine) const {
   check(options, impl_->prepared.isSigned);
-  Progress progress(options.progress);
-  withThreads(options.threads, [&] {
+  Progress progress(machine.progress);
+  withThreads(machine.threads, [&] {
     progress.stage("query", [&] { cpu::queryPoints(impl_->prepared, points, options, progress, result); });
   });
 }
 
-QueryResult Surface::query(const PointsView& points, const QueryOptions& options) const {
+QueryResult Surface::query(const PointsView& points, const QueryOptions& options,
+                           const MachineOptions& machine) const {
   QueryResult result;
-  query(points, options, result);
+  query(points, options, result, machine);
   return result;
 }
 
-std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points,
-                                          const ThicknessOptions& options) const {
+std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, const ThicknessOptions& options,
+                                          const MachineOptions& machine) const {
   check(options, points, impl_->triangles.size(), impl_->prepared.isSigned);
-  Progress progress(options.progress);
+  Progress progress(machine.progress);
   std::vector<Thickness> thickness(points.size());
-  withThreads(options.threads, [&] {
+  withThreads(machine.threads, [&] {
     progress.stage("thickness", [&] {
-      cpu::measureThickness(impl_->prepared, points, options.most, progress, thickness);
+      cpu::measureThickness(impl_->prepared, points, options.maxThickness, progress, thickness);
     });
   });
   return thickness;
 }
 
-Generated Surface::generate(const Grid& grid, const Options& asked) const {
-  if (!impl_->prepared.isSigned) return raymap::generate(mesh(), grid, asked);
-  Options options = asked;
+Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
+                            const MachineOptions& machine) const {
+  if (!impl_->prepared.isSigned) return raymap::generate(mesh(), grid, asked, machine);
+  FieldOptions options = asked;
   options.orientation = Orientation::Keep;
-  Generated result = raymap::generate(impl_->prepared.turnedMesh(), grid, options);
+  Generated result = raymap::generate(impl_->prepared.turnedMesh(), grid, options, machine);
   result.stats.turnedFaces = stats().turnedFaces;
   result.stats.leftOutFaces = stats().leftOutFaces;
   return result;

@@ -10,6 +10,8 @@
 #include <climits>
 #include <utility>
 
+#include "base/require.h"
+
 #ifdef RAYMAP_THREAD_SANITIZER
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
@@ -99,6 +101,7 @@ void withCallersThreads(FunctionView<> work) {
 }
 
 void withThreads(int threads, FunctionView<> work) {
+  require(threads >= 0, "the number of threads must not be negative");
   tbb::task_arena arena(threadsFor(threads));
   arena.execute([&] {
     const Limited limited;

@@ -63,8 +63,9 @@ std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted) {
   return selected;
 }
 
-/// Runs `work` with at most this many threads; 0 = those of the `withThreads` around this one, or else
-/// `defaultThreads`. Limits nothing else in the process. Throws what `defaultThreads` throws.
+/// Runs `work` with at most this many threads. Throws `Error(Usage)` if they are negative. 0 = those of the
+/// `withThreads` around this one, or else `defaultThreads`. Limits nothing else in the process. Throws what
+/// `defaultThreads` throws.
 void withThreads(int threads, FunctionView<> work);
 
 /// Runs `work` as `withThreads(0, work)` does, but in the same arena if there is a `withThreads` around it.

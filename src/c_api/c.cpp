@@ -89,7 +89,7 @@ raymap_result raymap_devices_get(const raymap_devices* devices, size_t index, ra
                .driver = found.driver.c_str(),
                .problem = found.problem.c_str(),
                .memory = found.memory,
-               .is_automatic = found.isAutomatic,
+               .is_automatic = found.automatic,
                .test = textOf(found.test),
                .test_problem = found.testProblem.c_str()};
   });

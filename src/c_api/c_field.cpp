@@ -42,8 +42,9 @@ void raymap_field_free(raymap_field* field) {
 raymap_field* raymap_generate(const raymap_mesh* mesh, const raymap_grid* grid,
                               const raymap_options* options) {
   return create([&] {
+    const raymap_options& given = c::optionsOr(options);
     auto [field, stats] =
-        generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")), c::optionsOr(options));
+        generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")), given.field, given.machine);
     auto handle = std::make_unique<raymap_field>();
     handle->field = std::move(field);
     handle->stats = std::move(stats);
@@ -64,10 +65,11 @@ raymap_result raymap_generator_run(raymap_generator* generator, const raymap_mes
                                    raymap_field* field) {
   return guard([&] {
     raymap_field& filled = need(field, "the field");
+    const raymap_options& given = c::optionsOr(options);
     filled.stats = {};
     filled.stats = need(generator, "the generator")
                        .generator.generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")),
-                                           c::optionsOr(options), filled.field);
+                                           given.field, filled.field, given.machine);
   });
 }
 
@@ -75,8 +77,8 @@ raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid) {
   return guard([&] { need(grid, "the grid") = c::toC(need(field, "the field").field.grid); });
 }
 
-double raymap_field_band(const raymap_field* field) {
-  return field ? field->field.band : 0.0;
+double raymap_field_clamp_distance(const raymap_field* field) {
+  return field ? field->field.clampDistance : 0.0;
 }
 
 const float* raymap_field_distance(const raymap_field* field) {

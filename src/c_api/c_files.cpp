@@ -2,6 +2,7 @@
 
 #include <raymap/c.h>
 #include <raymap/io.h>
+#include <raymap/names.h>
 
 #include "c_api/c_handles.h"
 
@@ -11,12 +12,15 @@ using raymap::c::guard;
 using raymap::c::need;
 
 raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
-  return create([&] { return c::ownMesh(readMesh(&need(path, "the path"), c::optionsOr(options).warn)); });
+  return create([&] {
+    return c::ownMesh(readMesh(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn}));
+  });
 }
 
 raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path, const raymap_options* options) {
   return guard([&] {
-    writeMesh(&need(path, "the path"), need(mesh, "the mesh").view, {.warn = c::optionsOr(options).warn});
+    writeMesh(&need(path, "the path"), need(mesh, "the mesh").view,
+              {.warn = c::optionsOr(options).machine.warn});
   });
 }
 
@@ -30,6 +34,7 @@ raymap_field* raymap_field_load(const char* path) {
 
 raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array) {
   return guard([&] {
-    writeField(&need(path, "the path"), need(field, "the field").field, array ? array : "distance");
+    writeField(&need(path, "the path"), need(field, "the field").field,
+               {.array = array ? fromName<FieldArray>(array) : FieldArray::Distance});
   });
 }

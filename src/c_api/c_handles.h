@@ -15,7 +15,8 @@
 #include <utility>
 
 struct raymap_options {
-  raymap::Options options;
+  raymap::FieldOptions field;
+  raymap::MachineOptions machine;
 };
 
 struct raymap_mesh {
@@ -47,6 +48,27 @@ namespace raymap::c {
 /// Remembers the error for this thread. Returns its code.
 raymap_result fail(raymap_result code, const char* message) noexcept;
 
+/// Returns the result of an error.
+constexpr raymap_result resultOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::Usage:
+      return RAYMAP_ERROR_USAGE;
+    case ErrorCode::Input:
+      return RAYMAP_ERROR_INPUT;
+    case ErrorCode::File:
+      return RAYMAP_ERROR_FILE;
+    case ErrorCode::Memory:
+      return RAYMAP_ERROR_MEMORY;
+    case ErrorCode::Cancelled:
+      return RAYMAP_ERROR_CANCELLED;
+    case ErrorCode::Unsupported:
+      return RAYMAP_ERROR_UNSUPPORTED;
+    case ErrorCode::DeviceLost:
+      return RAYMAP_ERROR_DEVICE_LOST;
+  }
+  return RAYMAP_ERROR_BUG;
+}
+
 /// Runs `work`. Returns the code of what it throws, or RAYMAP_OK.
 template <class Work>
 raymap_result guard(Work&& work) noexcept {
@@ -54,7 +76,7 @@ raymap_result guard(Work&& work) noexcept {
     work();
     return RAYMAP_OK;
   } catch (const Error& error) {
-    return fail(static_cast<raymap_result>(error.code()), error.what());
+    return fail(resultOf(error.code()), error.what());
   } catch (const std::bad_alloc&) {
     return fail(RAYMAP_ERROR_MEMORY, "out of memory; use a lower resolution");
   } catch (const std::exception& error) {
@@ -80,9 +102,9 @@ T& need(T* pointer, const char* name) {
 }
 
 /// Returns the options, or the defaults for null.
-inline const Options& optionsOr(const raymap_options* options) {
-  static const Options kDefaults;
-  return options ? options->options : kDefaults;
+inline const raymap_options& optionsOr(const raymap_options* options) {
+  static const raymap_options kDefaults;
+  return options ? *options : kDefaults;
 }
 
 /// Converts a grid to the struct for C.

@@ -24,55 +24,54 @@ double whole(const std::string& option, double value, double most) {
                                     std::to_string(value));
 }
 
-void setText(Options& options, const std::string& option, const char* value) {
+void setText(raymap_options& options, const std::string& option, const char* value) {
   if (option == "distance")
-    options.distance = fromName<DistanceMode>(value);
+    options.field.distance = fromName<DistanceMode>(value);
   else if (option == "sign")
-    options.sign = fromName<SignMode>(value);
+    options.field.sign = fromName<SignMode>(value);
   else if (option == "sampling")
-    options.sampling = fromName<Sampling>(value);
+    options.field.sampling = fromName<Sampling>(value);
   else if (option == "orientation")
-    options.orientation = fromName<Orientation>(value);
+    options.field.orientation = fromName<Orientation>(value);
   else if (option == "device")
-    options.device = value;
+    options.machine.device = value;
   else
     throw Error(ErrorCode::Usage, "there is no option '" + option +
                                       "' with a name; use distance, sign, sampling, orientation or device");
 }
 
 /// Sets an option that is a number. Throws `Error(Usage)` for another name.
-void setNumber(Options& options, const std::string& option, double value) {
+void setNumber(raymap_options& options, const std::string& option, double value) {
   const auto integer = [&] {
     return static_cast<int>(whole(option, value, std::numeric_limits<int>::max()));
   };
   const auto isOn = [&] { return whole(option, value, 1.0) == 1.0; };
   if (option == "passes")
-    options.passes = integer();
+    options.field.passes = integer();
   else if (option == "threads")
-    options.threads = integer();
+    options.machine.threads = integer();
   else if (option == "memory_limit")
-    options.memoryLimit = static_cast<size_t>(whole(option, value, 0x1p62));
+    options.machine.memoryLimit = static_cast<size_t>(whole(option, value, 0x1p62));
   else if (option == "threshold")
-    options.threshold = value;
+    options.field.threshold = value;
   else if (option == "band")
-    options.band = value;
+    options.field.band = value;
   else if (option == "thickness")
-    options.thickness = value;
+    options.field.thickness = value;
   else if (option == "invert")
-    options.invert = isOn();
+    options.field.invert = isOn();
   else if (option == "close_holes")
-    options.closeHoles = isOn();
-  else if (option == "triangle_ids")
-    options.triangleIds = isOn();
+    options.field.closeHoles = isOn();
+  else if (option == "triangle")
+    options.field.triangle = isOn();
   else if (option == "winding")
-    options.winding = isOn();
+    options.field.winding = isOn();
   else if (option == "confidence")
-    options.confidence = isOn();
+    options.field.confidence = isOn();
   else
-    throw Error(ErrorCode::Usage,
-                "there is no option '" + option +
-                    "' with a number; use passes, threshold, band, thickness, threads, "
-                    "memory_limit, invert, close_holes, triangle_ids, winding or confidence");
+    throw Error(ErrorCode::Usage, "there is no option '" + option +
+                                      "' with a number; use passes, threshold, band, thickness, threads, "
+                                      "memory_limit, invert, close_holes, triangle, winding or confidence");
 }
 
 }  // namespace
@@ -87,19 +86,18 @@ void raymap_options_free(raymap_options* options) {
 
 raymap_result raymap_options_set_text(raymap_options* options, const char* option, const char* value) {
   return guard([&] {
-    setText(need(options, "the handle of options").options, &need(option, "the option"),
-            &need(value, "the value"));
+    setText(need(options, "the handle of options"), &need(option, "the option"), &need(value, "the value"));
   });
 }
 
 raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value) {
   return guard(
-      [&] { setNumber(need(options, "the handle of options").options, &need(option, "the option"), value); });
+      [&] { setNumber(need(options, "the handle of options"), &need(option, "the option"), value); });
 }
 
 raymap_result raymap_options_set_offsets(raymap_options* options, const int32_t* offsets, size_t count) {
   return guard([&] {
-    std::vector<glm::ivec3>& points = need(options, "the handle of options").options.offsets;
+    std::vector<glm::ivec3>& points = need(options, "the handle of options").field.offsets;
     if (count > 0) need(offsets, "the array of offsets");
     points.resize(count);
     for (size_t p = 0; p < count; ++p) points[p] = {offsets[3 * p], offsets[3 * p + 1], offsets[3 * p + 2]};
@@ -109,7 +107,7 @@ raymap_result raymap_options_set_offsets(raymap_options* options, const int32_t*
 raymap_result raymap_options_set_progress(raymap_options* options, raymap_progress_callback callback,
                                           void* user) {
   return guard([&] {
-    ProgressCallback& progress = need(options, "the handle of options").options.progress;
+    ProgressCallback& progress = need(options, "the handle of options").machine.progress;
     progress = nullptr;
     if (callback)
       progress = [callback, user](std::string_view stage, double done) {
@@ -121,7 +119,7 @@ raymap_result raymap_options_set_progress(raymap_options* options, raymap_progre
 raymap_result raymap_options_set_warning(raymap_options* options, raymap_warning_callback callback,
                                          void* user) {
   return guard([&] {
-    WarningCallback& warn = need(options, "the handle of options").options.warn;
+    WarningCallback& warn = need(options, "the handle of options").machine.warn;
     warn = nullptr;
     if (callback)
       warn = [callback, user](std::string_view message) { callback(std::string(message).c_str(), user); };

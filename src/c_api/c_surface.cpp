@@ -1,12 +1,10 @@
 // The functions of raymap/c.h about queries at any points.
 
 #include <raymap/c.h>
-#include <raymap/names.h>
 
 #include <algorithm>
 #include <limits>
 #include <span>
-#include <string>
 
 #include "c_api/c_handles.h"
 
@@ -17,16 +15,8 @@ using raymap::c::need;
 
 namespace {
 
-SurfaceOptions surfaceOptions(const Options& given) {
-  if (given.sign != SignMode::Harmonic && given.sign != SignMode::None)
-    throw Error(ErrorCode::Usage, "a surface cannot use the sign '" + std::string(name(given.sign)) +
-                                      "'; use harmonic or none");
-  return {.sign = given.sign == SignMode::Harmonic,
-          .orientation = given.orientation,
-          .threshold = given.threshold,
-          .threads = given.threads,
-          .memoryLimit = given.memoryLimit,
-          .progress = given.progress};
+SurfaceOptions surfaceOptions(const FieldOptions& given) {
+  return {.sign = given.sign, .orientation = given.orientation, .threshold = given.threshold};
 }
 
 void copyTo(double* to, const Buffer<glm::dvec3>& from) {
@@ -43,8 +33,9 @@ void copyTo(T* to, const Buffer<T>& from) {
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
+    const raymap_options& given = c::optionsOr(options);
     return std::make_unique<raymap_surface>(
-        Surface(need(mesh, "the mesh").view, surfaceOptions(c::optionsOr(options))));
+        Surface(need(mesh, "the mesh").view, surfaceOptions(given.field), given.machine));
   });
 }
 
@@ -70,7 +61,6 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
     const Surface& queried = need(surface, "the surface").surface;
     const raymap_query_arrays& wanted = need(arrays, "the struct of arrays");
     if (count > 0) need(points, "the array of points");
-    const Options& given = c::optionsOr(options);
     const QueryResult found =
         queried.query(PointsView(points, count),
                       {.distance = wanted.distance != nullptr,
@@ -80,9 +70,8 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
                        .direction = wanted.direction != nullptr,
                        .winding = wanted.winding != nullptr,
                        .confidence = wanted.confidence != nullptr,
-                       .maxDistance = limit != 0.0 ? limit : std::numeric_limits<double>::infinity(),
-                       .threads = given.threads,
-                       .progress = given.progress});
+                       .maxDistance = limit != 0.0 ? limit : std::numeric_limits<double>::infinity()},
+                      c::optionsOr(options).machine);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
     copyTo(wanted.triangle, found.triangle);

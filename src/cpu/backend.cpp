@@ -26,11 +26,11 @@ constexpr size_t kFacesPerTask = 1024;
 
 }  // namespace
 
-size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options) {
+size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options) {
   const bool isExact = options.distance == DistanceMode::Exact,
              isRaster = options.distance == DistanceMode::Raster, isSigned = options.sign != SignMode::None;
   const size_t samples = grid.sampleCount(), triangles = mesh.triangles.size(),
-               numbers = size_t{1} + (options.triangleIds ? 1 : 0) + (isSigned ? 1 : 0) +
+               numbers = size_t{1} + (options.triangle ? 1 : 0) + (isSigned ? 1 : 0) +
                          (isSigned && options.confidence ? 1 : 0);
   size_t bytes = numbers * samples * sizeof(float) + mesh.vertices.size() * sizeof(glm::vec3);
   if (!isExact) bytes += CellLevel::bytesNeeded(samples);
@@ -43,7 +43,7 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Opti
 }
 
 void Backend::begin() {
-  const auto& [mesh, grid, options, progress, field] = *job_;
+  const auto& [mesh, grid, options, progress, field, machine] = *job_;
   toCellUnits(mesh, grid, mesh_);
   hasSurfaceTree_ = hasCrossings_ = false;
   crossedTurns_.clear();
@@ -52,9 +52,9 @@ void Backend::begin() {
   windingDipoles_.clear();
   const size_t count = grid.sampleCount();
   field.grid = grid;
-  field.band = options.band * grid.spacing;
+  field.clampDistance = options.band * grid.spacing;
   field.distance.resizeUninitialized(count);
-  field.triangle.resizeUninitialized(options.triangleIds ? count : 0);
+  field.triangle.resizeUninitialized(options.triangle ? count : 0);
   field.winding.resizeUninitialized(options.winding && options.sign != SignMode::None ? count : 0);
   field.confidence.resizeUninitialized(options.confidence && options.sign != SignMode::None ? count : 0);
   doubtfulShare_ = 0.0;
@@ -250,7 +250,7 @@ void Backend::ask(size_t more, const char* why) const {
 }
 
 size_t Backend::mostBytes() const {
-  if (options().memoryLimit > 0) return options().memoryLimit;
+  if (const size_t limit = job_->machine.memoryLimit; limit > 0) return limit;
   const size_t held = bytes();
   return held + std::min(availableMemory(), SIZE_MAX - held);
 }

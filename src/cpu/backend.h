@@ -23,7 +23,7 @@ class Backend {
     meshBytes_ = meshBytes;
   }
 
-  const Options& options() const { return job_->options; }
+  const FieldOptions& options() const { return job_->options; }
   template <class Work>
   void stage(const char* name, Work&& work) {
     job_->progress.stage(name, work);
@@ -79,7 +79,7 @@ class Backend {
   size_t mostBytes() const;
   /// Returns the number of bytes that a run holds with the field if all rays agree, from sizes alone. Layers
   /// of surface add to it. A run asks for more when it knows that rays disagree.
-  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Options& options);
+  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options);
 
  private:
   /// Throws `Error(Memory)` if these bytes are too many beside those held. The message has `why`.
@@ -93,7 +93,7 @@ class Backend {
   bool areTurned() const { return mesh_.triangles.data() == turnedTriangles_.data(); }
   void measureSides(float farSides, Buffer<float>* wholeness = nullptr);
   /// Returns the buffer for the closest triangles, or null if the options do not ask for them.
-  Buffer<uint32_t>* triangles() { return options().triangleIds ? &job_->field.triangle : nullptr; }
+  Buffer<uint32_t>* triangles() { return options().triangle ? &job_->field.triangle : nullptr; }
   Buffer<float>& windingBuffer() { return options().winding ? job_->field.winding : winding_; }
   const Buffer<float>& windingBuffer() const { return options().winding ? job_->field.winding : winding_; }
 

@@ -9,7 +9,7 @@ namespace raymap::cpu {
 Stats runOnCpu(Backend& backend, const Job& job, size_t meshBytes) {
   backend.take(job, meshBytes);
   checkFieldMemory(meshBytes + Backend::bytesNeeded(job.mesh, job.grid, job.options), backend.mostBytes());
-  withThreads(job.options.threads, [&] { runPipeline(backend); });
+  withThreads(job.machine.threads, [&] { runPipeline(backend); });
   Stats stats;
   stats.device = "cpu";
   addStages(job.progress, stats);

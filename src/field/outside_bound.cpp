@@ -37,8 +37,9 @@ bool OutsideBound::isOutside(const glm::dvec3& p) const {
 /// clamped to -band may be anything below, so it bounds nothing.
 OutsideBound::Bounds OutsideBound::fromSamples(const glm::dvec3& p, const glm::dvec3& q) const {
   const glm::ivec3 dims = field_.grid.dims, cell = glm::min(glm::ivec3(q), glm::max(dims - 2, 0));
-  const double lowest =
-      field_.band > 0.0 ? -field_.band / field_.grid.spacing * (1.0 - kRounding) : -INFINITY;
+  const double lowest = field_.clampDistance > 0.0
+                            ? -field_.clampDistance / field_.grid.spacing * (1.0 - kRounding)
+                            : -INFINITY;
   Bounds best{-INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);

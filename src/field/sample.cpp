@@ -74,17 +74,18 @@ void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside 
   });
 }
 
-Samples sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options) {
+Samples sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
+               const MachineOptions& machine) {
   Samples result;
-  sample(field, points, options, result);
+  sample(field, points, options, result, machine);
   return result;
 }
 
 void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
-            Samples& result) {
+            Samples& result, const MachineOptions& machine) {
   result.distance.resizeUninitialized(points.size());
   result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
-  withThreads(options.threads, [&] {
+  withThreads(machine.threads, [&] {
     sampleInto(field, points, options.outside, result.distance.data(),
                options.gradients ? result.gradient.data() : nullptr);
   });

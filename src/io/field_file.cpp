@@ -42,7 +42,8 @@ const Format& findFormat(const fs::path& path, std::string_view extension) {
                                     "' is not a format for fields; use one of " + listOf(fieldExtensions()));
 }
 
-NamedArray arrayOf(const Field& field, std::string_view name) {
+NamedArray arrayOf(const Field& field, FieldArray asked) {
+  const std::string_view name = kArrayNames[size_t(asked)];
   const auto arrays = arraysOf(field);
   const auto found = std::ranges::find(arrays, name, &NamedArray::name);
   if (found == arrays.end())
@@ -69,14 +70,14 @@ Field readFieldAs(const SourceFile& source, std::string_view format) {
   return findFormat(source.path(), format).read(source);
 }
 
-Field readField(const fs::path& path, std::string_view given) {
+Field readField(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return readFieldAs(source, formatOf(source, given, knownFieldFormats()));
+  return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()));
 }
 
-void writeField(const fs::path& path, const Field& field, std::string_view name, std::string_view given) {
-  const Format& format = findFormat(path, formatOf(path, given, fieldExtensions()));
-  const NamedArray array = arrayOf(field, name);
+void writeField(const fs::path& path, const Field& field, const FieldWriteOptions& options) {
+  const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
+  const NamedArray array = arrayOf(field, options.array);
   validateGrid(field.grid);
   for (const NamedArray& each : arraysOf(field))
     if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))

@@ -86,14 +86,13 @@ std::vector<std::string> queryExtensions() {
   return extensions;
 }
 
-std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& warn,
-                                   std::string_view given) {
+std::vector<glm::dvec3> readPoints(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  const std::string format = formatOf(source, given, pointExtensions());
+  const std::string format = formatOf(source, options.format, pointExtensions());
   if (!contains(pointExtensions(), format)) failExtension(path, "points", pointExtensions());
   if (format == ".npy") return readPointNpy(source);
   const Buffer<std::byte> bytes = loadFile(source);
-  const MeshFile file{bytes, path, warn};
+  const MeshFile file{bytes, path, options.warn};
   if (format != ".ply") return readPointText(file, format);
   std::vector<glm::dvec3> points = readPlyPoints(file);
   if (points.empty()) file.fail("it holds no points");
@@ -101,7 +100,7 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const WarningCallback& 
 }
 
 void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
-                const WriteQueryOptions& options) {
+                const QueryWriteOptions& options) {
   const PointFormat& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
   PointTable table{points, arraysOf(result), {}};
   check(path, format, table);

@@ -51,31 +51,30 @@ Mesh readMeshAs(const SourceFile& source, std::string_view name, const WarningCa
   return format->read({bytes, source.path(), warn, source.folder()});
 }
 
-Mesh readMesh(const std::filesystem::path& path, const WarningCallback& warn, std::string_view format) {
+Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return readMeshAs(source, formatOf(source, format, knownMeshFormats()), warn);
+  return readMeshAs(source, formatOf(source, options.format, knownMeshFormats()), options.warn);
 }
 
-std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const WarningCallback& warn,
-                                          std::string_view format) {
+std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const ReadOptions& options) {
   const SourceFile source(path);
   Formats known = knownMeshFormats();
   const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
-  const std::string found = formatOf(source, format, known);
+  const std::string found = formatOf(source, options.format, known);
   if (contains(fields, found)) return readFieldAs(source, found);
-  if (contains(known, found)) return readMeshAs(source, found, warn);
+  if (contains(known, found)) return readMeshAs(source, found, options.warn);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
                   "known are " + listOf(known));
 }
 
 AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation,
-                              const WarningCallback& warn) {
+                              const ReadOptions& options) {
   if (const std::string extension = lowerExtension(path); extension != ".gltf" && extension != ".glb")
     throw Error(ErrorCode::Unsupported, path.string() + ": animations are read from .gltf and .glb only");
   const Buffer<std::byte> bytes = loadFile(SourceFile(path));
-  return readAnimatedGltf({bytes, path, warn}, animation);
+  return readAnimatedGltf({bytes, path, options.warn}, animation);
 }
 
 std::optional<LengthUnit> meshUnit(const std::filesystem::path& path) {

@@ -150,33 +150,34 @@ void check(const Field& field, double iso) {
     throw Error(ErrorCode::Usage, "there is no surface at " + text(iso) + ": the field's values go from " +
                                       text(range.low) + " to " + text(range.high) +
                                       "; choose a distance between them");
-  if (field.band > 0.0 && std::abs(iso) >= field.band)
+  if (field.clampDistance > 0.0 && std::abs(iso) >= field.clampDistance)
     throw Error(ErrorCode::Usage, "there is no surface at " + text(iso) +
-                                      ": the field's distances are clamped at " + text(field.band));
+                                      ": the field's distances are clamped at " + text(field.clampDistance));
 }
 
 }  // namespace
 
-Mesh isosurface(const Field& field, const IsosurfaceOptions& options) {
+Mesh isosurface(const Field& field, const IsosurfaceOptions& options, const MachineOptions& machine) {
   Mesh mesh;
-  isosurface(field, options, mesh);
+  isosurface(field, options, mesh, machine);
   return mesh;
 }
 
-void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result) {
-  Progress progress(options.progress);
+void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
+                const MachineOptions& machine) {
+  Progress progress(machine.progress);
   const auto contour = [&] {
     check(field, options.iso);
     dualContour(field, options.iso, SamplePlanes(field, options.iso), progress, result);
   };
   try {
-    progress.stage("isosurface", [&] { withThreads(options.threads, contour); });
+    progress.stage("isosurface", [&] { withThreads(machine.threads, contour); });
   } catch (...) {
     result = {};
     throw;
   }
-  if (options.warn && reachesBox(field, options.iso))
-    options.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
+  if (machine.warn && reachesBox(field, options.iso))
+    machine.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
 }
 
 }  // namespace raymap

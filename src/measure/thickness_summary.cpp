@@ -75,10 +75,11 @@ ThicknessSummary summarizeThickness(std::span<const FacePoint> points, std::span
           points.size()};
 }
 
-ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options) {
+ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options,
+                                    const MachineOptions& machine) {
   MeshPacker packer;
   const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kSummaryPoints);
-  return summarizeThickness(points, surface.thickness(points, options));
+  return summarizeThickness(points, surface.thickness(points, options, machine));
 }
 
 }  // namespace raymap

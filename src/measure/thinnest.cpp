@@ -18,12 +18,12 @@ constexpr double kMostLeftOut = 0.002;  // Share of the area that may be thinner
 
 }  // namespace
 
-std::optional<double> findThinnest(const MeshView& view, double most, const ProgressCallback& progress) {
-  const Surface surface(view, {.progress = progress});
+std::optional<double> findThinnest(const MeshView& view, double maxThickness, const MachineOptions& machine) {
+  const Surface surface(view, {}, machine);
   MeshPacker packer;
   const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kPoints);
   std::vector<float> diameters;
-  for (const Thickness& t : surface.thickness(points, {.most = most, .progress = progress}))
+  for (const Thickness& t : surface.thickness(points, {.maxThickness = maxThickness}, machine))
     if (t.part == Part::Wall) diameters.push_back(t.diameter);
   const auto leftOut = size_t(kMostLeftOut * double(points.size()));
   if (diameters.size() <= leftOut) return {};
@@ -32,14 +32,14 @@ std::optional<double> findThinnest(const MeshView& view, double most, const Prog
 }
 
 Verdict judge(const MeshView& mesh, const Diagnostics& found, const SelfIntersections& crossings,
-              const ProgressCallback& progress) {
+              const MachineOptions& machine) {
   constexpr size_t kMostTriangles = 2'000'000;  // They take a second or two.
   Verdict verdict = judge(found, crossings);
   const bool isSolid = verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
   if (!isSolid || found.triangles > kMostTriangles) return verdict;
   const glm::dvec3 size = found.bounds.size();
   verdict.sought = std::max({size.x, size.y, size.z}) / 25.0;
-  verdict.thinnest = findThinnest(mesh, verdict.sought, progress);
+  verdict.thinnest = findThinnest(mesh, verdict.sought, machine);
   if (verdict.thinnest && *verdict.thinnest > 0.0) verdict.voxelSize = roundDown(0.5 * *verdict.thinnest);
   return verdict;
 }

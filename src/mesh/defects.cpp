@@ -55,7 +55,7 @@ std::vector<uint32_t> findFlippedFaces(const Patches& patches) {
   return flipped;
 }
 
-Defects findDefects(const PackedMesh& mesh) {
+Defects findDefects(const PackedMesh& mesh, const ProgressCallback& progress) {
   validate(mesh);
   Buffer<SortKey> keys;
   const Welding welding = weldVertices(mesh.vertices, keys);
@@ -74,7 +74,7 @@ Defects findDefects(const PackedMesh& mesh) {
   defects.doubleSidedFaces = doubleSided.firsts;
   defects.doubleSidedFaces.insert(defects.doubleSidedFaces.end(), doubleSided.others.begin(),
                                   doubleSided.others.end());
-  defects.crossedFaces = findSelfIntersections(mesh).faces;
+  defects.crossedFaces = findSelfIntersections(mesh, {.progress = progress}).faces;
   return defects;
 }
 

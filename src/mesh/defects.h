@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/callbacks.h>
+
 #include <cstdint>
 #include <vector>
 
@@ -19,8 +21,8 @@ struct Defects {
   std::vector<uint32_t> flippedFaces, duplicateFaces, doubleSidedFaces, crossedFaces;
 };
 
-/// Finds all defects. Throws `Error(Input)` if the mesh is not valid.
-Defects findDefects(const PackedMesh& mesh);
+/// Finds all defects. Throws `Error`: Input if the mesh is not valid, Cancelled.
+Defects findDefects(const PackedMesh& mesh, const ProgressCallback& progress = {});
 
 /// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
 /// matter which side is outside.

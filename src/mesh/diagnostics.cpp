@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "base/progress.h"
 #include "mesh/components.h"
@@ -135,43 +136,49 @@ void findComponents(const PackedMesh& mesh, const Welding& welding, std::span<co
     measureComponents(mesh, welding, components, holes, found);
 }
 
+Diagnostics diagnosePacked(const PackedMesh& mesh, bool isBrief, Progress& progress) {
+  Diagnostics found;
+  Buffer<SortKey> keys;
+  const Welding welding = weldVertices(mesh.vertices, keys);
+  progress.report(0.3);
+  found.vertices = mesh.vertices.size();
+  found.weldedVertices = welding.count;
+  found.triangles = mesh.triangles.size();
+  found.bounds = bounds(mesh);
+  measureFaces(mesh, welding, found);
+  progress.report(0.4);
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+  progress.report(0.7);
+  EdgeCounts edges = countEdges(halfEdges);
+  found.boundaryEdges = edges.boundary.size();
+  found.nonManifoldEdges = edges.nonManifold;
+  found.flippedEdges = edges.flipped;
+  found.balanced = !halfEdges.empty() && edges.isBalanced;
+  found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
+  found.consistentlyOriented = found.flippedEdges == 0;
+  const std::vector<uint32_t> otherSides = countLayers(mesh, welding, edges.layers, found);
+  if (isBrief) return found;
+  progress.report(0.8);
+  const std::vector<TracedHole> holes = findHoles(mesh, welding, edges.boundary);
+  for (const TracedHole& hole : holes) found.holes.push_back(hole.hole);
+  progress.report(0.85);
+  findComponents(mesh, welding, halfEdges, holes, otherSides, found);
+  progress.report(0.9);
+  if (!found.consistentlyOriented)
+    found.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges)).size();
+  return found;
+}
+
 }  // namespace
 
-Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options) {
+Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options, const MachineOptions& machine) {
   validate(view);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  Progress progress(options.progress);
+  Progress progress(machine.progress);
   Diagnostics found;
   progress.stage("diagnose", [&] {
-    Buffer<SortKey> keys;
-    const Welding welding = weldVertices(mesh.vertices, keys);
-    progress.report(0.3);
-    found.vertices = mesh.vertices.size();
-    found.weldedVertices = welding.count;
-    found.triangles = mesh.triangles.size();
-    found.bounds = bounds(mesh);
-    measureFaces(mesh, welding, found);
-    progress.report(0.4);
-    const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
-    progress.report(0.7);
-    EdgeCounts edges = countEdges(halfEdges);
-    found.boundaryEdges = edges.boundary.size();
-    found.nonManifoldEdges = edges.nonManifold;
-    found.flippedEdges = edges.flipped;
-    found.balanced = !halfEdges.empty() && edges.isBalanced;
-    found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
-    found.consistentlyOriented = found.flippedEdges == 0;
-    const std::vector<uint32_t> otherSides = countLayers(mesh, welding, edges.layers, found);
-    if (options.isBrief) return;
-    progress.report(0.8);
-    const std::vector<TracedHole> holes = findHoles(mesh, welding, edges.boundary);
-    for (const TracedHole& hole : holes) found.holes.push_back(hole.hole);
-    progress.report(0.85);
-    findComponents(mesh, welding, halfEdges, holes, otherSides, found);
-    progress.report(0.9);
-    if (!found.consistentlyOriented)
-      found.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges)).size();
+    withThreads(machine.threads, [&] { found = diagnosePacked(mesh, options.brief, progress); });
   });
   return found;
 }

@@ -128,7 +128,7 @@ glm::dvec3 centreOf(const Extent<float>&) {
 
 bool isPacked(const MeshView& view) {
   const auto isAligned = [](const void* memory) { return reinterpret_cast<uintptr_t>(memory) % 4 == 0; };
-  return view.scalar == MeshView::Scalar::Float && view.index == MeshView::Index::UInt32 &&
+  return view.scalar == Scalar::Float && view.index == MeshView::Index::UInt32 &&
          view.vertexStride == sizeof(glm::vec3) && view.triangleStride == sizeof(glm::uvec3) &&
          isAligned(view.vertices) && isAligned(view.triangles);
 }

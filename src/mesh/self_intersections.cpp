@@ -264,7 +264,7 @@ SelfIntersections searchAll(std::span<const Face> faces, const BoxTree& tree, Pr
   size_t tests = 0;
   for (size_t first = 0; first < tree.leafCount();) {
     if (tests >= most) {
-      found.isComplete = false;
+      found.complete = false;
       break;
     }
     const size_t count = std::min(roundsLeft(most - tests) * kLeavesPerRound, tree.leafCount() - first);
@@ -275,7 +275,7 @@ SelfIntersections searchAll(std::span<const Face> faces, const BoxTree& tree, Pr
     });
     for (const LeafResult& result : results) {
       tests += result.tests;
-      found.isComplete = found.isComplete && result.isComplete;
+      found.complete = found.complete && result.isComplete;
       found.pairs += result.pairs.size();
       for (const auto& [a, b] : result.pairs) isCrossed[a] = isCrossed[b] = true;
     }
@@ -289,17 +289,19 @@ SelfIntersections searchAll(std::span<const Face> faces, const BoxTree& tree, Pr
 
 }  // namespace
 
-SelfIntersections findSelfIntersections(const MeshView& view, const ProgressCallback& callback) {
+SelfIntersections findSelfIntersections(const MeshView& view, const MachineOptions& machine) {
   validate(view);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  Progress progress(callback);
+  Progress progress(machine.progress);
   SelfIntersections found;
   progress.stage("crossing pairs", [&] {
-    const Buffer<Face> faces = sortedFaces(mesh);
-    progress.report(0.15);
-    const BoxTree tree(faces);
-    found = searchAll(faces, tree, progress);
+    withThreads(machine.threads, [&] {
+      const Buffer<Face> faces = sortedFaces(mesh);
+      progress.report(0.15);
+      const BoxTree tree(faces);
+      found = searchAll(faces, tree, progress);
+    });
   });
   return found;
 }

@@ -41,8 +41,7 @@ class StridedMesh {
 /// Calls `visit` with the view as a `StridedMesh` of its types.
 template <class Visit>
 auto visitTypes(const MeshView& view, Visit&& visit) {
-  const bool isFloat = view.scalar == MeshView::Scalar::Float,
-             isShort = view.index == MeshView::Index::UInt32;
+  const bool isFloat = view.scalar == Scalar::Float, isShort = view.index == MeshView::Index::UInt32;
   if (isFloat && isShort) return visit(StridedMesh<float, uint32_t>(view));
   if (isFloat) return visit(StridedMesh<float, uint64_t>(view));
   if (isShort) return visit(StridedMesh<double, uint32_t>(view));

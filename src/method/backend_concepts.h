@@ -3,6 +3,7 @@
 // Interface between the pipeline and its backends.
 
 #include <raymap/field.h>
+#include <raymap/machine.h>
 #include <raymap/options.h>
 
 #include <concepts>
@@ -24,16 +25,19 @@ namespace raymap {
 struct Job {
   PackedMesh mesh;
   const Grid& grid;
-  const Options& options;
+  const FieldOptions& options;
   Progress& progress;
   Field& field;
+  const MachineOptions& machine = kAnyMachine;
+
+  static inline const MachineOptions kAnyMachine = {};
 };
 
 /// Backend of the pipeline, with one function per stage. It holds the mesh, the grid, the options and every
 /// intermediate result.
 template <class B>
 concept Backend = requires(B b, const char* name, void (*work)()) {
-  { b.options() } -> std::same_as<const Options&>;
+  { b.options() } -> std::same_as<const FieldOptions&>;
   b.stage(name, work);  // Runs the work, timed and reported under the name.
   b.begin();
   b.voxelGrid();

@@ -10,12 +10,11 @@
 
 namespace raymap {
 
-void checkOptions(const Grid& grid, const Options& options) {
+void checkOptions(const Grid& grid, const FieldOptions& options) {
   validateGrid(grid);
   require(options.band >= 0.0, "the band must not be negative");
   require(options.passes >= 0, "the number of passes must not be negative");
   require(options.threshold >= 0.0, "the threshold must not be negative");
-  require(options.threads >= 0, "the number of threads must not be negative");
   require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
   require(
       options.sign != SignMode::None || options.thickness > 0.0 || !(options.winding || options.confidence),
@@ -23,7 +22,7 @@ void checkOptions(const Grid& grid, const Options& options) {
   require(options.thickness >= 0.0 && std::isfinite(options.thickness), "the thickness must not be negative");
   require(options.thickness == 0.0 || !(options.winding || options.confidence || options.closeHoles),
           "a thickness takes the place of the sign: leave out winding, confidence and closing holes");
-  require(!options.triangleIds || options.distance != DistanceMode::Raster,
+  require(!options.triangle || options.distance != DistanceMode::Raster,
           "the raster distance does not find closest triangles; use another distance");
   require(grid.sampleCount() < kNoTriangle,
           "the grid has " + std::to_string(grid.sampleCount()) +

@@ -6,6 +6,6 @@
 namespace raymap {
 
 /// Throws `Error(Usage)` for a grid or options that make no sense.
-void checkOptions(const Grid& grid, const Options& options);
+void checkOptions(const Grid& grid, const FieldOptions& options);
 
 }  // namespace raymap

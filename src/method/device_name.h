@@ -6,7 +6,7 @@
 
 namespace raymap {
 
-/// Parsed value of `Options::device`: "auto", "cpu", "vulkan" or "vulkan:K".
+/// Parsed value of `MachineOptions::device`: "auto", "cpu", "vulkan" or "vulkan:K".
 struct DeviceName {
   enum class Kind { Auto, Cpu, Vulkan };
   Kind kind = Kind::Auto;

@@ -281,12 +281,12 @@ std::vector<uint32_t> FaceSides::facesWith(uint8_t turn) const {
   return faces;
 }
 
-bool mayTurnFaces(const Options& options) {
+bool mayTurnFaces(const FieldOptions& options) {
   if (options.orientation == Orientation::Repair) return options.sign != SignMode::None;
   return options.orientation == Orientation::Auto && options.sign == SignMode::Harmonic;
 }
 
-bool shouldExamineFaces(const Options& options, double misfit, bool contradictsParity) {
+bool shouldExamineFaces(const FieldOptions& options, double misfit, bool contradictsParity) {
   return options.orientation == Orientation::Repair || contradictsParity || misfit > kFall;
 }
 

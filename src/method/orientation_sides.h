@@ -65,12 +65,12 @@ struct ExaminedMesh {
 };
 
 /// Returns whether the options allow faces to be reversed at all.
-bool mayTurnFaces(const Options& options);
+bool mayTurnFaces(const FieldOptions& options);
 
 /// Returns whether to examine the faces of a mesh whose field has this misfit. Unless `Orientation::Repair`
 /// forces it, it returns false if the misfit is small and no sign contradicts the parity of all six rays.
 /// Reversing faces could then hardly change a sign.
-bool shouldExamineFaces(const Options& options, double misfit, bool contradictsParity);
+bool shouldExamineFaces(const FieldOptions& options, double misfit, bool contradictsParity);
 
 /// Returns whether two choices leave out the same faces.
 bool leaveOutTheSame(const Turns& a, const Turns& b);
@@ -90,7 +90,7 @@ FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientat
 /// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces.
 template <HostBackend B>
 void orientFaces(B& backend) {
-  const Options& options = backend.options();
+  const FieldOptions& options = backend.options();
   if (!mayTurnFaces(options)) return;
   FaceSides& sides = backend.faceSides();
   sides.doubtfulShare = backend.doubtfulShare();

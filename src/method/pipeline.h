@@ -13,7 +13,7 @@ namespace raymap {
 /// Runs all stages that the options ask for.
 template <Backend B>
 void runPipeline(B& backend) {
-  const Options& options = backend.options();
+  const FieldOptions& options = backend.options();
   do {
     // The mesh in cell units: sample (i, j, k) lies at (i, j, k).
     backend.stage("begin", [&] { backend.begin(); });

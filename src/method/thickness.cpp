@@ -7,8 +7,8 @@
 
 namespace raymap {
 
-Options withoutThickness(const Options& options, const Grid& grid) {
-  Options plain = options;
+FieldOptions withoutThickness(const FieldOptions& options, const Grid& grid) {
+  FieldOptions plain = options;
   plain.sign = SignMode::None;
   plain.thickness = 0.0;
   plain.invert = false;
@@ -16,11 +16,11 @@ Options withoutThickness(const Options& options, const Grid& grid) {
   return plain;
 }
 
-void thicken(const Options& options, Field& field) {
-  field.band = options.band * field.grid.spacing;
-  const double band = field.band > 0.0 ? field.band : INFINITY;
+void thicken(const FieldOptions& options, int threads, Field& field) {
+  field.clampDistance = options.band * field.grid.spacing;
+  const double band = field.clampDistance > 0.0 ? field.clampDistance : INFINITY;
   const double half = 0.5 * options.thickness;
-  withThreads(options.threads, [&] {
+  withThreads(threads, [&] {
     parallelFor(field.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const double d = std::clamp(double(field.distance[i]) - half, -band, band);

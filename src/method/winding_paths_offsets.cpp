@@ -42,12 +42,12 @@ glm::ivec3 neighbourOffset(int64_t point, const glm::ivec3& dims) {
 
 }  // namespace
 
-int pointsPerPass(const Options& options) {
+int pointsPerPass(const FieldOptions& options) {
   if (options.sampling == Sampling::Paper) return kNeighbours;
   return options.sign == SignMode::Evolution ? kSpreadPointsOfStep : kSpreadPoints;
 }
 
-glm::ivec3 offsetOf(const Options& options, int64_t point, const glm::ivec3& dims) {
+glm::ivec3 offsetOf(const FieldOptions& options, int64_t point, const glm::ivec3& dims) {
   if (!options.offsets.empty())
     // With an offset of `dims` the point lies outside for every sample; a larger offset changes nothing.
     return glm::clamp(options.offsets[size_t(point) % options.offsets.size()], -dims, dims);

@@ -11,9 +11,9 @@ namespace raymap {
 inline constexpr int kRays = 6;
 
 /// Returns the number of offset points of a pass of `Paths` or a step of `Evolution`.
-int pointsPerPass(const Options& options);
+int pointsPerPass(const FieldOptions& options);
 
 /// Returns an offset point from the sample, in samples. `point` counts the points of all passes.
-glm::ivec3 offsetOf(const Options& options, int64_t point, const glm::ivec3& dims);
+glm::ivec3 offsetOf(const FieldOptions& options, int64_t point, const glm::ivec3& dims);
 
 }  // namespace raymap

@@ -50,7 +50,7 @@ class FieldPair {
     requireSameGrid(a.grid, b.grid);
     if (array != FieldArray::Distance) return;
     unit_ = a.grid.spacing;
-    for (const double band : {a.band, b.band})
+    for (const double band : {a.clampDistance, b.clampDistance})
       if (band > 0.0) band_ = std::min(band_, band);
   }
   bool isFinite(size_t n) const {

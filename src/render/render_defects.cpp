@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/parallel.h"
 #include "mesh/defects.h"
 #include "mesh/triangle.h"
 #include "scene/camera.h"
@@ -183,11 +184,12 @@ class Drawing {
 
 }  // namespace
 
-Picture renderDefects(const MeshView& view, const RenderOptions& options) {
+Picture renderDefects(const MeshView& view, const RenderOptions& options, const MachineOptions& machine) {
   Picture picture = makePicture(options.width, options.height);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  const Defects defects = findDefects(mesh);
+  Defects defects;
+  withThreads(machine.threads, [&] { defects = findDefects(mesh, machine.progress); });
   Drawing drawing(mesh, options);
   drawing.drawFaces(defects);
   drawing.drawEdges(defects.nonManifoldEdges, kNonManifold);

@@ -25,17 +25,16 @@ void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
 
 }  // namespace
 
-Picture renderField(const Field& field, const RenderOptions& options) {
+Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
   validateField(field);
   Picture picture = makePicture(options.width, options.height);
-  Progress progress(options.progress);
+  Progress progress(machine.progress);
   const auto draw = [&] {
     const Scene scene(field, options);
     const auto onGpu = [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); };
-    if (!ChosenDevice().run(options.device, options.warn, options.progress, onGpu))
-      drawOnCpu(scene, progress, picture);
+    if (!ChosenDevice().run(machine, onGpu)) drawOnCpu(scene, progress, picture);
   };
-  progress.stage("render", [&] { withThreads(options.threads, draw); });
+  progress.stage("render", [&] { withThreads(machine.threads, draw); });
   return picture;
 }
 

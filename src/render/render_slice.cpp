@@ -28,7 +28,7 @@ Range findRange(const Field& field, const SliceView& view) {
       range.inside = std::max(range.inside, -value);
       range.outside = std::max(range.outside, value);
     }
-  if (field.band > 0.0) range = {2.0 * field.band, 2.0 * field.band};
+  if (field.clampDistance > 0.0) range = {2.0 * field.clampDistance, 2.0 * field.clampDistance};
   return range;
 }
 

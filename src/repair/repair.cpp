@@ -31,17 +31,18 @@ namespace raymap {
 namespace {
 
 /// Refuses options of a field that a solid leaves no place for.
-void check(const Options& options) {
+void check(const FieldOptions& options) {
   require(options.sign != SignMode::None, "a repair needs a sign, so the sign mode must not be none");
-  require(
-      options.thickness == 0.0,
-      "a repair needs a sign, so Options::thickness must be 0; for sheets use RepairOptions::minThickness");
-  require(!options.invert, "a repair needs distances that are negative inside; leave out Options::invert");
-  require(options.band == 0.0, "a repair needs distances that are not clamped; leave out Options::band");
+  require(options.thickness == 0.0,
+          "a repair needs a sign, so FieldOptions::thickness must be 0; for sheets use "
+          "RepairOptions::minThickness");
+  require(!options.invert,
+          "a repair needs distances that are negative inside; leave out FieldOptions::invert");
+  require(options.band == 0.0, "a repair needs distances that are not clamped; leave out FieldOptions::band");
   require(!options.closeHoles,
-          "use RepairOptions::closeHoles, not Options::closeHoles: a repair closes holes");
-  require(!options.winding && !options.confidence && !options.triangleIds,
-          "a repair gives no field; leave out Options::winding, confidence and triangleIds");
+          "use RepairOptions::closeHoles, not FieldOptions::closeHoles: a repair closes holes");
+  require(!options.winding && !options.confidence && !options.triangle,
+          "a repair gives no field; leave out FieldOptions::winding, confidence and triangle");
 }
 
 void check(const Grid& grid, const RepairOptions& repair) {
@@ -79,13 +80,9 @@ Field makeSolid(Given& given, Stats& stats) {
 
 /// Returns the field of what is left of a solid after parts of it were dropped or filled.
 Field remade(const Mesh& surface, Given& given) {
-  Options options = given.options;
+  FieldOptions options = given.options;
   options.orientation = Orientation::Keep;
   return given.generateOther(surface, options);
-}
-
-Mesh makeSurface(const Field& solid, const Options& options) {
-  return isosurface(solid, {.threads = options.threads, .warn = options.warn, .progress = options.progress});
 }
 
 void requireParts(const Mesh& surface) {
@@ -99,12 +96,13 @@ bool asksForChange(const RepairOptions& repair) {
 }
 
 bool crossesNowhere(const SelfIntersections& crossing) {
-  return crossing.pairs == 0 && crossing.isComplete;
+  return crossing.pairs == 0 && crossing.complete;
 }
 
 /// Keeps the faces of a mesh with nothing wrong.
-void keep(const PackedMesh& mesh, const Options& options, const RepairOptions& repair, Repaired& repaired) {
-  if (!keepFaces(mesh, repair, options.warn, repaired)) return;
+void keep(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+          Repaired& repaired) {
+  if (!keepFaces(mesh, repair, warn, repaired)) return;
   RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
   countPieces(repaired.mesh, report);
@@ -113,31 +111,31 @@ void keep(const PackedMesh& mesh, const Options& options, const RepairOptions& r
 }
 
 /// Keeps the faces of a mesh with nothing wrong but holes, and fills those, if that makes it right.
-void keepFilled(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
+void keepFilled(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
                 Repaired& repaired) {
   Mesh closed = weldedCopy(mesh);
   const FilledHoles filled = fillHoles(closed);
-  if (filled.holes == 0 || !looksRight(diagnose(closed, {.isBrief = true})) ||
+  if (filled.holes == 0 || !looksRight(diagnose(closed, {.brief = true})) ||
       !crossesNowhere(findSelfIntersections(closed)))
     return;
-  keep(closed, options, repair, repaired);
+  keep(closed, repair, warn, repaired);
   repaired.report.partsOverlap = false;
-  if (!repaired.report.isKept) return;
+  if (!repaired.report.kept) return;
   repaired.report.closedHoles = filled.holes;
   repaired.report.closingFaces = filled.faces;
 }
 
 /// Finds what is wrong with the given mesh, and keeps its faces if that is nothing, or only holes.
-void inspectGiven(const PackedMesh& mesh, const Options& options, const RepairOptions& repair,
+void inspectGiven(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
                   Repaired& repaired) {
   const RepairReport& report = repaired.report;
   if (asksForChange(repair) && !repair.measure) return;
   inspect(mesh, repaired.report.before, repaired.report.crossingBefore);
   if (asksForChange(repair) || !hasOnlyHoles(report.before) || !crossesNowhere(report.crossingBefore)) return;
   if (looksRight(report.before))
-    keep(mesh, options, repair, repaired);
+    keep(mesh, repair, warn, repaired);
   else if (repair.closeHoles && !report.before.watertight)
-    keepFilled(mesh, options, repair, repaired);
+    keepFilled(mesh, repair, warn, repaired);
 }
 
 bool isChanged(const RepairReport& report) {
@@ -145,12 +143,12 @@ bool isChanged(const RepairReport& report) {
 }
 
 /// Drops crumbs and bubbles from a solid and its surface. Returns their surface.
-Mesh dropPieces(Field& solid, Mesh& surface, const Options& options, const RepairOptions& repair,
+Mesh dropPieces(Field& solid, Mesh& surface, const RepairOptions& repair, const WarningCallback& warn,
                 RepairReport& report) {
   Pieces found = findPieces(surface);
   nestPieces(surface, 1, found);
   const Choice choice = choosePieces(found, repair, repair.keepCavities, report);
-  warnOfRemoved(found, choice, report, options.warn);
+  warnOfRemoved(found, choice, report, warn);
   if (choice.count == 0) return {};
   dropFrom(solid, surface, found, choice);
   Mesh dropped = surface;
@@ -196,20 +194,18 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
 }
 
 /// Simplifies the isosurface.
-void simplifySurface(Mesh& surface, const Grid& grid, const Options& options, const RepairOptions& repair,
-                     RepairReport& report) {
+void simplifySurface(Mesh& surface, const Grid& grid, const RepairOptions& repair,
+                     const MachineOptions& machine, RepairReport& report) {
   SimplifyReport& simplified = report.simplified;
   simplified.tolerance = repair.tolerance.value_or(kDefaultTolerance * grid.spacing);
-  simplified.facesBefore = surface.triangles.size();
+  simplified.trianglesBefore = surface.triangles.size();
   if (simplified.tolerance > 0.0) {
-    auto [mesh, deviation, undone] = simplify(surface, {.tolerance = simplified.tolerance,
-                                                        .step = grid.spacing,
-                                                        .threads = options.threads,
-                                                        .progress = options.progress});
+    auto [mesh, deviation, undone] =
+        simplify(surface, {.tolerance = simplified.tolerance, .step = grid.spacing}, machine);
     surface = std::move(mesh);
     simplified.deviation = deviation;
   }
-  simplified.facesAfter = surface.triangles.size();
+  simplified.trianglesAfter = surface.triangles.size();
 }
 
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
@@ -242,26 +238,27 @@ Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const Repai
   return fitGrid(mesh, covering);
 }
 
-Repaired repair(const MeshView& view, const Grid& grid, const Options& options, const RepairOptions& repair) {
+Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& options,
+                const RepairOptions& repair, const MachineOptions& machine) {
   checkOptions(grid, options);
   check(options);
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  Given given(mesh, grid, options, repair);
+  Given given(mesh, grid, options, repair, machine);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
-  Progress progress(options.progress);
+  Progress progress(machine.progress);
   const auto stage = [&](const char* name, const auto& work) {
-    progress.stage(name, [&] { withThreads(options.threads, work); });
+    progress.stage(name, [&] { withThreads(machine.threads, work); });
   };
   const auto finish = [&] {
     addStages(progress, report.stats);
     return std::move(repaired);
   };
-  stage("inspect", [&] { inspectGiven(mesh, options, repair, repaired); });
-  if (report.isKept) return finish();
+  stage("inspect", [&] { inspectGiven(mesh, repair, machine.warn, repaired); });
+  if (report.kept) return finish();
   Field solid = makeSolid(given, report.stats);
   if (repair.minThickness > 0.0) {
     stage("surface", [&] { given.surface(); });
@@ -272,21 +269,21 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
                 "the result is empty: the mesh encloses no volume at this resolution, or the offset removes "
                 "all of it; "
                 "use more samples, or for a sheet --min-thickness");
-  stage("isosurface", [&] { result = makeSurface(solid, options); });
+  stage("isosurface", [&] { result = isosurface(solid, {}, machine); });
   Mesh dropped;
-  stage("pieces", [&] { dropped = dropPieces(solid, result, options, repair, report); });
+  stage("pieces", [&] { dropped = dropPieces(solid, result, repair, machine.warn, report); });
   ExpectedPoints expected;
   if (repair.measure) stage("points", [&] { expected = expectedPoints(mesh, solid, repair, report); });
   std::vector<DrainHole> holes;
   if (repair.shell > 0.0) {
     if (isChanged(report)) stage("remake", [&] { solid = remade(result, given); });
     stage("hollow", [&] {
-      holes = hollow(solid, repair, options.warn, report);
-      result = makeSurface(solid, options);
+      holes = hollow(solid, repair, machine.warn, report);
+      result = isosurface(solid, {}, machine);
     });
   }
   solid = {};
-  stage("simplify", [&] { simplifySurface(result, grid, options, repair, report); });
+  stage("simplify", [&] { simplifySurface(result, grid, repair, machine, report); });
   countPieces(result, report);
   if (repair.finish) repair.finish(result);
   if (!repair.measure) return finish();
@@ -302,7 +299,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const Options& options, 
     report.loss.droppedShare = report.lostShare - share;
   });
   for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})
-    if (options.warn && !loss.empty()) options.warn(loss);
+    if (machine.warn && !loss.empty()) machine.warn(loss);
   return finish();
 }
 

@@ -93,14 +93,14 @@ Shape::Shape(const Field& field, const RenderOptions& options)
       sampler_(field),
       level_(0.0),
       wall_(options.shell / field.grid.spacing),
-      band_(field.band / field.grid.spacing),
+      band_(field.clampDistance / field.grid.spacing),
       isFramed_(options.frame.has_value()),
       cut_(options.cut) {
   if (!field.distance.empty()) extent_ = findExtent(field, 0.0);
-  if (!(options.shell >= 0.0) || (field.band > 0.0 && options.shell >= field.band))
+  if (!(options.shell >= 0.0) || (field.clampDistance > 0.0 && options.shell >= field.clampDistance))
     throw Error(ErrorCode::Usage, "a shell of " + numberText(options.shell) +
                                       " cannot be drawn: it must not be negative, and thinner than the " +
-                                      "field's band (" + numberText(field.band) + ") if it has one");
+                                      "field's band (" + numberText(field.clampDistance) + ") if it has one");
   if (extent_.deepest >= 0.0 && !field.distance.empty()) {
     level_ = kSkin;
     extent_ = findExtent(field, level_);

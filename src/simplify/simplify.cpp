@@ -188,14 +188,14 @@ class Simplifier {
 };
 
 /// Returns whether all promises hold. Else the given mesh is kept.
-bool isGood(const Simplified& result, double tolerance) {
-  const Diagnostics found = diagnose(result.mesh, {.isBrief = true});
+bool isGood(const Simplified& result, double tolerance, int threads) {
+  const Diagnostics found = diagnose(result.mesh, {.brief = true}, {.threads = threads});
   return found.watertight && found.consistentlyOriented && result.deviation <= tolerance;
 }
 
 }  // namespace
 
-Simplified simplify(const MeshView& view, const SimplifyOptions& options) {
+Simplified simplify(const MeshView& view, const SimplifyOptions& options, const MachineOptions& machine) {
   require(options.tolerance >= 0.0 && std::isfinite(options.tolerance), "the tolerance must not be negative");
   require(options.step >= 0.0 && std::isfinite(options.step), "the step must not be negative");
   validate(view);
@@ -205,11 +205,11 @@ Simplified simplify(const MeshView& view, const SimplifyOptions& options) {
   if (options.tolerance > 0.0 && !mesh.triangles.empty()) {
     checkSurfaceMemory(kBytesPerFace * mesh.triangles.size());
     const double step = options.step > 0.0 ? options.step : kPointDistance * options.tolerance;
-    Progress progress(options.progress);
+    Progress progress(machine.progress);
     progress.stage("simplify", [&] {
-      withThreads(options.threads, [&] { Simplifier(mesh, options.tolerance, step).run(progress, result); });
+      withThreads(machine.threads, [&] { Simplifier(mesh, options.tolerance, step).run(progress, result); });
     });
-    if (isGood(result, options.tolerance)) return result;
+    if (isGood(result, options.tolerance, machine.threads)) return result;
     result = {};
   }
   result.mesh = {{mesh.vertices.begin(), mesh.vertices.end()},

@@ -11,10 +11,11 @@
 namespace raymap {
 
 /// Makes a field on the CPU, with its winding numbers.
-inline Generated runOf(const Mesh& mesh, const Grid& grid, Options options) {
-  options.device = "cpu";
+inline Generated runOf(const Mesh& mesh, const Grid& grid, FieldOptions options,
+                       MachineOptions machine = {}) {
   options.winding = true;
-  return generate(mesh, grid, options);
+  machine.device = "cpu";
+  return generate(mesh, grid, options, machine);
 }
 
 inline Generated runOf(const Mesh& mesh, const Grid& grid, Orientation orientation,

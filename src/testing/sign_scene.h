@@ -46,14 +46,15 @@ struct WindingResult {
 };
 
 /// Returns the winding numbers of a whole run.
-inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, Options options) {
+inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, FieldOptions options,
+                               const MachineOptions& machine = {}) {
   options.winding = true;
-  Generated run = generate(mesh, grid, options);
+  Generated run = generate(mesh, grid, options, machine);
   return {std::move(run.field.winding), run.stats.doubtfulShare};
 }
 
 inline WindingResult windingOf(const Mesh& mesh, const Grid& grid, SignMode mode) {
-  Options options;
+  FieldOptions options;
   options.sign = mode;
   options.orientation = Orientation::Keep;
   return windingOf(mesh, grid, options);

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "error_code.h"
 #include "files.h"
 #include "shapes.h"
 
@@ -59,7 +60,7 @@ class Cli : public ::testing::Test {
   void expectFailure(const std::string& arguments, ErrorCode code, const std::string& message) const {
     SCOPED_TRACE(arguments);
     const Result result = run(arguments);
-    EXPECT_EQ(result.code, static_cast<int>(code)) << result.err;
+    EXPECT_EQ(result.code, exitCode(code)) << result.err;
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(result.err.rfind("raymap: error: ", 0), 0u) << result.err;
     EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;

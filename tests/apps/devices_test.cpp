@@ -54,7 +54,7 @@ TEST_F(CliDevices, TestsNothingButGpus) {
   expectFailure("devices --test cpu", ErrorCode::Usage, "'cpu' is not the name of a GPU");
   expectFailure("devices --test vulkan:99", ErrorCode::Unsupported, "vulkan:99");
   const Result none = run("devices --test", "VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere");
-  EXPECT_EQ(none.code, static_cast<int>(ErrorCode::Unsupported));
+  EXPECT_EQ(none.code, exitCode(ErrorCode::Unsupported));
   EXPECT_NE(none.err.find("there is no GPU to test: "), std::string::npos) << none.err;
 }
 

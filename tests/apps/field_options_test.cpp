@@ -28,13 +28,13 @@ TEST_F(CliFieldOptions, SamplesCurvesAsAsked) {
   writeMesh(path("torn.ply"), mesh);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
   std::ofstream(path("points.txt")) << "# in samples\n 3 -2 1\n\n-100\t0 4   # far away\r\n";
-  Options options{.orientation = Orientation::Keep, .winding = true, .device = "cpu"};
+  FieldOptions options{.orientation = Orientation::Keep, .winding = true};
   const auto expectSame = [&](const std::string& arguments) {
     succeed(
         "generate torn.ply -o f.npy --winding w.npy --resolution 24 --device cpu --orientation keep --stats "
         "s.json " +
         arguments);
-    const Field expected = generate(mesh, grid, options).field;
+    const Field expected = generate(mesh, grid, options, {.device = "cpu"}).field;
     // A .npy of winding numbers is read as distances.
     const Field made = readField(path("w.npy"));
     ASSERT_EQ(made.distance.size(), expected.winding.size());

@@ -37,7 +37,7 @@ TEST_F(CliMain, ShowsOptionsAsTheyAreWritten) {
 TEST_F(CliMain, FailsWhereItsTextIsLost) {
   for (const char* arguments : {"--version", "--help", "repair --help"}) {
     const Result result = shell(std::string("$R ") + arguments + " >/dev/full");
-    EXPECT_EQ(result.code, static_cast<int>(ErrorCode::File)) << arguments;
+    EXPECT_EQ(result.code, exitCode(ErrorCode::File)) << arguments;
     EXPECT_EQ(result.err, "raymap: error: standard output: cannot write the text: No space left on device\n");
   }
 }

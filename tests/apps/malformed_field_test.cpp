@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "error_code.h"
 #include "files.h"
 #include "mesh_samples.h"
 #include "run_program.h"
@@ -22,7 +23,7 @@ constexpr size_t kMostMemory = size_t{100} << 20;
 /// Returns the bytes of a small field in this format. Its sides differ and it is clamped to a band.
 std::string wholeFile(const std::string& extension) {
   const TemporaryFile file("whole" + extension, "");
-  Options options;
+  FieldOptions options;
   options.band = 2.0;
   const Mesh mesh = shapes::torus(1.0, 0.4, 12, 8);
   writeField(file.path(), generate(mesh, fitGrid(mesh, {.resolution = 12}), options).field);
@@ -37,7 +38,7 @@ std::string refusal(const std::string& extension, const std::string& bytes) {
   EXPECT_LT(run.peakBytes, kMostMemory) << run.error;
   EXPECT_EQ(std::filesystem::exists(output.path()), run.code == 0);
   if (run.code == 0) return {};
-  EXPECT_TRUE(run.code == int(ErrorCode::Input) || run.code == int(ErrorCode::Unsupported))
+  EXPECT_TRUE(run.code == exitCode(ErrorCode::Input) || run.code == exitCode(ErrorCode::Unsupported))
       << run.code << run.error;
   const std::string start = "raymap: error: " + file.path().string() + ": ";
   EXPECT_EQ(run.error.substr(0, start.size()), start);

@@ -41,9 +41,9 @@ TEST_F(CliTerminal, SendsNoControlCharactersOfFileNamesToTheTerminal) {
   };
   expectPlain(shell("$R generate " + quoted + " -o f.nrrd --resolution 8 --device cpu"), 0);
   expectPlain(shell("$R query " + quoted + " " + quoted + " -o " + quoted + " --overwrite"), 0);
-  expectPlain(shell("$R info gone_" + quoted), static_cast<int>(ErrorCode::File));
-  expectPlain(shell("$R generate " + quoted + " -o " + quoted), static_cast<int>(ErrorCode::Usage));
-  expectPlain(shell("$R --gone" + quoted), static_cast<int>(ErrorCode::Usage));
+  expectPlain(shell("$R info gone_" + quoted), exitCode(ErrorCode::File));
+  expectPlain(shell("$R generate " + quoted + " -o " + quoted), exitCode(ErrorCode::Usage));
+  expectPlain(shell("$R --gone" + quoted), exitCode(ErrorCode::Usage));
   writeMesh(path(name), torn);  // The query has written its results there.
   const Result info = shell("$R info " + quoted);
   const size_t command = info.out.find("raymap repair ");

@@ -13,7 +13,7 @@ constexpr DistanceMode kDistances[] = {DistanceMode::Exact, DistanceMode::Neighb
 constexpr SignMode kSigns[] = {SignMode::Harmonic, SignMode::Paths, SignMode::Evolution, SignMode::Rays,
                                SignMode::Ray};
 
-void expectSame(const Mesh& mesh, int resolution, const Options& options) {
+void expectSame(const Mesh& mesh, int resolution, const FieldOptions& options) {
   expectSameForAnyThreads(mesh, fitGrid(mesh, {.resolution = resolution}), options, {2, 8});
 }
 

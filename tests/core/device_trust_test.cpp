@@ -32,13 +32,13 @@ class DeviceTrust : public testing::Test {
   bool isUsed() {
     warning_.clear();
     const auto warn = [this](std::string_view text) { warning_ += text; };
-    return chooseDevice("auto", warn) == kGpu;
+    return chooseDevice({.warn = warn}) == kGpu;
   }
   /// Expects that "auto" is the CPU and says all this.
   void expectRefused(const std::vector<std::string>& texts) {
     EXPECT_FALSE(isUsed());
     for (const std::string& text : texts) EXPECT_TRUE(contains(warning_, text)) << text << " in " << warning_;
-    EXPECT_TRUE(devices().devices[0].isAutomatic);
+    EXPECT_TRUE(devices().devices[0].automatic);
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> paths;
@@ -86,7 +86,7 @@ TEST_F(DeviceTrust, BeginsWithOneTest) {
 
 TEST_F(DeviceTrust, IsNotAskedOfADeviceThatWasNamed) {
   CountingGpu::onTest = fail;
-  for (const char* name : {"vulkan", "vulkan:3"}) EXPECT_EQ(chooseDevice(name), kGpu);
+  for (const char* name : {"vulkan", "vulkan:3"}) EXPECT_EQ(chooseDevice({.device = name}), kGpu);
   EXPECT_EQ(CountingGpu::tests, 0);
   EXPECT_TRUE(files().empty());
 }
@@ -102,7 +102,7 @@ TEST_F(DeviceTrust, IsRefusedWithTheFirstDifference) {
   EXPECT_EQ(info().test, DeviceTestState::Failed);
   EXPECT_EQ(info().testProblem, "refine: number 3 is 1, not 2");
   EXPECT_EQ(deviceToTest(), "");
-  EXPECT_EQ(chooseDevice("vulkan"), kGpu);
+  EXPECT_EQ(chooseDevice({.device = "vulkan"}), kGpu);
 }
 
 TEST_F(DeviceTrust, ComesBackWithATestThatPasses) {
@@ -239,7 +239,7 @@ TEST_F(DeviceTrust, IsAskedAgainAfterATestThatWasCancelled) {
     return done < 0.25;
   };
   try {
-    chooseDevice("auto", {}, cancel);
+    chooseDevice({.progress = cancel});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Cancelled);

@@ -21,7 +21,7 @@ struct Attempt {
 Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name) {
   Attempt attempt;
   const auto warn = [&](std::string_view text) { attempt.warning = text; };
-  const bool isDone = device.run(name, warn, {}, [&](GpuDevice&, size_t number) {
+  const bool isDone = device.run({.device = name, .warn = warn}, [&](GpuDevice&, size_t number) {
     EXPECT_EQ(number, CountingGpu::kUsable);
     ++attempt.onGpu;
     throw Error(code, "the reason");
@@ -33,7 +33,7 @@ Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name
 /// Runs work on the usable device that succeeds.
 void runWell(ChosenDevice& device, const std::string& name) {
   int onGpu = 0;
-  EXPECT_TRUE(device.run(name, {}, {}, [&](GpuDevice&, size_t) { ++onGpu; }));
+  EXPECT_TRUE(device.run({.device = name}, [&](GpuDevice&, size_t) { ++onGpu; }));
   EXPECT_EQ(onGpu, 1);
 }
 
@@ -90,20 +90,20 @@ TEST(Devices, AreClosedAfterErrorsOfTheDevice) {
 TEST(Devices, TakeTheCpuWhereNoneIsChosen) {
   const CountingGpu gpu;
   ChosenDevice device;
-  EXPECT_FALSE(device.run("cpu", {}, {}, [](GpuDevice&, size_t) { ADD_FAILURE(); }));
+  EXPECT_FALSE(device.run({.device = "cpu"}, [](GpuDevice&, size_t) { ADD_FAILURE(); }));
   EXPECT_EQ(CountingGpu::lists, 0);
 }
 
 TEST(Devices, RefuseUnknownNames) {
   for (const char* name : {"gpu", "vulkan:", "vulkan:x", "vulkan:0x", ""})
-    EXPECT_THROW(chooseDevice(name), Error);
+    EXPECT_THROW(chooseDevice({.device = name}), Error);
 }
 
 TEST(Devices, SayWhyOneCannotBeUsed) {
   const CountingGpu gpu;
   for (const auto& [name, reason] : {std::pair("vulkan:1", "made for a test"), {"vulkan:4", "no device"}}) {
     try {
-      chooseDevice(name);
+      chooseDevice({.device = name});
       ADD_FAILURE() << name;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::Unsupported);

@@ -228,7 +228,7 @@ TEST(Diagnostics, StopsCountingWhereAllFacesCross) {
     t.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   const SelfIntersections found = findSelfIntersections(makeMesh(p, t));
-  EXPECT_FALSE(found.isComplete);
+  EXPECT_FALSE(found.complete);
   EXPECT_GT(found.pairs, 1000000u);
 }
 
@@ -252,7 +252,7 @@ TEST(Diagnostics, CountsDoubleSidedFaces) {
   mesh.triangles.emplace_back(first.z, first.y, first.x);
   EXPECT_EQ(diagnose(mesh).duplicateFaces, 4u);
   EXPECT_EQ(diagnose(mesh).doubleSidedFaces, 6u);
-  EXPECT_EQ(diagnose(mesh, {.isBrief = true}).doubleSidedFaces, 6u);
+  EXPECT_EQ(diagnose(mesh, {.brief = true}).doubleSidedFaces, 6u);
 }
 
 TEST(RemoveFaces, KeepsTheOthersInOrder) {

@@ -77,7 +77,7 @@ TEST(DiagnosticsThreads, SumAreasInTheOrderOfFaces) {
 
 TEST(DiagnosticsThreads, LeaveOutWhatABriefDiagnosisDoesNotNeed) {
   const Mesh mesh = brokenSoup();
-  const Diagnostics brief = diagnose(mesh, {.isBrief = true});
+  const Diagnostics brief = diagnose(mesh, {.brief = true});
   Diagnostics expected = diagnose(mesh);
   EXPECT_GT(expected.holes.size(), 0u);
   EXPECT_GT(expected.components, 1u);
@@ -94,13 +94,13 @@ TEST(DiagnosticsThreads, FindTheSameCrossings) {
   EXPECT_GT(one.pairs, 1000u);
   EXPECT_EQ(one.pairs, many.pairs);
   EXPECT_EQ(one.faces, many.faces);
-  EXPECT_TRUE(one.isComplete && many.isComplete);
+  EXPECT_TRUE(one.complete && many.complete);
 }
 
 TEST(DiagnosticsThreads, StopOnRequest) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const ProgressCallback stop = [](std::string_view, double) { return false; };
-  EXPECT_THROW(diagnose(mesh, {.progress = stop}), Error);
+  EXPECT_THROW(diagnose(mesh, {}, {.progress = stop}), Error);
   EXPECT_THROW(findSelfIntersections(mesh, stop), Error);
 }
 
@@ -111,7 +111,7 @@ TEST(DiagnosticsThreads, ReportTheirStages) {
     shares[std::string(stage)].push_back(share);
     return true;
   };
-  diagnose(mesh, {.progress = note});
+  diagnose(mesh, {}, {.progress = note});
   findSelfIntersections(mesh, note);
   ASSERT_EQ(shares.size(), 2u);
   for (const char* stage : {"diagnose", "crossing pairs"}) {

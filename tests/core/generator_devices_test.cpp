@@ -17,11 +17,9 @@ class GeneratorDevices : public testing::Test {
  protected:
   Stats generate(const std::string& device, const ProgressCallback& progress = {}) {
     const Mesh mesh = shapes::sphere(1.0, 1);
-    Options options;
-    options.device = device;
-    options.progress = progress;
-    options.warn = [&](std::string_view text) { warning_ = text; };
-    return generator_.generate(mesh, fitGrid(mesh, {.resolution = 8}), options, field_);
+    const auto warn = [&](std::string_view text) { warning_ = text; };
+    return generator_.generate(mesh, fitGrid(mesh, {.resolution = 8}), {}, field_,
+                               {.device = device, .warn = warn, .progress = progress});
   }
 
   ErrorCode codeOf(const std::string& device, const ProgressCallback& progress = {}) {
@@ -55,7 +53,7 @@ TEST_F(GeneratorDevices, AreOpenedOnceForARepair) {
   const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
   const RepairOptions changes{.minThickness = 0.5};
   const Grid grid = fitRepairGrid(sheet, {.voxelSize = 0.2}, changes);
-  const Repaired repaired = repair(sheet, grid, {.device = "vulkan:3"}, changes);
+  const Repaired repaired = repair(sheet, grid, {}, changes, {.device = "vulkan:3"});
   EXPECT_EQ(repaired.report.thickenedShare, 1.0);
   EXPECT_EQ(CountingGpu::runs, 2) << "for the solid and for the plates";
   EXPECT_EQ(CountingGpu::lists, 1);

@@ -11,11 +11,9 @@ namespace raymap {
 namespace {
 
 /// Returns the error of a run that may hold so many bytes; "" if it succeeds.
-std::string errorWith(const Mesh& mesh, size_t memoryLimit, Options options = {}) {
-  options.memoryLimit = memoryLimit;
-  options.device = "cpu";
+std::string errorWith(const Mesh& mesh, size_t memoryLimit, const FieldOptions& options = {}) {
   try {
-    generate(mesh, fitGrid(mesh, {.resolution = 96}), options);
+    generate(mesh, fitGrid(mesh, {.resolution = 96}), options, {.device = "cpu", .memoryLimit = memoryLimit});
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory);
     return error.what();
@@ -23,9 +21,8 @@ std::string errorWith(const Mesh& mesh, size_t memoryLimit, Options options = {}
   return {};
 }
 
-size_t heldBy(const Mesh& mesh, Options options = {}) {
-  options.device = "cpu";
-  return generate(mesh, fitGrid(mesh, {.resolution = 96}), options).stats.bytes;
+size_t heldBy(const Mesh& mesh, const FieldOptions& options = {}) {
+  return generate(mesh, fitGrid(mesh, {.resolution = 96}), options, {.device = "cpu"}).stats.bytes;
 }
 
 /// Returns spheres in spheres, whose surface crosses each line many times.
@@ -50,7 +47,7 @@ TEST(GeneratorMemory, AsksForTheSolverWhereRaysDisagree) {
   const Mesh open = withHoles(closed, 3, 0.1, 1);
   for (const SignMode sign : {SignMode::Harmonic, SignMode::Paths, SignMode::Evolution}) {
     SCOPED_TRACE(testing::Message() << "sign " << int(sign));
-    const Options options{.sign = sign};
+    const FieldOptions options{.sign = sign};
     const size_t held = heldBy(open, options), before = heldBy(closed, options);
     ASSERT_LT(before + before / 4, held - 1);
     EXPECT_EQ(errorWith(closed, before + before / 4, options), "");
@@ -77,16 +74,16 @@ TEST(GeneratorMemory, AsksForTheSearchForReversedFaces) {
   // Many faces for a coarse grid: the search takes most.
   const Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 7), 0.3, 1);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
-  const size_t held = generate(mesh, grid, {.orientation = Orientation::Keep, .device = "cpu"}).stats.bytes;
+  const size_t held = generate(mesh, grid, {.orientation = Orientation::Keep}, {.device = "cpu"}).stats.bytes;
   try {
-    generate(mesh, grid, {.memoryLimit = held + held / 4, .device = "cpu"});
+    generate(mesh, grid, {}, {.device = "cpu", .memoryLimit = held + held / 4});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory);
     EXPECT_EQ(std::string(error.what()).find("finding the reversed faces needs 42 MiB, but only "), 0u)
         << error.what();
   }
-  EXPECT_NO_THROW(generate(mesh, grid, {.memoryLimit = held + (size_t{48} << 20), .device = "cpu"}));
+  EXPECT_NO_THROW(generate(mesh, grid, {}, {.device = "cpu", .memoryLimit = held + (size_t{48} << 20)}));
 }
 
 TEST(GeneratorMemory, KeepsToTheLimitWithMemoryOfEarlierRuns) {
@@ -95,9 +92,10 @@ TEST(GeneratorMemory, KeepsToTheLimitWithMemoryOfEarlierRuns) {
   const Grid grid = fitGrid(closed, {.resolution = 64});
   Generator generator;
   Field field;
-  const size_t held = generator.generate(open, grid, {.device = "cpu"}, field).bytes;
-  const Options options{.memoryLimit = held + held / 50, .device = "cpu"};
-  EXPECT_EQ(generator.generate(open, grid, options, field).bytes, held);
+  const size_t held = generator.generate(open, grid, {}, field, {.device = "cpu"}).bytes;
+  EXPECT_EQ(
+      generator.generate(open, grid, {}, field, {.device = "cpu", .memoryLimit = held + held / 50}).bytes,
+      held);
 }
 
 TEST(MemoryText, RoundsNeedsUpAndLimitsDown) {

@@ -26,20 +26,20 @@ TEST(Generator, MakesSolidsOfSheets) {
   const Grid grid = fitGrid(mesh, {.voxelSize = 0.1, .padding = 0.3});
   for (const double band : {0.0, 3.0, 1.0})
     for (const bool invert : {false, true}) {
-      Options options;
+      FieldOptions options;
       options.thickness = 0.4;
       options.band = band;
       options.invert = invert;
       const Field field = generate(mesh, grid, options).field;
       const double most = band > 0.0 ? band * grid.spacing : INFINITY;
-      EXPECT_DOUBLE_EQ(field.band, band * grid.spacing);
+      EXPECT_DOUBLE_EQ(field.clampDistance, band * grid.spacing);
       for (size_t k = 0; k < field.distance.size(); ++k) {
         const glm::ivec3 s(k % grid.dims.x, k / grid.dims.x % grid.dims.y, k / grid.dims.x / grid.dims.y);
         const double exact = std::clamp(reference::distance(mesh, grid.position(s)) - 0.2, -most, most);
         ASSERT_NEAR(field.distance[k], invert ? -exact : exact, 1e-6) << k;
       }
     }
-  Options options;
+  FieldOptions options;
   options.thickness = 0.4;
   options.winding = true;
   EXPECT_THROW(generate(mesh, grid, options), Error);
@@ -50,8 +50,8 @@ TEST(Generator, ReusesItsBuffersAndGivesTheSame) {
   const Grid grid = fitGrid(mesh, {.resolution = 32});
   Generator generator;
   Field first, again;
-  Options options;
-  options.winding = options.confidence = options.triangleIds = true;
+  FieldOptions options;
+  options.winding = options.confidence = options.triangle = true;
   const size_t held = generator.generate(mesh, grid, options, first).bytes;
   generator.generate(shapes::sphere(1.0, 3), grid, {}, again);
   const size_t heldAgain = generator.generate(mesh, grid, options, again).bytes;
@@ -65,11 +65,10 @@ TEST(Generator, StopsWhenAskedAndLeavesNothing) {
   const Grid grid = fitGrid(mesh, {.resolution = 64});
   for (const int stopAt : {0, 1, 3, 6}) {
     int calls = 0;
-    Options options;
-    options.progress = [&](std::string_view, double) { return calls++ < stopAt; };
+    const auto stop = [&](std::string_view, double) { return calls++ < stopAt; };
     Field field;
     try {
-      Generator().generate(mesh, grid, options, field);
+      Generator().generate(mesh, grid, {}, field, {.progress = stop});
       FAIL() << stopAt;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::Cancelled);
@@ -80,12 +79,11 @@ TEST(Generator, StopsWhenAskedAndLeavesNothing) {
 
 /// Cancels at the `stopAt`-th call from `stage`, on one thread: of several, all but one may be skipped.
 /// Returns the share of the stage that was done then.
-double shareWhenStopped(const Mesh& mesh, const Grid& grid, Options options, std::string_view stage,
-                        int stopAt) {
+double shareWhenStopped(const Mesh& mesh, const Grid& grid, const FieldOptions& options,
+                        std::string_view stage, int stopAt) {
   double share = INFINITY;
   int calls = 0;
-  options.threads = 1;
-  options.progress = [&](std::string_view name, double done) {
+  const auto stop = [&](std::string_view name, double done) {
     if (name != stage || ++calls < stopAt) return true;
     EXPECT_EQ(calls, stopAt) << "it went on";
     share = done;
@@ -93,7 +91,7 @@ double shareWhenStopped(const Mesh& mesh, const Grid& grid, Options options, std
   };
   Field field;
   try {
-    Generator().generate(mesh, grid, options, field);
+    Generator().generate(mesh, grid, options, field, {.threads = 1, .progress = stop});
     ADD_FAILURE() << stage << " asked only " << calls << " times";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Cancelled);
@@ -104,7 +102,7 @@ double shareWhenStopped(const Mesh& mesh, const Grid& grid, Options options, std
 TEST(Generator, StopsWithinALongStage) {
   const Mesh mesh = shapes::soup(300, 5);
   const Grid grid = fitGrid(mesh, {.resolution = 48});
-  Options options;
+  FieldOptions options;
   options.passes = 100'000'000;
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution}) {
     options.sign = sign;
@@ -119,10 +117,8 @@ TEST(Generator, StopsWithinALongStage) {
 
 TEST(Generator, NamesTheMemoryItNeeds) {
   const Mesh mesh = shapes::sphere(1.0, 2);
-  Options options;
-  options.memoryLimit = 1 << 20;
   try {
-    generate(mesh, fitGrid(mesh, {.resolution = 256}), options);
+    generate(mesh, fitGrid(mesh, {.resolution = 256}), {}, {.memoryLimit = 1 << 20});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory);
@@ -141,9 +137,9 @@ TEST(Generator, RefusesInvalidMeshes) {
 
 TEST(Generator, RefusesTrianglesOfTheRasterDistance) {
   const Mesh mesh = shapes::sphere(1.0, 1);
-  Options options;
+  FieldOptions options;
   options.distance = DistanceMode::Raster;
-  options.triangleIds = true;
+  options.triangle = true;
   EXPECT_THROW(generate(mesh, fitGrid(mesh, {.resolution = 16}), options), Error);
 }
 
@@ -151,7 +147,7 @@ TEST(Generator, ClampsToTheBand) {
   const Mesh mesh = shapes::torus(1.0, 0.4, 60, 30);
   const Grid grid = fitGrid(mesh, {.resolution = 50});
   const Field full = generate(mesh, grid).field;
-  Options options;
+  FieldOptions options;
   options.band = 3.0;
   const Field band = generate(mesh, grid, options).field;
   const auto limit = static_cast<float>(3.0 * grid.spacing);
@@ -162,7 +158,7 @@ TEST(Generator, ClampsToTheBand) {
 TEST(Generator, InvertsOnRequest) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const Grid grid = fitGrid(mesh, {.resolution = 16});
-  Options options;
+  FieldOptions options;
   options.invert = true;
   const Field plain = generate(mesh, grid).field, inverted = generate(mesh, grid, options).field;
   for (size_t k = 0; k < plain.distance.size(); ++k) ASSERT_EQ(plain.distance[k], -inverted.distance[k]);

@@ -6,7 +6,7 @@
 namespace raymap {
 namespace {
 
-void expectSame(const Options& options) {
+void expectSame(const FieldOptions& options) {
   // Closed, torn and loose parts, so that the rays disagree at some samples and every stage has work.
   Mesh torn = shapes::torus(1.0, 0.4, 16, 8);
   torn.triangles.resize(torn.triangles.size() - 20);

@@ -137,11 +137,11 @@ TEST(Isosurface, ReportsProgressAndStops) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.7));
   double most = 0.0;
   const auto note = [&](std::string_view, double done) { return most = std::max(most, done), true; };
-  isosurface(field, {.threads = 1, .progress = note});  // With several, all calls but one may be skipped.
+  isosurface(field, {}, {.threads = 1, .progress = note});  // With several, all calls but one may be skipped.
   EXPECT_GT(most, 0.5);
   EXPECT_LE(most, 1.0);
   const auto stop = [](std::string_view, double done) { return done < 0.5; };
-  EXPECT_THROW(isosurface(field, {.threads = 1, .progress = stop}), Error);
+  EXPECT_THROW(isosurface(field, {}, {.threads = 1, .progress = stop}), Error);
 }
 
 TEST(Isosurface, LiesAtTheIsoValue) {
@@ -202,13 +202,14 @@ TEST(Isosurface, KeepsTheEdgesOfACube) {
 TEST(Isosurface, ClosesASolidThatReachesTheBox) {
   const Grid grid = gridAround(2.0, 16);
   std::string warning;
-  const IsosurfaceOptions options{.warn = [&](std::string_view text) { warning = text; }};
-  const Mesh half = isosurface(analytic::sampled(grid, [](const dvec3& p) { return p.x - 0.3; }), options);
+  const MachineOptions machine{.warn = [&](std::string_view text) { warning = text; }};
+  const Mesh half =
+      isosurface(analytic::sampled(grid, [](const dvec3& p) { return p.x - 0.3; }), {}, machine);
   expectSound(half);
   EXPECT_NEAR(volumeOf(half), 2.3 * 4.0 * 4.0, 0.05);
   EXPECT_NE(warning.find("closed there"), std::string::npos);
   warning.clear();
-  isosurface(analytic::sampled(grid, sphere(1.0)), options);
+  isosurface(analytic::sampled(grid, sphere(1.0)), {}, machine);
   EXPECT_EQ(warning, "");
   const Mesh whole = isosurface(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
   expectSound(whole);
@@ -229,9 +230,9 @@ TEST(Isosurface, IsTheSameForAnyNumberOfThreads) {
   std::normal_distribution<double> noise;
   const Field field = analytic::sampled(gridAround(1.0, 24),
                                         [&](const dvec3& p) { return sphere(0.7)(p) + 0.1 * noise(random); });
-  const Mesh one = isosurface(field, {.threads = 1});
+  const Mesh one = isosurface(field, {}, {.threads = 1});
   for (const int threads : {2, 8}) {
-    const Mesh other = isosurface(field, {.threads = threads});
+    const Mesh other = isosurface(field, {}, {.threads = threads});
     EXPECT_TRUE(one.vertices == other.vertices);
     EXPECT_TRUE(one.triangles == other.triangles);
   }
@@ -248,7 +249,7 @@ TEST(Isosurface, ReportsWhyThereIsNone) {
     return {};
   };
   EXPECT_NE(errorOf(-0.6).find("the field's values go from"), std::string::npos);
-  field.band = 0.2;
+  field.clampDistance = 0.2;
   EXPECT_NE(errorOf(0.3).find("clamped at 0.2"), std::string::npos);
   field.distance[field.grid.index({1, 2, 3})] = NAN;
   EXPECT_NE(errorOf(0.0).find("sample (1, 2, 3)"), std::string::npos);

@@ -36,8 +36,8 @@ struct Strided {
 void expectSameField(const Mesh& mesh, const MeshView& view) {
   const Grid grid = fitGrid(mesh, {.resolution = 20});
   EXPECT_EQ(fitGrid(view, {.resolution = 20}), grid);
-  const Field a = generate(mesh, grid, {.device = "cpu"}).field;
-  const Field b = generate(view, grid, {.device = "cpu"}).field;
+  const Field a = generate(mesh, grid, {}, {.device = "cpu"}).field;
+  const Field b = generate(view, grid, {}, {.device = "cpu"}).field;
   ASSERT_EQ(a.distance.size(), b.distance.size());
   EXPECT_EQ(std::memcmp(a.distance.data(), b.distance.data(), a.distance.size() * sizeof(float)), 0);
 }
@@ -111,8 +111,8 @@ TEST(MeshView, IsMeasuredAndRepairedLikeTheMesh) {
   EXPECT_EQ(diagnose(view).area, diagnose(mesh).area);
   EXPECT_EQ(findSelfIntersections(view).pairs, 0u);
   const Grid grid = fitGrid(mesh, {.resolution = 20});
-  EXPECT_EQ(repair(view, grid, {.device = "cpu"}, {.remesh = true, .measure = false}).mesh.vertices,
-            repair(mesh, grid, {.device = "cpu"}, {.remesh = true, .measure = false}).mesh.vertices);
+  EXPECT_EQ(repair(view, grid, {}, {.remesh = true, .measure = false}, {.device = "cpu"}).mesh.vertices,
+            repair(mesh, grid, {}, {.remesh = true, .measure = false}, {.device = "cpu"}).mesh.vertices);
 }
 
 void expectInputError(const MeshView& view, const std::string& text) {
@@ -126,7 +126,7 @@ void expectInputError(const MeshView& view, const std::string& text) {
     }
   };
   expect([&] { validate(view); });
-  expect([&] { generate(view, {.dims = {4, 4, 4}, .spacing = 1.0}, {.device = "cpu"}); });
+  expect([&] { generate(view, {.dims = {4, 4, 4}, .spacing = 1.0}, {}, {.device = "cpu"}); });
 }
 
 TEST(MeshView, RefusesWideIndicesOutOfRange) {
@@ -168,8 +168,8 @@ TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {
   const Mesh mesh = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(mesh);
   try {
-    generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}),
-             {.memoryLimit = 1000, .device = "cpu"});
+    generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}), {},
+             {.device = "cpu", .memoryLimit = 1000});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Memory);

@@ -15,9 +15,9 @@ using Names = std::vector<std::string>;
 /// Records which stages run and which functions they call.
 class FakeBackend {
  public:
-  explicit FakeBackend(const Options& options) : options_(options) {}
+  explicit FakeBackend(const FieldOptions& options) : options_(options) {}
 
-  const Options& options() const { return options_; }
+  const FieldOptions& options() const { return options_; }
   template <class Work>
   void stage(const char* name, Work&& work) {
     stages.emplace_back(name);
@@ -45,7 +45,7 @@ class FakeBackend {
   int runsLeft = 0;  ///< Number of runs whose lists outgrow their memory.
 
  private:
-  Options options_;
+  FieldOptions options_;
 };
 static_assert(Backend<FakeBackend>);
 
@@ -84,14 +84,14 @@ class FakeHostBackend : public FakeBackend {
 static_assert(HostBackend<FakeHostBackend>);
 
 template <class B = FakeHostBackend>
-Names stagesOf(const Options& options) {
+Names stagesOf(const FieldOptions& options) {
   B backend(options);
   runPipeline(backend);
   return backend.stages;
 }
 
 TEST(Pipeline, RunsTheStagesInThePapersOrder) {
-  Options options{.distance = DistanceMode::Cell, .sign = SignMode::Paths};
+  FieldOptions options{.distance = DistanceMode::Cell, .sign = SignMode::Paths};
   const Names stages{"begin",       "voxel_grid", "cell_distance", "distance_transform",
                      "refine",      "crossings",  "ray_map",       "winding",
                      "orientation", "sign",       "finish"};
@@ -123,7 +123,7 @@ TEST(Pipeline, LeavesOutWhatTakesAHostThatReadsBack) {
 }
 
 TEST(Pipeline, RunsEveryStageAgainWhereListsOutgrewTheirMemory) {
-  FakeHostBackend backend(Options{.distance = DistanceMode::Cell, .sign = SignMode::Harmonic});
+  FakeHostBackend backend(FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Harmonic});
   backend.runsLeft = 1;
   runPipeline(backend);
   const Names once{"begin",          "voxelGrid", "cellDistance", "distanceTransform",

@@ -56,9 +56,9 @@ TEST(Sample, HasAGradientWithoutUnits) {
 }
 
 TEST(Sample, PointsAwayFromASphere) {
-  const Field field =
-      generate(shapes::sphere(1.0, 4), fitGrid(shapes::sphere(1.0, 4), {.resolution = 48}), {.device = "cpu"})
-          .field;
+  const Field field = generate(shapes::sphere(1.0, 4), fitGrid(shapes::sphere(1.0, 4), {.resolution = 48}),
+                               {}, {.device = "cpu"})
+                          .field;
   for (const glm::dvec3 p :
        {glm::dvec3(0.7, 0.1, -0.2), glm::dvec3(0.1, 1.05, 0.2), glm::dvec3(0.5, 0.5, 0.5)}) {
     EXPECT_NEAR(distanceAt(field, p), glm::length(p) - 1.0, 0.01);
@@ -130,7 +130,7 @@ TEST(Sample, IsNaNOutsideOnRequest) {
 }
 
 /// Checks, in boxes that cut a mesh, that no distance outside exceeds the true one.
-void expectBounds(const Mesh& mesh, const Options& options, unsigned seed) {
+void expectBounds(const Mesh& mesh, const FieldOptions& options, unsigned seed) {
   std::mt19937 random(seed);
   const Box all = bounds(mesh);
   const glm::dvec3 size = all.size();
@@ -144,7 +144,7 @@ void expectBounds(const Mesh& mesh, const Options& options, unsigned seed) {
       const glm::dvec3 a = place(0.2), b = place(0.2);
       gridOptions.box = Box{glm::min(a, b), glm::max(a, b)};
     }
-    Field field = generate(mesh, fitGrid(mesh, gridOptions), options).field;
+    Field field = generate(mesh, fitGrid(mesh, gridOptions), options, {.device = "cpu"}).field;
     const double tolerance = 2e-6 * glm::length(size);
     for (int k = 0; k < 60; ++k) {
       const glm::dvec3 p = place(k % 3 == 0 ? 5.0 : 0.3);
@@ -167,22 +167,21 @@ TEST(Sample, BoundsTheDistanceOutsideOfBoxesThatCutTheMesh) {
   unsigned seed = 1;
   for (const Mesh& mesh : {apart, shapes::torus(1.0, 0.3, 30, 16), shapes::box({0, 0, 0}, {1, 3, 2})})
     for (const bool invert : {false, true})
-      for (const double band : {0.0, 2.0})
-        expectBounds(mesh, {.band = band, .invert = invert, .device = "cpu"}, seed++);
+      for (const double band : {0.0, 2.0}) expectBounds(mesh, {.band = band, .invert = invert}, seed++);
 }
 
 TEST(Sample, TakesNoBoundFromSamplesThatAreClampedInside) {
   Field field = fieldOf(kGrid, [](const glm::dvec3&) { return -1.0; });
-  field.band = 1.0;
+  field.clampDistance = 1.0;
   EXPECT_EQ(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
-  field.band = 1.5;
+  field.clampDistance = 1.5;
   EXPECT_GT(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
 }
 
 TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
   const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
-  const Box thick = generate(sheet, fitGrid(sheet, {.resolution = 12, .thickness = 0.5}),
-                             {.thickness = 0.5, .device = "cpu"})
+  const Box thick = generate(sheet, fitGrid(sheet, {.resolution = 12, .thickness = 0.5}), {.thickness = 0.5},
+                             {.device = "cpu"})
                         .field.surfaceBounds;
   EXPECT_EQ(thick.min, glm::dvec3(-0.25));
   EXPECT_EQ(thick.max, glm::dvec3(2.25, 2.25, 0.25));
@@ -190,17 +189,17 @@ TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
     return shapes::sphere(1.0, 3).position(t.x).z < 0.0;
   });
   const Grid grid = fitGrid(bowl, {.resolution = 16, .box = Box{glm::dvec3(-2), glm::dvec3(2)}});
-  const Box open = generate(bowl, grid, {.device = "cpu"}).field.surfaceBounds;
+  const Box open = generate(bowl, grid, {}, {.device = "cpu"}).field.surfaceBounds;
   EXPECT_NEAR(open.max.x, 1.0, 0.02);
-  const Box closed = generate(bowl, grid, {.closeHoles = true, .device = "cpu"}).field.surfaceBounds;
+  const Box closed = generate(bowl, grid, {.closeHoles = true}, {.device = "cpu"}).field.surfaceBounds;
   EXPECT_EQ(closed.min, grid.position({0, 0, 0}));
   EXPECT_EQ(closed.max, grid.position(grid.dims - 1));
-  EXPECT_TRUE(generate(bowl, grid, {.invert = true, .device = "cpu"}).field.surfaceBounds.isEmpty());
+  EXPECT_TRUE(generate(bowl, grid, {.invert = true}, {.device = "cpu"}).field.surfaceBounds.isEmpty());
 }
 
 TEST(Sample, InterpolatesClampedDistancesAsTheyAre) {
   Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return std::clamp(p.x - 11.0, -0.3, 0.3); });
-  field.band = 0.3;
+  field.clampDistance = 0.3;
   EXPECT_NEAR(distanceAt(field, kGrid.position({7.5, 3, 2})), 0.3, 1e-6);
   EXPECT_NEAR(glm::length(gradientAt(field, kGrid.position({7.0, 3, 2}))), 0.0, 1e-6);
   EXPECT_NEAR(distanceAt(field, kGrid.position({4.5, 3, 2})), 0.125, 1e-6);
@@ -227,7 +226,7 @@ TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
   std::vector<glm::dvec3> points;
   for (int n = 0; n < 5000; ++n) points.emplace_back(place(random), place(random), place(random));
   Samples one, all;
-  sample(field, points, {.gradients = true, .threads = 1}, one);
+  sample(field, points, {.gradients = true}, one, {.threads = 1});
   const float* const memory = one.distance.data();
   sample(field, std::span(points).first(10), {}, one);
   EXPECT_EQ(one.distance.size(), 10u);

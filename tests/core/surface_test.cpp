@@ -249,7 +249,7 @@ TEST(Surface, AgreesWithTheGrid) {
                            withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1)}) {
     const Surface surface(mesh);
     const Grid grid = fitGrid(mesh, {.resolution = 25});
-    const Generated made = surface.generate(grid, {.winding = true, .device = "cpu"});
+    const Generated made = surface.generate(grid, {.winding = true}, {.device = "cpu"});
     std::vector<glm::dvec3> points;
     for (int k = 0; k < grid.dims.z; ++k)
       for (int j = 0; j < grid.dims.y; ++j)
@@ -288,9 +288,7 @@ TEST(Surface, AnswersEachPointByItself) {
       ASSERT_TRUE(sameAt(all, i, one, 0)) << i;
     }
     for (const int threads : {1, 2, 3}) {
-      QueryOptions options = kEverything;
-      options.threads = threads;
-      const QueryResult again = surface.query(points, options);
+      const QueryResult again = surface.query(points, kEverything, {.threads = threads});
       for (size_t i = 0; i < points.size(); ++i) ASSERT_TRUE(sameAt(all, i, again, i)) << i;
     }
   }
@@ -396,11 +394,11 @@ TEST(Surface, KeepsItsSignsWithAnyLargestDistance) {
 
 TEST(Surface, TellsWhatAFieldOfAnUnsignedSurfaceTurned) {
   const Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1);
-  const Surface surface(mesh, {.sign = false});
+  const Surface surface(mesh, {.sign = SignMode::None});
   const Grid grid = fitGrid(mesh, {.resolution = 32});
-  const std::vector<uint32_t> turned = generate(mesh, grid, {.device = "cpu"}).stats.turnedFaces;
+  const std::vector<uint32_t> turned = generate(mesh, grid, {}, {.device = "cpu"}).stats.turnedFaces;
   EXPECT_FALSE(turned.empty());
-  EXPECT_EQ(surface.generate(grid, {.device = "cpu"}).stats.turnedFaces, turned);
+  EXPECT_EQ(surface.generate(grid, {}, {.device = "cpu"}).stats.turnedFaces, turned);
 }
 
 TEST(Surface, GivesNaNWhereThePointIsNotFinite) {
@@ -420,7 +418,7 @@ TEST(Surface, GivesNaNWhereThePointIsNotFinite) {
 
 TEST(Surface, KnowsNoSignOnRequest) {
   const Mesh mesh = shapes::sphere(1.0, 3);
-  const Surface surface(mesh, {.sign = false});
+  const Surface surface(mesh, {.sign = SignMode::None});
   EXPECT_LT(surface.bytes(), Surface(mesh).bytes());
   const std::vector<glm::dvec3> points{{0, 0, 0}};
   EXPECT_GT(surface.query(points).distance[0], 0.9);
@@ -438,18 +436,21 @@ TEST(Surface, KnowsNoSignOnRequest) {
 TEST(Surface, RefusesBadInput) {
   const Mesh mesh = shapes::sphere(1.0, 2);
   EXPECT_EQ(codeOf([&] { Surface(Mesh{}); }), ErrorCode::Input);
-  EXPECT_EQ(codeOf([&] { Surface(mesh, {.threads = -1}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {}, {.threads = -1}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { Surface(mesh, {.threshold = -0.1}); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { Surface(mesh, {.memoryLimit = 1000}); }), ErrorCode::Memory);
-  EXPECT_EQ(codeOf([&] { Surface(mesh, {.progress = [](std::string_view, double) { return false; }}); }),
+  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution, SignMode::Rays, SignMode::Ray})
+    EXPECT_EQ(codeOf([&] { Surface(mesh, {.sign = sign}); }), ErrorCode::Usage) << int(sign);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {}, {.memoryLimit = 1000}); }), ErrorCode::Memory);
+  EXPECT_EQ(codeOf([&] { Surface(mesh, {}, {.progress = [](std::string_view, double) { return false; }}); }),
             ErrorCode::Cancelled);
   const Surface surface(mesh);
   const std::vector<glm::dvec3> points{{0, 0, 0}};
   EXPECT_EQ(codeOf([&] { surface.query(points, {.maxDistance = 0.0}); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { surface.query(points, {.threads = -1}); }), ErrorCode::Usage);
-  EXPECT_EQ(
-      codeOf([&] { surface.query(points, {.progress = [](std::string_view, double) { return false; }}); }),
-      ErrorCode::Cancelled);
+  EXPECT_EQ(codeOf([&] { surface.query(points, {}, {.threads = -1}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] {
+              surface.query(points, {}, {.progress = [](std::string_view, double) { return false; }});
+            }),
+            ErrorCode::Cancelled);
 }
 
 TEST(Surface, KeepsItsMeshWhenMoved) {

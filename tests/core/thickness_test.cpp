@@ -250,7 +250,7 @@ TEST(Thickness, HasNothingForFacesThatAreTooNarrow) {
 
 TEST(Thickness, FindsNothingThickerThanTheMost) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 2, 3});
-  const Measured found = measure(mesh, 0.3, {.most = 2.0});
+  const Measured found = measure(mesh, 0.3, {.maxThickness = 2.0});
   for (size_t i = 0; i < found.points.size(); ++i) {
     const float expected = std::array{INFINITY, 2.0f, 1.0f}[found.points[i].triangle / 4];
     ASSERT_EQ(found.thickness[i].diameter, expected);
@@ -262,8 +262,8 @@ TEST(Thickness, IsTheSameForAnyNumberOfThreads) {
   const Mesh mesh = shapes::joined(shapes::torus(2.0, 0.5, 60, 30), shapes::soup(100, 3));
   const Surface surface(mesh);
   const std::vector<FacePoint> points = sampleFaces(mesh, 0.2);
-  const std::vector<Thickness> one = surface.thickness(points, {.threads = 1});
-  const std::vector<Thickness> many = surface.thickness(points, {.threads = 5});
+  const std::vector<Thickness> one = surface.thickness(points, {}, {.threads = 1});
+  const std::vector<Thickness> many = surface.thickness(points, {}, {.threads = 5});
   EXPECT_TRUE(one == many);  // Not its bytes, of which the padding may differ.
 }
 
@@ -288,9 +288,9 @@ TEST(Thickness, IsSummarizedOverTheArea) {
 TEST(Thickness, RefusesWhatMakesNoSense) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const std::vector<FacePoint> points = sampleFaces(mesh, 1.0), wrong{{{0, 0, 0}, 12}};
-  EXPECT_THROW(Surface(mesh, {.sign = false}).thickness(points), Error);
-  EXPECT_THROW(Surface(mesh).thickness(points, {.most = 0.0}), Error);
-  EXPECT_THROW(Surface(mesh).thickness(points, {.threads = -1}), Error);
+  EXPECT_THROW(Surface(mesh, {.sign = SignMode::None}).thickness(points), Error);
+  EXPECT_THROW(Surface(mesh).thickness(points, {.maxThickness = 0.0}), Error);
+  EXPECT_THROW(Surface(mesh).thickness(points, {}, {.threads = -1}), Error);
   EXPECT_THROW(Surface(mesh).thickness(wrong), Error);
 }
 

@@ -90,7 +90,7 @@ TEST(Threads, TakesNoMoreThanTheMachineHas) {
   EXPECT_EQ(threadsIn(0), machineThreads());
   EXPECT_EQ(threadsIn(100000), machineThreads());
   const Mesh mesh = shapes::sphere(1.0, 3);
-  expectSameForAnyThreads(mesh, fitGrid(mesh, {.resolution = 20}), {.device = "cpu"}, {2, 100000, 0});
+  expectSameForAnyThreads(mesh, fitGrid(mesh, {.resolution = 20}), {}, {2, 100000, 0});
 }
 
 TEST(Threads, TakesNoMoreThanTheProgramAllows) {
@@ -149,16 +149,18 @@ TEST(Threads, KeepsTheNumberOfTheCallAround) {
 TEST(Threads, MayBeCalledByACallback) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
-  const Generated expected = generate(mesh, grid, {.device = "cpu"});
+  const Generated expected = generate(mesh, grid, {}, {.device = "cpu"});
   for (const int threads : {0, 1, 2}) {
     size_t calls = 0;
     const auto callBack = [&](std::string_view, double) {
       ++calls;
-      EXPECT_TRUE(sameBits(generate(mesh, grid, {.device = "cpu"}).field.distance, expected.field.distance));
+      EXPECT_TRUE(
+          sameBits(generate(mesh, grid, {}, {.device = "cpu"}).field.distance, expected.field.distance));
       EXPECT_EQ(diagnose(mesh).triangles, mesh.triangles.size());
       return true;
     };
-    const Generated made = generate(mesh, grid, {.threads = threads, .device = "cpu", .progress = callBack});
+    const Generated made =
+        generate(mesh, grid, {}, {.device = "cpu", .threads = threads, .progress = callBack});
     EXPECT_TRUE(sameBits(made.field.distance, expected.field.distance));
     EXPECT_GT(calls, 3u);
   }

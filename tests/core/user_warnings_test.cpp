@@ -11,7 +11,7 @@ void userCode(const raymap::Mesh& mesh, raymap::Field& field) {
   field = std::move(made.field);
   Samples samples = sample(field, {}, {.gradients = true});
   const Mesh surface = isosurface(field, {.iso = 1.0});
-  const Repaired solid = repair(mesh, grid, {.threads = 2}, {.offset = 1.0});
+  const Repaired solid = repair(mesh, grid, {}, {.offset = 1.0}, {.threads = 2});
   const Picture picture = renderField(field, {.width = 64});
   const DeviceInfo device{.id = "cpu"};
   const AnimatedMesh animated{.rest = mesh};

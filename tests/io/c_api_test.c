@@ -118,7 +118,7 @@ static void test_field(void) {
   const raymap_grid grid = fit(mesh);
   raymap_options* options = on_cpu();
   CHECK(raymap_options_set_number(options, "winding", 1) == RAYMAP_OK);
-  CHECK(raymap_options_set_number(options, "triangle_ids", 1) == RAYMAP_OK);
+  CHECK(raymap_options_set_number(options, "triangle", 1) == RAYMAP_OK);
   raymap_field* field = raymap_generate(mesh, &grid, options);
   CHECK(field != NULL);
 
@@ -130,7 +130,7 @@ static void test_field(void) {
   CHECK(fabs(raymap_field_winding(field)[middle_of(&grid)] - 1.0f) < 1e-5);
   CHECK(raymap_field_triangle(field)[0] < 4);
   CHECK(raymap_field_confidence(field) == NULL);
-  CHECK(raymap_field_band(field) == 0.0);
+  CHECK(raymap_field_clamp_distance(field) == 0.0);
   CHECK(strcmp(raymap_field_device(field), "cpu") == 0);
   raymap_stats stats;
   CHECK(raymap_field_stats(field, &stats) == RAYMAP_OK);
@@ -247,7 +247,7 @@ static void test_options(void) {
   CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
   static const char* const numbers[] = {"passes",       "threshold",    "band",      "thickness",
                                         "threads",      "memory_limit", "invert",    "close_holes",
-                                        "triangle_ids", "winding",      "confidence"};
+                                        "triangle", "winding",      "confidence"};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
     CHECK(raymap_options_set_number(options, numbers[i], 1) == RAYMAP_OK);
   CHECK_FAILS(raymap_options_set_text(options, "distance", "nearest"), RAYMAP_ERROR_USAGE, "neighbours");
@@ -457,7 +457,7 @@ static void test_null(void) {
   CHECK(raymap_field_grid(NULL, &grid) == usage && raymap_field_grid(field, NULL) == usage);
   CHECK(raymap_field_distance(NULL) == NULL && raymap_field_triangle(NULL) == NULL);
   CHECK(raymap_field_winding(NULL) == NULL && raymap_field_confidence(NULL) == NULL);
-  CHECK(raymap_field_band(NULL) == 0.0 && raymap_field_device(NULL)[0] == 0);
+  CHECK(raymap_field_clamp_distance(NULL) == 0.0 && raymap_field_device(NULL)[0] == 0);
   CHECK(raymap_field_stats(NULL, &stats) == usage && raymap_field_stats(field, NULL) == usage);
   CHECK(raymap_field_sample(NULL, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == usage);
   CHECK_FAILS(raymap_field_sample(field, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL), usage, "the field is empty");

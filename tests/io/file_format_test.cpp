@@ -137,7 +137,7 @@ TEST_F(FileFormat, TellsMeshesFromFields) {
   field.distance.resizeUninitialized(24);
   std::fill(field.distance.begin(), field.distance.end(), 1.0F);
   for (const std::string& format : fieldExtensions()) {
-    writeField(path("field"), field, "distance", format);
+    writeField(path("field"), field, {.format = format});
     const auto read = readMeshOrField(path("field"));
     ASSERT_TRUE(std::holds_alternative<Field>(read)) << format;
     EXPECT_TRUE(std::ranges::equal(std::get<Field>(read).distance, field.distance)) << format;

@@ -74,23 +74,24 @@ TEST(Vti, ReadsEveryEncoding) {
   EXPECT_EQ(samplesOf(vti("", appended, "\"raw\">_" + kCount + kSamples)), kSamples);
 }
 
-/// Returns a file with this DataArray as the band and another one beside the distance.
-std::string vtiWithMore(const std::string& band, const std::string& more, const std::string& appended = "") {
+/// Returns a file with this DataArray as field data and another one beside the distance.
+std::string vtiWithMore(const std::string& data, const std::string& more, const std::string& appended = "") {
   std::string text = vti("", "\"ascii\">1 2 3 4 5 6 7 8 9 10 11 12", appended);
-  text.insert(text.find("<Piece"), "<FieldData>" + band + "</FieldData>");
+  text.insert(text.find("<Piece"), "<FieldData>" + data + "</FieldData>");
   return text.insert(text.find("</PointData>"), more);
 }
 
-TEST(Vti, ReadsTheBandInEveryEncoding) {
-  const std::string start = "<DataArray type=\"Float64\" Name=\"band\" NumberOfTuples=\"1\" format=";
-  const std::string count = raw(static_cast<uint32_t>(8)), band = raw(2.5);
+TEST(Vti, ReadsTheClampDistanceInEveryEncoding) {
+  const std::string start =
+      "<DataArray type=\"Float64\" Name=\"clamp_distance\" NumberOfTuples=\"1\" format=";
+  const std::string count = raw(static_cast<uint32_t>(8)), number = raw(2.5);
   for (const auto& [array, appended] : std::vector<std::pair<std::string, std::string>>{
            {"\"ascii\"> 2.5 ", ""},
-           {"\"binary\">" + base64(count + band), ""},
-           {"\"appended\" offset=\"0\">", "\"raw\">_" + count + band},
-           {"\"appended\" offset=\"0\">", "\"base64\">_" + base64(count + band)}}) {
+           {"\"binary\">" + base64(count + number), ""},
+           {"\"appended\" offset=\"0\">", "\"raw\">_" + count + number},
+           {"\"appended\" offset=\"0\">", "\"base64\">_" + base64(count + number)}}) {
     const TemporaryFile file("field.vti", vtiWithMore(start + array + "</DataArray>", "", appended));
-    EXPECT_EQ(readField(file.path()).band, 2.5) << array;
+    EXPECT_EQ(readField(file.path()).clampDistance, 2.5) << array;
   }
   const TemporaryFile file("field.vti", vtiWithMore(start + "\"ascii\">wide</DataArray>", ""));
   EXPECT_THROW(readField(file.path()), Error);

@@ -188,6 +188,16 @@ TEST(Zip, KeepsMoreThan4GiB) {
   EXPECT_EQ(large.read(piece.data(), 1), 0u) << "and the checksum is right";
 }
 
+TEST(Zip, HoldsTheClampDistanceUnderEitherName) {
+  const std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1,), }\n";
+  const std::string number = std::string("\x93NUMPY\x01\x00", 8) + raw(static_cast<uint16_t>(header.size())) +
+                             header + raw<double>({0.75});
+  for (const std::string name : {"clamp_distance.npy", "band.npy"}) {
+    const TemporaryFile file("a.npz", zipFile({{"distance.npy", twoSamples(-0.75f, 0.5f)}, {name, number}}));
+    EXPECT_EQ(readField(file.path()).clampDistance, 0.75) << name;
+  }
+}
+
 // NumPy writes fields of 64 bits for arrays of 2 GiB and more.
 TEST(Zip, ReadsFieldsWhoseSizesHave64Bits) {
   const std::string origin = "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }\n";

@@ -146,7 +146,7 @@ class EveryStage : public FrameBackend {
  private:
   Commands nowhere_;
   Grid grid_;
-  Options options_;
+  FieldOptions options_;
 };
 
 void makeKernels(Device& device) {

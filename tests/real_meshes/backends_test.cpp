@@ -15,11 +15,11 @@ namespace {
 constexpr size_t kMostTriangles = 200'000;
 
 Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {
-  Options options;
-  options.device = device;
+  FieldOptions options;
   options.winding = true;
   options.closeHoles = closesHoles;
-  return generate(mesh, fitGrid(mesh, {.resolution = closesHoles ? 32 : 48}), options).field;
+  return generate(mesh, fitGrid(mesh, {.resolution = closesHoles ? 32 : 48}), options, {.device = device})
+      .field;
 }
 
 TEST(Backends, GiveTheSameFieldOfEveryMesh) {

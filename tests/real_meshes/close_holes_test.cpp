@@ -16,8 +16,8 @@ TEST(CloseHoles, MakesDistanceFieldsOfRealMeshes) {
     SCOPED_TRACE(row.at("file"));
     const Mesh mesh = readMesh(meshFolder() / row.at("file"));
     const Grid grid = fitGrid(mesh, {.resolution = 40});
-    if (steepest(generate(mesh, grid, {.device = "cpu"}).field) < 1.01) continue;
-    const double after = steepest(generate(mesh, grid, {.closeHoles = true, .device = "cpu"}).field);
+    if (steepest(generate(mesh, grid, {}, {.device = "cpu"}).field) < 1.01) continue;
+    const double after = steepest(generate(mesh, grid, {.closeHoles = true}, {.device = "cpu"}).field);
     EXPECT_LT(after, 2.0);
     ++holed;
     closed += after < 1.01 ? 1 : 0;

@@ -21,7 +21,7 @@ TEST(IsosurfaceOfRealMeshes, IsClosedForEveryMesh) {
     const double longest = std::max({box.size().x, box.size().y, box.size().z});
     // Flat and open meshes have no inside, but a sheet with a thickness has.
     for (const double thickness : {0.0, longest / 16.0}) {
-      Options options;
+      FieldOptions options;
       options.thickness = thickness;
       generator.generate(mesh, fitGrid(mesh, {.resolution = 48}), options, field);
       if (std::ranges::none_of(field.distance, [](float d) { return d < 0.0f; })) continue;

@@ -34,11 +34,12 @@ TEST(RepairOfRealMeshes, KeepsOnlyFacesThatBoundASolid) {
     if (mesh.triangles.size() > 200'000) continue;
     Repaired made;
     try {
-      made = repair(mesh, fitRepairGrid(mesh, {.resolution = 12}, {}), {.device = "cpu"}, {.measure = false});
+      made = repair(mesh, fitRepairGrid(mesh, {.resolution = 12}, {}), {}, {.measure = false},
+                    {.device = "cpu"});
     } catch (const Error&) {
       continue;  // So few samples may miss a mesh.
     }
-    if (!made.report.isKept) continue;
+    if (!made.report.kept) continue;
     ++kept;
     closed += made.report.closedHoles > 0 ? 1 : 0;
     EXPECT_EQ(made.mesh.triangles.size(), mesh.triangles.size() + made.report.closingFaces);

@@ -103,7 +103,7 @@ TEST(Compare, UsesTheNarrowerBand) {
   const Field whole = ball(grid, 0.6);
   Field banded =
       sampled(grid, [](const glm::dvec3& p) { return std::clamp(analytic::sphere(p, 0.6), -0.2, 0.2); });
-  banded.band = 0.2;
+  banded.clampDistance = 0.2;
   EXPECT_NEAR(compareFields(whole, banded).maxError, 0.0, 1e-5);
   EXPECT_NEAR(compareFields(banded, whole).maxError, 0.0, 1e-5);
 }
@@ -177,7 +177,7 @@ TEST(Compare, MeasuresWindingNumbersAndConfidencesAsTheyAre) {
     numbers[grid.index({3, 7, 2})] = 0.75f;
     numbers[grid.index({4, 7, 2})] = 0.25f;
     numbers[5] = NAN;
-    b.band = 0.1;  // Of the distances alone.
+    b.clampDistance = 0.1;  // Of the distances alone.
     const Comparison c = compareFields(a, b, array);
     EXPECT_EQ(c.maxError, 1.0);
     EXPECT_EQ(c.worstSample, glm::ivec3(3, 7, 2));

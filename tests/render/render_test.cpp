@@ -40,9 +40,9 @@ size_t silhouette(const Field& field, const RenderOptions& options) {
   return hits;
 }
 
-ErrorCode refusal(const Field& field, const RenderOptions& options) {
+ErrorCode refusal(const Field& field, const RenderOptions& options, const MachineOptions& machine = {}) {
   try {
-    renderField(field, options);
+    renderField(field, options, machine);
   } catch (const Error& error) {
     return error.code();
   }
@@ -207,7 +207,7 @@ TEST(Render, BandedFieldTracesLikeTheWholeOne) {
   const auto shape = [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.2); };
   const Field whole = sampled(cube(48, 2.0), shape);
   Field banded = sampled(cube(48, 2.0), [&](const glm::dvec3& p) { return std::clamp(shape(p), -0.1, 0.1); });
-  banded.band = 0.1;
+  banded.clampDistance = 0.1;
   const double pixels = double(silhouette(whole, options));
   EXPECT_GT(pixels, 500.0);
   EXPECT_NEAR(double(silhouette(banded, options)) / pixels, 1.0, 0.02);
@@ -245,9 +245,8 @@ TEST(Render, CutShowsTheInsideAndShellHollowsIt) {
 
 TEST(Render, PictureIsTheSameForAnyNumberOfThreads) {
   const Field field = ball(32, 0.7);
-  const RenderOptions one{.width = 80, .height = 60, .threads = 1};
-  const RenderOptions four{.width = 80, .height = 60, .threads = 4};
-  EXPECT_EQ(renderField(field, one).rgb, renderField(field, four).rgb);
+  const RenderOptions options{.width = 80, .height = 60};
+  EXPECT_EQ(renderField(field, options, {.threads = 1}).rgb, renderField(field, options, {.threads = 4}).rgb);
 }
 
 TEST(Render, EmptyFieldIsAnEmptyPicture) {
@@ -268,16 +267,16 @@ TEST(Render, SolidIsCutOffByTheGrid) {
 TEST(Render, ReportsProgressAndStops) {
   const Field field = ball(16, 0.7);
   std::atomic<int> calls{0};
-  RenderOptions options{.width = 32, .height = 24};
-  options.progress = [&](std::string_view, double done) {
+  const RenderOptions options{.width = 32, .height = 24};
+  const auto note = [&](std::string_view, double done) {
     EXPECT_GE(done, 0.0);
     EXPECT_LE(done, 1.0);
     return ++calls > 0;
   };
-  renderField(field, options);
+  renderField(field, options, {.progress = note});
   EXPECT_GT(calls.load(), 1);
-  options.progress = [](std::string_view, double) { return false; };
-  EXPECT_EQ(refusal(field, options), ErrorCode::Cancelled);
+  const auto stop = [](std::string_view, double) { return false; };
+  EXPECT_EQ(refusal(field, options, {.progress = stop}), ErrorCode::Cancelled);
 }
 
 TEST(Render, RefusesWhatCannotBeDrawn) {
@@ -289,7 +288,7 @@ TEST(Render, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(refusal(field, {.up = {NAN, 0, 0}}), ErrorCode::Usage);
   EXPECT_EQ(refusal(field, {.fieldOfView = 180.0}), ErrorCode::Usage);
   EXPECT_EQ(refusal(field, {.shell = -1.0}), ErrorCode::Usage);
-  field.band = 0.1;
+  field.clampDistance = 0.1;
   EXPECT_EQ(refusal(field, {.shell = 0.2}), ErrorCode::Usage);
   Field tiny = ball(16, 0.7);
   tiny.grid.spacing = 1e-310;  // Distances in such samples are not finite.

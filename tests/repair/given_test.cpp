@@ -14,7 +14,7 @@ namespace raymap {
 namespace {
 
 Mesh isosurfaceOf(const Mesh& mesh, const Grid& grid, double offset) {
-  Field field = generate(mesh, grid, {.closeHoles = true, .device = "cpu"}).field;
+  Field field = generate(mesh, grid, {.closeHoles = true}, {.device = "cpu"}).field;
   for (float& d : field.distance) d = static_cast<float>(double(d) - offset);
   return isosurface(field);
 }
@@ -31,7 +31,7 @@ TEST(Given, KnowsTheFieldAsFarAsTheIsosurfaceReads) {
                                   .measure = false};
       const Grid grid = fitRepairGrid(mesh, {.voxelSize = coarse.spacing}, changes);
       const Mesh expected = isosurfaceOf(mesh, grid, changes.offset);
-      const Mesh made = repair(mesh, grid, {.device = "cpu"}, changes).mesh;
+      const Mesh made = repair(mesh, grid, {}, changes, {.device = "cpu"}).mesh;
       ASSERT_FALSE(expected.triangles.empty());
       // What closes holes is found in a band, with other roundings.
       ASSERT_EQ(made.vertices.size(), expected.vertices.size()) << samples;

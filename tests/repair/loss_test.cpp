@@ -21,9 +21,9 @@ Outcome runAt(const Mesh& mesh, double spacing, RepairOptions how = {}) {
   how.remesh = true;
   Outcome outcome;
   outcome.grid = fitRepairGrid(mesh, {.voxelSize = spacing}, how);
-  Options options{.device = "cpu"};
-  options.warn = [&](std::string_view text) { outcome.warnings.append(text).append("\n"); };
-  outcome.report = repair(mesh, outcome.grid, options, how).report;
+  MachineOptions machine{.device = "cpu"};
+  machine.warn = [&](std::string_view text) { outcome.warnings.append(text).append("\n"); };
+  outcome.report = repair(mesh, outcome.grid, {}, how, machine).report;
   return outcome;
 }
 
@@ -84,7 +84,7 @@ TEST(Loss, OfAPlateIsToldAndTheVoxelSizeKeepsIt) {
   EXPECT_NEAR(loss.bounds.max.z, 16.0, 1e-5);
   EXPECT_NEAR(loss.bounds.min.x, 1.0, 1e-5);
   EXPECT_GT(loss.bounds.min.z, 10.0);
-  EXPECT_TRUE(loss.isKept);
+  EXPECT_TRUE(loss.kept);
   EXPECT_NE(coarse.warnings.find("x from 1 to 9, y from 4.03 to 4.33, z from 1"), std::string::npos)
       << coarse.warnings;
   EXPECT_NE(coarse.warnings.find("they are 0.3 thick at the thinnest, 0.3 in the median; a voxel size of"),
@@ -105,7 +105,7 @@ TEST(Loss, OfAWingIsKeptByTheVoxelSize) {
     EXPECT_GT(boundsOff(coarse), 1.0);
     EXPECT_NEAR(coarse.report.loss.thinnest, 0.25, 0.06);
     EXPECT_NEAR(coarse.report.loss.bounds.max.x, 20.0, 1e-5);
-    ASSERT_TRUE(coarse.report.loss.isKept) << coarse.warnings;
+    ASSERT_TRUE(coarse.report.loss.kept) << coarse.warnings;
     const Outcome fine = runAt(wedge(0.25), coarse.report.loss.voxelSize);
     EXPECT_LT(boundsOff(fine), 1.0);
     EXPECT_LT(fine.report.loss.solidShare, 1e-3);
@@ -124,7 +124,7 @@ TEST(Loss, OfASharpEdgeSaysWhatIsKept) {
   const Outcome coarse = runAt(mesh, 1.0);
   const Loss& loss = coarse.report.loss;
   EXPECT_GT(loss.solidShare, 0.005);
-  EXPECT_FALSE(loss.isKept);
+  EXPECT_FALSE(loss.kept);
   EXPECT_GT(loss.keptShare, 0.5);
   EXPECT_LT(loss.keptShare, 0.995);
   EXPECT_GT(loss.keptThickness, 0.0);
@@ -179,9 +179,10 @@ TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}};
   const Mesh sheet = makeMesh(corners, {{0, 1, 2}, {0, 2, 3}});
   const Grid grid = fitGrid(sheet, {.voxelSize = 1.0});
-  const Options options{.device = "cpu"};
+  const FieldOptions options;
   const RepairOptions changes;
-  Given given(sheet, grid, options, changes);
+  const MachineOptions machine{.device = "cpu"};
+  Given given(sheet, grid, options, changes, machine);
   Progress progress;
   std::vector<FacePoint> lost;
   for (int k = 1; k <= 20; ++k) {

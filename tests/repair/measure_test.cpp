@@ -13,7 +13,7 @@ namespace {
 RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {}) {
   repair.closeHoles = false;
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = spacing}, repair);
-  return raymap::repair(mesh, grid, {.device = "cpu"}, repair).report;
+  return raymap::repair(mesh, grid, {}, repair, {.device = "cpu"}).report;
 }
 
 void expectAllShown(const RepairReport& report, double within) {
@@ -37,7 +37,7 @@ TEST(Measure, RaisesNoFalseAlarmWhereFacesLieInPlanesOfSamples) {
   const Mesh box = shapes::box({0, 0, 0}, {40, 30, 10});
   for (const int resolution : {256, 96, 60, 53, 48, 47}) {
     const Grid grid = fitRepairGrid(box, {.resolution = resolution}, {});
-    const RepairReport report = repair(box, grid, {.device = "cpu"}, {}).report;
+    const RepairReport report = repair(box, grid, {}, {}, {.device = "cpu"}).report;
     expectAllShown(report, 0.1 * grid.spacing);
     EXPECT_EQ(report.trimmedShare, 0.0);
   }

@@ -133,7 +133,7 @@ TEST(Simplify, IsTheSameForAnyNumberOfThreads) {
   const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::torus(p, 0.7, 0.35); });
   const auto run = [&](int threads) {
     // Small steps: many tiles.
-    return simplify(ball, {.tolerance = kTolerance, .step = 0.2 * kSpacing, .threads = threads}).mesh;
+    return simplify(ball, {.tolerance = kTolerance, .step = 0.2 * kSpacing}, {.threads = threads}).mesh;
   };
   const Mesh one = run(1);
   EXPECT_LT(one.triangles.size(), ball.triangles.size() / 2);
@@ -205,9 +205,9 @@ TEST(Simplify, IsPartOfARepair) {
   const Repaired whole = repair(box, grid, {}, how);
   const SimplifyReport& report = byDefault.report.simplified;
   EXPECT_EQ(report.tolerance, 0.1 * grid.spacing);
-  EXPECT_EQ(report.facesBefore, whole.mesh.triangles.size());
-  EXPECT_EQ(report.facesAfter, byDefault.mesh.triangles.size());
-  EXPECT_LT(report.facesAfter, 200u);
+  EXPECT_EQ(report.trianglesBefore, whole.mesh.triangles.size());
+  EXPECT_EQ(report.trianglesAfter, byDefault.mesh.triangles.size());
+  EXPECT_LT(report.trianglesAfter, 200u);
   EXPECT_LE(report.deviation, report.tolerance);
   EXPECT_EQ(whole.report.simplified.deviation, 0.0);
   const Mesh surface = isosurface(generate(box, grid, {}).field);

@@ -29,12 +29,9 @@ double distanceToSheet(const glm::dvec3& p, const glm::dvec2& low, const glm::dv
 
 Repaired solidOf(const Mesh& mesh, RepairOptions repairOptions, int threads = 0) {
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, repairOptions);
-  Options options;
-  options.device = "cpu";
-  options.threads = threads;
   repairOptions.remesh = true;
   repairOptions.tolerance = 0.0;
-  return repair(mesh, grid, options, repairOptions);
+  return repair(mesh, grid, {}, repairOptions, {.device = "cpu", .threads = threads});
 }
 
 /// Positions of a mesh, turned back.
@@ -80,10 +77,9 @@ TEST(ThinParts, LeaveThickOnesAsTheyAre) {
   EXPECT_EQ(thick.report.thickenedShare, 0.0);
   // The grids differ in their padding.
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, {.minThickness = kLeast});
-  Options options;
-  options.device = "cpu";
-  EXPECT_EQ(repair(mesh, grid, options, {.remesh = true}).mesh.vertices,
-            repair(mesh, grid, options, {.minThickness = kLeast}).mesh.vertices);
+  const MachineOptions machine{.device = "cpu"};
+  EXPECT_EQ(repair(mesh, grid, {}, {.remesh = true}, machine).mesh.vertices,
+            repair(mesh, grid, {}, {.minThickness = kLeast}, machine).mesh.vertices);
   EXPECT_NEAR(thick.report.after.signedVolume, plain.report.after.signedVolume, 0.1);
 }
 

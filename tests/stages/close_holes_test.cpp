@@ -57,8 +57,7 @@ Holed openBox() {
   return holed;
 }
 
-Options closing(Options options = {}) {
-  options.device = "cpu";
+FieldOptions closing(FieldOptions options = {}) {
   options.closeHoles = true;
   return options;
 }
@@ -76,8 +75,8 @@ TEST(CloseHoles, LeavesClosedMeshesAlone) {
        {shapes::sphere(1.0, 3), shapes::torus(1.0, 0.4, 30, 15),
         shapes::joined(shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}))}) {
     const Grid grid = fitGrid(mesh, {.resolution = 30});
-    Options options = closing();
-    options.winding = options.confidence = options.triangleIds = true;
+    FieldOptions options = closing();
+    options.winding = options.confidence = options.triangle = true;
     Generator generator;
     Field closed, plain;
     const Stats stats = generator.generate(mesh, grid, options, closed);
@@ -124,7 +123,7 @@ TEST(CloseHoles, SeesDoubleSidedLids) {
     covered.triangles.push_back(isInwards ? glm::uvec3(t.x, t.z, t.y) : t);
   }
   const Grid grid = fitGrid(holed.closed, {.resolution = 33});
-  const Options options = closing({.orientation = Orientation::Keep});
+  const FieldOptions options = closing({.orientation = Orientation::Keep});
   EXPECT_LT(0u, generate(holed.open, grid, options).stats.patchTriangles);
   EXPECT_EQ(generate(covered, grid, options).stats.patchTriangles, 0u);
 }
@@ -139,8 +138,8 @@ TEST(CloseHoles, MeasuresWhatItAdds) {
 TEST(CloseHoles, KeepsSignsAndAddsSurfaceOnly) {
   const Holed holed = openSphere(40.0);
   const Grid grid = fitGrid(holed.closed, {.resolution = 32});
-  Options options = closing();
-  options.triangleIds = true;
+  FieldOptions options = closing();
+  options.triangle = true;
   const Field closed = generate(holed.open, grid, options).field;
   options.closeHoles = false;
   const Field plain = generate(holed.open, grid, options).field;
@@ -165,7 +164,7 @@ TEST(CloseHoles, WorksWithEveryDistanceAndSign) {
        {DistanceMode::Exact, DistanceMode::Neighbours, DistanceMode::Cell, DistanceMode::Raster})
     for (const SignMode sign : {SignMode::Harmonic, SignMode::Paths, SignMode::Evolution, SignMode::Rays}) {
       SCOPED_TRACE(testing::Message() << "distance " << int(distance) << ", sign " << int(sign));
-      Options options = closing();
+      FieldOptions options = closing();
       options.distance = distance;
       options.sign = sign;
       const Field field = generate(holed.open, grid, options).field;
@@ -182,7 +181,7 @@ TEST(CloseHoles, WorksWithEveryDistanceAndSign) {
 TEST(CloseHoles, KeepsToTheBand) {
   const Holed holed = openSphere(40.0);
   const Grid grid = fitGrid(holed.closed, {.resolution = 40});
-  Options options = closing();
+  FieldOptions options = closing();
   options.band = 3.0;
   const Field field = generate(holed.open, grid, options).field;
   options.closeHoles = false;
@@ -193,7 +192,7 @@ TEST(CloseHoles, FollowsTheThreshold) {
   const Holed holed = openSphere(40.0);
   const Grid grid = fitGrid(holed.closed, {.resolution = 40});
   for (const double threshold : {0.3, 0.7}) {
-    Options options = closing();
+    FieldOptions options = closing();
     options.threshold = threshold;
     EXPECT_LT(steepest(generate(holed.open, grid, options).field), 1.05) << threshold;
   }
@@ -237,12 +236,12 @@ TEST(CloseHoles, RefusesPatchesBeyondTheMemory) {
 
 TEST(CloseHoles, StopsWhenAsked) {
   const Holed holed = openSphere(40.0);
-  Options options = closing();
-  options.threads = 1;  // With several, all calls but one may be skipped.
+  FieldOptions options = closing();
+  MachineOptions machine{.device = "cpu", .threads = 1};  // With several, all calls but one may be skipped.
   int calls = 0;
-  options.progress = [&](std::string_view stage, double) { return stage != "close_holes" || ++calls < 20; };
+  machine.progress = [&](std::string_view stage, double) { return stage != "close_holes" || ++calls < 20; };
   try {
-    generate(holed.open, fitGrid(holed.open, {.resolution = 40}), options);
+    generate(holed.open, fitGrid(holed.open, {.resolution = 40}), options, machine);
     FAIL() << "asked only " << calls << " times";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Cancelled);
@@ -250,7 +249,7 @@ TEST(CloseHoles, StopsWhenAsked) {
 }
 
 TEST(CloseHoles, NeedsASign) {
-  Options options = closing();
+  FieldOptions options = closing();
   options.sign = SignMode::None;
   const Mesh mesh = shapes::sphere(1.0, 1);
   EXPECT_THROW(generate(mesh, fitGrid(mesh, {.resolution = 8}), options), Error);

@@ -11,9 +11,9 @@ using namespace cpu;
 namespace {
 
 TEST(ExactDistance, IsExact) {
-  Options options;
+  FieldOptions options;
   options.sign = SignMode::None;
-  options.triangleIds = true;
+  options.triangle = true;
   for (const ExactCase& c : exactCases(64)) {
     const Field field = generate(c.mesh, c.grid, options).field;
     EXPECT_LT(largestExactError(c.mesh, c.grid, field.distance, field.triangle, 1000), 1e-6) << c.name;

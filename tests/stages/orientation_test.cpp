@@ -145,7 +145,7 @@ TEST(Orientation, ConfidenceSeesTheTurnedFaces) {
 TEST(Orientation, SameForAnyNumberOfThreads) {
   const Mesh mesh = flipped(soupOf(withoutCap(shapes::sphere(1.0, 4), 0.7)), 0.4);
   const Grid grid = fitGrid(mesh, {.resolution = 48});
-  const auto run = [&](int threads) { return runOf(mesh, grid, {.threads = threads}); };
+  const auto run = [&](int threads) { return runOf(mesh, grid, {}, {.threads = threads}); };
   const Generated first = run(1);
   EXPECT_FALSE(first.stats.turnedFaces.empty());
   EXPECT_TRUE(areSame(first, run(2)));
@@ -155,11 +155,9 @@ TEST(Orientation, SameForAnyNumberOfThreads) {
 TEST(Orientation, StopsWhenCancelled) {
   const Mesh mesh = flipped(withoutCap(shapes::sphere(1.0, 4), 0.7), 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
-  Options options;
-  options.threads = 1;  // With several, all calls but one may be skipped.
-  options.device = "cpu";
+  MachineOptions machine{.device = "cpu", .threads = 1};  // With several, all calls but one may be skipped.
   double last = 0.0;
-  options.progress = [&](std::string_view stage, double done) {
+  machine.progress = [&](std::string_view stage, double done) {
     if (stage != "orientation") return true;
     EXPECT_GE(done, 0.0);
     EXPECT_LE(done, 1.0);
@@ -167,7 +165,7 @@ TEST(Orientation, StopsWhenCancelled) {
     return done < 0.05;
   };
   Field field;
-  EXPECT_THROW(Generator().generate(mesh, grid, options, field), Error);
+  EXPECT_THROW(Generator().generate(mesh, grid, {}, field, machine), Error);
   EXPECT_GE(last, 0.05);
   EXPECT_TRUE(field.distance.empty());
 }
@@ -175,13 +173,12 @@ TEST(Orientation, StopsWhenCancelled) {
 TEST(Orientation, DoesNotDependOnTheGeneratorsLastMesh) {
   const Mesh mesh = withoutCap(shapes::sphere(1.0, 4), 0.7), broken = flipped(mesh, 0.3);
   const Grid grid = fitGrid(mesh, {.resolution = 32});
-  Options options;
-  options.device = "cpu";
-  options.winding = true;
+  const FieldOptions options{.winding = true};
+  const MachineOptions machine{.device = "cpu"};
   Generator generator;
   Generated again;
-  EXPECT_FALSE(generator.generate(broken, grid, options, again.field).turnedFaces.empty());
-  again.stats = generator.generate(mesh, grid, options, again.field);
+  EXPECT_FALSE(generator.generate(broken, grid, options, again.field, machine).turnedFaces.empty());
+  again.stats = generator.generate(mesh, grid, options, again.field, machine);
   EXPECT_TRUE(areSame(again, runOf(mesh, grid, Orientation::Keep)));
 }
 
@@ -251,22 +248,21 @@ Mesh openBox() {
 TEST(DoubleSided, FieldsAreTheSameAfterACancelledRun) {
   const Mesh mesh = doubled(withoutCap(shapes::sphere(1.0, 4), 0.7));
   const Grid grid = fitGrid(mesh, {.resolution = 24});
-  Options options;
-  options.device = "cpu";
-  options.winding = true;
-  const Generated fresh = generate(mesh, grid, options);
+  const FieldOptions options{.winding = true};
+  MachineOptions machine{.device = "cpu"};
+  const Generated fresh = generate(mesh, grid, options, machine);
   Generator generator;
   Field field;
   bool isCancelled = true;
   for (int stopAt = 1; isCancelled; ++stopAt) {  // At every call in turn.
     int calls = 0;
-    options.progress = [&](std::string_view stage, double) { return stage == "begin" || ++calls < stopAt; };
+    machine.progress = [&](std::string_view stage, double) { return stage == "begin" || ++calls < stopAt; };
     try {
-      generator.generate(mesh, grid, options, field);
+      generator.generate(mesh, grid, options, field, machine);
       isCancelled = false;
     } catch (const Error&) {
-      options.progress = {};
-      generator.generate(mesh, grid, options, field);
+      machine.progress = {};
+      generator.generate(mesh, grid, options, field, machine);
     }
     ASSERT_TRUE(sameBits(field.winding, fresh.field.winding)) << stopAt;
     ASSERT_TRUE(sameBits(field.distance, fresh.field.distance)) << stopAt;
@@ -372,10 +368,10 @@ TEST(DoubleSidedFaces, AreSolidOrSheetEachForItself) {
 TEST(DoubleSidedFaces, AreTheSameForAnyNumberOfThreads) {
   const Mesh mesh = shuffled(withDoubledFaces(flipped(withoutCap(shapes::sphere(1.0, 5), 0.8), 0.3), 0.5, 2));
   const Grid grid = fitGrid(mesh, {.resolution = 48});
-  const Generated one = runOf(mesh, grid, {.threads = 1});
+  const Generated one = runOf(mesh, grid, {}, {.threads = 1});
   EXPECT_FALSE(one.stats.leftOutFaces.empty());
   for (const int threads : {2, 5}) {
-    const Generated run = runOf(mesh, grid, {.threads = threads});
+    const Generated run = runOf(mesh, grid, {}, {.threads = threads});
     EXPECT_TRUE(areSame(one, run));
     EXPECT_EQ(one.stats.leftOutFaces, run.stats.leftOutFaces);
   }

@@ -92,7 +92,7 @@ void expectTaken(const Mesh& mesh, const Turns& turns, bool isTreeThereBefore) {
   Mesh taken = mesh;
   for (size_t f = 0; f < turns.size(); ++f) taken.triangles[f] = turned(mesh.triangles[f], turns[f]);
   const Grid grid = fitGrid(mesh, {.resolution = 12});
-  const Options options;
+  const FieldOptions options;
   Progress progress;
   Field field;
   cpu::Backend backend;

@@ -107,20 +107,16 @@ class Equations {
   Sampling sampling_;
 };
 
-void expectNear(const Case& on, const Options& options, const std::vector<double>& expected) {
-  const Buffer<float> winding = windingOf(on.mesh, on.grid, options).winding;
+void expectNear(const Case& on, const FieldOptions& options, const std::vector<double>& expected) {
+  const Buffer<float> winding = windingOf(on.mesh, on.grid, options, {.device = "cpu"}).winding;
   ASSERT_EQ(winding.size(), expected.size());
   for (size_t s = 0; s < expected.size(); ++s)
     ASSERT_NEAR(winding[s], expected[s], 1e-5 * (1.0 + std::abs(expected[s])))
         << "sample " << s << ", sign " << int(options.sign) << ", sampling " << int(options.sampling);
 }
 
-Options optionsFor(const std::vector<Points>& passes, Sampling sampling, SignMode sign) {
-  return {.sign = sign,
-          .orientation = Orientation::Keep,
-          .passes = int(passes.size()),
-          .sampling = sampling,
-          .device = "cpu"};
+FieldOptions optionsFor(const std::vector<Points>& passes, Sampling sampling, SignMode sign) {
+  return {.sign = sign, .orientation = Orientation::Keep, .passes = int(passes.size()), .sampling = sampling};
 }
 
 TEST(WindingPaths, SampleAsThePaper) {
@@ -144,7 +140,7 @@ TEST(WindingPaths, TakeTheOffsetsInTurn) {
     std::vector<Points> passes(2);
     for (size_t point = 0; point < 2 * size_t(perPass); ++point)
       passes[point / size_t(perPass)].push_back(offsets[point % offsets.size()]);
-    Options options = optionsFor(passes, sampling, sign);
+    FieldOptions options = optionsFor(passes, sampling, sign);
     options.offsets = offsets;
     const Equations equations(on, sampling);
     expectNear(on, options, sign == SignMode::Paths ? equations.paths(passes) : equations.evolution(passes));
@@ -155,7 +151,7 @@ TEST(WindingPaths, SpreadTheirOwnOffsets) {
   const Case on = plank();
   for (const auto& [sign, perPass] : {std::pair(SignMode::Paths, 1), {SignMode::Evolution, 4}}) {
     std::vector<Points> passes(3);
-    Options options = optionsFor(passes, Sampling::Raymap, sign);
+    FieldOptions options = optionsFor(passes, Sampling::Raymap, sign);
     for (int point = 0; point < 3 * perPass; ++point)
       passes[size_t(point / perPass)].push_back(offsetOf(options, point, on.grid.dims));
     const Equations equations(on, Sampling::Raymap);
@@ -166,7 +162,7 @@ TEST(WindingPaths, SpreadTheirOwnOffsets) {
 // Points fill a box with sides of 3/16 of the grid's, about the sample.
 TEST(WindingPaths, KeepTheirOwnOffsetsClose) {
   const glm::ivec3 dims(64, 160, 33);
-  const Options options{.sign = SignMode::Paths};
+  const FieldOptions options{.sign = SignMode::Paths};
   glm::ivec3 low(0), high(0);
   for (int point = 0; point < 500; ++point) {
     low = glm::min(low, offsetOf(options, point, dims));
@@ -177,7 +173,7 @@ TEST(WindingPaths, KeepTheirOwnOffsetsClose) {
 }
 
 TEST(WindingPaths, PlaceThePapersPointsByThePass) {
-  const Options options{.sign = SignMode::Evolution, .sampling = Sampling::Paper};
+  const FieldOptions options{.sign = SignMode::Evolution, .sampling = Sampling::Paper};
   EXPECT_EQ(offsetOf(options, 0, glm::ivec3(64)), glm::ivec3(-1));
   EXPECT_EQ(offsetOf(options, 7, glm::ivec3(64)), glm::ivec3(1));
   EXPECT_EQ(offsetOf(options, 8 * 4 + 1, glm::ivec3(9, 64, 9)), glm::ivec3(16, -16, -16));

@@ -81,7 +81,7 @@ TEST(Winding, SameForAnyNumberOfThreads) {
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   for (const SignMode mode : kModes)
     for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper}) {
-      const Options options{.sign = mode, .orientation = Orientation::Keep, .sampling = sampling};
+      const FieldOptions options{.sign = mode, .orientation = Orientation::Keep, .sampling = sampling};
       Buffer<float> first;
       withThreads(1, [&] { first = windingOf(mesh, grid, options).winding; });
       for (const int threads : {2, 8}) {
@@ -99,12 +99,12 @@ TEST(Winding, ReportsHowFarItIs) {
   const Grid grid = fitGrid(mesh, {.resolution = 64});
   for (const SignMode mode : kModes) {
     std::vector<double> shares;
-    Options options{.sign = mode, .orientation = Orientation::Keep, .threads = 1, .device = "cpu"};
-    options.progress = [&](std::string_view stage, double done) {
+    MachineOptions machine{.device = "cpu", .threads = 1};
+    machine.progress = [&](std::string_view stage, double done) {
       if (stage == "winding") shares.push_back(done);
       return true;
     };
-    windingOf(mesh, grid, options);
+    windingOf(mesh, grid, {.sign = mode, .orientation = Orientation::Keep}, machine);
     ASSERT_GT(shares.size(), 20u) << "mode " << int(mode);
     EXPECT_EQ(shares.front(), 0.0);
     EXPECT_GT(shares.back(), 0.95) << "mode " << int(mode);
@@ -212,7 +212,7 @@ TEST(Winding, TheOrderOfTrianglesDoesNotMatter) {
 TEST(Winding, AnOffsetOfZeroAddsNothingToTheRays) {
   const Mesh mesh = shapes::soup(100, 9);
   const Grid grid = fitGrid(mesh, {.resolution = 16});
-  Options options;
+  FieldOptions options;
   options.offsets = {{0, 0, 0}};
   options.sign = SignMode::Rays;
   const Buffer<float> rays = windingOf(mesh, grid, options).winding;
@@ -228,7 +228,7 @@ TEST(Winding, OffsetsBeyondTheGridEndAtZero) {
   const Mesh mesh = shapes::soup(40, 2);
   const Grid grid = fitGrid(mesh, {.resolution = 12});
   const RayMap map = rayMapOf(mesh, grid);
-  Options options;
+  FieldOptions options;
   options.sign = SignMode::Paths;
   options.passes = 1;
   options.offsets = {{1000000000, 0, 0}};

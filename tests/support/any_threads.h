@@ -17,19 +17,19 @@ bool sameBits(const Buffer<T>& a, const Buffer<T>& b) {
 
 /// Compares every array of the field made on one thread with those made on each number of `threads`, by one
 /// generator.
-inline void expectSameForAnyThreads(const Mesh& mesh, const Grid& grid, Options options,
+inline void expectSameForAnyThreads(const Mesh& mesh, const Grid& grid, FieldOptions options,
                                     std::initializer_list<int> threads) {
-  options.triangleIds = options.distance != DistanceMode::Raster;
+  options.triangle = options.distance != DistanceMode::Raster;
   options.winding = options.confidence = options.sign != SignMode::None;
   Generator generator;
   Field one, other;
-  options.threads = 1;
-  generator.generate(mesh, grid, options, one);
+  MachineOptions machine{.device = "cpu", .threads = 1};
+  generator.generate(mesh, grid, options, one, machine);
   for (const int count : threads) {
     SCOPED_TRACE(testing::Message() << "distance " << int(options.distance) << ", sign " << int(options.sign)
                                     << ", " << count << " threads");
-    options.threads = count;
-    generator.generate(mesh, grid, options, other);
+    machine.threads = count;
+    generator.generate(mesh, grid, options, other, machine);
     EXPECT_TRUE(sameBits(one.distance, other.distance));
     EXPECT_TRUE(sameBits(one.triangle, other.triangle));
     EXPECT_TRUE(sameBits(one.winding, other.winding));

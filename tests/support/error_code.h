@@ -2,17 +2,40 @@
 
 #include <raymap/error.h>
 
+#include <optional>
+
 namespace raymap {
 
-/// Returns the code of the error that `work` throws, or 0 if it throws none.
+/// Returns the code of the error that `work` throws; none if it throws none.
 template <class Work>
-ErrorCode codeOf(Work&& work) {
+std::optional<ErrorCode> codeOf(Work&& work) {
   try {
     work();
   } catch (const Error& error) {
     return error.code();
   }
-  return {};
+  return std::nullopt;
+}
+
+/// Returns the exit code of the command line for an error, as docs/cli.md promises it.
+constexpr int exitCode(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::Usage:
+      return 2;
+    case ErrorCode::Input:
+      return 3;
+    case ErrorCode::File:
+      return 4;
+    case ErrorCode::Memory:
+      return 5;
+    case ErrorCode::Cancelled:
+      return 6;
+    case ErrorCode::Unsupported:
+      return 7;
+    case ErrorCode::DeviceLost:
+      return 8;
+  }
+  return 1;
 }
 
 }  // namespace raymap

@@ -21,7 +21,7 @@ inline Mesh holedSphere(int levels = 3) {
   return mesh;
 }
 
-inline Room roomFor(const Mesh& mesh, const Grid& grid, const Options& options) {
+inline Room roomFor(const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   return {.vertices = static_cast<uint32_t>(mesh.vertices.size()),
           .triangles = static_cast<uint32_t>(mesh.triangles.size()),
           .dims = grid.dims,
@@ -52,27 +52,23 @@ class VulkanGenerator : public VulkanTest {
     explicit Outputs(size_t samples) {
       for (DeviceBuffer* buffer : {&distance, &triangle, &winding, &confidence})
         buffer->resize<float>(samples);
-      status.resize<uint32_t>(kStatusWords);
+      status.resize<std::byte>(statusBytes());
     }
     static BufferRange range(const DeviceBuffer& buffer) { return {buffer.handle(), buffer.offset()}; }
-    Target target(const Options& options) const {
+    Target target(const FieldOptions& options) const {
       Target target{.distance = range(distance), .status = range(status)};
-      if (options.triangleIds) target.triangle = range(triangle);
+      if (options.triangle) target.triangle = range(triangle);
       if (options.winding) target.winding = range(winding);
       if (options.confidence) target.confidence = range(confidence);
       return target;
     }
-    std::array<uint32_t, kStatusWords> words() const {
-      std::array<uint32_t, kStatusWords> words{};
-      std::ranges::copy(download<uint32_t>(status), words.begin());
-      return words;
-    }
+    std::vector<std::byte> written() const { return download<std::byte>(status); }
     DeviceBuffer distance{device(), "distance"}, triangle{device(), "triangle"}, winding{device(), "winding"},
         confidence{device(), "confidence"}, status{device(), "status"};
   };
 
   /// Makes the field by the backend whose results the host reads back.
-  static Field hostField(const Mesh& mesh, const Grid& grid, Options options) {
+  static Field hostField(const Mesh& mesh, const Grid& grid, FieldOptions options) {
     options.orientation = Orientation::Keep;  // As frames do.
     shared();  // The device is made before the backend, so it is destroyed after it.
     static Backend backend(device());
@@ -91,7 +87,7 @@ class VulkanGenerator : public VulkanTest {
     return generator;
   }
 
-  static std::vector<float> distances(const Mesh& mesh, const Grid& grid, const Options& options) {
+  static std::vector<float> distances(const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
     const Uploaded uploaded(mesh);
     const Outputs outputs(grid.sampleCount());
     run([&](Commands& commands) {
@@ -108,7 +104,7 @@ class VulkanGenerator : public VulkanTest {
   }
 
   /// Records a frame twice and compares all results with those that the host reads back.
-  static void expectAsOnTheHostsWay(const Mesh& mesh, const Grid& grid, const Options& options,
+  static void expectAsOnTheHostsWay(const Mesh& mesh, const Grid& grid, const FieldOptions& options,
                                     double outside = 0.0) {
     SCOPED_TRACE(::testing::Message()
                  << "distance " << int(options.distance) << " sign " << int(options.sign));
@@ -122,11 +118,11 @@ class VulkanGenerator : public VulkanTest {
       run([&](Commands& commands) {
         generator().record(commands.handle(), uploaded.buffers, grid, options, outputs.target(options));
       });
-      const Status status = generator().status(outputs.words());
+      const Status status = generator().status(outputs.written());
       EXPECT_FALSE(status.error) << status.error->what();
       EXPECT_EQ(generator().status().lists.entries, status.lists.entries);
       expectSameBits(download<float>(outputs.distance), expected.distance, "distance");
-      if (options.triangleIds)
+      if (options.triangle)
         expectSameBits(download<uint32_t>(outputs.triangle), expected.triangle, "triangle");
       if (options.winding) expectSameBits(download<float>(outputs.winding), expected.winding, "winding");
       if (options.confidence)
@@ -134,9 +130,9 @@ class VulkanGenerator : public VulkanTest {
     }
   }
 
-  static Options everything(DistanceMode distance, SignMode sign) {
-    Options options{.distance = distance, .sign = sign};
-    options.triangleIds = distance != DistanceMode::Raster;
+  static FieldOptions everything(DistanceMode distance, SignMode sign) {
+    FieldOptions options{.distance = distance, .sign = sign};
+    options.triangle = distance != DistanceMode::Raster;
     options.winding = options.confidence = sign != SignMode::None;
     return options;
   }

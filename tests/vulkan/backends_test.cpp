@@ -18,6 +18,8 @@
 namespace raymap {
 namespace {
 
+const MachineOptions kCpu{.device = "cpu"}, kGpu{.device = "vulkan"};
+
 class Backends : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -27,20 +29,17 @@ class Backends : public ::testing::Test {
     GTEST_SKIP() << devices().note;
   }
 
-  static Options everything(const std::string& device) {
-    Options options;
-    options.device = device;
-    options.winding = options.confidence = options.triangleIds = true;
+  static FieldOptions everything() {
+    FieldOptions options;
+    options.winding = options.confidence = options.triangle = true;
     return options;
   }
 
-  static Field make(const Mesh& mesh, const Grid& grid, Options options, const std::string& device) {
-    options.device = device;
-    Generator generator;
-    Field field;
-    const Stats stats = generator.generate(mesh, grid, options, field);
+  static Field make(const Mesh& mesh, const Grid& grid, const FieldOptions& options, const char* device,
+                    const ProgressCallback& progress = {}) {
+    auto [field, stats] = generate(mesh, grid, options, {.device = device, .progress = progress});
     EXPECT_TRUE(stats.device.starts_with(device)) << stats.device;
-    return field;
+    return std::move(field);
   }
 
   /// Expects distances within 1e-6 of the diagonal, and equal signs wherever |w| is more than 1e-4 from the
@@ -62,13 +61,14 @@ class Backends : public ::testing::Test {
   /// Expects that the CPU chooses the same faces on grids that lie a little beside this one. On open meshes
   /// their misfits differ by some 1e-3; those of the backends by less than 1e-4. No choice is then so close
   /// that rounding may decide it.
-  static void expectDecisive(const Mesh& mesh, const Grid& grid, const Options& options, const Stats& stats) {
+  static void expectDecisive(const Mesh& mesh, const Grid& grid, const FieldOptions& options,
+                             const Stats& stats) {
     for (const double shift : {-1e-3, 1e-3}) {
       Grid beside = grid;
       beside.origin += shift * grid.spacing;
       Generator generator;
       Field field;
-      const Stats other = generator.generate(mesh, beside, options, field);
+      const Stats other = generator.generate(mesh, beside, options, field, kCpu);
       EXPECT_EQ(other.turnedFaces, stats.turnedFaces) << "a close choice: test another mesh";
       EXPECT_EQ(other.leftOutFaces, stats.leftOutFaces) << "a close choice: test another mesh";
     }
@@ -85,8 +85,7 @@ TEST_F(Backends, GiveTheSameField) {
   for (const Mesh& mesh :
        {shapes::sphere(1.0, 4), holedSphere(), shapes::soup(500, 3), shapes::torus(1.0, 0.3, 40, 20)}) {
     const Grid grid = fitGrid(mesh, {.resolution = 32});
-    const Field cpu = make(mesh, grid, everything("cpu"), "cpu"),
-                gpu = make(mesh, grid, everything("vulkan"), "vulkan");
+    const Field cpu = make(mesh, grid, everything(), "cpu"), gpu = make(mesh, grid, everything(), "vulkan");
     expectSame(cpu, gpu, mesh);
     for (size_t s = 0; s < cpu.winding.size(); ++s) {
       ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 0.06f) << "sample " << s;
@@ -128,16 +127,15 @@ TEST_F(Backends, TurnTheSameFaces) {
                                    {flipped(soup, 2)},
                                    {flipped(holedSphere(), 3), SignMode::Paths, Orientation::Repair}}) {
     const Grid grid = fitGrid(mesh, {.resolution = 32});
-    Options options = everything("cpu");
+    FieldOptions options = everything();
     options.sign = sign;
     options.orientation = orientation;
     Generator generator;
     Field cpu, gpu;
-    const Stats onCpu = generator.generate(mesh, grid, options, cpu);
+    const Stats onCpu = generator.generate(mesh, grid, options, cpu, kCpu);
     EXPECT_FALSE(onCpu.turnedFaces.empty());
     expectDecisive(mesh, grid, options, onCpu);
-    options.device = "vulkan";
-    const Stats onGpu = generator.generate(mesh, grid, options, gpu);
+    const Stats onGpu = generator.generate(mesh, grid, options, gpu, kGpu);
     EXPECT_EQ(onCpu.turnedFaces, onGpu.turnedFaces);
     EXPECT_EQ(onCpu.doubtfulShare, onGpu.doubtfulShare);
     EXPECT_NEAR(onCpu.misfitGiven, onGpu.misfitGiven, 1e-4);
@@ -160,12 +158,12 @@ TEST_F(Backends, ForgetTheFacesThatTheLastRunReversed) {
   const size_t faces = sphere.triangles.size();
   const Mesh before = withReversed(sphere, faces * 53 / 100, 1), mesh = withReversed(sphere, faces / 2, 2);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
-  const Options options = everything("vulkan");
+  const FieldOptions options = everything();
   Generator used;
   Field field;
-  ASSERT_EQ(used.generate(before, grid, options, field).turnedFaces.size(), faces * 53 / 100);
-  const Stats stats = used.generate(mesh, grid, options, field);
-  const Generated fresh = generate(mesh, grid, options);
+  ASSERT_EQ(used.generate(before, grid, options, field, kGpu).turnedFaces.size(), faces * 53 / 100);
+  const Stats stats = used.generate(mesh, grid, options, field, kGpu);
+  const Generated fresh = generate(mesh, grid, options, kGpu);
   EXPECT_EQ(fresh.stats.turnedFaces.size(), faces / 2);
   EXPECT_EQ(stats.turnedFaces, fresh.stats.turnedFaces);
   EXPECT_EQ(stats.misfit, fresh.stats.misfit);
@@ -202,10 +200,10 @@ TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
     const Grid grid = fitGrid(mesh, {.resolution = 32});
     Generator generator;
     Field cpu, gpu;
-    const Stats onCpu = generator.generate(mesh, grid, everything("cpu"), cpu);
-    const Stats onGpu = generator.generate(mesh, grid, everything("vulkan"), gpu);
+    const Stats onCpu = generator.generate(mesh, grid, everything(), cpu, kCpu);
+    const Stats onGpu = generator.generate(mesh, grid, everything(), gpu, kGpu);
     EXPECT_EQ(onCpu.leftOutFaces.empty(), !isSolid) << mesh.triangles.size() << " faces";
-    expectDecisive(mesh, grid, everything("cpu"), onCpu);
+    expectDecisive(mesh, grid, everything(), onCpu);
     EXPECT_EQ(onCpu.leftOutFaces, onGpu.leftOutFaces);
     EXPECT_EQ(onCpu.turnedFaces, onGpu.turnedFaces);
     EXPECT_NEAR(onCpu.misfit, onGpu.misfit, 1e-4);
@@ -217,7 +215,7 @@ TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
 TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
   const Grid grid = fitGrid(mesh, {.resolution = 30, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});
-  Options options = everything("cpu");
+  FieldOptions options = everything();
   options.invert = true;
   options.threshold = 0.3;
   expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh, 0.3);
@@ -229,7 +227,7 @@ TEST_F(Backends, CloseTheSameHoles) {
   ring.triangles.erase(ring.triangles.begin() + 40, ring.triangles.begin() + 160);
   struct Case {
     const Mesh& mesh;
-    Options options;
+    FieldOptions options;
   };
   for (auto& [mesh, options] :
        std::initializer_list<Case>{{ball, {}},
@@ -241,14 +239,12 @@ TEST_F(Backends, CloseTheSameHoles) {
                                    {flipped(ring, 10), {}},
                                    {shapes::joined(ball, ring), {.sign = SignMode::Rays}}}) {
     const Grid grid = fitGrid(mesh, {.resolution = 40});
-    Options all = options;
-    all.winding = all.triangleIds = all.closeHoles = true;
+    FieldOptions all = options;
+    all.winding = all.triangle = all.closeHoles = true;
     Generator generator;
     Field cpu, gpu;
-    all.device = "cpu";
-    const Stats onCpu = generator.generate(mesh, grid, all, cpu);
-    all.device = "vulkan";
-    const Stats onGpu = generator.generate(mesh, grid, all, gpu);
+    const Stats onCpu = generator.generate(mesh, grid, all, cpu, kCpu);
+    const Stats onGpu = generator.generate(mesh, grid, all, gpu, kGpu);
     EXPECT_GT(onCpu.patchTriangles, 0u);
     EXPECT_EQ(onCpu.patchTriangles, onGpu.patchTriangles);
     EXPECT_NEAR(onCpu.patchArea, onGpu.patchArea, 1e-4 * onCpu.patchArea);
@@ -268,7 +264,7 @@ TEST_F(Backends, CloseTheSameHoles) {
 TEST_F(Backends, GiveTheSameBand) {
   const Mesh mesh = shapes::sphere(1.0, 4);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
-  Options options = everything("cpu");
+  FieldOptions options = everything();
   options.band = 3.0;
   const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
   expectSame(cpu, gpu, mesh);
@@ -279,7 +275,7 @@ TEST_F(Backends, GiveTheSameBand) {
 TEST_F(Backends, GiveTheSameRays) {
   const Mesh mesh = shapes::soup(300, 8);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
-  Options options = everything("cpu");
+  FieldOptions options = everything();
   for (const SignMode sign : {SignMode::Rays, SignMode::Ray}) {
     options.sign = sign;
     const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
@@ -293,7 +289,7 @@ TEST_F(Backends, GiveTheSameRays) {
 TEST_F(Backends, GiveTheSamePathsAndEvolution) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 20});
-  Options options = everything("cpu");
+  FieldOptions options = everything();
   for (const auto& [sign, sampling] : {std::pair(SignMode::Paths, Sampling::Raymap),
                                        {SignMode::Evolution, Sampling::Raymap},
                                        {SignMode::Paths, Sampling::Paper},
@@ -312,9 +308,9 @@ TEST_F(Backends, GiveTheSameDistancesOfThePaper) {
   const Grid cut = fitGrid(mesh, {.resolution = 20, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});
   for (const DistanceMode mode : {DistanceMode::Cell, DistanceMode::Neighbours, DistanceMode::Raster})
     for (const Grid& grid : {whole, cut}) {
-      Options options = everything("cpu");
+      FieldOptions options = everything();
       options.distance = mode;
-      options.triangleIds = mode != DistanceMode::Raster;
+      options.triangle = mode != DistanceMode::Raster;
       expectSame(make(mesh, grid, options, "cpu"), make(mesh, grid, options, "vulkan"), mesh);
     }
 }
@@ -323,11 +319,11 @@ TEST_F(Backends, GiveTheSameBitsEachTime) {
   const Mesh first = holedSphere(), second = shapes::soup(300, 8);
   Generator generator;
   Field a, b, c;
-  const Options options = everything("vulkan");
+  const FieldOptions options = everything();
   const Grid grid = fitGrid(first, {.resolution = 28});
-  generator.generate(first, grid, options, a);
-  generator.generate(second, fitGrid(second, {.resolution = 20}), options, b);
-  generator.generate(first, grid, options, c);
+  generator.generate(first, grid, options, a, kGpu);
+  generator.generate(second, fitGrid(second, {.resolution = 20}), options, b, kGpu);
+  generator.generate(first, grid, options, c, kGpu);
   const auto same = [](const auto& x, const auto& y) {
     return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * 4) == 0;
   };
@@ -339,51 +335,49 @@ TEST_F(Backends, GiveTheSameBitsEachTime) {
 
 TEST_F(Backends, StopWhenAskedAndLeaveNothing) {
   const Mesh mesh = shapes::sphere(1.0, 3);
-  Options options;
-  options.device = "vulkan";
   for (const int stopAt : {0, 2, 4}) {
     int calls = 0;
-    options.progress = [&](std::string_view, double) { return calls++ < stopAt; };
+    const auto stop = [&](std::string_view, double) { return calls++ < stopAt; };
     Field field;
     Generator generator;
     try {
-      generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), options, field);
+      generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), {}, field,
+                         {.device = "vulkan", .progress = stop});
       FAIL() << stopAt;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::Cancelled);
     }
     EXPECT_TRUE(field.distance.empty());
-    options.progress = {};
-    generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), options, field);
+    generator.generate(mesh, fitGrid(mesh, {.resolution = 16}), {}, field, kGpu);
     EXPECT_FALSE(field.distance.empty());
   }
 }
 
 TEST_F(Backends, ReportProgressWithinTheirPaths) {
   const Mesh mesh = holedSphere();
-  Options options = everything("vulkan");
+  FieldOptions options = everything();
   options.sign = SignMode::Evolution;
   options.passes = 5;
   std::vector<double> shares;
-  options.progress = [&](std::string_view stage, double done) {
+  const auto note = [&](std::string_view stage, double done) {
     if (stage == "winding") shares.push_back(done);
     return true;
   };
-  make(mesh, fitGrid(mesh, {.resolution = 16}), options, "vulkan");
+  make(mesh, fitGrid(mesh, {.resolution = 16}), options, "vulkan", note);
   EXPECT_EQ(shares, (std::vector<double>{0.0, 0.2, 0.4, 0.6, 0.8, 1.0}));
 }
 
 TEST_F(Backends, ReportProgressWithinTheWindingStage) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 40});
-  Options options = everything("vulkan");
+  FieldOptions options = everything();
   const Field quiet = make(mesh, grid, options, "vulkan");
   std::vector<double> shares;
-  options.progress = [&](std::string_view stage, double done) {
+  const auto note = [&](std::string_view stage, double done) {
     if (stage == "winding") shares.push_back(done);
     return true;
   };
-  const Field told = make(mesh, grid, options, "vulkan");
+  const Field told = make(mesh, grid, options, "vulkan", note);
   ASSERT_GT(shares.size(), 15u);
   EXPECT_EQ(shares.front(), 0.0);
   EXPECT_GT(shares[1], 0.2);
@@ -396,11 +390,11 @@ TEST_F(Backends, ReportProgressWithinTheWindingStage) {
 TEST_F(Backends, KeepNothingForWhatIsNotAskedFor) {
   const Mesh mesh = holedSphere();
   for (const DistanceMode mode : {DistanceMode::Exact, DistanceMode::Cell}) {
-    Options options = everything("vulkan");
+    FieldOptions options = everything();
     options.distance = mode;
     const Grid grid = fitGrid(mesh, {.resolution = 24});
     const Field all = make(mesh, grid, options, "vulkan");
-    options.winding = options.confidence = options.triangleIds = false;
+    options.winding = options.confidence = options.triangle = false;
     const Field alone = make(mesh, grid, options, "vulkan");
     EXPECT_TRUE(alone.winding.empty() && alone.confidence.empty() && alone.triangle.empty());
     EXPECT_EQ(0,
@@ -411,12 +405,11 @@ TEST_F(Backends, KeepNothingForWhatIsNotAskedFor) {
 TEST_F(Backends, HoldLittleMemory) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const Grid grid = fitGrid(mesh, {.resolution = 96});
-  Options options;
-  options.device = "vulkan";
+  FieldOptions options;
   const auto bytesPerSample = [&] {
     Generator generator;
     Field field;
-    return double(generator.generate(mesh, grid, options, field).bytes) / double(grid.sampleCount());
+    return double(generator.generate(mesh, grid, options, field, kGpu).bytes) / double(grid.sampleCount());
   };
   EXPECT_LE(bytesPerSample(), 24.0);
   options.distance = DistanceMode::Cell;
@@ -427,24 +420,22 @@ TEST_F(Backends, HoldLittleMemory) {
 TEST_F(Backends, RefuseWhatTheCpuRefuses) {
   Mesh far = shapes::sphere(1.0, 2);
   const Grid grid = fitGrid(far, {.resolution = 16});
-  Options options;
-  options.device = "vulkan";
-  const auto refusal = [&] { return codeOf([&] { generate(far, grid, options); }); };
-  options.memoryLimit = 1000;
+  MachineOptions machine = kGpu;
+  const auto refusal = [&] { return codeOf([&] { generate(far, grid, {}, machine); }); };
+  machine.memoryLimit = 1000;
   EXPECT_EQ(refusal(), ErrorCode::Memory);
-  options.memoryLimit = 0;
+  machine.memoryLimit = 0;
   Generator generator;
   Field field;
-  const size_t held = generator.generate(far, grid, options, field).bytes;
-  options.memoryLimit = held;
-  EXPECT_EQ(generator.generate(far, grid, options, field).bytes, held);
+  const size_t held = generator.generate(far, grid, {}, field, machine).bytes;
+  machine.memoryLimit = held;
+  EXPECT_EQ(generator.generate(far, grid, {}, field, machine).bytes, held);
   // What a larger run left does not count.
-  EXPECT_GT(generator.generate(far, fitGrid(far, {.resolution = 40}), {.device = "vulkan"}, field).bytes,
-            held);
-  EXPECT_EQ(generator.generate(far, grid, options, field).bytes, held);
-  options.memoryLimit = held - 1;
+  EXPECT_GT(generator.generate(far, fitGrid(far, {.resolution = 40}), {}, field, kGpu).bytes, held);
+  EXPECT_EQ(generator.generate(far, grid, {}, field, machine).bytes, held);
+  machine.memoryLimit = held - 1;
   EXPECT_EQ(refusal(), ErrorCode::Memory);
-  options.memoryLimit = 0;
+  machine.memoryLimit = 0;
   far.vertices[far.triangles[3].y] = glm::vec3(1e15f);
   EXPECT_EQ(refusal(), ErrorCode::Input);
 }

@@ -13,8 +13,8 @@ namespace {
 TEST_F(VulkanGenerator, FillsImages) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 15});
-  for (const Options& options :
-       {Options{}, Options{.distance = DistanceMode::Cell, .sign = SignMode::Rays}}) {
+  for (const FieldOptions& options :
+       {FieldOptions{}, FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}}) {
     const Field expected = hostField(mesh, grid, options);
     const Uploaded uploaded(mesh);
     for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT}) {

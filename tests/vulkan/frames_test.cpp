@@ -68,13 +68,13 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
   Field field = analytic::sampled(analytic::cube(32, 2.0), [](const glm::dvec3& p) {
     return std::clamp(analytic::torus(p, 0.6, 0.25), -0.3, 0.3);
   });
-  field.band = 0.3;
-  const RenderOptions options{
-      .width = 80, .height = 60, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}, .device = "cpu"};
+  field.clampDistance = 0.3;
+  const RenderOptions options{.width = 80, .height = 60, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}};
   const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
   DeviceBuffer pixels(device(), "pixels");
   pixels.resize<uint32_t>(80 * 60);
-  const FieldBuffer onDevice{.distance = range(samples), .grid = field.grid, .band = field.band};
+  const FieldBuffer onDevice{
+      .distance = range(samples), .grid = field.grid, .clampDistance = field.clampDistance};
   Renderer renderer(device().handles());
   run([&](Commands& commands) { renderer.record(commands.handle(), onDevice, options, range(pixels)); });
   Picture ours{80, 60, {}};

@@ -76,7 +76,7 @@ TEST_F(VulkanGenerator, SubmitsOnceOnTheBackendOfTheHost) {
   const Mesh mesh = shapes::soup(400, 1);  // Its lists outgrow their memory at first.
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster}) {
-    const Options options{.distance = distance, .sign = SignMode::Rays};
+    const FieldOptions options{.distance = distance, .sign = SignMode::Rays};
     const Field first = hostField(mesh, grid, options);
     const Counted counted;
     const Field second = hostField(mesh, grid, options);
@@ -92,8 +92,8 @@ TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
   const Mesh mesh = holedSphere(1);
   const Grid grid{{8, 8, 8}, glm::dvec3(-1.75), 0.5};
   for (const auto& [options, frames] :
-       {std::pair(Options{.distance = DistanceMode::Cell, .sign = SignMode::Rays}, isFast ? 10000 : 50),
-        std::pair(Options{}, isFast ? 100 : 20)}) {
+       {std::pair(FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}, isFast ? 10000 : 50),
+        std::pair(FieldOptions{}, isFast ? 100 : 20)}) {
     // A device without validation, which would take most of the time.
     Generator generator("vulkan");
     Device own(generator.device());

@@ -11,8 +11,9 @@ TEST_F(VulkanGenerator, LeavesOutInvalidTriangles) {
   bad.vertices.emplace_back(NAN, 0.0f, 0.0f);
   bad.triangles.insert(bad.triangles.begin(), {{0, 1, count}, {1, 2, UINT32_MAX}, {2, count + 1, 3}});
   const Grid grid = fitGrid(good, {.resolution = 16});
-  for (const Options& options : {Options{}, Options{.distance = DistanceMode::Cell, .sign = SignMode::Rays},
-                                 Options{.distance = DistanceMode::Raster, .sign = SignMode::Paths}}) {
+  for (const FieldOptions& options :
+       {FieldOptions{}, FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays},
+        FieldOptions{.distance = DistanceMode::Raster, .sign = SignMode::Paths}}) {
     generator().reserve(roomFor(bad, grid, options));
     const std::vector<float> ours = distances(bad, grid, options);
     const Status status = generator().status();
@@ -32,7 +33,7 @@ TEST_F(VulkanGenerator, ReportsListsThatOutgrowTheirCapacity) {
   const Mesh mesh = shapes::soup(400, 1);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster}) {
-    const Options options{.distance = distance, .sign = SignMode::Rays};
+    const FieldOptions options{.distance = distance, .sign = SignMode::Rays};
     generator() = Generator(device().handles());  // A new generator has no capacity from before.
     Room room = roomFor(mesh, grid, options);
     generator().reserve(room);
@@ -67,9 +68,11 @@ TEST_F(VulkanGenerator, KeepsTheStatusOfEachFrame) {
     for (int i = 0; i < 3; ++i)
       generator().record(commands.handle(), uploads[i].buffers, grid, {}, outputs[i].target({}));
   });
-  EXPECT_EQ(generator().status(outputs[0].words()).triangles, 1u);
-  EXPECT_FALSE(generator().status(outputs[1].words()).error);
-  ASSERT_TRUE(generator().status(outputs[2].words()).error);
+  EXPECT_EQ(generator().status(outputs[0].written()).triangles, 1u);
+  const std::vector<std::byte> cut(statusBytes() - 1);
+  EXPECT_EQ(codeOf([&] { generator().status(cut); }), ErrorCode::Usage);
+  EXPECT_FALSE(generator().status(outputs[1].written()).error);
+  ASSERT_TRUE(generator().status(outputs[2].written()).error);
   EXPECT_EQ(generator().status().error->code(), ErrorCode::Input);
   EXPECT_NE(std::string(generator().status().error->what()).find("too far"), std::string::npos);
 }
@@ -82,7 +85,7 @@ TEST_F(VulkanGenerator, RefusesWhatExceedsItsCapacity) {
   const Target target{.distance = Outputs::range(outputs.distance)};
   CommandBuffer own(device());
   const VkCommandBuffer commands = own.begin().handle();
-  const auto refuses = [&](const MeshBuffers& m, const Grid& g, const Options& o, const Target& t) {
+  const auto refuses = [&](const MeshBuffers& m, const Grid& g, const FieldOptions& o, const Target& t) {
     EXPECT_EQ(codeOf([&] { generator().record(commands, m, g, o, t); }), ErrorCode::Usage);
   };
   generator() = Generator(device().handles());
@@ -111,7 +114,8 @@ TEST_F(VulkanGenerator, RefusesWhatExceedsItsCapacity) {
   refuses(uploaded.buffers, grid, {.distance = DistanceMode::Cell}, target);
   refuses(uploaded.buffers, grid, {.sign = SignMode::Rays}, target);
   refuses(uploaded.buffers, grid, {}, {});
-  for (const Options& options : {Options{.closeHoles = true}, Options{.orientation = Orientation::Repair}})
+  for (const FieldOptions& options :
+       {FieldOptions{.closeHoles = true}, FieldOptions{.orientation = Orientation::Repair}})
     EXPECT_EQ(codeOf([&] { generator().record(commands, uploaded.buffers, grid, options, target); }),
               ErrorCode::Unsupported);
   EXPECT_EQ(codeOf([] { Generator none(DeviceHandles{}); }), ErrorCode::Usage);

@@ -12,10 +12,10 @@ TEST_F(VulkanGenerator, MatchesTheBackendOfTheHost) {
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Raster, SignMode::Evolution));
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Exact, SignMode::None));
   expectAsOnTheHostsWay(mesh, grid, everything(DistanceMode::Cell, SignMode::Ray));
-  Options sampled = everything(DistanceMode::Cell, SignMode::Evolution);
+  FieldOptions sampled = everything(DistanceMode::Cell, SignMode::Evolution);
   sampled.sampling = Sampling::Paper;
   expectAsOnTheHostsWay(mesh, grid, sampled);
-  Options options = everything(DistanceMode::Cell, SignMode::Harmonic);
+  FieldOptions options = everything(DistanceMode::Cell, SignMode::Harmonic);
   options.band = 2.0;
   options.invert = true;
   options.threshold = 0.3;
@@ -29,7 +29,7 @@ TEST_F(VulkanGenerator, SearchesOutsideOfTheGrid) {
   const double beyond = (1.0 - 0.75) / grid.spacing;
   for (const DistanceMode distance : {DistanceMode::Cell, DistanceMode::Raster, DistanceMode::Exact})
     expectAsOnTheHostsWay(mesh, grid, everything(distance, SignMode::Rays), beyond);
-  const Options options{.distance = DistanceMode::Cell, .sign = SignMode::Rays};
+  const FieldOptions options{.distance = DistanceMode::Cell, .sign = SignMode::Rays};
   Room room = roomFor(mesh, grid, options);
   room.outside = beyond - 0.1;
   generator().reserve(room);
@@ -65,8 +65,8 @@ TEST_F(VulkanGenerator, AcceptsSmallerMeshesAndOtherPlaces) {
   const Mesh large = holedSphere(4), small = shapes::box({-1, 0, 0}, {1, 1, 2});
   Mesh far = holedSphere(2);
   far.origin += 1e6;
-  for (const Options& options :
-       {Options{}, Options{.distance = DistanceMode::Cell, .sign = SignMode::Rays}}) {
+  for (const FieldOptions& options :
+       {FieldOptions{}, FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}}) {
     const Grid grid{.dims = {14, 15, 16}, .origin = glm::dvec3(-1.5), .spacing = 0.25};
     generator().reserve(roomFor(large, grid, options));
     const uint64_t held = generator().bytes();

@@ -27,10 +27,11 @@ double solid(const glm::dvec3& p) {
 
 class VulkanRender : public VulkanTest {
  protected:
-  static Picture draw(const Field& field, const RenderOptions& options) {
+  static Picture draw(const Field& field, const RenderOptions& options,
+                      const ProgressCallback& callback = {}) {
     Picture picture{options.width, options.height,
                     std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
-    Progress progress(options.progress);
+    Progress progress(callback);
     drawScene(device(), Scene(field, options), progress, picture);
     EXPECT_EQ(device().guards()->damaged(), "");
     return picture;
@@ -41,8 +42,7 @@ class VulkanRender : public VulkanTest {
     options.height = 120;
     const Picture ours = draw(field, options);
     EXPECT_EQ(ours.rgb, draw(field, options).rgb);
-    options.device = "cpu";
-    expectClose(ours, renderField(field, options));
+    expectClose(ours, renderField(field, options, {.device = "cpu"}));
   }
 };
 
@@ -69,9 +69,8 @@ TEST_F(VulkanRender, FramedByABox) {
 // Another kernel, here an upload, left the field on the device, in the mesh's units.
 TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Field field = torus(32);
-  const RenderOptions options{
-      .width = 120, .height = 90, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}, .device = "cpu"};
-  const Picture theirs = renderField(field, options);
+  const RenderOptions options{.width = 120, .height = 90, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}};
+  const Picture theirs = renderField(field, options, {.device = "cpu"});
   const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
   DeviceBuffer pixels(device(), "pixels");
   pixels.resize<uint32_t>(120 * 90);
@@ -92,7 +91,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
 TEST_F(VulkanRender, UnsignedAndBanded) {
   expectAsOnTheCpu(sampled(cube(32, 2.0), [](const glm::dvec3& p) { return std::abs(solid(p)); }));
   Field banded = sampled(cube(48, 2.0), [](const glm::dvec3& p) { return std::clamp(solid(p), -0.2, 0.2); });
-  banded.band = 0.2;
+  banded.clampDistance = 0.2;
   expectAsOnTheCpu(banded);
   expectAsOnTheCpu(banded, {.cut = true, .shell = 0.1});
 }
@@ -123,7 +122,7 @@ TEST_F(VulkanRender, RealMeshes) {
   for (size_t n = 0; n < names.size(); n += 1 + names.size() / 6) {
     SCOPED_TRACE(names[n]);
     const Mesh mesh = readMesh(meshFolder() / names[n]);
-    const Field field = generate(mesh, fitGrid(mesh, {.resolution = 40}), {.device = "cpu"}).field;
+    const Field field = generate(mesh, fitGrid(mesh, {.resolution = 40}), {}, {.device = "cpu"}).field;
     expectAsOnTheCpu(field);
     expectAsOnTheCpu(field, {.cut = true, .shell = 3.0 * field.grid.spacing});
   }
@@ -138,8 +137,7 @@ TEST_F(VulkanRender, PicturesOfAnySize) {
   for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 61), glm::ivec2(130, 3)}) {
     RenderOptions options{.width = size.x, .height = size.y};
     const Picture ours = draw(field, options);
-    options.device = "cpu";
-    expectClose(ours, renderField(field, options));
+    expectClose(ours, renderField(field, options, {.device = "cpu"}));
   }
 }
 
@@ -147,18 +145,17 @@ TEST_F(VulkanRender, ReportsProgressAndStops) {
   const Field field = torus(24);
   int calls = 0;
   double last = 0.0;
-  RenderOptions options{.width = 40, .height = 120};
-  options.progress = [&](std::string_view, double done) {
+  const RenderOptions options{.width = 40, .height = 120};
+  const auto note = [&](std::string_view, double done) {
     EXPECT_GE(done, last);
     last = done;
     return ++calls > 0;
   };
-  draw(field, options);
+  draw(field, options, note);
   EXPECT_GT(calls, 1);
   EXPECT_EQ(last, 1.0);
-  options.progress = [](std::string_view, double) { return false; };
   try {
-    draw(field, options);
+    draw(field, options, [](std::string_view, double) { return false; });
     FAIL() << "not stopped";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Cancelled);
@@ -177,15 +174,13 @@ TEST_F(VulkanRender, RefusesShapesThatItsLoopsCannotCross) {
 
 TEST_F(VulkanRender, ByName) {
   const Field field = torus(24);
-  RenderOptions options{.width = 64, .height = 48, .device = "vulkan"};
-  const Picture ours = renderField(field, options);
-  options.device = "cpu";
-  expectClose(ours, renderField(field, options));
+  const RenderOptions options{.width = 64, .height = 48};
+  const Picture ours = renderField(field, options, {.device = "vulkan"});
+  expectClose(ours, renderField(field, options, {.device = "cpu"}));
   for (const auto& [name, code] :
        {std::pair("gpu", ErrorCode::Usage), std::pair("vulkan:99", ErrorCode::Unsupported)}) {
-    options.device = name;
     try {
-      renderField(field, options);
+      renderField(field, options, {.device = name});
       ADD_FAILURE() << name;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), code);

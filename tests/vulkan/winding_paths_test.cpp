@@ -20,7 +20,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return {winding.begin(), winding.end()};
   }
 
-  static std::vector<float> compute(WindingPathsStage& paths, const RayMap& map, const Options& options,
+  static std::vector<float> compute(WindingPathsStage& paths, const RayMap& map, const FieldOptions& options,
                                     uint32_t doubtful = 1) {
     paths.reserve(map.dims);
     const Rays rays(map);
@@ -37,7 +37,7 @@ class VulkanWindingPaths : public VulkanRaysTest {
     return download<float>(winding);
   }
 
-  static void expectTwins(const RayMap& map, const Options& options) {
+  static void expectTwins(const RayMap& map, const FieldOptions& options) {
     WindingPathsStage paths(device());
     comparePaths(Probe(device()), paths, map, options);
   }

@@ -42,7 +42,7 @@ glm::dvec3 pointAt(const PointsView& view, size_t i) {
     std::memcpy(p, bytes, sizeof(p));
     return glm::dvec3(p[0], p[1], p[2]);
   };
-  return view.scalar == PointsView::Scalar::Float ? read(float{}) : read(double{});
+  return view.scalar == Scalar::Float ? read(float{}) : read(double{});
 }
 
 double largestOf(const glm::dvec3& v) {

@@ -60,17 +60,16 @@ void turnFaces(PreparedSurface& surface) {
 
 /// Makes a field on the lattice, and keeps what points need of it.
 PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const SurfaceOptions& options,
-                              size_t meshBytes, Progress& progress, Stats& stats) {
-  Options field;
+                              const MachineOptions& machine, size_t meshBytes, Progress& progress,
+                              Stats& stats) {
+  FieldOptions field;
   field.orientation = options.orientation;
   field.threshold = options.threshold;
-  field.threads = options.threads;
-  field.memoryLimit = options.memoryLimit;
   field.winding = field.confidence = true;
   field.band = kLatticeBand;
   Backend backend;
   Field samples;
-  stats = runOnCpu(backend, {mesh, grid, field, progress, samples}, meshBytes);
+  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes);
   PreparedSurface surface;
   progress.stage("tree", [&] {
     surface.mesh = mesh;
@@ -110,12 +109,13 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid) {
   return surface;
 }
 
-PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options, size_t meshBytes,
-                               Progress& progress, Stats& stats) {
+PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options,
+                               const MachineOptions& machine, size_t meshBytes, Progress& progress,
+                               Stats& stats) {
   const Grid grid = fitGrid(mesh, {.resolution = latticeResolution(mesh.triangles.size())});
   PreparedSurface surface;
-  if (options.sign) {
-    surface = prepareSigned(mesh, grid, options, meshBytes, progress, stats);
+  if (options.sign != SignMode::None) {
+    surface = prepareSigned(mesh, grid, options, machine, meshBytes, progress, stats);
   } else {
     progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid); });
     stats.device = "cpu";
@@ -125,13 +125,13 @@ PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& opt
   return surface;
 }
 
-PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, SurfaceOptions options,
-                              Progress& progress) {
-  options.orientation = Orientation::Keep;
+PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, double threshold,
+                              const MachineOptions& machine, Progress& progress) {
+  const SurfaceOptions options{.orientation = Orientation::Keep, .threshold = threshold};
   Buffer<glm::uvec3> triangles = turnedTriangles(mesh.triangles, turns);
   Stats stats;
   PreparedSurface surface =
-      prepareSurface({mesh.vertices, triangles, mesh.origin}, options, 0, progress, stats);
+      prepareSurface({mesh.vertices, triangles, mesh.origin}, options, machine, 0, progress, stats);
   surface.mesh = mesh;
   surface.turns = turns;
   surface.turnedTriangles = std::move(triangles);

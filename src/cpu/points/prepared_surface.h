@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/machine.h>
 #include <raymap/query.h>
 
 #include <optional>
@@ -39,12 +40,13 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid);
 
 /// Prepares a mesh for distances, with a sign if the options ask for one. The caller's copy of the mesh holds
 /// `meshBytes` bytes. Fills `stats` but for the total time.
-PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options, size_t meshBytes,
-                               Progress& progress, Stats& stats);
+PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options,
+                               const MachineOptions& machine, size_t meshBytes, Progress& progress,
+                               Stats& stats);
 
 /// Does the same for a mesh whose faces another run has turned and left out, with a sign. `turns` is empty if
 /// the sign takes all faces as given.
-PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, SurfaceOptions options,
-                              Progress& progress);
+PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, double threshold,
+                              const MachineOptions& machine, Progress& progress);
 
 }  // namespace raymap::cpu

@@ -14,7 +14,7 @@ namespace raymap::cpu {
 namespace {
 
 /// Returns the share of the rays in the time of a mode.
-double shareOfRays(SignMode mode, const Options& options) {
+double shareOfRays(SignMode mode, const FieldOptions& options) {
   if (mode == SignMode::Rays || mode == SignMode::Ray) return 1.0;
   if (mode == SignMode::Harmonic) return 0.2;
   return 1.0 / (2.0 + double(options.passes) * pointsPerPass(options));
@@ -44,8 +44,8 @@ size_t Winding::bytes() const {
   return impl_->paths.bytes() + impl_->harmonic.bytes();
 }
 
-double Winding::compute(const RayMap& map, SignMode mode, const Options& options, FunctionView<size_t> ask,
-                        Progress& progress, Buffer<float>& winding) {
+double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& options,
+                        FunctionView<size_t> ask, Progress& progress, Buffer<float>& winding) {
   const double rays = shareOfRays(mode, options);
   const RaySweep sweep(map);
   const size_t doubtful = mode == SignMode::Ray ? takeOneRay(sweep, progress, rays, winding)

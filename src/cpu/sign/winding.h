@@ -17,7 +17,7 @@ class Winding {
   /// Computes the winding number, with the passes and offsets of `options`. If rays disagree, first calls
   /// `ask` with the bytes to allocate, which throws if there are not so many. Returns the share of samples
   /// whose six rays disagree.
-  double compute(const RayMap& map, SignMode mode, const Options& options, FunctionView<size_t> ask,
+  double compute(const RayMap& map, SignMode mode, const FieldOptions& options, FunctionView<size_t> ask,
                  Progress& progress, Buffer<float>& winding);
   size_t bytes() const;
 

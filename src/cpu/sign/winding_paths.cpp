@@ -165,7 +165,7 @@ size_t PathScratch::bytesNeeded(size_t samples) {
   return samples * (3 * sizeof(int32_t) + sizeof(float));
 }
 
-void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+void averagePaths(const RaySweep& sweep, const FieldOptions& options, Progress& progress, double begin,
                   PathScratch& scratch, Buffer<float>& winding) {
   const RayMap& map = sweep.map();
   const int64_t points = int64_t{options.passes} * pointsPerPass(options);
@@ -189,7 +189,7 @@ void averagePaths(const RaySweep& sweep, const Options& options, Progress& progr
   winding.swap(scratch.next);
 }
 
-void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+void evolvePaths(const RaySweep& sweep, const FieldOptions& options, Progress& progress, double begin,
                  PathScratch& scratch, Buffer<float>& winding) {
   const RayMap& map = sweep.map();
   const int points = pointsPerPass(options);

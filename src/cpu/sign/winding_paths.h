@@ -22,12 +22,12 @@ struct PathScratch {
 
 /// Averages over P passes (§3.5, Eq. 9), the paper's simpler technique. Each offset point q of a pass has the
 /// six paths to it along the axes, and its six rays.
-void averagePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+void averagePaths(const RaySweep& sweep, const FieldOptions& options, Progress& progress, double begin,
                   PathScratch& scratch, Buffer<float>& winding);
 
 /// Evolves the field in P steps (§3.5, Eq. 10-11). Each step has several offset points and starts from the
 /// field of the previous step.
-void evolvePaths(const RaySweep& sweep, const Options& options, Progress& progress, double begin,
+void evolvePaths(const RaySweep& sweep, const FieldOptions& options, Progress& progress, double begin,
                  PathScratch& scratch, Buffer<float>& winding);
 
 }  // namespace raymap::cpu

@@ -90,7 +90,7 @@ std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked) 
 }
 
 bool isFieldArray(std::string_view name) {
-  return name == "distance" || name == "winding" || name == "confidence" || name == "triangle";
+  return std::ranges::find(kArrayNames, name) != kArrayNames.end();
 }
 
 void throwInvalid(const std::filesystem::path& path, const std::string& what) {
@@ -171,8 +171,9 @@ void checkPlacement(const std::filesystem::path& path, const Field& field) {
                              toText(field.grid.origin[axis]));
   if (!std::isfinite(field.grid.spacing) || field.grid.spacing <= 0.0)
     throwInvalid(path, "the grid's spacing is " + toText(field.grid.spacing) + ", not a positive number");
-  if (!std::isfinite(field.band) || field.band < 0.0)
-    throwInvalid(path, "the field's band is " + toText(field.band) + ", not a width");
+  if (!std::isfinite(field.clampDistance) || field.clampDistance < 0.0)
+    throwInvalid(path, std::string("its ") + kClampDistance + " is " + toText(field.clampDistance) +
+                           ", not a distance");
 }
 
 std::array<double, 6> surfaceBoundsOf(const Field& field) {

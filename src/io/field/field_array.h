@@ -35,6 +35,8 @@ std::vector<NamedArray> arraysOf(const Field& field);
 
 /// Returns the arrays that a file of several holds: all of the field with the distance, any other one alone.
 std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked);
+/// Names of a field's arrays in files, in the order of `FieldArray`.
+inline constexpr std::array<std::string_view, 4> kArrayNames{"distance", "winding", "confidence", "triangle"};
 /// Returns whether a field has an array of this name.
 bool isFieldArray(std::string_view name);
 
@@ -79,12 +81,15 @@ uint64_t inflatedBound(uint64_t bytes);
 
 /// Sets the grid's dimensions, which `checkedSampleCount` must have accepted.
 void setDims(Grid& grid, const std::array<int64_t, 3>& dims);
-/// Throws `Error(Input)` unless origin, spacing and band are finite, the spacing is positive and the band is
-/// not negative.
+/// Throws `Error(Input)` unless origin, spacing and `clampDistance` are finite, the spacing is positive and
+/// `clampDistance` not negative.
 void checkPlacement(const std::filesystem::path& path, const Field& field);
 
 /// Name of `Field::surfaceBounds` in files. Its numbers are x0 y0 z0 x1 y1 z1.
 inline constexpr const char* kSurfaceBounds = "surface_bounds";
+/// Name of `Field::clampDistance` in files, and in those that were written before it had that name.
+inline constexpr const char* kClampDistance = "clamp_distance";
+inline constexpr const char* kFormerClampDistance = "band";
 /// Returns the numbers to store; the bounds must not be empty.
 std::array<double, 6> surfaceBoundsOf(const Field& field);
 /// Sets the bounds. Throws `Error(Input)` unless the numbers are finite and in order.

@@ -44,8 +44,8 @@ void readEntry(const std::filesystem::path& path, const std::string& name, uint6
     field.grid.origin = {origin[0], origin[1], origin[2]};
   } else if (name == "spacing") {
     field.grid.spacing = readDoubles(path, 1, read)[0];
-  } else if (name == "band") {
-    field.band = readDoubles(path, 1, read)[0];
+  } else if (name == kClampDistance || name == kFormerClampDistance) {
+    field.clampDistance = readDoubles(path, 1, read)[0];
   } else if (name == kSurfaceBounds) {
     setSurfaceBounds(path, readDoubles(path, 6, read), field);
   } else {
@@ -60,8 +60,8 @@ void readEntry(const std::filesystem::path& path, const std::string& name, uint6
 /// Returns whether a field has an array or value of this name. numpy.savez calls an array without a name
 /// arr_0.
 bool isKnown(std::string_view name) {
-  return isFieldArray(name) || name == "origin" || name == "spacing" || name == "band" ||
-         name == kSurfaceBounds || name == "arr_0";
+  return isFieldArray(name) || name == "origin" || name == "spacing" || name == kClampDistance ||
+         name == kFormerClampDistance || name == kSurfaceBounds || name == "arr_0";
 }
 
 }  // namespace
@@ -98,7 +98,8 @@ void writeNpz(std::ostream& out, const Field& field, const NamedArray& array) {
   const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};
   zip.add("origin.npy", doublesHeader(3), std::as_bytes(std::span(origin)));
   zip.add("spacing.npy", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));
-  zip.add("band.npy", doublesHeader(1), std::as_bytes(std::span(&field.band, 1)));
+  zip.add(std::string(kClampDistance) + ".npy", doublesHeader(1),
+          std::as_bytes(std::span(&field.clampDistance, 1)));
   const std::array<double, 6> box = surfaceBoundsOf(field);
   if (!field.surfaceBounds.isEmpty())
     zip.add(std::string(kSurfaceBounds) + ".npy", doublesHeader(6), std::as_bytes(std::span(box)));

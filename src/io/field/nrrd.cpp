@@ -123,7 +123,8 @@ Field readNrrd(const SourceFile& source) {
                      isDeflated ? inflatedBound(file->remaining()) : file->remaining());
   setDims(field.grid, *dims);
   readPlacement(path, header, field.grid);
-  if (header.contains("band")) field.band = numbersOf(path, header, "band", 1)[0];
+  for (const char* name : {kFormerClampDistance, kClampDistance})
+    if (header.contains(name)) field.clampDistance = numbersOf(path, header, name, 1)[0];
   if (header.contains(kSurfaceBounds))
     setSurfaceBounds(path, numbersOf(path, header, kSurfaceBounds, 6), field);
   checkPlacement(path, field);
@@ -148,7 +149,7 @@ void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array) {
       << "space origin: (" << toText(grid.origin.x) << ',' << toText(grid.origin.y) << ','
       << toText(grid.origin.z) << ")\n"
       << "content: " << array.name << "\n";
-  if (field.band > 0.0) out << "band:=" << toText(field.band) << "\n";
+  if (field.clampDistance > 0.0) out << kClampDistance << ":=" << toText(field.clampDistance) << "\n";
   if (!field.surfaceBounds.isEmpty()) out << kSurfaceBounds << ":=" << toText(surfaceBoundsOf(field)) << "\n";
   out << '\n';
   out.write(reinterpret_cast<const char*>(array.bytes.data()),

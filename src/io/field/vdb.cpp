@@ -72,8 +72,8 @@ struct Background {
 Background backgroundOf(const Field& field) {
   constexpr double kRounding = 1e-5;
   const float largest = largestMagnitude(field.distance);
-  if (field.band > 0.0 && largest <= field.band * (1.0 + kRounding))
-    return {largest < field.band * (1.0 - kRounding) ? float(field.band) : largest,
+  if (field.clampDistance > 0.0 && largest <= field.clampDistance * (1.0 + kRounding))
+    return {largest < field.clampDistance * (1.0 - kRounding) ? float(field.clampDistance) : largest,
             "band: distances are clamped to this magnitude"};
   const float above = largest > 0.0F ? std::nextafter(largest, INFINITY) : float(field.grid.spacing);
   return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
@@ -100,7 +100,7 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   grid->setName(std::string(array.name));
   grid->setCreator("raymap");
   grid->insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
-  if (field.band > 0.0) grid->insertMeta(kVdbBandKey, openvdb::DoubleMetadata(field.band));
+  if (field.clampDistance > 0.0) grid->insertMeta(kVdbClampKey, openvdb::DoubleMetadata(field.clampDistance));
   if (const auto& [low, high] = field.surfaceBounds; !field.surfaceBounds.isEmpty()) {
     grid->insertMeta(kVdbSurfaceMinKey, openvdb::Vec3DMetadata({low.x, low.y, low.z}));
     grid->insertMeta(kVdbSurfaceMaxKey, openvdb::Vec3DMetadata({high.x, high.y, high.z}));

@@ -4,7 +4,8 @@ namespace raymap {
 
 // Keys of our own metadata in .vdb files.
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
-inline constexpr const char* kVdbBandKey = "raymap_band";
+inline constexpr const char* kVdbClampKey = "raymap_clamp_distance";
+inline constexpr const char* kVdbFormerClampKey = "raymap_band";  ///< In files of before.
 inline constexpr const char* kVdbSurfaceMinKey = "raymap_surface_min";
 inline constexpr const char* kVdbSurfaceMaxKey = "raymap_surface_max";
 inline constexpr const char* kVdbBackgroundKey =

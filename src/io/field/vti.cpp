@@ -208,10 +208,10 @@ void writeNumbers(std::ostream& out, const char* name, std::span<const double> n
 
 /// Writes what the field knows besides its arrays.
 void writeFieldData(std::ostream& out, const Field& field) {
-  const bool hasBand = field.band > 0.0, hasBounds = !field.surfaceBounds.isEmpty();
-  if (!hasBand && !hasBounds) return;
+  const bool isClamped = field.clampDistance > 0.0, hasBounds = !field.surfaceBounds.isEmpty();
+  if (!isClamped && !hasBounds) return;
   out << "    <FieldData>\n";
-  if (hasBand) writeNumbers(out, "band", {&field.band, 1});
+  if (isClamped) writeNumbers(out, kClampDistance, {&field.clampDistance, 1});
   if (hasBounds) writeNumbers(out, kSurfaceBounds, surfaceBoundsOf(field));
   out << "    </FieldData>\n";
 }
@@ -236,7 +236,8 @@ Field readVti(const SourceFile& source) {
 
   Field field;
   const auto dims = readGrid(file, image, field.grid);
-  readNumbers(file, image, "band", {&field.band, 1});
+  for (const char* name : {kFormerClampDistance, kClampDistance})
+    readNumbers(file, image, name, {&field.clampDistance, 1});
   if (std::array<double, 6> box{}; readNumbers(file, image, kSurfaceBounds, box))
     setSurfaceBounds(path, box, field);
   checkPlacement(path, field);

@@ -10,11 +10,11 @@
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x34494d52;  // RMI4
+inline constexpr uint32_t kImportMagic = 0x35494d52;  // RMI5
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
-  uint32_t errorCode = 0;     ///< 0 for success, else an ErrorCode; the message then gives the reason.
+  uint32_t failure = 0;       ///< 0 for success, else 1 + ErrorCode; the message then gives the reason.
   uint64_t messageBytes = 0;  ///< Length of the message, which without an error is a warning or empty.
 };
 static_assert(sizeof(ImportHeader) == 16);
@@ -29,7 +29,7 @@ struct VdbHeader {
   std::array<int64_t, 3> dims{};
   std::array<double, 3> origin{};
   double spacing = 0.0;
-  double band = 0.0;
+  double clampDistance = 0.0;
   uint64_t hasSurface = 0;  ///< 1 if the bounds of the surface are known, x0 y0 z0 x1 y1 z1.
   std::array<double, 6> surface{};
   uint64_t isWhole = 0;     ///< 1 if the samples are signed integers, 0 if they are floats.

@@ -78,9 +78,11 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   } else {
     box = grid.evalActiveVoxelBoundingBox();
     if (grid.activeVoxelCount() == 0) throw Error(ErrorCode::Input, "its grid has no active voxel");
-    header.band = bandOf(grid);
+    header.clampDistance = bandOf(grid);
   }
-  if (const auto band = grid.getMetadata<openvdb::DoubleMetadata>(kVdbBandKey)) header.band = band->value();
+  for (const char* key : {kVdbFormerClampKey, kVdbClampKey})
+    if (const auto found = grid.getMetadata<openvdb::DoubleMetadata>(key))
+      header.clampDistance = found->value();
   const auto low = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMinKey),
              high = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMaxKey);
   header.hasSurface = low && high ? 1 : 0;

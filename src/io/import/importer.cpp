@@ -80,8 +80,8 @@ Importer::Importer(const SourceFile& file, std::string_view format, uint64_t fil
     throwInvalid(file_, "the importer speaks another version; reinstall raymap");
   message_.resize(header.messageBytes);
   receive(message_.data(), message_.size());
-  if (header.errorCode != 0)
-    throw Error(static_cast<ErrorCode>(header.errorCode), file_.string() + ": " + message_);
+  if (header.failure != 0)
+    throw Error(static_cast<ErrorCode>(header.failure - 1), file_.string() + ": " + message_);
 }
 
 void Importer::receive(void* data, size_t bytes) {

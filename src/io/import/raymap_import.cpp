@@ -22,18 +22,18 @@ namespace {
 
 bool hasAnswered = false;
 
-void sendHeader(uint32_t errorCode, const std::string& message) {
+void sendHeader(uint32_t failure, const std::string& message) {
   if (hasAnswered) std::_Exit(EXIT_FAILURE);  // The parent notices that data is missing.
   hasAnswered = true;
   ImportHeader header;
-  header.errorCode = errorCode;
+  header.failure = failure;
   header.messageBytes = message.size();
   put(&header, sizeof header);
   put(message.data(), message.size());
 }
 
 void sendFailure(const std::string& message, ErrorCode code = ErrorCode::Input) {
-  sendHeader(static_cast<uint32_t>(code), message);
+  sendHeader(1 + static_cast<uint32_t>(code), message);
 }
 
 /// Limits the address space to `bytes` more than the process has now, for its code and libraries.

@@ -14,7 +14,7 @@ namespace {
 uint64_t readGrid(Importer& importer, const std::filesystem::path& path, uint64_t fileBytes, Field& field) {
   VdbHeader header;
   importer.receive(&header, sizeof header);
-  // Bytes of samples per byte of the file: enough for a thin band in a large box, with a margin.
+  // Bytes of samples per byte of the file: enough for a thin clampDistance in a large box, with a margin.
   constexpr uint64_t kMostGrowth = 2000;
   constexpr uint64_t kAlways = uint64_t{64} << 20;
   const ElementType type = header.isWhole != 0 ? ElementType::Int32 : ElementType::Float32;
@@ -23,13 +23,13 @@ uint64_t readGrid(Importer& importer, const std::filesystem::path& path, uint64_
   setDims(placed.grid, header.dims);
   placed.grid.origin = {header.origin[0], header.origin[1], header.origin[2]};
   placed.grid.spacing = header.spacing;
-  placed.band = header.band;
+  placed.clampDistance = header.clampDistance;
   if (header.hasSurface != 0) setSurfaceBounds(path, header.surface, placed);
   checkPlacement(path, placed);
   const bool isFirst = field.grid.dims == glm::ivec3(0);
   if (isFirst) {
     field.grid = placed.grid;
-    field.band = placed.band;
+    field.clampDistance = placed.clampDistance;
     field.surfaceBounds = placed.surfaceBounds;
   }
   header.name.back() = '\0';

@@ -25,30 +25,22 @@ Turns turnsOf(const Stats& stats, size_t faces) {
 }  // namespace
 
 Generated Given::generateSolid() {
-  Options solid = options;
+  FieldOptions solid = options;
   solid.closeHoles = repair.closeHoles;
   solid.band = neededBand(grid, repair);
-  Generated made = generator_.generate(mesh, grid, solid);
+  Generated made = generator_.generate(mesh, grid, solid, machine);
   turns_ = turnsOf(made.stats, mesh.triangles.size());
   return made;
 }
 
-Field Given::generateOther(const MeshView& other, Options different) {
-  different.threads = options.threads;
-  different.memoryLimit = options.memoryLimit;
-  different.device = options.device;
-  different.warn = options.warn;
-  different.progress = options.progress;
-  return generator_.generate(other, grid, different).field;
+Field Given::generateOther(const MeshView& other, const FieldOptions& different) {
+  return generator_.generate(other, grid, different, machine).field;
 }
 
 const cpu::PreparedSurface& Given::surface() {
   if (!surface_) {
-    Progress progress(options.progress);
-    surface_ = cpu::prepareTurned(
-        mesh, turns_,
-        {.threshold = options.threshold, .threads = options.threads, .memoryLimit = options.memoryLimit},
-        progress);
+    Progress progress(machine.progress);
+    surface_ = cpu::prepareTurned(mesh, turns_, options.threshold, machine, progress);
   }
   return *surface_;
 }

@@ -14,18 +14,18 @@ class Given {
  public:
   const PackedMesh mesh;
   const Grid& grid;
-  const Options& options;
+  const FieldOptions& options;
   const RepairOptions& repair;
+  const MachineOptions& machine;
 
-  Given(const PackedMesh& given, const Grid& lattice, const Options& fieldOptions,
-        const RepairOptions& changes)
-      : mesh(given), grid(lattice), options(fieldOptions), repair(changes) {}
+  Given(const PackedMesh& given, const Grid& lattice, const FieldOptions& fieldOptions,
+        const RepairOptions& changes, const MachineOptions& machineOptions)
+      : mesh(given), grid(lattice), options(fieldOptions), repair(changes), machine(machineOptions) {}
 
   /// Returns the mesh's field, and decides which faces are turned. Called first.
   Generated generateSolid();
-  /// Returns the field of another mesh on the same device. Takes distance and sign from `different`, and on
-  /// what machine from the options.
-  Field generateOther(const MeshView& other, Options different);
+  /// Returns the field of another mesh on the same device.
+  Field generateOther(const MeshView& other, const FieldOptions& different);
   /// Returns the mesh prepared for points, its faces turned as in the field. Prepares it once.
   const cpu::PreparedSurface& surface();
 

@@ -211,7 +211,7 @@ Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Pr
   loss.voxelSize = best.voxelSize;
   loss.keptShare = best.keptShare;
   loss.keptThickness = best.keptThickness;
-  loss.isKept = isKept(best);
+  loss.kept = isKept(best);
   return loss;
 }
 
@@ -223,7 +223,7 @@ std::string describeLoss(const Loss& loss) {
     message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
                numberText(loss.medianThickness, 3) + " in the median";
   const std::string size = numberText(loss.voxelSize, 3) + " (--voxel-size)";
-  if (loss.isKept) return message + "; a voxel size of " + size + " keeps them";
+  if (loss.kept) return message + "; a voxel size of " + size + " keeps them";
   if (loss.keptShare > 0.0)
     return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
            numberText(100.0 * loss.keptShare, 3) + " % of them, and half of the rest is thinner than " +

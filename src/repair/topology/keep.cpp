@@ -39,7 +39,7 @@ bool keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const Warnin
   RepairReport& report = repaired.report;
   report.partsOverlap = !areNestedRight(found);
   if (report.partsOverlap) return false;
-  report.isKept = true;
+  report.kept = true;
   repaired.mesh = weldedCopy(mesh);
   const Choice choice = choosePieces(found, repair, true, report);
   if (repair.dropSmaller) {

@@ -18,9 +18,9 @@ class OpenDevice final : public GpuDevice {
   explicit OpenDevice(size_t index) : device_({.index = index}) {}
 
   void generate(const Job& job, Stats& stats) override {
-    const bool isLimited = job.options.memoryLimit != 0;
-    if (isLimited) backend_.reset();  // What earlier runs left would count.
-    device_.limitMemory(isLimited ? job.options.memoryLimit : UINT64_MAX);
+    const size_t limit = job.machine.memoryLimit;
+    if (limit != 0) backend_.reset();  // What earlier runs left would count.
+    device_.limitMemory(limit != 0 ? limit : UINT64_MAX);
     if (!backend_) backend_.emplace(device_);
     backend_->take(job);
     runPipeline(*backend_);

@@ -46,7 +46,7 @@ void Backend::take(const Job& job) {
 }
 
 void Backend::begin() {
-  const auto& [mesh, grid, options, progress, field] = *job_;
+  const auto& [mesh, grid, options, progress, field, machine] = *job_;
   doubtfulShare_.reset();
   turns_.clear();
   faceSides_ = {};
@@ -55,14 +55,14 @@ void Backend::begin() {
   reserve(extentOf(mesh, grid, options));
   reserveResults();
   setResults({.distance = distance_.address(),
-              .triangle = options.triangleIds ? triangle_.address() : 0,
+              .triangle = options.triangle ? triangle_.address() : 0,
               .winding = options.winding ? winding_.address() : 0,
               .confidence = options.confidence ? confidence_.address() : 0});
   recordMesh(upload_.source());
 }
 
 StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid,
-                                        const Options& options) const {
+                                        const FieldOptions& options) const {
   Extent extent{.vertices = static_cast<uint32_t>(mesh.vertices.size()),
                 .triangles = static_cast<uint32_t>(mesh.triangles.size()),
                 .dims = grid.dims,
@@ -80,7 +80,7 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
 }
 
 void Backend::reserveResults() {
-  const auto& [mesh, grid, options, progress, field] = *job_;
+  const auto& [mesh, grid, options, progress, field, machine] = *job_;
   const auto reserve = [&, samples = grid.sampleCount()](DeviceBuffer& result, auto& values,
                                                          bool isAskedFor) {
     const size_t count = isAskedFor ? samples : 0;
@@ -88,9 +88,9 @@ void Backend::reserveResults() {
     values.resizeUninitialized(count);
   };
   field.grid = grid;
-  field.band = options.band * grid.spacing;
+  field.clampDistance = options.band * grid.spacing;
   reserve(distance_, field.distance, true);
-  reserve(triangle_, field.triangle, options.triangleIds);
+  reserve(triangle_, field.triangle, options.triangle);
   reserve(winding_, field.winding, options.winding && hasSign());
   reserve(confidence_, field.confidence, options.confidence && hasSign());
   piece_.resize<std::byte>(pieceBytes(distance_.bytes()));
@@ -130,7 +130,7 @@ Commands Backend::newCommands() {
 }
 
 void Backend::onProgress(double done) {
-  if (!options().progress) return;
+  if (!job_->machine.progress) return;
   run();
   progress().report(done);
 }
@@ -205,7 +205,7 @@ const CellMesh& Backend::cellMesh() {
 }
 
 size_t Backend::bytesLeft() const {
-  return options().memoryLimit == 0 ? availableMemory() : device_->memoryLeft();
+  return job_->machine.memoryLimit == 0 ? availableMemory() : device_->memoryLeft();
 }
 
 void Backend::addPatch() {

@@ -23,7 +23,7 @@ class Backend : public StageRecorder, private RecordingListener {
       startStage(name);
       work();
       stopStage();
-      if (options().progress) run();
+      if (job_->machine.progress) run();
     });
   }
   /// Uploads the mesh and sizes the field.
@@ -70,7 +70,7 @@ class Backend : public StageRecorder, private RecordingListener {
   Commands newCommands();
   void onMuchWork() override { run(); }
   void onProgress(double done) override;
-  Extent extentOf(const PackedMesh& mesh, const Grid& grid, const Options& options) const;
+  Extent extentOf(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options) const;
   void reserveResults();
   std::span<const float> measureRises(float farSides);
   void recordPiece(const DeviceBuffer& result, uint64_t first);

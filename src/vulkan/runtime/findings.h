@@ -6,8 +6,6 @@
 #include "vulkan/stages/cell_runs_push.h"
 #include "vulkan/stages/crossings_push.h"
 
-#include <raymap/vulkan.h>
-
 namespace raymap::vulkan {
 
 /// Results of the stages for the host. Stages that did not run leave their part unchanged.
@@ -17,6 +15,5 @@ struct Findings {
   CellRunsTotals lists[kMostLevels];
   uint32_t doubtful;  ///< Samples whose rays disagree.
 };
-static_assert(sizeof(Findings) == kStatusWords * sizeof(uint32_t));
 
 }  // namespace raymap::vulkan

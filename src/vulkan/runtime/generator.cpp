@@ -64,7 +64,7 @@ struct Generator::Impl {
   explicit Impl(Args&&... args) : device(std::forward<Args>(args)...), backend(device), trial(device) {}
 
   void reserve(const Room& wanted);
-  void record(const FrameBackend::Frame& frame, const Grid& grid, const Options& options);
+  void record(const FrameBackend::Frame& frame, const Grid& grid, const FieldOptions& options);
   void makeKernels();
   VkDeviceAddress addressOf(const BufferRange& range) const;
   CellMeshStage::Source sourceOf(const MeshBuffers& mesh) const;
@@ -86,13 +86,14 @@ void Generator::Impl::reserve(const Room& wanted) {
 /// Records a frame that never runs, because kernels are made when they are first recorded.
 void Generator::Impl::makeKernels() {
   const Grid grid{.dims = room->dims, .spacing = 1.0};
-  const Options options{.distance = room->distance, .sign = room->sign};
+  const FieldOptions options{.distance = room->distance, .sign = room->sign};
   record(
       {.commands = trial.begin(), .mesh = {.vertexCount = room->vertices, .triangleCount = room->triangles}},
       grid, options);
 }
 
-void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid, const Options& options) {
+void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid,
+                             const FieldOptions& options) {
   backend.take(frame, grid, options);
   runPipeline(backend);
 }
@@ -143,7 +144,7 @@ void Generator::reserve(const Room& room) {
 }
 
 void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid,
-                       const Options& options, const Target& target) {
+                       const FieldOptions& options, const Target& target) {
   require(impl_->room.has_value(), "no capacity is reserved; call reserve first");
   const Room& room = *impl_->room;
   checkOptions(grid, options);
@@ -175,11 +176,17 @@ Status Generator::status() const {
   return impl_->room ? impl_->backend.status() : Status{};
 }
 
-Status Generator::status(std::span<const uint32_t, kStatusWords> words) const {
+Status Generator::status(std::span<const std::byte> written) const {
+  require(written.size() == statusBytes(), "a status has " + std::to_string(statusBytes()) + " bytes, not " +
+                                               std::to_string(written.size()) + "; see statusBytes");
   require(impl_->room.has_value(), "no capacity is reserved, so there is no frame; call reserve first");
   Findings findings;
-  std::memcpy(&findings, words.data(), sizeof findings);
+  std::memcpy(&findings, written.data(), sizeof findings);
   return impl_->backend.status(findings);
+}
+
+size_t statusBytes() {
+  return sizeof(Findings);
 }
 
 uint64_t Generator::bytes() const {

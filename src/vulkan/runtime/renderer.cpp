@@ -29,7 +29,7 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
       .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
   const VkDeviceAddress picture = addressOf(impl_->device.handle(), pixels, "a picture");
-  const Field elsewhere{.grid = field.grid, .band = field.band};
+  const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   const Scene scene(elsewhere, options);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);

@@ -54,7 +54,7 @@ void StageRecorder::reserveSign() {
     windingDipoles_.reserve(extent_.triangles, dims);
 }
 
-void StageRecorder::start(const Commands& commands, const Grid& grid, const Options& options) {
+void StageRecorder::start(const Commands& commands, const Grid& grid, const FieldOptions& options) {
   commands_ = commands;
   grid_ = &grid;
   options_ = &options;

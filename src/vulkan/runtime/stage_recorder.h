@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/options.h>
+#include <raymap/vulkan.h>
 
 #include <array>
 
@@ -31,7 +32,7 @@ namespace raymap::vulkan {
 /// `Backend` transfers both from and to the host, `FrameBackend` leaves both on the device.
 class StageRecorder {
  public:
-  const Options& options() const { return *options_; }
+  const FieldOptions& options() const { return *options_; }
 
   void voxelGrid();
   void cellDistance();
@@ -82,7 +83,7 @@ class StageRecorder {
 
   /// Sets the input of the following stages. Grid and options must outlive them. The reserved capacities must
   /// cover the options.
-  void start(const Commands& commands, const Grid& grid, const Options& options);
+  void start(const Commands& commands, const Grid& grid, const FieldOptions& options);
   /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
@@ -135,7 +136,7 @@ class StageRecorder {
   Device* device_;
   std::optional<Commands> commands_;
   const Grid* grid_ = nullptr;
-  const Options* options_ = nullptr;
+  const FieldOptions* options_ = nullptr;
   Extent extent_;
   Results results_;
   ScratchMemory scratch_;  // Declared before the members that use it.

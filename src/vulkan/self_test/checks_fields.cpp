@@ -14,14 +14,14 @@ struct Made {
   Stats stats;
 };
 
-Options withEverything(Options options) {
+FieldOptions withEverything(FieldOptions options) {
   options.winding = options.confidence = true;
-  options.triangleIds = options.distance != DistanceMode::Raster;
+  options.triangle = options.distance != DistanceMode::Raster;
   return options;
 }
 
 template <class Backend>
-Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const Options& options) {
+Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   Made made;
   Progress progress;
   backend.take({mesh, grid, options, progress, made.field});
@@ -33,7 +33,8 @@ Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const Options& o
 
 /// Expects distances within 1e-6 of the diagonal, and equal signs wherever |w| is more than 1e-4 from the
 /// threshold. Distances to a patch depend on where the winding number crosses the threshold, so less exactly.
-void requireSameDistances(const Field& ours, const Field& theirs, const Mesh& mesh, const Options& options) {
+void requireSameDistances(const Field& ours, const Field& theirs, const Mesh& mesh,
+                          const FieldOptions& options) {
   const double allowed =
       options.closeHoles ? 0.01 * ours.grid.spacing : 1e-6 * glm::length(bounds(mesh).size());
   requireAll("distances", ours.distance, theirs.distance,
@@ -45,7 +46,7 @@ void requireSameDistances(const Field& ours, const Field& theirs, const Mesh& me
                   ", not " + textOf(theirs.winding[s]));
 }
 
-void requireSameField(const Made& ours, const Made& theirs, const Mesh& mesh, const Options& options) {
+void requireSameField(const Made& ours, const Made& theirs, const Mesh& mesh, const FieldOptions& options) {
   requireEqual("turned faces", ours.stats.turnedFaces, theirs.stats.turnedFaces);
   requireEqual("left out faces", ours.stats.leftOutFaces, theirs.stats.leftOutFaces);
   requireEqual("triangles of the patch", std::vector{ours.stats.patchTriangles},
@@ -61,8 +62,8 @@ void requireSameField(const Made& ours, const Made& theirs, const Mesh& mesh, co
 }
 
 void compareFields(Subject& subject, const std::string& name, const Mesh& mesh,
-                   const GridOptions& gridOptions, const Options& asked) {
-  const Options options = withEverything(asked);
+                   const GridOptions& gridOptions, const FieldOptions& asked) {
+  const FieldOptions options = withEverything(asked);
   const Grid grid = fitGrid(mesh, gridOptions);
   cpu::Backend cpu;
   inCase(name, [&] {
@@ -129,7 +130,7 @@ void checkDefault(Subject& subject) {
 }
 
 void checkQuick(Subject& subject) {
-  const Options quick{.distance = DistanceMode::Cell, .sign = SignMode::Rays};
+  const FieldOptions quick{.distance = DistanceMode::Cell, .sign = SignMode::Rays};
   for (const auto& [name, mesh] : meshes()) compareFields(subject, name, mesh, {.resolution = 24}, quick);
   const GridOptions box{.resolution = 16, .box = Box{glm::dvec3(-1.5), glm::dvec3(1.5)}};
   compareFields(subject, "large triangle", underALargeTriangle(), box, quick);

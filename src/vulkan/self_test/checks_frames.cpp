@@ -84,7 +84,7 @@ void checkSkin(Subject& subject) {
             "vertex " + textOf(v) + " is " + textOf(moved[v]) + " without the last joint");
 }
 
-Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const Options& options) {
+Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   Field field;
   Progress progress;
   backend.take({mesh, grid, options, progress, field});
@@ -96,7 +96,7 @@ Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const Opti
 /// Makes the same field in an image, and returns a copy of its texels.
 template <class Texel>
 DeviceBuffer texelsOf(const Probe& probe, FrameBackend& frames, VkFormat format, const Mesh& mesh,
-                      const Grid& grid, const Options& options) {
+                      const Grid& grid, const FieldOptions& options) {
   const auto vertexCount = uint32_t(mesh.vertices.size()), triangleCount = uint32_t(mesh.triangles.size());
   const DeviceBuffer vertices = probe.upload(mesh.vertices), triangles = probe.upload(mesh.triangles);
   const ProbeImage image(probe.device(), format, grid.dims);
@@ -136,7 +136,7 @@ void requireNearestHalves(std::span<const uint16_t> halves, const Buffer<float>&
 void checkFieldImage(Subject& subject) {
   const Mesh mesh = shapes::torus(1.0, 0.4, 20, 12);
   const Grid grid = fitGrid(mesh, {.resolution = 15});
-  const Options options{.orientation = Orientation::Keep};  // As frames do.
+  const FieldOptions options{.orientation = Orientation::Keep};  // As frames do.
   const Field field = hostField(subject.backend, mesh, grid, options);
   FrameBackend frames(subject.probe.device());
   const DeviceBuffer floats =
@@ -149,7 +149,7 @@ void checkFieldImage(Subject& subject) {
 
 /// Returns the field of a box without a ball at one corner.
 Field notchedBox(int side, double band) {
-  Field field{.grid = {glm::ivec3(side), glm::dvec3(-1.0), 2.0 / (side - 1)}, .band = band};
+  Field field{.grid = {glm::ivec3(side), glm::dvec3(-1.0), 2.0 / (side - 1)}, .clampDistance = band};
   field.distance.resizeUninitialized(field.grid.sampleCount());
   for (size_t s = 0; s < field.distance.size(); ++s) {
     const glm::dvec3 p = field.grid.position(CellLattice{field.grid.dims}.cell(s));

@@ -263,7 +263,7 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
 }
 
 void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
-                  const Options& options) {
+                  const FieldOptions& options) {
   Progress progress;
   cpu::PathScratch scratch;
   const cpu::RaySweep sweep(map);

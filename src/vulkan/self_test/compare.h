@@ -28,6 +28,6 @@ void compareCrossings(SignProbe& probe, const CellMesh& mesh);
 void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode);
 void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu::RayMap& map);
 void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
-                  const Options& options);
+                  const FieldOptions& options);
 
 }  // namespace raymap::vulkan

@@ -12,8 +12,8 @@ void WindingStage::reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedT
   if (mode == SignMode::Harmonic || isSolvedToo) harmonic_.reserve(dims);
 }
 
-void WindingStage::record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,
-                          VkDeviceAddress winding) {
+void WindingStage::record(Commands& commands, const LatticeLines& rays, SignMode mode,
+                          const FieldOptions& options, VkDeviceAddress winding) {
   rays_.record(commands, rays, mode, winding);
   const WindingFields fields{.rays = rays.axes, .winding = winding, .doubtful = doubtful().address()};
   if (mode == SignMode::Harmonic) harmonic_.record(commands, fields);

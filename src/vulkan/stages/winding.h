@@ -15,7 +15,7 @@ class WindingStage {
   /// recorded work must have completed.
   void reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedToo);
   /// Writes a float per sample to `winding`. The options give the number of passes and the offsets.
-  void record(Commands& commands, const LatticeLines& rays, SignMode mode, const Options& options,
+  void record(Commands& commands, const LatticeLines& rays, SignMode mode, const FieldOptions& options,
               VkDeviceAddress winding);
   /// Number of samples whose six rays disagree, one 32-bit number.
   const DeviceBuffer& doubtful() const { return rays_.doubtful(); }

@@ -25,7 +25,7 @@ void WindingPathsStage::reserve(const glm::ivec3& dims) {
 }
 
 void WindingPathsStage::recordAverage(Commands& commands, const WindingFields& fields,
-                                      const Options& options) {
+                                      const FieldOptions& options) {
   gate_.record(commands, fields.doubtful);
   const int64_t points = int64_t{options.passes} * pointsPerPass(options);
   WindingPathsPush mean = push(fields);
@@ -37,7 +37,7 @@ void WindingPathsStage::recordAverage(Commands& commands, const WindingFields& f
 }
 
 void WindingPathsStage::recordEvolution(Commands& commands, const WindingFields& fields,
-                                        const Options& options) {
+                                        const FieldOptions& options) {
   gate_.record(commands, fields.doubtful);
   const int64_t points = pointsPerPass(options);
   WindingPathsPush step = push(fields);
@@ -51,8 +51,8 @@ void WindingPathsStage::recordEvolution(Commands& commands, const WindingFields&
   if (step.values != fields.winding) copy(commands, step.values, fields);
 }
 
-void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first,
-                            int64_t end) {
+void WindingPathsStage::add(Commands& commands, WindingPathsPush push, const FieldOptions& options,
+                            int64_t first, int64_t end) {
   Kernel<WindingPathsPush>& kernel = options.sampling == Sampling::Paper ? raysOutside_ : zeroOutside_;
   const float divisor = push.divisor;
   const int64_t all = std::max<int64_t>(int64_t{options.passes} * pointsPerPass(options), 1);

@@ -19,13 +19,14 @@ class WindingPathsStage {
   /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
   /// Averages over `options.passes` passes (§3.5, Eq. 9), on the grid of the last `reserve`.
-  void recordAverage(Commands& commands, const WindingFields& fields, const Options& options);
+  void recordAverage(Commands& commands, const WindingFields& fields, const FieldOptions& options);
   /// Takes `options.passes` steps (§3.5, Eq. 10-11), on the grid of the last `reserve`.
-  void recordEvolution(Commands& commands, const WindingFields& fields, const Options& options);
+  void recordEvolution(Commands& commands, const WindingFields& fields, const FieldOptions& options);
 
  private:
   /// Adds the curves through the points [first, end) and divides the sums by the push constants' divisor.
-  void add(Commands& commands, WindingPathsPush push, const Options& options, int64_t first, int64_t end);
+  void add(Commands& commands, WindingPathsPush push, const FieldOptions& options, int64_t first,
+           int64_t end);
   /// Copies the numbers at `from` to `fields.winding`.
   void copy(Commands& commands, VkDeviceAddress from, const WindingFields& fields);
   WindingPathsPush push(const WindingFields& fields) const;

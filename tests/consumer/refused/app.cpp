@@ -17,7 +17,7 @@ bool names(const std::string& message, const char* option) {
 
 bool refusesGpu(const raymap::Mesh& mesh, const raymap::Grid& grid) {
   try {
-    raymap::generate(mesh, grid, {.device = "vulkan"});
+    raymap::generate(mesh, grid, {}, {.device = "vulkan"});
   } catch (const raymap::Error& error) {
     return error.code() == raymap::ErrorCode::Unsupported && names(error.what(), "RAYMAP_VULKAN=ON");
   }
