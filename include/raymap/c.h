@@ -102,8 +102,9 @@ RAYMAP_API raymap_result raymap_options_set_offsets(raymap_options* options, con
  * false to cancel: the call then fails with RAYMAP_ERROR_CANCELLED. Any thread may call it, one at a time. */
 typedef bool (*raymap_progress_callback)(const char* stage, double done, void* user);
 
-/* Receives one sentence about something odd that does not stop the call. */
-typedef void (*raymap_warning_callback)(const char* message, void* user);
+/* Receives what is odd but does not stop the call: the code of the warning, for example "rounding"
+ * (docs/report.md lists them), and one sentence. Both are valid during the call only. */
+typedef void (*raymap_warning_callback)(const char* code, const char* message, void* user);
 
 /* Sets the callbacks; NULL = none. `user` is passed on to them as it is. */
 RAYMAP_API raymap_result raymap_options_set_progress(raymap_options* options,

@@ -55,6 +55,16 @@ def test_the_table_holds_figures_of_info_and_of_the_field(meshes: Path) -> None:
         assert (row["state"], row["reason"]) == ("done", "")
 
 
+def test_the_table_holds_warnings_with_their_codes(meshes: Path) -> None:
+    with open(meshes / "open.OBJ", "a") as file:
+        file.write("curv2 1 2\nf 1 2\n")
+    generate(meshes)
+    rows = table()
+    assert {name: row["warning_codes"] for name, row in rows.items() if row["warnings"]} == {"open.OBJ": "file_content"}
+    texts = ["1 face with fewer than three corners dropped", "free-form curves and surfaces are not read"]
+    assert rows["open.OBJ"]["warnings"] == "; ".join(f"{meshes / 'open.OBJ'}: {text}" for text in texts)
+
+
 def test_the_page_refers_to_files_that_exist(meshes: Path) -> None:
     (meshes / "bad.ply").write_text("ply\n")
     shutil.copy(meshes / "small.ply", meshes / "a & <b> #1.ply")

@@ -39,9 +39,13 @@ class ChosenDevice {
       return device != nullptr;
     } catch (const Error& error) {
       if (!isOfTheDevice(error)) throw;  // The device is as good as before.
+      const std::string used = number_ ? "vulkan:" + std::to_string(*number_) : "";
       close();
       if (name != "auto") throw;
-      if (warn) warn(std::string("the CPU was used instead of the GPU: ") + error.what());
+      if (warn)
+        warn({WarningCode::DeviceFailed,
+              std::string("the CPU was used instead of the GPU: ") + error.what(),
+              {.device = used}});
       return false;
     } catch (...) {
       close();

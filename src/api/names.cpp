@@ -107,6 +107,21 @@ struct Names<Remedy> {
   static constexpr std::array<std::string_view, 3> kNames{"none", "repair", "thicken"};
 };
 
+template <>
+struct Names<WarningCode> {
+  static constexpr std::string_view kKind = "warning code";
+  static constexpr std::array kValues{
+      WarningCode::FileContent,   WarningCode::Rounding,          WarningCode::DeviceRefused,
+      WarningCode::DeviceFailed,  WarningCode::OrientationMisfit, WarningCode::BoxReached,
+      WarningCode::SolidLost,     WarningCode::SurfaceLost,       WarningCode::PartsDropped,
+      WarningCode::PartsKept,     WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
+      WarningCode::HollowsFilled, WarningCode::NoHollow,          WarningCode::DrainHolesMissing};
+  static constexpr std::array<std::string_view, 15> kNames{
+      "file_content", "rounding",        "device_refused", "device_failed", "orientation_misfit",
+      "box_reached",  "solid_lost",      "surface_lost",   "parts_dropped", "parts_kept",
+      "parts_buried", "cavities_filled", "hollows_filled", "no_hollow",     "drain_holes_missing"};
+};
+
 template <class Enum>
 std::string_view nameOf(Enum value) {
   using N = Names<Enum>;
@@ -153,5 +168,6 @@ RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 RAYMAP_DEFINE_NAMES(MeshKind)
 RAYMAP_DEFINE_NAMES(Remedy)
+RAYMAP_DEFINE_NAMES(WarningCode)
 
 }  // namespace raymap

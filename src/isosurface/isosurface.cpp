@@ -176,7 +176,9 @@ void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& resu
     throw;
   }
   if (options.warn && reachesBox(field, options.iso))
-    options.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
+    options.warn(
+        {WarningCode::BoxReached,
+         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
 }
 
 }  // namespace raymap

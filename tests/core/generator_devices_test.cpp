@@ -20,7 +20,7 @@ class GeneratorDevices : public testing::Test {
     Options options;
     options.device = device;
     options.progress = progress;
-    options.warn = [&](std::string_view text) { warning_ = text; };
+    options.warn = [&](const Warning& warning) { warning_ = warning.message; };
     return generator_.generate(mesh, fitGrid(mesh, {.resolution = 8}), options, field_);
   }
 

@@ -9,7 +9,7 @@ namespace {
 template <class Enum>
 class NamesOf : public testing::Test {};
 using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
-                             DeviceTestState, ErrorCode, MeshKind, Remedy>;
+                             DeviceTestState, ErrorCode, MeshKind, Remedy, WarningCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {

@@ -136,8 +136,9 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
         mesh = load_mesh(job["mesh"])
         found = info(mesh)
         write, figures = _MAKERS[job["what"]](mesh, job)
-    texts = sorted({str(warning.message) for warning in caught})
-    return {**figures, "info": found, "warnings": texts}, write
+    odd = sorted({(getattr(warning.message, "code", warning.category.__name__), str(warning.message)) for warning in caught})
+    found_odd = [{"code": code, "message": message} for code, message in odd]
+    return {**figures, "info": found, "warnings": found_odd}, write
 
 
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
