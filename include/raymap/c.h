@@ -34,14 +34,15 @@ extern "C" {
 /* The values are those of raymap::ErrorCode. */
 typedef enum raymap_result {
   RAYMAP_OK = 0,
-  RAYMAP_ERROR_BUG = 1,         /* Something unexpected: please report the message. */
-  RAYMAP_ERROR_USAGE = 2,       /* An option or argument makes no sense. */
-  RAYMAP_ERROR_INPUT = 3,       /* A file or array was read, but its content is not valid. */
-  RAYMAP_ERROR_FILE = 4,        /* A file cannot be opened, read or written. */
-  RAYMAP_ERROR_MEMORY = 5,      /* The work needs more memory than allowed. */
-  RAYMAP_ERROR_CANCELLED = 6,   /* The progress callback asked to stop. */
-  RAYMAP_ERROR_UNSUPPORTED = 7, /* Valid, but beyond what this build or this machine can do. */
-  RAYMAP_ERROR_DEVICE_LOST = 8  /* The GPU stopped answering while it worked. */
+  RAYMAP_ERROR_BUG = 1,           /* Something unexpected: please report the message. */
+  RAYMAP_ERROR_USAGE = 2,         /* An option or argument makes no sense. */
+  RAYMAP_ERROR_INPUT = 3,         /* A file or array was read, but its content is not valid. */
+  RAYMAP_ERROR_FILE = 4,          /* A file cannot be opened, read or written. */
+  RAYMAP_ERROR_MEMORY = 5,        /* The work needs more memory than allowed. */
+  RAYMAP_ERROR_CANCELLED = 6,     /* The progress callback asked to stop. */
+  RAYMAP_ERROR_UNSUPPORTED = 7,   /* Valid, but beyond what this build or this machine can do. */
+  RAYMAP_ERROR_DEVICE_LOST = 8,   /* The GPU stopped answering while it worked. */
+  RAYMAP_ERROR_DEVICE_MEMORY = 10 /* The GPU has no memory left, whatever is allowed. */
 } raymap_result;
 
 /* Returns the result of the last call of this thread that failed; RAYMAP_OK if none did. */

@@ -28,6 +28,10 @@ class MemoryLimitError(Error, MemoryError):
     """The work needs more memory than ``memory_limit``, or than the machine has."""
 
 
+class DeviceMemoryError(MemoryLimitError):
+    """The GPU has no memory left, whatever is allowed."""
+
+
 class Cancelled(Error):
     """The progress callable returned False."""
 
@@ -60,6 +64,7 @@ _BY_CODE: dict[str, type[Error]] = {
     "cancelled": Cancelled,
     "unsupported": UnsupportedError,
     "device_lost": DeviceLostError,
+    "device_memory": DeviceMemoryError,
 }
 
 

@@ -320,11 +320,12 @@ def test_a_lost_device_is_tried_again_in_a_fresh_process() -> None:
 
 
 def test_a_full_gpu_is_the_machine_s_fault_and_the_memory_limit_is_not() -> None:
-    full = "allocating the buffer distance: the device has no memory left; use a lower resolution"
+    full = "the device's buffer 'distance' needs 2 MiB, but only 1 MiB is available; use a lower resolution"
     job = {"memory_limit": 1000, "options": {"device": "vulkan:0"}}
-    assert child._explain(raymap.MemoryLimitError(full), job) == {"reason": full, "again": True, "is_machine": True}
-    limited = child._explain(raymap.MemoryLimitError("the field needs 2 MiB"), job)
-    assert limited == {"reason": "the field needs 2 MiB (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
+    assert child._explain(raymap.DeviceMemoryError(full), job) == {"reason": full, "again": True, "is_machine": True}
+    text = "the device's buffer 'distance' needs 2 MiB, but only 1 MiB of the limit is left"
+    limited = child._explain(raymap.MemoryLimitError(text), job)
+    assert limited == {"reason": f"{text} (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
 
 
 def write_dae(path: Path) -> None:

@@ -73,11 +73,11 @@ struct Names<DeviceTestState> {
 template <>
 struct Names<ErrorCode> {
   static constexpr std::string_view kKind = "error code";
-  static constexpr std::array kValues{ErrorCode::Usage,     ErrorCode::Input,     ErrorCode::File,
-                                      ErrorCode::Memory,    ErrorCode::Cancelled, ErrorCode::Unsupported,
-                                      ErrorCode::DeviceLost};
-  static constexpr std::array<std::string_view, 7> kNames{"usage",     "input",       "file",       "memory",
-                                                          "cancelled", "unsupported", "device_lost"};
+  static constexpr std::array kValues{ErrorCode::Usage,      ErrorCode::Input,       ErrorCode::File,
+                                      ErrorCode::Memory,     ErrorCode::Cancelled,   ErrorCode::Unsupported,
+                                      ErrorCode::DeviceLost, ErrorCode::DeviceMemory};
+  static constexpr std::array<std::string_view, 8> kNames{
+      "usage", "input", "file", "memory", "cancelled", "unsupported", "device_lost", "device_memory"};
 };
 
 template <>

@@ -39,7 +39,8 @@ void runWell(ChosenDevice& device, const std::string& name) {
 
 TEST(Devices, FallBackToTheCpuAndSayWhy) {
   const CountingGpu gpu;
-  for (const ErrorCode code : {ErrorCode::DeviceLost, ErrorCode::Memory, ErrorCode::Unsupported}) {
+  for (const ErrorCode code :
+       {ErrorCode::DeviceLost, ErrorCode::DeviceMemory, ErrorCode::Memory, ErrorCode::Unsupported}) {
     ChosenDevice device;
     const Attempt attempt = runFailing(device, code, "auto");
     EXPECT_EQ(attempt.onGpu, 1);

@@ -38,6 +38,8 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(DeviceType::Software), "software");
   EXPECT_EQ(name(DeviceTestState::Unfinished), "unfinished");
   EXPECT_EQ(name(ErrorCode::DeviceLost), "device_lost");
+  EXPECT_EQ(name(ErrorCode::DeviceMemory), "device_memory");
+  EXPECT_EQ(name(WarningCode::DrainHolesMissing), "drain_holes_missing");
   EXPECT_EQ(names<SignMode>().size(), 6u);
   EXPECT_THROW(name(static_cast<SignMode>(77)), Error);
 }
