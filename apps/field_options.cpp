@@ -10,6 +10,7 @@
 #include "first_use.h"
 #include "read_offsets.h"
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 
@@ -58,8 +59,9 @@ void testBeforeFirstUse(std::string& device) {
     return child && succeeds(*child);
   };
   if (hasPassed() || deviceToTest() != id) return;
-  warn("the CPU is used instead of the GPU: the test of " + id + " did not pass; `raymap devices --test " +
-       id + "` says why");
+  warn({WarningCode::DeviceRefused,
+        "the CPU is used instead of the GPU: the test of " + id + " did not pass; test it again to see why",
+        {.device = id}});
   device = "cpu";
 }
 

@@ -23,8 +23,8 @@ constexpr const char* kFooter = R"(Try it:
 
 Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file cannot be read or written,
 5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU stopped answering,
-9 a GPU failed its test, 1 a bug in raymap, 130 or 143 stopped by Ctrl-C or SIGTERM,
-129 or 152 stopped by SIGHUP or SIGXCPU.)";
+9 a GPU failed its test, 10 the GPU has no memory left, 1 a bug in raymap,
+130 or 143 stopped by Ctrl-C or SIGTERM, 129 or 152 stopped by SIGHUP or SIGXCPU.)";
 
 int fail(int code, const std::string& message) {
   std::fprintf(stderr, "raymap: error: %s\n", withDisplayNames(message).c_str());
@@ -82,6 +82,8 @@ int exitCode(ErrorCode code) {
       return 7;
     case ErrorCode::DeviceLost:
       return 8;
+    case ErrorCode::DeviceMemory:
+      return 10;
   }
   return 1;
 }

@@ -9,6 +9,7 @@
 #include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 

@@ -9,6 +9,7 @@
 
 #include "repair_report.h"
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 
@@ -76,7 +77,7 @@ MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options) {
   return {.offset = options.recenter ? roundCentre(bounds(mesh)) : glm::dvec3(0.0),
           .unit = options.unit,
           .format = options.format,
-          .warn = [](std::string_view message) { warn(std::string(message) + " by --recenter"); }};
+          .warn = warn};
 }
 
 StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options) {

@@ -27,7 +27,7 @@ struct StoreOptions {
 };
 
 /// Returns how to write a mesh. Its offset is of whole multiples of a power of ten, so that people can type
-/// it. Warnings of rounding go to stderr, and name the option.
+/// it.
 MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options);
 
 /// Rounds a mesh as the file will.

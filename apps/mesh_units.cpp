@@ -38,9 +38,9 @@ void warnOfUnit(const MeshUnits& units, const std::filesystem::path& mesh,
                 const std::filesystem::path& result) {
   const std::optional<LengthUnit> given = meshUnit(mesh), implied = impliedUnit(result);
   if (!units.unit.empty() || !given || !implied || *given == *implied) return;
-  warn(result.string() + ": its lengths are in " + nameOf(*given) + ", as in " + mesh.string() +
-       ", but programs take them for " + nameOf(*implied) + "; --unit " + nameOf(*implied) +
-       " converts them");
+  printWarning(result.string() + ": its lengths are in " + nameOf(*given) + ", as in " + mesh.string() +
+               ", but programs take them for " + nameOf(*implied) + "; --unit " + nameOf(*implied) +
+               " converts them");
 }
 
 /// Turns the mesh by a quarter about x, so that y becomes z, or z becomes y.

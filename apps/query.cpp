@@ -12,6 +12,7 @@
 #include "field_options.h"
 #include "report.h"
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 

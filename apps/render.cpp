@@ -8,6 +8,7 @@
 #include "report.h"
 #include "terminal.h"
 #include "view_options.h"
+#include "warnings.h"
 
 namespace raymap {
 

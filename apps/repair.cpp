@@ -11,6 +11,7 @@
 #include "mesh_units.h"
 #include "repair_report.h"
 #include "terminal.h"
+#include "warnings.h"
 
 namespace raymap {
 
@@ -66,7 +67,8 @@ void run(RepairArguments& arguments) {
   const RepairReport report = makeSolid(mesh, grid, arguments, stored);
   checkCrossing(stored, report.crossingAfter.pairs);
   if (!isSound(report.after))
-    warn("the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
+    printWarning(
+        "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
   writeMesh(stored.path, stored.exact, stored.options);
   if (!arguments.stats.empty())
     writeAtomically(arguments.stats, [&](std::ostream& out) {

@@ -115,8 +115,6 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
     std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
   if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
     std::printf("  %-22s %s left out\n", "double-sided", counted(leftOut, "other side").c_str());
-  if (!report.stats.orientationFits)
-    std::printf("  %-22s none fits, misfit %.3g\n", "orientation", report.stats.misfit);
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
   printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");

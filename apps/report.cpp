@@ -76,9 +76,6 @@ std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsed
 
 void printOrientation(const Stats& stats) {
   const size_t turned = stats.turnedFaces.size(), leftOut = stats.leftOutFaces.size();
-  if (!stats.orientationFits)
-    std::printf("orientation: no directions of the faces fit the crossings, misfit %.3g%s\n", stats.misfit,
-                turned == 0 ? "; the faces are used as given" : "");
   if (leftOut > 0)
     std::printf("orientation: double-sided faces bound a solid; %s left out\n",
                 counted(leftOut, "other side").c_str());

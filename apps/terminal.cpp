@@ -14,6 +14,8 @@
 #include <initializer_list>
 #include <string>
 
+#include "warnings.h"
+
 namespace raymap {
 
 namespace {
@@ -88,7 +90,7 @@ std::string printable(std::string_view text) {
   return result;
 }
 
-void warn(std::string_view message) {
+void printWarning(std::string_view message) {
   const std::lock_guard lock(waitingMutex);
   clearWaiting();
   std::fprintf(stderr, "raymap: warning: %s\n", printable(message).c_str());

@@ -20,7 +20,7 @@ namespace raymap {
 std::string printable(std::string_view text);
 
 /// Prints `raymap: warning: ...` on stderr.
-void warn(std::string_view message);
+void printWarning(std::string_view message);
 
 /// Makes SIGINT, SIGTERM, SIGHUP and SIGXCPU end the program at once, without a half-written file. While a
 /// `ProgressLine` lives, the first signal cancels the work through its callback instead. It ends the program

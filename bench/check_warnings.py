@@ -79,8 +79,8 @@ def checks(most):
     """Returns a pattern and a check for each kind of warning."""
     number = r"([\d.e+-]+)"
     return (
-        (rf"a voxel size of {number} \(--voxel-size\) keeps them", lambda t, size: check_voxel_size(t, most, size)),
-        (rf"keeps all, {number} \(--voxel-size\) keeps {number} %", lambda t, *size: check_voxel_size(t, most, *size)),
+        (rf"a voxel size of {number} keeps them", lambda t, size: check_voxel_size(t, most, size)),
+        (rf"keeps all, {number} keeps {number} %", lambda t, *size: check_voxel_size(t, most, *size)),
         (r"fits into memory keeps them", lambda t: (None, "nothing is advised")),
         (rf"dropped ([\d,]+) parts?, the largest of volume {number}", check_dropped),
         (rf"filled (\d+) sealed cavit(?:y|ies), the largest of volume {number}", check_filled),

@@ -54,7 +54,7 @@ def structs(header):
         code_part, _, after = line.strip().partition("///< ")
         if code_part.startswith("///"):
             comment.append(code_part[3:].strip())
-        elif not code_part and after:
+        elif not code_part and after and open_structs:
             last[1] += " " + after
         elif found := re.fullmatch(r"struct (\w+) \{", code_part.strip()):
             open_structs.append((found[1], Struct(" ".join(comment))))
@@ -79,6 +79,17 @@ def enums():
     text = (ROOT / "src/api/names.cpp").read_text()
     found = re.findall(r"struct Names<(\w+)> \{.*?kNames\{(.*?)\};", text, re.DOTALL)
     return {enum: re.findall(r'"(\w+)"', names) for enum, names in found}
+
+
+def warning_codes():
+    """Returns what each kind of warning means, by its name."""
+    text = (ROOT / "include/raymap/warning.h").read_text()
+    values = re.search(r"enum class WarningCode \{\n(.*?)\n\};", text, re.DOTALL)[1]
+    values = re.sub(r"\n *///<", "", values)
+    found = {snake(name): re.sub(r"`(\w+)`", lambda named: f"`{snake(named[1])}`", comment)
+             for name, comment in re.findall(r"^  (\w+),? *///< (.*)$", values, re.MULTILINE)}
+    assert list(found) == enums()["WarningCode"], "a warning code of names.cpp has no comment in warning.h, or stands elsewhere there"
+    return found
 
 
 def snake(name):
@@ -136,7 +147,8 @@ def docstring(text, indent):
 
 def python_types(all_records, enum_names):
     text = HEAD
-    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Remedy", "SignMode"):
+    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Remedy", "SignMode",
+                 "WarningCode"):
         values = "".join(f'    "{name}",\n' for name in enum_names[enum])
         text += f"\n{enum} = Literal[\n{values}]\n"
     for record in all_records:
@@ -154,6 +166,10 @@ def tables(all_records, enum_names):
         text += "\n\n| key | type | value |\n|---|---|---|\n"
         for key, kind, comment in record.keys:
             text += f"| `{key}` | {type_of(kind, False, enum_names)} | {comment} |\n"
+    text += "\n## Warning codes\n\nKinds of warnings, and the fields that each has. All other fields are empty or 0.\n"
+    text += "\n| code | meaning |\n|---|---|\n"
+    for code, meaning in warning_codes().items():
+        text += f"| `{code}` | {meaning} |\n"
     return text + "\n"
 
 

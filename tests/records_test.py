@@ -56,6 +56,14 @@ class Records(unittest.TestCase):
         self.edit("include/raymap/repair.h", "size_t solids = 0;", "bool solids = false;")
         self.assert_found("2 files differ")
 
+    def test_a_warning_code_is_explained(self):
+        self.edit("include/raymap/warning.h", "Sheets and open surface are lost", "Sheets are lost")
+        self.assert_found("report.md is not what", "1 files differ")
+
+    def test_a_warning_code_has_no_comment(self):
+        self.edit("include/raymap/warning.h", "  NoHollow,  ", "  NoHollow,  //")
+        self.assert_found("has no comment in warning.h")
+
     def test_a_member_is_left_out(self):
         self.edit("include/raymap/records.h", '  use("watertight", found.watertight);\n', "")
         self.assert_found("leaves out ['watertight'] of Diagnostics")

@@ -166,8 +166,8 @@ void turnWrongFaces(raymap::Mesh& mesh) {
 }
 
 void run(const Arguments& arguments) {
-  const auto warn = [](std::string_view text) {
-    std::fprintf(stderr, "raymap_animated: warning: %.*s\n", int(text.size()), text.data());
+  const auto warn = [](const raymap::Warning& warning) {
+    std::fprintf(stderr, "raymap_animated: warning: %s\n", warning.message.c_str());
   };
   AnimatedMesh mesh = arguments.mesh.empty()
                           ? bendingTube()

@@ -10,8 +10,8 @@
 
 namespace {
 
-void warn(std::string_view message) {
-  std::fprintf(stderr, "warning: %s\n", std::string(message).c_str());
+void warn(const raymap::Warning& warning) {
+  std::fprintf(stderr, "warning: %s\n", warning.message.c_str());
 }
 
 void run(const char* from, const char* to) {

@@ -34,14 +34,15 @@ extern "C" {
 /* What went wrong. The numbers never change; those of raymap::ErrorCode may. */
 typedef enum raymap_result {
   RAYMAP_OK = 0,
-  RAYMAP_ERROR_BUG = 1,         /* Something unexpected: please report the message. */
-  RAYMAP_ERROR_USAGE = 2,       /* An option or argument makes no sense. */
-  RAYMAP_ERROR_INPUT = 3,       /* A file or array was read, but its content is not valid. */
-  RAYMAP_ERROR_FILE = 4,        /* A file cannot be opened, read or written. */
-  RAYMAP_ERROR_MEMORY = 5,      /* The work needs more memory than allowed. */
-  RAYMAP_ERROR_CANCELLED = 6,   /* The progress callback asked to stop. */
-  RAYMAP_ERROR_UNSUPPORTED = 7, /* Valid, but beyond what this build or this machine can do. */
-  RAYMAP_ERROR_DEVICE_LOST = 8  /* The GPU stopped answering while it worked. */
+  RAYMAP_ERROR_BUG = 1,           /* Something unexpected: please report the message. */
+  RAYMAP_ERROR_USAGE = 2,         /* An option or argument makes no sense. */
+  RAYMAP_ERROR_INPUT = 3,         /* A file or array was read, but its content is not valid. */
+  RAYMAP_ERROR_FILE = 4,          /* A file cannot be opened, read or written. */
+  RAYMAP_ERROR_MEMORY = 5,        /* The work needs more memory than allowed. */
+  RAYMAP_ERROR_CANCELLED = 6,     /* The progress callback asked to stop. */
+  RAYMAP_ERROR_UNSUPPORTED = 7,   /* Valid, but beyond what this build or this machine can do. */
+  RAYMAP_ERROR_DEVICE_LOST = 8,   /* The GPU stopped answering while it worked. */
+  RAYMAP_ERROR_DEVICE_MEMORY = 10 /* The GPU has no memory left, whatever is allowed. */
 } raymap_result;
 
 /* Returns the result of the last call of this thread that failed; RAYMAP_OK if none did. */
@@ -102,8 +103,9 @@ RAYMAP_API raymap_result raymap_options_set_offsets(raymap_options* options, con
  * false to cancel: the call then fails with RAYMAP_ERROR_CANCELLED. Any thread may call it, one at a time. */
 typedef bool (*raymap_progress_callback)(const char* stage, double done, void* user);
 
-/* Receives one sentence about something odd that does not stop the call. */
-typedef void (*raymap_warning_callback)(const char* message, void* user);
+/* Receives what is odd but does not stop the call: the code of the warning, for example "rounding"
+ * (docs/report.md lists them), and one sentence. Both are valid during the call only. */
+typedef void (*raymap_warning_callback)(const char* code, const char* message, void* user);
 
 /* Sets the callbacks; NULL = none. `user` is passed on to them as it is. */
 RAYMAP_API raymap_result raymap_options_set_progress(raymap_options* options,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/warning.h>
+
 #include <functional>
 #include <string_view>
 
@@ -10,7 +12,7 @@ namespace raymap {
 /// may call it, one at a time.
 using ProgressCallback = std::function<bool(std::string_view stage, double done)>;
 
-/// Receives one sentence about something odd that does not stop the call.
-using WarningCallback = std::function<void(std::string_view message)>;
+/// Receives what is odd but does not stop the call.
+using WarningCallback = std::function<void(const Warning& warning)>;
 
 }  // namespace raymap

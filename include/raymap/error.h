@@ -15,7 +15,8 @@ enum class ErrorCode {
   Memory,       ///< The work needs more memory than allowed.
   Cancelled,    ///< A progress callback asked to stop.
   Unsupported,  ///< Valid, but beyond what this build or this machine can do.
-  DeviceLost    ///< The GPU stopped answering while it worked.
+  DeviceLost,   ///< The GPU stopped answering while it worked.
+  DeviceMemory  ///< The GPU has no memory left, whatever is allowed.
 };
 
 /// The one exception type of the library. `what()` says what is wrong, where, and what to do.

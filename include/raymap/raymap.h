@@ -31,3 +31,4 @@
 #include <raymap/threads.h>
 #include <raymap/verdict.h>
 #include <raymap/version.h>
+#include <raymap/warning.h>

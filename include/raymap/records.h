@@ -14,6 +14,7 @@
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/verdict.h>
+#include <raymap/warning.h>
 
 #include <array>
 
@@ -137,6 +138,22 @@ void forEachMember(const SimplifyReport& simplified, auto&& use) {
   use("deviation", simplified.deviation);
 }
 
+void forEachMember(const WarningFields& fields, auto&& use) {
+  use("file", fields.file);
+  use("device", fields.device);
+  use("count", fields.count);
+  use("share", fields.share);
+  use("length", fields.length);
+  use("volume", fields.volume);
+  use("voxel_size", fields.voxelSize);
+}
+
+void forEachMember(const Warning& warning, auto&& use) {
+  use("code", warning.code);
+  use("message", warning.message);
+  forEachMember(warning.fields, use);
+}
+
 void forEachMember(const RepairReport& report, auto&& use) {
   use("before", Inspection{report.before, report.crossingBefore});
   use("after", Inspection{report.after, report.crossingAfter});
@@ -163,6 +180,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("closing_faces", report.closingFaces);
   use("thickened_share", report.thickenedShare);
   use("simplified", report.simplified);
+  use("warnings", report.warnings);
   use("stats", report.stats);
 }
 

@@ -128,10 +128,11 @@ struct RepairReport {
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
   /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
   bool kept = false;
-  size_t closedHoles = 0;          ///< Number of holes that were closed beside the faces that were kept.
-  size_t closingFaces = 0;         ///< Number of faces that close these holes.
-  double thickenedShare = 0.0;     ///< Share of the mesh's area that was thinner than `minThickness`.
-  SimplifyReport simplified = {};  ///< All 0 if the mesh's own faces were kept.
+  size_t closedHoles = 0;              ///< Number of holes that were closed beside the faces that were kept.
+  size_t closingFaces = 0;             ///< Number of faces that close these holes.
+  double thickenedShare = 0.0;         ///< Share of the mesh's area that was thinner than `minThickness`.
+  std::vector<Warning> warnings = {};  ///< What is odd, in the order in which it was found.
+  SimplifyReport simplified = {};      ///< All 0 if the mesh's own faces were kept.
 };
 
 /// A repaired mesh and what was done.

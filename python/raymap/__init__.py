@@ -15,6 +15,7 @@ from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
     DeviceLostError,
+    DeviceMemoryError,
     Error,
     FileError,
     InputError,
@@ -52,6 +53,7 @@ __all__ = [
     "Closest",
     "DeviceInfo",
     "DeviceLostError",
+    "DeviceMemoryError",
     "DeviceTest",
     "Error",
     "FastInfo",

@@ -18,6 +18,7 @@ from . import dataset
 from ._errors import (
     Cancelled,
     DeviceLostError,
+    DeviceMemoryError,
     Error,
     FileError,
     InputError,
@@ -37,6 +38,7 @@ _EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
     Cancelled: 6,
     UnsupportedError: 7,
     DeviceLostError: 8,
+    DeviceMemoryError: 10,
 }
 _UNFINISHED = 9
 _STOPPED = 130

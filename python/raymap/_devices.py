@@ -55,5 +55,6 @@ def tested(device: str) -> str:
             return device
     except (OSError, subprocess.TimeoutExpired):
         pass
-    warn(f"the CPU is used instead of the GPU: the test of {gpu} did not pass; raymap.test_device({gpu!r}) says why")
+    text = f"the CPU is used instead of the GPU: the test of {gpu} did not pass; test it again to see why"
+    warn("device_refused", text, {"device": gpu})
     return "cpu"

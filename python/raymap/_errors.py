@@ -1,10 +1,11 @@
-"""The exceptions and the warning of the package. The C++ library words their messages."""
+"""The exceptions and the warning of the package. The C++ library words their messages, this module the remedies."""
 
 from __future__ import annotations
 
 import sys
 import warnings
 from pathlib import Path
+from typing import Any
 
 
 class Error(Exception):
@@ -27,6 +28,10 @@ class MemoryLimitError(Error, MemoryError):
     """The work needs more memory than ``memory_limit``, or than the machine has."""
 
 
+class DeviceMemoryError(MemoryLimitError):
+    """The GPU has no memory left, whatever is allowed."""
+
+
 class Cancelled(Error):
     """The progress callable returned False."""
 
@@ -40,7 +45,15 @@ class DeviceLostError(Error):
 
 
 class RaymapWarning(UserWarning):
-    """Something odd that does not stop a call, for example that a GPU was not used."""
+    """Something odd that does not stop a call, for example that a GPU was not used.
+
+    ``code`` is the kind of the warning, as docs/report.md lists them. ``fields`` has the values that the text names.
+    """
+
+    def __init__(self, message: str, code: str = "", fields: dict[str, Any] | None = None) -> None:
+        super().__init__(message)
+        self.code = code
+        self.fields = fields or {}
 
 
 _BY_CODE: dict[str, type[Error]] = {
@@ -51,6 +64,7 @@ _BY_CODE: dict[str, type[Error]] = {
     "cancelled": Cancelled,
     "unsupported": UnsupportedError,
     "device_lost": DeviceLostError,
+    "device_memory": DeviceMemoryError,
 }
 
 
@@ -61,13 +75,37 @@ def make_error(code: str, message: str) -> Error:
 
 def code_of(error: Error) -> str:
     """Returns the code for which `make_error` makes such an exception."""
-    return next(code for code, kind in _BY_CODE.items() if isinstance(error, kind))
+    return next(code for code, kind in _BY_CODE.items() if type(error) is kind)
 
 
-def warn(message: str) -> None:
+# Arguments and functions that help against what a warning tells of. Braces hold names of its fields.
+_REMEDIES = {
+    "device_refused": "raymap.test_device({device!r})",
+    "device_failed": "device='cpu' leaves the GPU out",
+    "orientation_misfit": "raymap.info",
+    "solid_lost": "voxel_size={voxel_size:g}",
+    "surface_lost": "min_thickness",
+    "parts_dropped": "drop_smaller=0",
+    "parts_kept": "drop_smaller",
+    "parts_buried": "keep_cavities=True",
+    "cavities_filled": "keep_cavities=True",
+    "hollows_filled": "drain_hole",
+    "no_hollow": "shell",
+}
+
+
+def worded(code: str, message: str, fields: dict[str, Any]) -> str:
+    """Returns the message of a warning with the argument or the function that helps, if there is one."""
+    nothing_helps = code == "solid_lost" and fields["voxel_size"] == 0.0
+    if nothing_helps or code not in _REMEDIES:
+        return message
+    return f"{message} ({_REMEDIES[code].format(**fields)})"
+
+
+def warn(code: str, message: str, fields: dict[str, Any]) -> None:
     """Warns at the line outside of this package that called it. The extension module calls it."""
     package = str(Path(__file__).parent)
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and frame.f_code.co_filename.startswith(package):
         level, frame = level + 1, frame.f_back
-    warnings.warn(message, RaymapWarning, stacklevel=level)
+    warnings.warn(RaymapWarning(worded(code, message, fields), code, fields), stacklevel=level)

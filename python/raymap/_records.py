@@ -77,6 +77,24 @@ SignMode = Literal[
     "none",
 ]
 
+WarningCode = Literal[
+    "file_content",
+    "rounding",
+    "device_refused",
+    "device_failed",
+    "orientation_misfit",
+    "box_reached",
+    "solid_lost",
+    "surface_lost",
+    "parts_dropped",
+    "parts_kept",
+    "parts_buried",
+    "cavities_filled",
+    "hollows_filled",
+    "no_hollow",
+    "drain_holes_missing",
+]
+
 
 class Hole(TypedDict):
     """A boundary loop: a closed chain of edges with one face. Lengths are in the mesh's units."""
@@ -293,6 +311,34 @@ class SimplifyReport(TypedDict):
     """Largest distance measured, from points of either mesh to the other."""
 
 
+class WarningFields(TypedDict):
+    """Values that a warning names. Its code says which it has; the others are empty or 0."""
+
+    file: str
+    """Path of the file that was read or written."""
+    device: str
+    """Device that was not used, such as "vulkan:0"."""
+    count: int
+    """Number of parts, cavities, hollows or holes."""
+    share: float
+    """Share of the whole, 0 to 1."""
+    length: float
+    """Length in the mesh's units."""
+    volume: float
+    """Volume in the mesh's units cubed."""
+    voxel_size: float
+    """Distance between samples that helps, in the mesh's units."""
+
+
+class Warning(WarningFields):
+    """Something odd that does not stop a call."""
+
+    code: WarningCode
+    """Kind of the warning."""
+    message: str
+    """One sentence: what is odd, where, and what helps."""
+
+
 class RepairReport(TypedDict):
     """Changes that a repair made, and how far the result is from the mesh."""
 
@@ -349,6 +395,8 @@ class RepairReport(TypedDict):
     """Share of the mesh's area that was thinner than ``min_thickness``."""
     simplified: SimplifyReport
     """All 0 if the mesh's own faces were kept."""
+    warnings: list[Warning]
+    """What is odd, in the order in which it was found."""
     stats: Stats
     """Cost of the field, then of the stages after it."""
 

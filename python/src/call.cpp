@@ -6,6 +6,8 @@
 #include <string_view>
 #include <thread>
 
+#include "records.h"
+
 namespace raymap::python {
 
 namespace {
@@ -30,9 +32,9 @@ MachineOptions Call::on(MachineOptions machine) {
 }
 
 WarningCallback Call::warn() {
-  return [this](std::string_view message) {
+  return [this](const Warning& warning) {
     const std::lock_guard lock(mutex_);
-    warnings_.emplace_back(message);
+    warnings_.push_back(warning);
   };
 }
 
@@ -84,7 +86,8 @@ void Call::deliver() {
 void Call::passOnWarnings() {
   if (warnings_.empty()) return;
   const nb::object warnUser = nb::module_::import_("raymap._errors").attr("warn");
-  for (const std::string& message : warnings_) warnUser(toText(message));
+  for (const Warning& each : warnings_)
+    warnUser(toPython(each.code), toText(each.message), toPython(each.fields));
 }
 
 }  // namespace raymap::python

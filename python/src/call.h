@@ -48,7 +48,7 @@ class Call {
   std::mutex mutex_;
   std::condition_variable end_;
   std::vector<Report> reports_;  ///< The latest of each stage that Python has not heard of.
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::exception_ptr failure_;
   bool isOver_ = false;
   std::atomic<bool> isCancelled_{false};

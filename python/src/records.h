@@ -27,8 +27,9 @@ auto toPython(const Value& value) {
     return toPython(corners(value));
   } else if constexpr (std::is_same_v<Value, std::vector<uint32_t>>) {
     return nb::cast(toArray<uint32_t>(value, {value.size()}));
-  } else if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string> ||
-                       std::is_same_v<Value, std::optional<double>>) {
+  } else if constexpr (std::is_same_v<Value, std::string>) {
+    return toText(value);
+  } else if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>>) {
     return nb::cast(value);
   } else {
     nb::list list;

@@ -55,6 +55,16 @@ def test_the_table_holds_figures_of_info_and_of_the_field(meshes: Path) -> None:
         assert (row["state"], row["reason"]) == ("done", "")
 
 
+def test_the_table_holds_warnings_with_their_codes(meshes: Path) -> None:
+    with open(meshes / "open.OBJ", "a") as file:
+        file.write("curv2 1 2\nf 1 2\n")
+    generate(meshes)
+    rows = table()
+    assert {name: row["warning_codes"] for name, row in rows.items() if row["warnings"]} == {"open.OBJ": "file_content"}
+    texts = ["1 face with fewer than three corners dropped", "free-form curves and surfaces are not read"]
+    assert rows["open.OBJ"]["warnings"] == "; ".join(f"{meshes / 'open.OBJ'}: {text}" for text in texts)
+
+
 def test_the_page_refers_to_files_that_exist(meshes: Path) -> None:
     (meshes / "bad.ply").write_text("ply\n")
     shutil.copy(meshes / "small.ply", meshes / "a & <b> #1.ply")
@@ -310,11 +320,12 @@ def test_a_lost_device_is_tried_again_in_a_fresh_process() -> None:
 
 
 def test_a_full_gpu_is_the_machine_s_fault_and_the_memory_limit_is_not() -> None:
-    full = "allocating the buffer distance: the device has no memory left; use a lower resolution"
+    full = "the device's buffer 'distance' needs 2 MiB, but only 1 MiB is available; use a lower resolution"
     job = {"memory_limit": 1000, "options": {"device": "vulkan:0"}}
-    assert child._explain(raymap.MemoryLimitError(full), job) == {"reason": full, "again": True, "is_machine": True}
-    limited = child._explain(raymap.MemoryLimitError("the field needs 2 MiB"), job)
-    assert limited == {"reason": "the field needs 2 MiB (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
+    assert child._explain(raymap.DeviceMemoryError(full), job) == {"reason": full, "again": True, "is_machine": True}
+    text = "the device's buffer 'distance' needs 2 MiB, but only 1 MiB of the limit is left"
+    limited = child._explain(raymap.MemoryLimitError(text), job)
+    assert limited == {"reason": f"{text} (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
 
 
 def write_dae(path: Path) -> None:

@@ -157,13 +157,12 @@ DeviceTestState testOnce(const DeviceInfo& device, size_t number, const Progress
 
 std::string reasonAgainst(const DeviceInfo& device) {
   const DeviceRecord record = readRecord(device);
-  const std::string again = "; `raymap devices --test " + device.id + "` tests it again";
   switch (record.state) {
     case DeviceTestState::Failed:
-      return nameOf(device) + " failed its test: " + record.problem + again;
+      return nameOf(device) + " failed its test: " + record.problem;
     case DeviceTestState::Unfinished:
       return "the test of " + nameOf(device) + " did not end, in the check " + record.problem +
-             ": the driver crashed, or the process was killed" + again;
+             ": the driver crashed, or the process was killed";
     default:
       return {};
   }

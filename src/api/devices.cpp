@@ -79,11 +79,18 @@ DeviceList devices() {
 
 namespace {
 
+/// Returns " cpu vulkan:0".
+std::string namesOf(const DeviceList& list) {
+  std::string names;
+  for (const DeviceInfo& device : list.devices) names.append(1, ' ').append(device.id);
+  return names;
+}
+
 void requireUsable(const DeviceList& list, size_t number, const std::string& name) {
   if (number >= list.devices.size())
     throw Error(ErrorCode::Unsupported, "there is no device " + name +
-                                            (list.note.empty() ? "" : ": " + list.note) +
-                                            "; `raymap devices` lists them");
+                                            (list.note.empty() ? "" : ": " + list.note) + "; there are" +
+                                            namesOf(list));
   const DeviceInfo& device = list.devices[number];
   if (!device.problem.empty())
     throw Error(ErrorCode::Unsupported, name + " (" + device.name + ") cannot be used: " + device.problem);
@@ -109,7 +116,9 @@ bool mayHaveGpu() {
 void warnOfRefused(const DeviceList& list, const WarningCallback& warn) {
   for (const DeviceInfo& gpu : list.devices)
     if (warn && mayBeAutomatic(gpu) && isRefused(gpu))
-      warn("the CPU is used instead of the GPU: " + reasonAgainst(gpu));
+      warn({WarningCode::DeviceRefused,
+            "the CPU is used instead of the GPU: " + reasonAgainst(gpu) + "; test it again to use it",
+            {.device = gpu.id}});
 }
 
 std::optional<size_t> chooseAutomatic(const MachineOptions& machine) {
@@ -169,6 +178,7 @@ GpuDevice* ChosenDevice::open(const MachineOptions& machine) {
 void ChosenDevice::close() {
   gpu_.reset();
   name_.reset();
+  number_.reset();
 }
 
 }  // namespace raymap

@@ -37,9 +37,13 @@ class ChosenDevice {
       return device != nullptr;
     } catch (const Error& error) {
       if (!isOfTheDevice(error)) throw;  // The device is as good as before.
+      const std::string used = number_ ? "vulkan:" + std::to_string(*number_) : "";
       close();
       if (machine.device != "auto") throw;
-      if (machine.warn) machine.warn(std::string("the CPU was used instead of the GPU: ") + error.what());
+      if (machine.warn)
+        machine.warn({WarningCode::DeviceFailed,
+                      std::string("the CPU was used instead of the GPU: ") + error.what(),
+                      {.device = used}});
       return false;
     } catch (...) {
       close();

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "base/text.h"
 #include "cpu/run_on_cpu.h"
 #include "mesh/packed_mesh.h"
 #include "method/check_options.h"
@@ -26,6 +27,14 @@ Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const FieldOptions& 
     box.max = glm::max(box.max, grid.position(grid.dims - 1));
   }
   return box;
+}
+
+void warnOfMisfit(const Stats& stats, const WarningCallback& warn) {
+  if (warn && !stats.orientationFits)
+    warn({WarningCode::OrientationMisfit,
+          "no directions of the faces fit the crossings, misfit " + numberText(stats.misfit, 3) +
+              ", so signs may be wrong; find out what is wrong with the mesh, and mend it",
+          {.share = stats.misfit}});
 }
 
 }  // namespace
@@ -70,6 +79,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
     }
     if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
+    warnOfMisfit(stats, asked.warn);
   } catch (...) {
     field = {};
     throw;

@@ -73,11 +73,11 @@ struct Names<DeviceTestState> {
 template <>
 struct Names<ErrorCode> {
   static constexpr std::string_view kKind = "error code";
-  static constexpr std::array kValues{ErrorCode::Usage,     ErrorCode::Input,     ErrorCode::File,
-                                      ErrorCode::Memory,    ErrorCode::Cancelled, ErrorCode::Unsupported,
-                                      ErrorCode::DeviceLost};
-  static constexpr std::array<std::string_view, 7> kNames{"usage",     "input",       "file",       "memory",
-                                                          "cancelled", "unsupported", "device_lost"};
+  static constexpr std::array kValues{ErrorCode::Usage,      ErrorCode::Input,       ErrorCode::File,
+                                      ErrorCode::Memory,     ErrorCode::Cancelled,   ErrorCode::Unsupported,
+                                      ErrorCode::DeviceLost, ErrorCode::DeviceMemory};
+  static constexpr std::array<std::string_view, 8> kNames{
+      "usage", "input", "file", "memory", "cancelled", "unsupported", "device_lost", "device_memory"};
 };
 
 template <>
@@ -105,6 +105,21 @@ struct Names<Remedy> {
   static constexpr std::string_view kKind = "remedy";
   static constexpr std::array kValues{Remedy::None, Remedy::Repair, Remedy::Thicken};
   static constexpr std::array<std::string_view, 3> kNames{"none", "repair", "thicken"};
+};
+
+template <>
+struct Names<WarningCode> {
+  static constexpr std::string_view kKind = "warning code";
+  static constexpr std::array kValues{
+      WarningCode::FileContent,   WarningCode::Rounding,          WarningCode::DeviceRefused,
+      WarningCode::DeviceFailed,  WarningCode::OrientationMisfit, WarningCode::BoxReached,
+      WarningCode::SolidLost,     WarningCode::SurfaceLost,       WarningCode::PartsDropped,
+      WarningCode::PartsKept,     WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
+      WarningCode::HollowsFilled, WarningCode::NoHollow,          WarningCode::DrainHolesMissing};
+  static constexpr std::array<std::string_view, 15> kNames{
+      "file_content", "rounding",        "device_refused", "device_failed", "orientation_misfit",
+      "box_reached",  "solid_lost",      "surface_lost",   "parts_dropped", "parts_kept",
+      "parts_buried", "cavities_filled", "hollows_filled", "no_hollow",     "drain_holes_missing"};
 };
 
 template <class Enum>
@@ -153,5 +168,6 @@ RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 RAYMAP_DEFINE_NAMES(MeshKind)
 RAYMAP_DEFINE_NAMES(Remedy)
+RAYMAP_DEFINE_NAMES(WarningCode)
 
 }  // namespace raymap

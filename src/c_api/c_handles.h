@@ -65,6 +65,8 @@ constexpr raymap_result resultOf(ErrorCode code) {
       return RAYMAP_ERROR_UNSUPPORTED;
     case ErrorCode::DeviceLost:
       return RAYMAP_ERROR_DEVICE_LOST;
+    case ErrorCode::DeviceMemory:
+      return RAYMAP_ERROR_DEVICE_MEMORY;
   }
   return RAYMAP_ERROR_BUG;
 }

@@ -122,6 +122,8 @@ raymap_result raymap_options_set_warning(raymap_options* options, raymap_warning
     WarningCallback& warn = need(options, "the handle of options").machine.warn;
     warn = nullptr;
     if (callback)
-      warn = [callback, user](std::string_view message) { callback(std::string(message).c_str(), user); };
+      warn = [callback, user](const Warning& warning) {
+        callback(std::string(name(warning.code)).c_str(), warning.message.c_str(), user);
+      };
   });
 }

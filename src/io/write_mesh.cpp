@@ -65,10 +65,12 @@ void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, cons
   std::string others;
   for (const MeshFormat& format : kMeshFormats)
     if (format.precision != Precision::Single) others.append(1, ' ').append(format.extension);
-  warn(path.string() +
-       ": so far from (0, 0, 0), the single precision of this format moves vertices by up to " +
-       numberText(shift, 3) + ", " + numberText(100.0 * shift / size, 3) +
-       " % of the mesh's size; write one of" + others + ", or move the mesh closer");
+  warn({WarningCode::Rounding,
+        path.string() +
+            ": so far from (0, 0, 0), the single precision of this format moves vertices by up to " +
+            numberText(shift, 3) + ", " + numberText(100.0 * shift / size, 3) +
+            " % of the mesh's size; write one of" + others + ", or move the mesh closer",
+        {.file = path.string(), .share = shift / size, .length = shift}});
 }
 
 }  // namespace

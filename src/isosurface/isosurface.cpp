@@ -177,7 +177,9 @@ void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& resu
     throw;
   }
   if (machine.warn && reachesBox(field, options.iso))
-    machine.warn("the solid reaches the grid's box and was closed there; a larger box would hold all of it");
+    machine.warn(
+        {WarningCode::BoxReached,
+         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
 }
 
 }  // namespace raymap

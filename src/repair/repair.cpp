@@ -65,9 +65,9 @@ void check(const Grid& grid, const RepairOptions& repair) {
   atLeast(repair.drainHole, "a drain hole");
   require(repair.minThickness >= 0.0, "the least thickness must not be negative");
   require(repair.minThickness == 0.0 || repair.minThickness >= 2.0 * grid.spacing,
-          "a least thickness (--min-thickness) of " + numberText(repair.minThickness) +
-              " is less than two samples (" + numberText(2.0 * grid.spacing) +
-              "); use a voxel size of at most " + numberText(0.5 * repair.minThickness));
+          "a least thickness of " + numberText(repair.minThickness) + " is less than two samples (" +
+              numberText(2.0 * grid.spacing) + "); use a voxel size of at most " +
+              numberText(0.5 * repair.minThickness));
 }
 
 /// Returns the solid with its surface moved by the offset.
@@ -179,18 +179,21 @@ double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Pro
 
 /// Warns of hollows and drain holes that were asked for but not made.
 void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const WarningCallback& warn) {
-  if (!warn) return;
   if (const size_t filled = report.filledHollows; filled > 0)
-    warn(std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
-         " too small for the drain hole and stayed solid; use a smaller --drain-hole");
+    warn({WarningCode::HollowsFilled,
+          std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
+              " too small for the drain hole and stayed solid; use a smaller drain hole",
+          {.count = filled}});
   else if (report.hollows == 0)
-    warn(
-        "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use a smaller "
-        "--shell");
+    warn({WarningCode::NoHollow,
+          "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use thinner "
+          "walls"});
   if (repair.drainHole == 0.0) return;
   if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.holes < asked)
-    warn("only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
-         " drain holes were made, because the level floors of the hollows have no place for more");
+    warn({WarningCode::DrainHolesMissing,
+          "only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
+              " drain holes were made, because the level floors of the hollows have no place for more",
+          {.count = asked - report.holes}});
 }
 
 /// Simplifies the isosurface.
@@ -239,16 +242,21 @@ Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const Repai
 }
 
 Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& options,
-                const RepairOptions& repair, const MachineOptions& machine) {
+                const RepairOptions& repair, const MachineOptions& asked) {
   checkOptions(grid, options);
   check(options);
   check(grid, repair);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
-  Given given(mesh, grid, options, repair, machine);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
+  MachineOptions machine = asked;
+  machine.warn = [&](const Warning& warning) {
+    report.warnings.push_back(warning);
+    if (asked.warn) asked.warn(warning);
+  };
+  Given given(mesh, grid, options, repair, machine);
   Progress progress(machine.progress);
   const auto stage = [&](const char* name, const auto& work) {
     progress.stage(name, [&] { withThreads(machine.threads, work); });
@@ -268,7 +276,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     throw Error(ErrorCode::Input,
                 "the result is empty: the mesh encloses no volume at this resolution, or the offset removes "
                 "all of it; "
-                "use more samples, or for a sheet --min-thickness");
+                "use more samples, or for a sheet a least thickness");
   stage("isosurface", [&] { result = isosurface(solid, {}, machine); });
   Mesh dropped;
   stage("pieces", [&] { dropped = dropPieces(solid, result, repair, machine.warn, report); });
@@ -298,8 +306,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     report.loss = inspectLoss(given, lost, share, progress);
     report.loss.droppedShare = report.lostShare - share;
   });
-  for (const std::string& loss : {describeLoss(report.loss), describeOpenLoss(report.loss)})
-    if (machine.warn && !loss.empty()) machine.warn(loss);
+  warnOfLoss(report.loss, machine.warn);
   return finish();
 }
 

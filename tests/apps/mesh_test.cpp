@@ -74,7 +74,7 @@ TEST_F(CliMesh, WarnsThatAFormatMovesTheMesh) {
         moved.err,
         std::regex("^raymap: warning: far.stl: so far from \\(0, 0, 0\\), the single precision of this "
                    "format moves vertices by up to 0.2[5-9][0-9]*, 1.[2-4][0-9]* % of the mesh's size; "
-                   "write one of .ply .obj .glb .3mf, or move the mesh closer by --recenter\n$")))
+                   "write one of .ply .obj .glb .3mf, or move the mesh closer \\(--recenter\\)\n$")))
         << moved.err;
     const std::string text = succeed(command + "near.stl --recenter --overwrite").out;
     EXPECT_NE(text.find("recentered: add 5e+06 4e+06 100 to the positions"), std::string::npos) << text;

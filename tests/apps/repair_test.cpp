@@ -9,6 +9,19 @@ namespace {
 
 class CliRepair : public Cli {};
 
+TEST_F(CliRepair, NamesTheFlagThatKeepsWhatIsLost) {
+  writeMesh(path("plate.ply"),
+            shapes::joined(shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({1, 4.03, 9}, {9, 4.33, 16})));
+  const std::string text =
+      run("repair plate.ply -o plate.stl --voxel-size 0.5 --device cpu --stats plate.json").err;
+  const Json warning = json("plate.json")["warnings"].at(0);
+  EXPECT_EQ(warning["code"], "solid_lost");
+  EXPECT_EQ(warning["voxel_size"], json("plate.json")["loss"]["voxel_size"]);
+  EXPECT_EQ(warning["message"].get<std::string>().find("--"), std::string::npos);
+  const std::string flag = " (--voxel-size " + warning["voxel_size"].dump() + ")\n";
+  EXPECT_EQ(text, "raymap: warning: " + warning["message"].get<std::string>() + flag);
+}
+
 TEST_F(CliRepair, RepairsAMesh) {
   Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
   mesh.triangles.pop_back();
@@ -100,6 +113,10 @@ TEST_F(CliRepair, DropsCrumbsAndFillsBubbles) {
   EXPECT_NE(dropped.out.find("; below 0.01\n"), std::string::npos) << dropped.out;
   EXPECT_NE(dropped.out.find("1 cavity, volume 0.5"), std::string::npos) << dropped.out;
   EXPECT_NE(dropped.err.find("warning: filled 1 sealed cavity"), std::string::npos) << dropped.err;
+  EXPECT_NE(dropped.err.find("cavities can be kept (--keep-cavities)\n"), std::string::npos) << dropped.err;
+  EXPECT_EQ(ball["warnings"][0]["code"], "cavities_filled");
+  EXPECT_EQ(ball["warnings"][0]["count"], 1);
+  EXPECT_EQ(ball["warnings"][0]["volume"], ball["filled"]["largest"]);
   succeed(
       "repair ball.ply -o all.stl --remesh --resolution 64 --drop-smaller 0 --keep-cavities --stats "
       "all.json");

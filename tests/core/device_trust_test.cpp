@@ -31,7 +31,11 @@ class DeviceTrust : public testing::Test {
   /// Returns whether "auto" is the GPU now, for a caller that has not asked before.
   bool isUsed() {
     warning_.clear();
-    const auto warn = [this](std::string_view text) { warning_ += text; };
+    const auto warn = [this](const Warning& warning) {
+      EXPECT_EQ(warning.code, WarningCode::DeviceRefused);
+      EXPECT_EQ(warning.fields.device, "vulkan:3");
+      warning_ += warning.message;
+    };
     return chooseDevice({.warn = warn}) == kGpu;
   }
   /// Expects that "auto" is the CPU and says all this.
@@ -94,8 +98,8 @@ TEST_F(DeviceTrust, IsNotAskedOfADeviceThatWasNamed) {
 TEST_F(DeviceTrust, IsRefusedWithTheFirstDifference) {
   CountingGpu::onTest = fail;
   for (int time = 0; time < 2; ++time) {
-    expectRefused({"vulkan:3", "Counting GPU", "Counter 1.0", "refine: number 3 is 1, not 2",
-                   "raymap devices --test vulkan:3"});
+    expectRefused(
+        {"vulkan:3", "Counting GPU", "Counter 1.0", "refine: number 3 is 1, not 2", "test it again"});
     EXPECT_FALSE(contains(warning_, "another"));
     EXPECT_EQ(CountingGpu::tests, 1);
   }
@@ -201,7 +205,7 @@ TEST_F(DeviceTrust, IsMarkedWhileATestRuns) {
 TEST_F(DeviceTrust, IsRefusedAfterATestThatDidNotEnd) {
   leaveMark("exact_distance");
   EXPECT_EQ(info().test, DeviceTestState::Unfinished);
-  expectRefused({"vulkan:3", "Counting GPU", "exact_distance", "raymap devices --test vulkan:3"});
+  expectRefused({"vulkan:3", "Counting GPU", "exact_distance", "test it again"});
   EXPECT_EQ(CountingGpu::tests, 0);
   EXPECT_EQ(deviceToTest(), "");
   EXPECT_EQ(testDevice("vulkan:3").problem, "");

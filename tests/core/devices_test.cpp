@@ -14,13 +14,13 @@ namespace {
 struct Attempt {
   int onGpu = 0;
   bool isLeftToTheCpu = false;
-  std::string warning;
+  Warning warning;
 };
 
 /// Runs work on the usable device that throws an error with this code.
 Attempt runFailing(ChosenDevice& device, ErrorCode code, const std::string& name) {
   Attempt attempt;
-  const auto warn = [&](std::string_view text) { attempt.warning = text; };
+  const auto warn = [&](const Warning& given) { attempt.warning = given; };
   const bool isDone = device.run({.device = name, .warn = warn}, [&](GpuDevice&, size_t number) {
     EXPECT_EQ(number, CountingGpu::kUsable);
     ++attempt.onGpu;
@@ -39,12 +39,15 @@ void runWell(ChosenDevice& device, const std::string& name) {
 
 TEST(Devices, FallBackToTheCpuAndSayWhy) {
   const CountingGpu gpu;
-  for (const ErrorCode code : {ErrorCode::DeviceLost, ErrorCode::Memory, ErrorCode::Unsupported}) {
+  for (const ErrorCode code :
+       {ErrorCode::DeviceLost, ErrorCode::DeviceMemory, ErrorCode::Memory, ErrorCode::Unsupported}) {
     ChosenDevice device;
     const Attempt attempt = runFailing(device, code, "auto");
     EXPECT_EQ(attempt.onGpu, 1);
     EXPECT_TRUE(attempt.isLeftToTheCpu);
-    EXPECT_NE(attempt.warning.find("the reason"), std::string::npos) << attempt.warning;
+    EXPECT_EQ(attempt.warning.message, "the CPU was used instead of the GPU: the reason");
+    EXPECT_EQ(attempt.warning.code, WarningCode::DeviceFailed);
+    EXPECT_EQ(attempt.warning.fields.device, "vulkan:3");
   }
 }
 

@@ -17,7 +17,7 @@ class GeneratorDevices : public testing::Test {
  protected:
   Stats generate(const std::string& device, const ProgressCallback& progress = {}) {
     const Mesh mesh = shapes::sphere(1.0, 1);
-    const auto warn = [&](std::string_view text) { warning_ = text; };
+    const auto warn = [&](const Warning& warning) { warning_ = warning.message; };
     return generator_.generate(mesh, fitGrid(mesh, {.resolution = 8}), {}, field_,
                                {.device = device, .warn = warn, .progress = progress});
   }

@@ -201,16 +201,17 @@ TEST(Isosurface, KeepsTheEdgesOfACube) {
 
 TEST(Isosurface, ClosesASolidThatReachesTheBox) {
   const Grid grid = gridAround(2.0, 16);
-  std::string warning;
-  const MachineOptions machine{.warn = [&](std::string_view text) { warning = text; }};
+  Warning warning;
+  const MachineOptions machine{.warn = [&](const Warning& given) { warning = given; }};
   const Mesh half =
       isosurface(analytic::sampled(grid, [](const dvec3& p) { return p.x - 0.3; }), {}, machine);
   expectSound(half);
   EXPECT_NEAR(volumeOf(half), 2.3 * 4.0 * 4.0, 0.05);
-  EXPECT_NE(warning.find("closed there"), std::string::npos);
-  warning.clear();
+  EXPECT_EQ(warning.code, WarningCode::BoxReached);
+  EXPECT_NE(warning.message.find("closed there"), std::string::npos);
+  warning = {};
   isosurface(analytic::sampled(grid, sphere(1.0)), {}, machine);
-  EXPECT_EQ(warning, "");
+  EXPECT_EQ(warning.message, "");
   const Mesh whole = isosurface(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
   expectSound(whole);
   EXPECT_NEAR(volumeOf(whole), 64.0, 0.1);

@@ -318,6 +318,7 @@ static void test_offsets(void) {
 struct calls {
   int progress, warnings;
   bool goes_on;
+  char code[32]; /* Of the last warning. */
 };
 
 static bool on_progress(const char* stage, double done, void* user) {
@@ -327,8 +328,9 @@ static bool on_progress(const char* stage, double done, void* user) {
   return calls->goes_on;
 }
 
-static void on_warning(const char* message, void* user) {
+static void on_warning(const char* code, const char* message, void* user) {
   struct calls* calls = user;
+  snprintf(calls->code, sizeof calls->code, "%s", code);
   CHECK(strlen(message) > 0);
   ++calls->warnings;
 }
@@ -337,14 +339,14 @@ static void test_callbacks(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_grid grid = fit(mesh);
   raymap_options* options = on_cpu();
-  struct calls calls = {0, 0, true};
+  struct calls calls = {0, 0, true, ""};
   CHECK(raymap_options_set_progress(options, on_progress, &calls) == RAYMAP_OK);
   CHECK(raymap_options_set_warning(options, on_warning, &calls) == RAYMAP_OK);
   grid.dims[0] = 10; /* Now the solid reaches the box. */
   raymap_field* field = raymap_generate(mesh, &grid, options);
   CHECK(field != NULL && calls.progress > 0 && calls.warnings == 0);
   raymap_mesh* surface = raymap_isosurface(field, 0.0, options);
-  CHECK(surface != NULL && calls.warnings == 1);
+  CHECK(surface != NULL && calls.warnings == 1 && strcmp(calls.code, "box_reached") == 0);
   calls.goes_on = false;
   CHECK_FAILS(raymap_generate(mesh, &grid, options), RAYMAP_ERROR_CANCELLED, "cancelled");
   raymap_generator* generator = raymap_generator_create();
@@ -371,10 +373,11 @@ static void test_far_stl(const char* folder) {
   arrays.origin[0] = 5000000.2;
   raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
   raymap_options* options = raymap_options_create();
-  struct calls calls = {0, 0, true};
+  struct calls calls = {0, 0, true, ""};
   CHECK(raymap_options_set_warning(options, on_warning, &calls) == RAYMAP_OK);
   CHECK(raymap_mesh_write(mesh, path, options) == RAYMAP_OK && calls.warnings == 1);
   CHECK(raymap_mesh_write(mesh, path, NULL) == RAYMAP_OK && calls.warnings == 1);
+  CHECK(strcmp(calls.code, "rounding") == 0);
   raymap_options_free(options);
   raymap_mesh_free(mesh);
 }

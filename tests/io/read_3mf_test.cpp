@@ -20,9 +20,8 @@ struct Read {
 
 Read read(const std::string& bytes) {
   Read result;
-  const MeshFile file{std::as_bytes(std::span(bytes)), "a.3mf", [&](std::string_view text) {
-                        result.warnings +=
-                            std::string(text.substr(std::string_view("a.3mf: ").size())) + "\n";
+  const MeshFile file{std::as_bytes(std::span(bytes)), "a.3mf", [&](const Warning& warning) {
+                        result.warnings += warning.message.substr(std::string_view("a.3mf: ").size()) + "\n";
                       }};
   result.mesh = read3mf(file);
   return result;

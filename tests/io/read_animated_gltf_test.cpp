@@ -54,7 +54,7 @@ Reading read(const std::string& text, const std::string& bytes = buffer(), size_
   const std::string file = samples::glb(text, bytes);
   Reading result;
   result.mesh = readAnimatedGltf({std::as_bytes(std::span(file)), "sample.glb",
-                                  [&](std::string_view w) { result.warnings.append(w) += '\n'; }},
+                                  [&](const Warning& w) { result.warnings.append(w.message) += '\n'; }},
                                  animation);
   return result;
 }

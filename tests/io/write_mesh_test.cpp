@@ -33,7 +33,7 @@ TEST_P(WriteMesh, IsReadAgain) {
   const Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   writeMesh(path(), mesh);
   std::string warnings;
-  const Mesh read = readMesh(path(), {.warn = [&](std::string_view text) { warnings += text; }});
+  const Mesh read = readMesh(path(), {.warn = [&](const Warning& warning) { warnings += warning.message; }});
   EXPECT_EQ(warnings, "");
   expectSame(read, mesh, 1e-7);
   if (hasShared()) {
@@ -76,7 +76,8 @@ TEST_P(WriteMesh, SaysHowFarRoundingMovesVertices) {
   std::string warnings;
   const auto written = [&](const Mesh& mesh, const glm::dvec3& offset = glm::dvec3(0.0)) {
     warnings.clear();
-    writeMesh(path(), mesh, {.offset = offset, .warn = [&](std::string_view text) { warnings += text; }});
+    writeMesh(path(), mesh,
+              {.offset = offset, .warn = [&](const Warning& warning) { warnings += warning.message; }});
     return warnings;
   };
   // Between 256 and 512, numbers of single precision are 3.05e-5 apart.
@@ -162,7 +163,7 @@ TEST(Write3mf, HoldsUnitMetadataAndAllDigits) {
                 "</vertices>\n<triangles>\n<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>\n</triangles>\n"
                 "</mesh>\n</object>\n</resources>\n<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n");
   std::string warnings;
-  const Mesh read = readMesh(path, {.warn = [&](std::string_view text) { warnings += text; }});
+  const Mesh read = readMesh(path, {.warn = [&](const Warning& warning) { warnings += warning.message; }});
   EXPECT_TRUE(contains(warnings, "is in the unit inch; converted to millimetres"));
   EXPECT_NEAR(read.position(1).x, 1000001 * 25.4, 1e-6);
 }

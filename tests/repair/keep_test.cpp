@@ -155,8 +155,8 @@ TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
   const Mesh hollow =
       joined(box(glm::dvec3(0), glm::dvec3(3)), shapes::inverted(box(glm::dvec3(1), glm::dvec3(2))));
   const Mesh mesh = joined(hollow, crumb);
-  std::vector<std::string> warnings;
-  const auto warn = [&](std::string_view text) { warnings.emplace_back(text); };
+  std::vector<WarningCode> warnings;
+  const auto warn = [&](const Warning& warning) { warnings.push_back(warning.code); };
   const Repaired all = repaired(mesh, {}, warn);
   EXPECT_EQ(all.mesh.triangles, mesh.triangles);
   EXPECT_EQ(all.report.dropped.count, 0u);

@@ -22,7 +22,7 @@ Outcome runAt(const Mesh& mesh, double spacing, RepairOptions how = {}) {
   Outcome outcome;
   outcome.grid = fitRepairGrid(mesh, {.voxelSize = spacing}, how);
   MachineOptions machine{.device = "cpu"};
-  machine.warn = [&](std::string_view text) { outcome.warnings.append(text).append("\n"); };
+  machine.warn = [&](const Warning& warning) { outcome.warnings.append(warning.message).append("\n"); };
   outcome.report = repair(mesh, outcome.grid, {}, how, machine).report;
   return outcome;
 }
@@ -89,9 +89,16 @@ TEST(Loss, OfAPlateIsToldAndTheVoxelSizeKeepsIt) {
       << coarse.warnings;
   EXPECT_NE(coarse.warnings.find("they are 0.3 thick at the thinnest, 0.3 in the median; a voxel size of"),
             std::string::npos);
-  EXPECT_NE(coarse.warnings.find("(--voxel-size) keeps them"), std::string::npos) << coarse.warnings;
+  EXPECT_NE(coarse.warnings.find(" keeps them"), std::string::npos) << coarse.warnings;
+  ASSERT_EQ(coarse.report.warnings.size(), 1u);
+  const Warning& warning = coarse.report.warnings[0];
+  EXPECT_EQ(warning.message + "\n", coarse.warnings);
+  EXPECT_EQ(warning.code, WarningCode::SolidLost);
+  EXPECT_EQ(warning.fields.share, loss.solidShare);
+  EXPECT_EQ(warning.fields.voxelSize, loss.voxelSize);
   const Outcome fine = runAt(mesh, loss.voxelSize);
   EXPECT_LT(boundsOff(fine), 1.0);
+  EXPECT_TRUE(fine.report.warnings.empty());
   EXPECT_EQ(fine.report.loss.solidShare, 0.0);
   EXPECT_EQ(fine.warnings, "");
 }
@@ -155,18 +162,24 @@ TEST(Loss, TellsSheetsFromPartsOfTheSolid) {
   EXPECT_NEAR(sheet.report.loss.openBounds.min.x, 15.0, 1e-5);
   EXPECT_LT(glm::distance(sheet.report.loss.openBounds.max, glm::dvec3(15, 8, 8)), 0.3);
   EXPECT_NE(sheet.warnings.find("sheets and open surface are lost, 9."), std::string::npos) << sheet.warnings;
-  EXPECT_NE(sheet.warnings.find("--min-thickness"), std::string::npos) << sheet.warnings;
-  EXPECT_EQ(sheet.warnings.find("parts of the solid"), std::string::npos) << sheet.warnings;
+  EXPECT_NE(sheet.warnings.find("a least thickness makes plates of them"), std::string::npos)
+      << sheet.warnings;
+  ASSERT_EQ(sheet.report.warnings.size(), 1u);
+  EXPECT_EQ(sheet.report.warnings[0].code, WarningCode::SurfaceLost);
+  EXPECT_EQ(sheet.report.warnings[0].fields.share, sheet.report.loss.openShare);
 }
 
 TEST(Loss, TellsOfHollowsThatWereNotMade) {
   const Mesh box = shapes::box({0, 0, 0}, {10, 10, 4});
   const Outcome thin = runAt(box, 0.5, {.shell = 2.5});
   EXPECT_EQ(thin.report.hollows, 0u);
+  EXPECT_EQ(thin.report.warnings.at(0).code, WarningCode::NoHollow);
   EXPECT_NE(thin.warnings.find("nowhere thick enough for a hollow"), std::string::npos) << thin.warnings;
   const Outcome narrow = runAt(box, 0.5, {.shell = 1.0, .drainHole = 3.0});
   EXPECT_EQ(narrow.report.hollows, 0u);
   EXPECT_EQ(narrow.report.filledHollows, 1u);
+  EXPECT_EQ(narrow.report.warnings.at(0).code, WarningCode::HollowsFilled);
+  EXPECT_EQ(narrow.report.warnings.at(0).fields.count, 1u);
   EXPECT_NE(narrow.warnings.find("1 hollow is too small for the drain hole"), std::string::npos)
       << narrow.warnings;
   const Outcome made = runAt(box, 0.5, {.shell = 1.0, .drainHole = 1.0});

@@ -205,22 +205,21 @@ TEST(DropPieces, FillsOnlySamplesOfTheGrid) {
 }
 
 TEST(DropPieces, WarnsOfWhatMayBeMissed) {
-  std::vector<std::string> warnings;
-  const auto warn = [&](std::string_view text) { warnings.emplace_back(text); };
+  std::vector<Warning> warnings;
+  const auto warn = [&](const Warning& warning) { warnings.push_back(warning); };
   RepairReport report;
   const Pieces found = nested(nestedCubes());
   const Choice choice = choosePieces(found, {}, false, report);
   warnOfRemoved(found, choice, report, warn);
-  warnOfRemoved(found, choice, report, {});
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_EQ(warnings[0], "filled 1 sealed cavity, the largest of volume 64; to keep them: --keep-cavities");
-  EXPECT_EQ(warnings[1],
-            "filled cavities that held 1 part, the largest of volume 8; to keep them: --keep-cavities");
+  EXPECT_EQ(warnings[0].message, "filled 1 sealed cavity, the largest of volume 64; cavities can be kept");
+  EXPECT_EQ(warnings[1].message,
+            "filled cavities that held 1 part, the largest of volume 8; cavities can be kept");
   warnings.clear();
   report.buried = {};
   report.filled.count = 2;
   warnOfRemoved(found, choice, report, warn);
-  EXPECT_EQ(warnings[0], "filled 2 sealed cavities, the largest of volume 64; to keep them: --keep-cavities");
+  EXPECT_EQ(warnings[0].message, "filled 2 sealed cavities, the largest of volume 64; cavities can be kept");
   warnings.clear();
   report.filled.largest = 0.99 * report.dropSmaller;
   warnOfRemoved(found, choice, report, warn);
@@ -229,7 +228,7 @@ TEST(DropPieces, WarnsOfWhatMayBeMissed) {
   report.dropped = {};
   warnOfKept(report, warn);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_EQ(warnings[0].find("kept 1 part, the largest of volume 0.5, less than a thousandth"), 0u);
+  EXPECT_EQ(warnings[0].message.find("kept 1 part, the largest of volume 0.5, less than a thousandth"), 0u);
 }
 
 TEST(DropPieces, WarnsOfDroppedPartsThatAreSimilarToOthers) {
@@ -239,14 +238,14 @@ TEST(DropPieces, WarnsOfDroppedPartsThatAreSimilarToOthers) {
     RepairReport report;
     std::string warning;
     warnOfRemoved(found, choosePieces(found, {}, false, report), report,
-                  [&](std::string_view text) { warning = text; });
+                  [&](const Warning& given) { warning = given.message; });
     EXPECT_EQ(report.dropped.count, 1u);
     return warning;
   };
   EXPECT_EQ(warningOf(0.199), "");
   EXPECT_EQ(warningOf(0.201),
-            "dropped 1 part, the largest of volume 0.201, while a part of volume 2 stays; to keep all: "
-            "--drop-smaller 0");
+            "dropped 1 part, the largest of volume 0.201, while a part of volume 2 stays; a least "
+            "volume of 0 keeps all");
 }
 
 }  // namespace

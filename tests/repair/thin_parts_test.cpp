@@ -143,10 +143,9 @@ TEST(ThinParts, AreRefusedWithLengthsThatSaySomething) {
     repair(mesh, grid, {}, how);
     ADD_FAILURE() << "made a plate thinner than two samples";
   } catch (const Error& error) {
-    EXPECT_EQ(
-        std::string(error.what()),
-        "a least thickness (--min-thickness) of 1e-08 is less than two samples (4e-08); use a voxel size "
-        "of at most 5e-09");
+    EXPECT_EQ(std::string(error.what()),
+              "a least thickness of 1e-08 is less than two samples (4e-08); use a voxel size "
+              "of at most 5e-09");
   }
 }
 
@@ -187,7 +186,7 @@ TEST(ThinParts, NeedTwoSamples) {
   };
   EXPECT_EQ(messageFor(0.5), "");
   const std::string message = messageFor(0.4);
-  for (const char* part : {"--min-thickness", "0.4", "0.5", "at most 0.2"})
+  for (const char* part : {"least thickness", "0.4", "0.5", "at most 0.2"})
     EXPECT_NE(message.find(part), std::string::npos) << message;
   EXPECT_NE(messageFor(-1.0), "");
 }

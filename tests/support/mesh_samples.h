@@ -107,7 +107,7 @@ struct Reading {
 inline Reading read(Reader reader, const std::string& bytes) {
   Reading result;
   const MeshFile file{std::as_bytes(std::span(bytes)), "sample.mesh",
-                      [&](std::string_view text) { result.warnings.append(text) += '\n'; }};
+                      [&](const Warning& warning) { result.warnings.append(warning.message) += '\n'; }};
   result.mesh = reader(file);
   return result;
 }

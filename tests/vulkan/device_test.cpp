@@ -17,7 +17,7 @@ namespace {
 
 TEST(VulkanErrors, KeepTheirCodes) {
   EXPECT_EQ(codeOf([] { check(VK_ERROR_DEVICE_LOST, "waiting"); }), ErrorCode::DeviceLost);
-  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "allocating"); }), ErrorCode::Memory);
+  EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_DEVICE_MEMORY, "allocating"); }), ErrorCode::DeviceMemory);
   EXPECT_EQ(codeOf([] { check(VK_ERROR_OUT_OF_HOST_MEMORY, "allocating"); }), ErrorCode::Memory);
   EXPECT_EQ(codeOf([] { check(VK_ERROR_FEATURE_NOT_PRESENT, "starting"); }), ErrorCode::Unsupported);
 }

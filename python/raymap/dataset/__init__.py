@@ -146,7 +146,8 @@ def _finish(jobs: list[Job], outcomes: list[Outcome], folder: Path, what: str, p
     remove_leftovers(folder)
     if others:
         results = f"{len(others)} results" if len(others) > 1 else "a result"
-        warn(f"{folder} also holds {results} of other options, formats or meshes; {page.name} lists them")
+        text = f"{folder} also holds {results} of other options, formats or meshes; {page.name} lists them"
+        warn("other_results", text, {"file": str(folder), "count": len(others)})
     return others
 
 

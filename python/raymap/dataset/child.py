@@ -26,7 +26,16 @@ from typing import Any
 import numpy as np
 
 from .. import _html
-from .._errors import DeviceLostError, Error, FileError, MemoryLimitError, UnsupportedError, UsageError, code_of
+from .._errors import (
+    DeviceLostError,
+    DeviceMemoryError,
+    Error,
+    FileError,
+    MemoryLimitError,
+    UnsupportedError,
+    UsageError,
+    code_of,
+)
 from .._field import Field, save_as
 from .._generate import generate
 from .._mesh import Mesh, load_mesh, tetrahedron
@@ -90,7 +99,7 @@ def _explain(error: Exception, job: dict[str, Any]) -> dict[str, Any]:
     text = text.encode(errors="backslashreplace").decode()  # It may hold a path that is not UTF-8.
     device = job["options"].get("device", "cpu")
     if _is_memory(error):
-        is_full = device != "cpu" and "the device" in text
+        is_full = isinstance(error, DeviceMemoryError)
         reason = text if is_full else _memory_reason(error, job["memory_limit"])
         return {"reason": reason, "again": True, "is_machine": is_full}
     if isinstance(error, (UnsupportedError, DeviceLostError)) and (trouble := _device_trouble(device)):
@@ -136,8 +145,9 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
         mesh = load_mesh(job["mesh"])
         found = info(mesh)
         write, figures = _MAKERS[job["what"]](mesh, job)
-    texts = sorted({str(warning.message) for warning in caught})
-    return {**figures, "info": found, "warnings": texts}, write
+    odd = sorted({(getattr(warning.message, "code", warning.category.__name__), str(warning.message)) for warning in caught})
+    found_odd = [{"code": code, "message": message} for code, message in odd]
+    return {**figures, "info": found, "warnings": found_odd}, write
 
 
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:

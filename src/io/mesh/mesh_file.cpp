@@ -99,7 +99,7 @@ void MeshFile::fail(const std::string& what) const {
 }
 
 void MeshFile::warnThat(const std::string& what) const {
-  if (warn) warn(path.string() + ": " + what);
+  if (warn) warn({WarningCode::FileContent, path.string() + ": " + what, {.file = path.string()}});
 }
 
 std::string lowerExtension(const std::filesystem::path& path) {

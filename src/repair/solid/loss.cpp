@@ -215,14 +215,16 @@ Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Pr
   return loss;
 }
 
+namespace {
+
+/// Returns what was lost, where, how thin it is and what keeps it.
 std::string describeLoss(const Loss& loss) {
-  if (loss.solidShare < kNotableShare) return {};
   std::string message = "parts of the solid are lost, " + numberText(100.0 * loss.solidShare, 3) +
                         " % of the mesh's surface: " + boxText(loss.bounds);
   if (loss.medianThickness > 0.0)
     message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
                numberText(loss.medianThickness, 3) + " in the median";
-  const std::string size = numberText(loss.voxelSize, 3) + " (--voxel-size)";
+  const std::string size = numberText(loss.voxelSize, 3);
   if (loss.kept) return message + "; a voxel size of " + size + " keeps them";
   if (loss.keptShare > 0.0)
     return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
@@ -231,11 +233,19 @@ std::string describeLoss(const Loss& loss) {
   return message + "; no voxel size that fits into memory keeps them";
 }
 
-std::string describeOpenLoss(const Loss& loss) {
-  if (loss.openShare < kNotableOpenShare) return {};
-  return "sheets and open surface are lost, " + numberText(100.0 * loss.openShare, 3) +
-         " % of the mesh's surface: " + boxText(loss.openBounds) +
-         "; they bound no solid, but --min-thickness gives them a thickness";
+}  // namespace
+
+void warnOfLoss(const Loss& loss, const WarningCallback& warn) {
+  if (loss.solidShare >= kNotableShare)
+    warn({WarningCode::SolidLost,
+          describeLoss(loss),
+          {.share = loss.solidShare, .voxelSize = loss.voxelSize}});
+  if (loss.openShare >= kNotableOpenShare)
+    warn({WarningCode::SurfaceLost,
+          "sheets and open surface are lost, " + numberText(100.0 * loss.openShare, 3) +
+              " % of the mesh's surface: " + boxText(loss.openBounds) +
+              "; they bound no solid, but a least thickness makes plates of them",
+          {.share = loss.openShare}});
 }
 
 }  // namespace raymap

@@ -3,7 +3,6 @@
 #include <raymap/local_thickness.h>
 
 #include <span>
-#include <string>
 
 #include "base/progress.h"
 #include "repair/solid/given.h"
@@ -14,10 +13,7 @@ namespace raymap {
 /// the share of the mesh's points that `lost` stands for.
 Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Progress& progress);
 
-/// Returns a warning that says what was lost, where, how thin it is and what keeps it. Empty if the loss is
-/// too small to mention.
-std::string describeLoss(const Loss& loss);
-/// The same for what bounds no solid.
-std::string describeOpenLoss(const Loss& loss);
+/// Warns of parts of the solid and of surface that were lost, unless they are too small to mention.
+void warnOfLoss(const Loss& loss, const WarningCallback& warn);
 
 }  // namespace raymap

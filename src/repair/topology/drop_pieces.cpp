@@ -149,23 +149,29 @@ void dropFrom(Mesh& surface, const Pieces& found, const Choice& choice) {
 
 void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport& report,
                    const WarningCallback& warn) {
-  if (!warn) return;
   const double smallest = smallestKept(found, choice);
   if (report.dropped.count > 0 && report.dropped.largest >= kSimilar * smallest)
-    warn("dropped " + parts(report.dropped) + ", while a part of volume " + numberText(smallest, 3) +
-         " stays; to keep all: --drop-smaller 0");
+    warn({WarningCode::PartsDropped,
+          "dropped " + parts(report.dropped) + ", while a part of volume " + numberText(smallest, 3) +
+              " stays; a least volume of 0 keeps all",
+          {.count = report.dropped.count, .volume = report.dropped.largest}});
   if (report.filled.count > 0 && report.filled.largest >= report.dropSmaller)
-    warn("filled " + counted(report.filled, " sealed cavity", " sealed cavities") +
-         "; to keep them: --keep-cavities");
+    warn({WarningCode::CavitiesFilled,
+          "filled " + counted(report.filled, " sealed cavity", " sealed cavities") + "; cavities can be kept",
+          {.count = report.filled.count, .volume = report.filled.largest}});
   if (report.buried.count > 0)
-    warn("filled cavities that held " + parts(report.buried) + "; to keep them: --keep-cavities");
+    warn({WarningCode::PartsBuried,
+          "filled cavities that held " + parts(report.buried) + "; cavities can be kept",
+          {.count = report.buried.count, .volume = report.buried.largest}});
 }
 
 void warnOfKept(const RepairReport& report, const WarningCallback& warn) {
-  if (warn && report.dropped.count > 0)
-    warn("kept " + parts(report.dropped) + ", less than a thousandth of the largest part (" +
-         numberText(report.dropSmaller, 3) +
-         "), because nothing is wrong with the mesh; to drop them: --drop-smaller VOLUME");
+  if (report.dropped.count > 0)
+    warn({WarningCode::PartsKept,
+          "kept " + parts(report.dropped) + ", less than a thousandth of the largest part (" +
+              numberText(report.dropSmaller, 3) +
+              "), because nothing is wrong with the mesh; a least volume drops them",
+          {.count = report.dropped.count, .volume = report.dropped.largest}});
 }
 
 void countPieces(const Mesh& result, RepairReport& report) {

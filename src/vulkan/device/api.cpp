@@ -25,7 +25,8 @@ void check(VkResult result, std::string_view what) {
     case VK_ERROR_OUT_OF_HOST_MEMORY:
       throw Error(ErrorCode::Memory, failed + ": the host has no memory left; use a lower resolution");
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-      throw Error(ErrorCode::Memory, failed + ": the device has no memory left; use a lower resolution");
+      throw Error(ErrorCode::DeviceMemory,
+                  failed + ": the device has no memory left; use a lower resolution");
     case VK_ERROR_DEVICE_LOST:
       throw Error(ErrorCode::DeviceLost,
                   failed +

@@ -15,9 +15,10 @@ constexpr VkBufferUsageFlags kUsage =
 
 /// `most` says what there is at most: "only 5 MiB is available". `remedy` says what helps, too.
 [[noreturn]] void throwTooLarge(const std::string& name, uint64_t bytes, const std::string& most,
-                                const std::string& remedy = "another device") {
-  throw Error(ErrorCode::Memory, "the device's buffer '" + name + "' needs " + neededText(bytes) + ", but " +
-                                     most + "; use a lower resolution or " + remedy);
+                                const std::string& remedy = "another device",
+                                ErrorCode code = ErrorCode::Memory) {
+  throw Error(code, "the device's buffer '" + name + "' needs " + neededText(bytes) + ", but " + most +
+                        "; use a lower resolution or " + remedy);
 }
 
 }  // namespace
@@ -92,7 +93,8 @@ uint32_t DeviceBuffer::allocateMemory() {
     throwTooLarge(name_, needs.size, "only " + limitText(left) + " of the limit is left", "a higher limit");
   const uint64_t available = device_->availableMemory(type);
   if (needs.size > available)
-    throwTooLarge(name_, needs.size, "only " + limitText(available) + " is available");
+    throwTooLarge(name_, needs.size, "only " + limitText(available) + " is available", "another device",
+                  ErrorCode::DeviceMemory);
   const VkMemoryAllocateFlagsInfo flags{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
                                         .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,

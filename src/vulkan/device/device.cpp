@@ -20,10 +20,15 @@ constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
 
 size_t choose(const std::vector<DeviceInfo>& devices, std::optional<size_t> index) {
   const std::optional<size_t> chosen = index ? index : bestDevice(devices);
-  if (!chosen) throw Error(ErrorCode::Unsupported, "no Vulkan device is usable; see raymap devices");
+  if (!chosen)
+    throw Error(
+        ErrorCode::Unsupported,
+        "no Vulkan device is usable" +
+            (devices.empty() ? "; install a driver" : ": " + devices[0].name + ": " + devices[0].problem));
   const std::string name = "vulkan:" + std::to_string(*chosen);
   if (*chosen >= devices.size())
-    throw Error(ErrorCode::Unsupported, "there is no device " + name + "; see raymap devices");
+    throw Error(ErrorCode::Unsupported, "there is no device " + name + ": the number of Vulkan devices is " +
+                                            std::to_string(devices.size()));
   if (!devices[*chosen].problem.empty())
     throw Error(ErrorCode::Unsupported,
                 name + " (" + devices[*chosen].name + ") cannot be used: " + devices[*chosen].problem);

@@ -1,0 +1,58 @@
+#include "warnings.h"
+
+#include <array>
+#include <cstdio>
+
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+std::string voxelSizeFlag(double size) {
+  std::array<char, 40> text{};
+  if (size > 0.0) std::snprintf(text.data(), text.size(), "--voxel-size %g", size);
+  return text.data();
+}
+
+}  // namespace
+
+std::string remedyOf(const Warning& warning) {
+  switch (warning.code) {
+    case WarningCode::Rounding:
+      return "--recenter";
+    case WarningCode::DeviceRefused:
+      return "raymap devices --test " + warning.fields.device;
+    case WarningCode::DeviceFailed:
+      return "--device cpu leaves the GPU out";
+    case WarningCode::OrientationMisfit:
+      return "raymap info MESH";
+    case WarningCode::SolidLost:
+      return voxelSizeFlag(warning.fields.voxelSize);
+    case WarningCode::SurfaceLost:
+      return "--min-thickness T";
+    case WarningCode::PartsDropped:
+      return "--drop-smaller 0";
+    case WarningCode::PartsKept:
+      return "--drop-smaller VOLUME";
+    case WarningCode::PartsBuried:
+    case WarningCode::CavitiesFilled:
+      return "--keep-cavities";
+    case WarningCode::HollowsFilled:
+      return "--drain-hole W";
+    case WarningCode::NoHollow:
+      return "--shell T";
+    case WarningCode::FileContent:
+    case WarningCode::BoxReached:
+    case WarningCode::DrainHolesMissing:
+      break;
+  }
+  return {};
+}
+
+void warn(const Warning& warning) {
+  const std::string remedy = remedyOf(warning);
+  printWarning(warning.message + (remedy.empty() ? "" : " (" + remedy + ")"));
+}
+
+}  // namespace raymap

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace raymap {
+
+/// Kinds of warnings.
+enum class WarningCode {
+  FileContent,  ///< A file has something odd that was left out or converted: `file`.
+  Rounding,  ///< The single precision of a format moves vertices, by up to `length`, which is `share` of the
+             ///< mesh's size: `file`.
+  DeviceRefused,      ///< The device "auto" is the CPU, because the GPU did not pass its test: `device`.
+  DeviceFailed,       ///< The device "auto" is the CPU, because the GPU failed at the work: `device`.
+  OrientationMisfit,  ///< No directions of the faces fit the crossings, so signs may be wrong. `share` is the
+                      ///< misfit.
+  BoxReached,         ///< The solid reaches the grid's box, and was closed there.
+  SolidLost,     ///< Parts of the solid are lost, `share` of the mesh's area. `voxelSize` keeps them, or most
+                 ///< of them; 0 = none does.
+  SurfaceLost,   ///< Sheets and open surface are lost, `share` of the mesh's area.
+  PartsDropped,  ///< `count` small parts were dropped, the largest of `volume`, nearly as large as one that
+                 ///< stays.
+  PartsKept,  ///< `count` parts stay that are small, the largest of `volume`: nothing is wrong with the mesh.
+  PartsBuried,       ///< Sealed cavities were filled that held `count` parts, the largest of `volume`.
+  CavitiesFilled,    ///< `count` sealed cavities were filled, the largest of `volume`.
+  HollowsFilled,     ///< `count` hollows stay solid, because the drain hole does not fit into them.
+  NoHollow,          ///< The solid is nowhere thick enough for a hollow.
+  DrainHolesMissing  ///< `count` drain holes are missing, because the floors have no place for them.
+};
+
+/// Values that a warning names. Its code says which it has; the others are empty or 0.
+struct WarningFields {
+  std::string file = {};    ///< Path of the file that was read or written.
+  std::string device = {};  ///< Device that was not used, such as "vulkan:0".
+  size_t count = 0;         ///< Number of parts, cavities, hollows or holes.
+  double share = 0.0;       ///< Share of the whole, 0 to 1.
+  double length = 0.0;      ///< Length in the mesh's units.
+  double volume = 0.0;      ///< Volume in the mesh's units cubed.
+  double voxelSize = 0.0;   ///< Distance between samples that helps, in the mesh's units.
+};
+
+/// Something odd that does not stop a call.
+struct Warning {
+  WarningCode code = WarningCode::FileContent;  ///< Kind of the warning.
+  std::string message = {};                     ///< One sentence: what is odd, where, and what helps.
+  WarningFields fields = {};                    ///< Values that the message names.
+};
+
+}  // namespace raymap
