@@ -223,7 +223,7 @@ int main(int argc, char** argv) {
       printRows("bunny", readMesh(argv[1]), glm::normalize(glm::dvec3(1.0, 0.4, 0.0)), resolution);
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return int(error.code());
+    return 1;
   }
   return 0;
 }

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
     raymap::printTable(argc > 1 ? argv[1] : raymap::meshFolder(), argc > 2 ? std::atoi(argv[2]) : 64);
   } catch (const raymap::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return int(error.code());
+    return 1;
   }
   return 0;
 }

@@ -202,7 +202,7 @@ int run(int argc, char** argv) {
       print(runCase(device, Json::parse(line)));
     } catch (const Error& error) {
       print({{"error", error.what()}});
-      if (error.code() == ErrorCode::DeviceLost) return static_cast<int>(error.code());
+      if (error.code() == ErrorCode::DeviceLost) return 1;
     }
   }
   return 0;

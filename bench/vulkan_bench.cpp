@@ -108,6 +108,6 @@ int main(int argc, char** argv) {
     bench::sharedDevice.reset();
   } catch (const raymap::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.code());
+    return 1;
   }
 }

@@ -79,7 +79,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
     }
     if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
-    warnOfMisfit(stats, asked.warn);
+    warnOfMisfit(stats, machine.warn);
   } catch (...) {
     field = {};
     throw;
