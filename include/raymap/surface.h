@@ -36,6 +36,8 @@ class RAYMAP_API Surface {
   /// `options.orientation` says. Throws as `raymap::generate` does.
   Generated generate(const Grid& grid, const Options& options = {}) const;
 
+  /// Returns whether the surface tells inside from outside.
+  bool isSigned() const;
   /// Returns the mesh as the surface keeps it: positions in single precision about an origin.
   MeshView mesh() const;
   /// Returns the bytes that the surface holds.

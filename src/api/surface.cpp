@@ -115,6 +115,10 @@ Generated Surface::generate(const Grid& grid, const Options& asked) const {
   return result;
 }
 
+bool Surface::isSigned() const {
+  return impl_->prepared.isSigned;
+}
+
 MeshView Surface::mesh() const {
   return impl_->prepared.mesh;
 }
