@@ -311,9 +311,9 @@ def signed_distance(
     return surface.signed_distance(points, threads=threads, progress=progress)
 
 
-def has_sign(surface: Surface) -> bool:
-    """Returns whether a surface tells inside from outside."""
-    return surface._sign
+def core_of_surface(surface: Surface) -> _raymap.Surface:
+    """Returns the surface as the extension module takes it."""
+    return surface._core
 
 
 def _prepare(

@@ -90,6 +90,7 @@ void bindIsosurface(nb::module_& module);
 void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
+void bindSamplePoints(nb::module_& module);
 void bindSurface(nb::module_& module);
 
 }  // namespace raymap::python

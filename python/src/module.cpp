@@ -32,6 +32,7 @@ NB_MODULE(_raymap, module) {
   bindGenerate(module);
   bindIsosurface(module);
   bindSurface(module);
+  bindSamplePoints(module);
   bindRepair(module);
   bindRender(module);
   bindDevices(module);
