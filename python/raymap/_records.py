@@ -68,6 +68,11 @@ Remedy = Literal[
     "thicken",
 ]
 
+Sampling = Literal[
+    "raymap",
+    "paper",
+]
+
 SignMode = Literal[
     "harmonic",
     "paths",

@@ -56,7 +56,17 @@ void bindOptions(nb::module_& module) {
   bindName(options, "distance", &Options::distance);
   bindName(options, "sign", &Options::sign);
   bindName(options, "orientation", &Options::orientation);
-  options.def_rw("band", &Options::band)
+  bindName(options, "sampling", &Options::sampling);
+  options
+      .def("set_offsets",
+           [](Options& self, const std::vector<std::tuple<int, int, int>>& offsets) {
+             self.offsets.clear();
+             for (const auto& [x, y, z] : offsets) self.offsets.emplace_back(x, y, z);
+           })
+      .def_rw("passes", &Options::passes)
+      .def_rw("threshold", &Options::threshold)
+      .def_rw("invert", &Options::invert)
+      .def_rw("band", &Options::band)
       .def_rw("close_holes", &Options::closeHoles)
       .def_rw("thickness", &Options::thickness)
       .def_rw("threads", &Options::threads)

@@ -109,6 +109,8 @@ def _field_options(options: Options) -> dict[str, Any]:
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
     if result["bounds"] is not None:
         result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
+    if result["offsets"] is not None:
+        result["offsets"] = np.asarray(result["offsets"]).tolist()
     return result
 
 
