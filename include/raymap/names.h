@@ -3,6 +3,7 @@
 #include <raymap/device_info.h>
 #include <raymap/error.h>
 #include <raymap/field.h>
+#include <raymap/local_thickness.h>
 #include <raymap/options.h>
 #include <raymap/verdict.h>
 
@@ -24,6 +25,7 @@ RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
 RAYMAP_API std::string_view name(MeshKind value);
 RAYMAP_API std::string_view name(Remedy value);
+RAYMAP_API std::string_view name(Part value);
 
 /// Returns the value with a name. Throws `Error(Usage)` that lists the accepted names. `Enum` is one of the
 /// types above.
@@ -49,6 +51,7 @@ RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)
 RAYMAP_DECLARE_NAMES(MeshKind)
 RAYMAP_DECLARE_NAMES(Remedy)
+RAYMAP_DECLARE_NAMES(Part)
 #undef RAYMAP_DECLARE_NAMES
 
 }  // namespace raymap

@@ -87,6 +87,7 @@ void bindErrors(nb::module_& module);
 void bindField(nb::module_& module);
 void bindGenerate(nb::module_& module);
 void bindIsosurface(nb::module_& module);
+void bindMeasure(nb::module_& module);
 void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);

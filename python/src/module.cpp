@@ -33,6 +33,7 @@ NB_MODULE(_raymap, module) {
   bindIsosurface(module);
   bindSurface(module);
   bindSamplePoints(module);
+  bindMeasure(module);
   bindRepair(module);
   bindRender(module);
   bindDevices(module);

@@ -9,7 +9,7 @@ namespace {
 template <class Enum>
 class NamesOf : public testing::Test {};
 using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
-                             DeviceTestState, ErrorCode, MeshKind, Remedy>;
+                             DeviceTestState, ErrorCode, MeshKind, Remedy, Part>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {
@@ -37,6 +37,7 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(FieldArray::Triangle), "triangle");
   EXPECT_EQ(name(DeviceType::Software), "software");
   EXPECT_EQ(name(DeviceTestState::Unfinished), "unfinished");
+  EXPECT_EQ(name(Part::Buried), "buried");
   EXPECT_EQ(name(ErrorCode::DeviceLost), "device_lost");
   EXPECT_EQ(names<SignMode>().size(), 6u);
   EXPECT_THROW(name(static_cast<SignMode>(77)), Error);
