@@ -8,6 +8,7 @@ namespace raymap {
 void addGenerate(CLI::App& app);
 void addInfo(CLI::App& app);
 void addQuery(CLI::App& app);
+void addSample(CLI::App& app);
 void addMesh(CLI::App& app);
 void addRender(CLI::App& app);
 void addRepair(CLI::App& app);

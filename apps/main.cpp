@@ -97,6 +97,7 @@ int run(int argc, char** argv) {
   addGenerate(app);
   addInfo(app);
   addQuery(app);
+  addSample(app);
   addMesh(app);
   addRender(app);
   addRepair(app);

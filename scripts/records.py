@@ -147,8 +147,8 @@ def docstring(text, indent):
 
 def python_types(all_records, enum_names):
     text = HEAD
-    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Remedy", "SignMode",
-                 "WarningCode"):
+    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Part", "Remedy",
+                 "Sampling", "SignMode", "WarningCode"):
         values = "".join(f'    "{name}",\n' for name in enum_names[enum])
         text += f"\n{enum} = Literal[\n{values}]\n"
     for record in all_records:

@@ -5,6 +5,7 @@
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
 #include <raymap/query.h>
+#include <raymap/sample_points.h>
 #include <raymap/units.h>
 
 #include <filesystem>
@@ -124,9 +125,22 @@ struct QueryWriteOptions {
 RAYMAP_API void writeQuery(const std::filesystem::path& path, std::span<const glm::dvec3> points,
                            const QueryResult& result, const QueryWriteOptions& options = {});
 
+/// Writes points with distances, by extension:
+/// - .npz: `pos` and `neg`, the `sampleRows` of points that are not inside and that are, as DeepSDF reads
+/// them;
+///   `centre` and `scale`.
+/// - .csv, .ply: the points in their order, with distances and gradients, as `writeQuery` writes them.
+///
+/// `format` counts if the path has no extension that is known. The file appears whole or not at all. Throws
+/// `Error`: Usage for another extension, File.
+RAYMAP_API void writePointSamples(const std::filesystem::path& path, const PointSamples& samples,
+                                  std::string_view format = {});
+
 /// Returns the extensions that `readPoints` knows.
 RAYMAP_API std::vector<std::string> pointExtensions();
 /// Returns those that `writeQuery` knows.
 RAYMAP_API std::vector<std::string> queryExtensions();
+/// Returns those that `writePointSamples` knows.
+RAYMAP_API std::vector<std::string> sampleExtensions();
 
 }  // namespace raymap

@@ -3,6 +3,7 @@
 #include <raymap/device_info.h>
 #include <raymap/error.h>
 #include <raymap/field.h>
+#include <raymap/local_thickness.h>
 #include <raymap/options.h>
 #include <raymap/verdict.h>
 #include <raymap/warning.h>
@@ -25,6 +26,7 @@ RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
 RAYMAP_API std::string_view name(MeshKind value);
 RAYMAP_API std::string_view name(Remedy value);
+RAYMAP_API std::string_view name(Part value);
 RAYMAP_API std::string_view name(WarningCode value);
 
 /// Returns the value with a name. Throws `Error(Usage)` that lists the accepted names. `Enum` is one of the
@@ -51,6 +53,7 @@ RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)
 RAYMAP_DECLARE_NAMES(MeshKind)
 RAYMAP_DECLARE_NAMES(Remedy)
+RAYMAP_DECLARE_NAMES(Part)
 RAYMAP_DECLARE_NAMES(WarningCode)
 #undef RAYMAP_DECLARE_NAMES
 

@@ -25,6 +25,7 @@
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>
+#include <raymap/sample_points.h>
 #include <raymap/simplify.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>

@@ -13,6 +13,7 @@
 #include <raymap/options.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
+#include <raymap/thickness.h>
 #include <raymap/verdict.h>
 #include <raymap/warning.h>
 
@@ -226,6 +227,18 @@ void forEachMember(const Comparison& found, auto&& use) {
   use("rms_error", found.rmsError);
   use("differences", found.differences);
   use("non_finite", found.nonFinite);
+}
+
+void forEachMember(const ThicknessSummary& found, auto&& use) {
+  use("thinnest", found.thinnest);
+  use("thinnest_at", found.thinnestAt);
+  use("sharpest", found.sharpest);
+  use("sharpest_at", found.sharpestAt);
+  use("low", found.low);
+  use("median", found.median);
+  use("sheet_share", found.sheetShare);
+  use("buried_share", found.buriedShare);
+  use("points", found.points);
 }
 
 /// Takes any member.

@@ -42,6 +42,8 @@ class RAYMAP_API Surface {
   Generated generate(const Grid& grid, const FieldOptions& options = {},
                      const MachineOptions& machine = {}) const;
 
+  /// Returns whether the surface tells inside from outside.
+  bool isSigned() const;
   /// Returns the mesh as the surface keeps it: positions in single precision about an origin.
   MeshView mesh() const;
   /// Returns the bytes that the surface holds.

@@ -26,12 +26,38 @@ from ._errors import (
 )
 from ._field import NO_TRIANGLE, Field, load_field
 from ._generate import FieldOptions, Generator, generate
-from ._mesh import Mesh, load_mesh
+from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._raymap import version as _version
-from ._records import DeviceInfo, DeviceTest, RepairReport, Stats
-from ._repair import FastInfo, Info, Repaired, info, isosurface, repair
+from ._records import (
+    Comparison,
+    DeviceInfo,
+    DeviceTest,
+    RepairReport,
+    SimplifyReport,
+    Stats,
+    ThicknessSummary,
+)
+from ._repair import (
+    FastInfo,
+    Info,
+    Repaired,
+    Simplified,
+    info,
+    isosurface,
+    render_defects,
+    repair,
+    simplify,
+)
 from ._samples import Samples, sample_points
-from ._surface import Closest, Query, Surface, signed_distance
+from ._surface import (
+    Closest,
+    FacePoints,
+    Query,
+    Surface,
+    Thickness,
+    sample_faces,
+    signed_distance,
+)
 from ._threads import get_threads, set_threads
 
 if TYPE_CHECKING:
@@ -49,13 +75,16 @@ __version__ = _version()
 
 __all__ = [
     "NO_TRIANGLE",
+    "Animation",
     "Cancelled",
     "Closest",
+    "Comparison",
     "DeviceInfo",
     "DeviceLostError",
     "DeviceMemoryError",
     "DeviceTest",
     "Error",
+    "FacePoints",
     "FastInfo",
     "Field",
     "FieldOptions",
@@ -70,8 +99,12 @@ __all__ = [
     "RepairReport",
     "Repaired",
     "Samples",
+    "Simplified",
+    "SimplifyReport",
     "Stats",
     "Surface",
+    "Thickness",
+    "ThicknessSummary",
     "UnsupportedError",
     "UsageError",
     "dataset",
@@ -80,12 +113,16 @@ __all__ = [
     "get_threads",
     "info",
     "isosurface",
+    "load_animation",
     "load_field",
     "load_mesh",
+    "render_defects",
     "repair",
+    "sample_faces",
     "sample_points",
     "set_threads",
     "signed_distance",
+    "simplify",
     "test_device",
 ]
 

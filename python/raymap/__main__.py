@@ -26,7 +26,7 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
-from ._records import DistanceMode, Orientation, SignMode
+from ._records import DistanceMode, Orientation, Sampling, SignMode
 from .dataset.files import readable
 from .dataset.pages import page_paths
 
@@ -112,6 +112,10 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
     add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
     add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
+    add("--passes", type=int, metavar="P", help="passes of --sign paths, or steps of evolution (5)")
+    add("--sampling", choices=get_args(Sampling), help="offset points of --sign paths and evolution (raymap)")
+    add("--threshold", type=float, metavar="W", help="a sample is inside if its winding number exceeds this (0.5)")
+    add("--invert", action="store_true", help="inside is positive instead of negative")
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")

@@ -7,15 +7,16 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, TypedDict, Unpack, get_args
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _devices, _inputs, _raymap
-from ._arrays import to_box
+from ._arrays import to_box, to_numpy
 from ._errors import UsageError
 from ._field import Field, field_of_core
 from ._mesh import core_of
 from ._progress import Progress, reporting
-from ._records import DistanceMode, FieldArray, Orientation, SignMode
+from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -27,6 +28,11 @@ class SurfaceFieldOptions(TypedDict, total=False):
     padding: float
     distance: DistanceMode
     sign: SignMode
+    passes: int
+    sampling: Sampling
+    offsets: npt.ArrayLike | None
+    threshold: float
+    invert: bool
     close_holes: bool
     thickness: float | None
     band: float | None
@@ -54,6 +60,11 @@ def generate(
     distance: DistanceMode = "exact",
     sign: SignMode = "harmonic",
     orientation: Orientation = "auto",
+    passes: int = 5,
+    sampling: Sampling = "raymap",
+    offsets: npt.ArrayLike | None = None,
+    threshold: float = 0.5,
+    invert: bool = False,
     close_holes: bool = False,
     thickness: float | None = None,
     band: float | None = None,
@@ -86,6 +97,11 @@ def generate(
             ``"ray"``, or ``"none"`` for an unsigned field.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the field then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
+        passes: Number of passes of ``sign="paths"``, or of steps of ``"evolution"``.
+        sampling: Offset points of ``"paths"`` and ``"evolution"``: ``"raymap"``, or ``"paper"`` for those of the paper.
+        offsets: Offset points in place of those of ``sampling``, (n, 3) whole numbers of samples, used in turn.
+        threshold: A sample is inside if the magnitude of its winding number exceeds this.
+        invert: Whether inside is positive instead of negative.
         close_holes: Whether distances count the surface that is missing in holes.
         thickness: Thickness of a wall around the surface, in the mesh's units, in place of the sign: for sheets that
             enclose nothing. Half of it pads the mesh's bounds besides.
@@ -126,6 +142,11 @@ def generate(
         distance=distance,
         sign=sign,
         orientation=orientation,
+        passes=passes,
+        sampling=sampling,
+        offsets=offsets,
+        threshold=threshold,
+        invert=invert,
         close_holes=close_holes,
         thickness=thickness,
         band=band,
@@ -195,11 +216,27 @@ def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.
     options.distance = given.get("distance", "exact")
     options.sign = given.get("sign", "harmonic")
     options.orientation = orientation
+    options.passes = operator.index(given.get("passes", 5))
+    options.sampling = given.get("sampling", "raymap")
+    options.set_offsets(_to_offsets(given.get("offsets")))
+    options.threshold = float(given.get("threshold", 0.5))
+    options.invert = bool(given.get("invert", False))
     options.close_holes = bool(given.get("close_holes", False))
     _set_thickness(options, given.get("thickness"))
     options.band = given.get("band") or 0.0
     _set_arrays(options, given.get("arrays", ("distance",)))
     return options
+
+
+def _to_offsets(offsets: npt.ArrayLike | None) -> list[tuple[int, int, int]]:
+    if offsets is None:
+        return []
+    array = to_numpy(offsets)
+    if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] == 0 or array.dtype.kind not in "iu":
+        raise UsageError(f"offsets must be (n, 3) whole numbers, not {array.dtype} of the shape {array.shape}")
+    if np.abs(array.astype(np.float64)).max() >= 2**31:
+        raise UsageError("offsets must be whole numbers of 32 bits")
+    return [(x, y, z) for x, y, z in array.tolist()]
 
 
 def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> None:

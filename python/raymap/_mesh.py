@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -11,6 +13,7 @@ import numpy.typing as npt
 
 from . import _raymap
 from ._arrays import checked_arrays
+from ._errors import UsageError
 
 _Origin: TypeAlias = tuple[float, float, float] | None  # Of the library's own meshes, whose vertices are about it.
 
@@ -125,6 +128,54 @@ def tetrahedron(size: float = 1.0) -> Mesh:
     """Returns a mesh to try options and devices with."""
     corners = [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)]
     return Mesh(corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+
+
+class Animation:
+    """A mesh that moves: the skins and one animation of a glTF file. ``raymap.load_animation`` reads it."""
+
+    def __init__(self, core: _raymap.Animation) -> None:
+        self._core = core
+
+    @property
+    def duration(self) -> float:
+        """Time at which the last motion ends, in seconds; 0 if the mesh stands still."""
+        return self._core.duration
+
+    def mesh(self, time: float) -> Mesh:
+        """Returns the mesh at a time in seconds.
+
+        It has the same faces at any time. Before 0 and after ``duration`` it keeps its first and its last pose.
+
+        Raises:
+            UsageError: The time is not finite.
+        """
+        if not math.isfinite(time):
+            raise UsageError(f"time must be finite, not {time}")
+        return mesh_of_core(self._core.mesh(float(time)))
+
+    def __repr__(self) -> str:
+        return f"raymap.Animation({self.duration:.6g} s)"
+
+
+def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
+    """Reads a glTF or GLB file with its skins and one of its animations.
+
+    The four joints of a vertex that have the largest weights count; morph targets stay at rest. A file without any
+    animation gives a mesh that stands still, and a warning (``RaymapWarning``).
+
+    Args:
+        path: File to read.
+        index: Number of the animation in the file.
+
+    Raises:
+        UsageError: There is no such animation.
+        FileError: The file cannot be read.
+        InputError: Its content is not valid; the text names the element and the value.
+        UnsupportedError: Another format.
+    """
+    if operator.index(index) < 0:
+        raise UsageError(f"index must not be negative, not {index}")
+    return Animation(_raymap.load_animation(os.fspath(path), operator.index(index)))
 
 
 def load_mesh(path: str | os.PathLike[str]) -> Mesh:

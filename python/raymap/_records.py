@@ -62,10 +62,24 @@ Orientation = Literal[
     "repair",
 ]
 
+Part = Literal[
+    "wall",
+    "edge",
+    "corner",
+    "solid",
+    "sheet",
+    "buried",
+]
+
 Remedy = Literal[
     "none",
     "repair",
     "thicken",
+]
+
+Sampling = Literal[
+    "raymap",
+    "paper",
 ]
 
 SignMode = Literal[
@@ -484,3 +498,26 @@ class Comparison(TypedDict):
     """Number of samples whose values differ."""
     non_finite: int
     """Number of samples that are NaN or infinite in either; the errors leave them out."""
+
+
+class ThicknessSummary(TypedDict):
+    """Thickness of a whole mesh. Lengths are in the mesh's units and NaN where there is nothing to measure."""
+
+    thinnest: float
+    """Thickness of the thinnest wall."""
+    thinnest_at: list[float]
+    """Point of its surface."""
+    sharpest: float
+    """Least thickness measured beside an edge or a tip that walls run out to."""
+    sharpest_at: list[float]
+    """Where."""
+    low: float
+    """First percentile of the thickness over the area of walls and edges."""
+    median: float
+    """Median thickness over that area."""
+    sheet_share: float
+    """Share of the mesh's area that is sheets."""
+    buried_share: float
+    """Share of it that is buried."""
+    points: int
+    """Number of points measured."""

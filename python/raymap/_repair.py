@@ -5,14 +5,17 @@ from __future__ import annotations
 import operator
 from typing import Any, Literal, NamedTuple, overload
 
+import numpy as np
+import numpy.typing as npt
+
 from . import _inputs, _raymap
 from ._arrays import to_vector
 from ._errors import UsageError
-from ._field import Field
+from ._field import Field, to_view
 from ._generate import to_machine
 from ._mesh import Mesh, core_of, mesh_of_core
 from ._progress import Progress, reporting
-from ._records import Diagnostics, Inspection, Orientation, RepairReport, Verdict
+from ._records import Diagnostics, Inspection, Orientation, RepairReport, SimplifyReport, Verdict
 
 
 class Info(Inspection):
@@ -57,6 +60,90 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:
         return _raymap.info(mesh, bool(fast), report)  # type: ignore[return-value]
+
+
+def render_defects(
+    mesh_or_vertices: Any,
+    faces: Any = None,
+    *,
+    width: int = 1024,
+    height: int = 768,
+    direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+    field_of_view: float = 30.0,
+) -> npt.NDArray[np.uint8]:
+    """Returns a picture of a mesh with its defects in colour, (h, w, 3) uint8, rows from the top.
+
+    Edges with one face are red, with more than two violet. Faces that cross others are orange, those that point against
+    their neighbours blue, double-sided ones green, duplicates yellow, backs darker.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        width: Width in pixels.
+        height: Height in pixels.
+        direction: Direction from the camera to the mesh.
+        up: Direction up in the picture.
+        field_of_view: Angle from the bottom to the top of the picture, in degrees.
+
+    Raises:
+        InputError: The mesh is not valid.
+        UsageError: Arguments that make no picture.
+        FileError: The file cannot be read.
+
+    >>> raymap.render_defects("ball.ply", width=64, height=48).shape
+    (48, 64, 3)
+    """
+    mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
+    return _raymap.render_defects(mesh, to_view(width, height, direction, up, field_of_view))
+
+
+class Simplified(NamedTuple):
+    """A mesh with fewer faces, and how far it is from the given one."""
+
+    mesh: Mesh
+    report: SimplifyReport
+
+
+def simplify(
+    mesh_or_vertices: Any,
+    faces: Any = None,
+    *,
+    tolerance: float,
+    step: float | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Simplified:
+    """Returns a mesh with fewer faces, on some of the vertices of a watertight mesh.
+
+    It stays watertight and consistently oriented, no closed part turns inside out, and no faces cross that did not cross
+    before. The same mesh and arguments give the same result for any number of threads.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        tolerance: Largest distance of points of either mesh to the other, in the mesh's units; 0 keeps the mesh.
+        step: Distance between these points, in the mesh's units; None = ten times the tolerance.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
+        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+    Raises:
+        InputError: The mesh is not a closed manifold whose faces agree; see ``raymap.repair``.
+        UsageError: Arguments that make no sense.
+        MemoryLimitError: The work does not fit into memory.
+        FileError: The file cannot be read.
+        Cancelled: ``progress`` returned False.
+
+    >>> mesh, report = raymap.simplify("ball.ply", tolerance=0.05)
+    >>> report["triangles_before"], report["triangles_after"] < 640, report["deviation"] <= 0.05
+    (1280, True, True)
+    """
+    if step is not None and not step > 0:
+        raise UsageError(f"step must be above 0, not {step}")
+    mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
+    with reporting(progress) as report:
+        result, found = _raymap.simplify(mesh, float(tolerance), float(step or 0), to_machine("cpu", threads), report)
+    return Simplified(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 
 class Repaired(NamedTuple):

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-import io
 import operator
 import os
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap
-from ._errors import InputError, UsageError
-from ._progress import Progress
-from ._surface import Query, Surface, has_sign
+from ._arrays import to_vector
+from ._errors import UsageError
+from ._generate import to_machine
+from ._progress import Progress, reporting
+from ._surface import Surface, core_of_surface
 
 _Doubles = npt.NDArray[np.float64]
 
-#: Length of the steps to both sides of a face, as a share of the bounding sphere's radius. The mesh is rounded by less,
-#: and thinner solids do not matter.
-_BESIDE = 2e-6
 
-
-@dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(NamedTuple):
     """Points near a surface and around it, with signed distances, negative inside. ``raymap.sample_points`` makes them."""
 
     points: _Doubles
@@ -45,20 +38,18 @@ class Samples:
     @property
     def pos(self) -> npt.NDArray[Any]:
         """Points that are not inside, (k, 4): x, y, z, distance. Float32 if all of ``points`` are, else float64."""
-        return self._rows(self.distance >= 0)
+        return _raymap.sample_rows(self.points, self.distance, False)  # type: ignore[return-value]
 
     @property
     def neg(self) -> npt.NDArray[Any]:
         """Points inside, (k, 4): x, y, z, distance, of the type of ``pos``."""
-        return self._rows(self.distance < 0)
-
-    def _rows(self, chosen: npt.NDArray[np.bool_]) -> npt.NDArray[Any]:
-        is_single = bool((self.points == _single(self.points)).all())
-        rows = np.column_stack([self.points, self.distance])[chosen]
-        return rows.astype(np.float32) if is_single else rows
+        return _raymap.sample_rows(self.points, self.distance, True)  # type: ignore[return-value]
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a .npz as DeepSDF reads it: ``pos`` and ``neg``. The file appears whole or not at all.
+        """Writes .npz, .csv or .ply by extension. The file appears whole or not at all.
+
+        A .npz has ``pos`` and ``neg``, as DeepSDF reads them, and ``centre`` and ``scale``. A .csv and the vertices of a
+        .ply have all points in their order, with their distances and gradients.
 
         Raises:
             UsageError: Another extension.
@@ -68,10 +59,7 @@ class Samples:
         >>> np.load("ball.npz")["neg"].shape[1]
         4
         """
-        target = Path(path)
-        if target.suffix.lower() != ".npz":
-            raise UsageError(f"{target}: samples are written as .npz, not {target.suffix!r}")
-        _raymap.write_whole(target, npz_content(self))
+        _save(self, path, "")
 
 
 def sample_points(
@@ -111,7 +99,7 @@ def sample_points(
             gradient. It points to the outside, however the face is wound. If both sides are inside or both outside, it
             points to that whose winding number is closer to 0. The face decides where both numbers are equally close,
             as beside a sheet.
-        seed: Whole number from 0 on. Another one gives other points.
+        seed: Whole number from 0 to 2^64 - 1. Another one gives other points.
         normalize: Whether to move and scale all results so that the bounding sphere is the unit sphere about 0.
             ``Samples.centre`` and ``Samples.scale`` say how.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
@@ -130,168 +118,37 @@ def sample_points(
     >>> samples.pos.shape[0] + samples.neg.shape[0]
     1000
     """
-    counts, deviations = point_counts(operator.index(n), float(near), float(surface), sigma)
+    options = to_sample_options(n, near, sigma, surface, seed)
+    options.normalize = bool(normalize)
     prepared = mesh if isinstance(mesh, Surface) else Surface(_inputs.to_mesh(mesh), threads=threads, progress=progress)
-    if not has_sign(prepared):
-        raise UsageError("the surface was made with sign=False, so its points have no sign")
-    kept = prepared.mesh
-    centre, radius = _sphere(kept.vertices, kept.faces)
-    random = _Random(operator.index(seed))
-    areas = _Areas(kept.vertices, kept.faces, prepared.stats["left_out_faces"])
-    on_surface, triangles = areas.points(counts[0], random)
-    parts = [on_surface]
-    for count, deviation in zip(counts[1:-1], deviations, strict=True):
-        parts.append(areas.points(count, random)[0] + random.normal((count, 3)) * (deviation * radius))
-    parts.append(centre + random.in_ball(counts[-1]) * radius)
-    origin, unit = (centre, radius) if normalize else (np.zeros(3), 1.0)
-    stored = (np.concatenate(parts) - origin) / unit
-    if _is_single_enough((np.abs(centre - origin).max() + radius) / unit, deviations.min() * radius / unit):
-        stored = _single(stored)
-    found = prepared.query(stored * unit + origin, ("distance", "direction"), threads=threads, progress=progress)
-    distance, gradient = found.distance, np.where(found.distance[:, None] < 0, found.direction, -found.direction)
-    distance[: counts[0]] = 0.0
-    normals = areas.normals(triangles, prepared.stats["turned_faces"])
-    ask = partial(prepared.query, threads=threads, progress=progress)
-    gradient[: counts[0]] = _outward(normals, on_surface, _BESIDE * radius, ask)
-    return Samples(stored, distance / unit, gradient + 0.0, origin, 1.0 / unit)
+    with reporting(progress) as report:
+        points, distance, gradient, centre, scale = _raymap.sample_points(
+            core_of_surface(prepared), options, to_machine("cpu", threads), report
+        )
+    return Samples(points, distance, gradient, np.array(centre), scale)
 
 
-def npz_content(samples: Samples, **more: Any) -> bytes:
-    """Returns a .npz as DeepSDF reads it, with more arrays."""
-    content = io.BytesIO()
-    np.savez(content, pos=samples.pos, neg=samples.neg, **more)
-    return content.getvalue()
+def save_as_npz(samples: Samples, path: str | os.PathLike[str]) -> None:
+    """Writes a .npz, whatever the path ends with."""
+    _save(samples, path, ".npz")
 
 
-def _is_single_enough(reach: float, deviation: float) -> bool:
-    """Returns whether the steps of float32 are short beside a deviation, up to a distance from 0."""
-    with np.errstate(over="ignore"):
-        return bool(np.spacing(np.float32(reach)) <= deviation / 16)
+def _save(samples: Samples, path: str | os.PathLike[str], extension: str) -> None:
+    arrays = (samples.points, samples.distance, samples.gradient)
+    _raymap.save_samples(os.fspath(path), *arrays, to_vector(samples.centre), samples.scale, extension)
 
 
-def _single(points: _Doubles) -> _Doubles:
-    with np.errstate(over="ignore"):
-        return points.astype(np.float32).astype(np.float64)
-
-
-def _outward(normals: _Doubles, points: _Doubles, step: float, ask: Callable[..., Query]) -> _Doubles:
-    """Returns normals at points of a surface, reversed where they point to the inside, as `sample_points` says."""
-    sides = np.concatenate([points + step * normals, points - step * normals]).reshape(2, -1, 3)
-    is_above_inside, is_below_inside = ask(sides).distance < 0
-    is_inward = is_above_inside & ~is_below_inside
-    unsure = np.flatnonzero(is_above_inside == is_below_inside)
-    above, below = np.abs(ask(sides[:, unsure], "winding").winding)
-    is_inward[unsure] = above - below > 0.5  # Across a face the number changes by 1, else by much less.
-    return np.where(is_inward[:, None], -normals, normals)
-
-
-def point_counts(n: int, near: float, surface: float, sigma: float | Iterable[float]) -> tuple[list[int], _Doubles]:
-    """Returns numbers of points: on the surface, near it for each deviation, uniform. And the deviations."""
-    if n < 0:
-        raise UsageError(f"n must not be negative, not {n}")
-    deviations = np.atleast_1d(np.asarray(sigma if isinstance(sigma, float) else list(_iterable(sigma)), np.float64))
-    if deviations.ndim != 1 or deviations.size == 0 or not (deviations >= 0).all() or not np.isfinite(deviations).all():
-        raise UsageError(f"sigma must be numbers from 0 on, not {sigma}")
-    for name, share in (("near", near), ("surface", surface)):
-        if not 0 <= share <= 1:
-            raise UsageError(f"{name} must be a share from 0 to 1, not {share}")
-    on_surface = round(n * surface)
-    close = round(n * near)
-    if on_surface + close > n:
-        raise UsageError(f"near and surface must be at most 1 together, not {near} and {surface}")
-    kinds = deviations.size
-    each = [close // kinds + (k < close % kinds) for k in range(kinds)]
-    return [on_surface, *each, n - on_surface - close], deviations
-
-
-def _iterable(sigma: Any) -> Iterable[float]:
-    return sigma if isinstance(sigma, Iterable) else (sigma,)
-
-
-def _sphere(vertices: _Doubles, faces: npt.NDArray[Any]) -> tuple[_Doubles, float]:
-    """Returns centre and radius of the sphere about the bounds' centre around all vertices that faces use."""
-    used = vertices[np.unique(faces)]
-    centre = (used.min(axis=0) + used.max(axis=0)) / 2
-    return centre, float(_lengths(used - centre).max())
-
-
-def _lengths(v: _Doubles) -> _Doubles:
-    """Returns lengths by operations that IEEE 754 rounds alike everywhere; NumPy's sums may differ in their order."""
-    return np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2])
-
-
-class _Areas:
-    """Chooses points of a mesh evenly by area, but none of faces that are left out."""
-
-    def __init__(self, vertices: _Doubles, faces: npt.NDArray[Any], left_out: npt.NDArray[np.uint32]) -> None:
-        self._corners = vertices[faces]
-        u, v = self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0]
-        axes = ((1, 2), (2, 0), (0, 1))
-        self._normals = np.stack([u[:, a] * v[:, b] - u[:, b] * v[:, a] for a, b in axes], axis=1)
-        self._lengths = _lengths(self._normals)
-        self._lengths[left_out] = 0.0
-        self._sums = np.cumsum(self._lengths)  # One after the other, in this order.
-        if not self._sums[-1] > 0:
-            raise InputError("the mesh has no area: all of its faces are degenerate")
-
-    def points(self, count: int, random: _Random) -> tuple[_Doubles, npt.NDArray[np.intp]]:
-        """Returns points and their triangles."""
-        place = random.uniform(count) * self._sums[-1]
-        triangles = np.searchsorted(self._sums, place, side="right")
-        root, share = np.sqrt(random.uniform(count))[:, None], random.uniform(count)[:, None]
-        a, b, c = (self._corners[triangles, k] for k in range(3))
-        points: _Doubles = a * (1 - root) + b * (root * (1 - share)) + c * (root * share)
-        return points, triangles
-
-    def normals(self, triangles: npt.NDArray[np.intp], reversed_faces: npt.NDArray[np.uint32]) -> _Doubles:
-        """Returns unit normals; of reversed faces, those of their other side."""
-        signs = np.where(np.isin(triangles, reversed_faces), -1.0, 1.0)
-        scaled: _Doubles = self._normals[triangles] * (signs / self._lengths[triangles])[:, None]
-        return scaled
-
-
-class _Random:
-    """Random numbers that are the same bits with every version of NumPy and on every machine.
-
-    NumPy promises that for the raw numbers of PCG64, but not for its distributions, nor for its logarithm.
-    """
-
-    def __init__(self, seed: int) -> None:
-        if seed < 0:
-            raise UsageError(f"seed must not be negative, not {seed}")
-        self._bits = np.random.PCG64(seed)
-
-    def uniform(self, count: int) -> _Doubles:
-        """Returns multiples of 2^-53 in [0, 1)."""
-        return (self._bits.random_raw(count) >> np.uint64(11)).astype(np.float64) * 2.0**-53
-
-    def in_ball(self, count: int, dimensions: int = 3) -> _Doubles:
-        """Returns points of the unit ball without its centre, by rejection from its cube."""
-        found = np.empty((0, dimensions))
-        while len(found) < count:
-            missing = 2 * (count - len(found)) + 16
-            points = 2 * self.uniform(missing * dimensions).reshape(-1, dimensions) - 1
-            squares = sum(points[:, k] * points[:, k] for k in range(dimensions))
-            found = np.concatenate([found, points[(squares < 1) & (squares > 0)]])
-        return found[:count]
-
-    def normal(self, shape: tuple[int, int]) -> _Doubles:
-        """Returns numbers of the standard normal distribution, by Marsaglia's polar method."""
-        count = shape[0] * shape[1]
-        points = self.in_ball((count + 1) // 2, dimensions=2)
-        squares = points[:, 0] * points[:, 0] + points[:, 1] * points[:, 1]
-        factors = np.sqrt(-2 * _log(squares) / squares)
-        return (points * factors[:, None]).reshape(-1)[:count].reshape(shape)
-
-
-def _log(x: _Doubles) -> _Doubles:
-    """Returns natural logarithms within 1e-15, by operations that IEEE 754 rounds alike everywhere."""
-    mantissa, exponent = np.frexp(x)
-    is_low = mantissa < np.sqrt(0.5)
-    mantissa, exponent = np.where(is_low, 2 * mantissa, mantissa), exponent - is_low
-    s = (mantissa - 1) / (mantissa + 1)  # At most 0.172: the 11 terms of atanh's series leave 1e-18.
-    square, series = s * s, np.zeros_like(s)
-    for k in range(21, 0, -2):
-        series = series * square + 1 / k
-    result: _Doubles = exponent * 0.6931471805599453 + 2 * s * series
-    return result
+def to_sample_options(
+    n: int, near: float, sigma: float | Iterable[float], surface: float, seed: int
+) -> _raymap.SamplePointsOptions:
+    """Returns the options as the extension module takes them. Checks them."""
+    for name, number in (("n", n), ("seed", seed)):
+        if not 0 <= operator.index(number) < 2**64:
+            problem = "be negative" if number < 0 else "exceed 64 bits"
+            raise UsageError(f"{name} must not {problem}, not {number}")
+    options = _raymap.SamplePointsOptions()
+    options.count, options.seed = operator.index(n), operator.index(seed)
+    options.near, options.surface = float(near), float(surface)
+    options.sigmas = [float(s) for s in (sigma if isinstance(sigma, Iterable) else (sigma,))]
+    _raymap.sample_point_counts(options)
+    return options

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
-from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
+from typing import Any, Literal, NamedTuple, TypeAlias, Unpack, get_args
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap
-from ._errors import UsageError
+from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
 from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_machine, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
-from ._records import Orientation, Stats
+from ._records import Orientation, Part, Stats, ThicknessSummary
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -51,6 +53,31 @@ class Query(NamedTuple):
     """Winding numbers, (...) float32, +1 inside a closed surface that faces outwards."""
     confidence: Any
     """Confidences in the sign, (...) float32, 0 to 1."""
+
+
+class FacePoints(NamedTuple):
+    """Result of ``raymap.sample_faces``: one value per point."""
+
+    position: npt.NDArray[np.float64]
+    """Positions on the faces, (n, 3), in the mesh's units."""
+    triangle: npt.NDArray[np.uint32]
+    """Indices of the faces, (n,)."""
+    area: npt.NDArray[np.float64]
+    """Areas that the points stand for, (n,), in the mesh's units squared."""
+
+
+class Thickness(NamedTuple):
+    """Result of ``Surface.thickness``: one value per point."""
+
+    part: npt.NDArray[np.str_]
+    """Kinds of the parts that the points bound, (n,): ``"wall"``; ``"edge"`` and ``"corner"``, where the other side is too
+    oblique; ``"solid"``, whose other side is farther than ``max_thickness``; ``"sheet"``, outside on both sides; ``"buried"``,
+    inside on both sides."""
+    diameter: npt.NDArray[np.float32]
+    """Diameters of the balls inside that touch the point and the side opposite, (n,), in the mesh's units. 0 for a sheet;
+    infinite where no side lies opposite."""
+    inward: npt.NDArray[np.float32]
+    """Unit vectors into the solid, (n, 3); 0 for sheets and buried faces."""
 
 
 class Surface:
@@ -251,6 +278,65 @@ class Surface:
         with reporting(options.get("progress")) as report:
             return field_of_core(self._core.generate(grid, core_options, machine, report))
 
+    def thickness(
+        self,
+        points: Any,
+        triangles: Any,
+        *,
+        max_thickness: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Thickness:
+        """Returns the local thickness of the mesh at points of its faces.
+
+        A side lies opposite a point if its normal and the reversed normal of the point are at most 40 degrees apart. So
+        blunt edges are not thin, and a cube is as thick near its edges as in the middle.
+
+        Args:
+            points: Positions on the faces in the mesh's units, (n, 3), as of ``raymap.sample_faces`` or ``closest``.
+            triangles: Indices of the faces that hold them, (n,).
+            max_thickness: Largest thickness to find, in the mesh's units; thicker parts count as infinitely thick. The smaller,
+                the faster. None = no limit.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+
+        Raises:
+            UsageError: The surface has no sign, there is no such face, or ``max_thickness`` is not above 0.
+            InputError: Arrays of other shapes.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.load_mesh("ball.ply")
+        >>> points = raymap.sample_faces(ball, step=0.5)
+        >>> found = raymap.Surface(ball).thickness(points.position, points.triangle)
+        >>> found.part[0], bool((abs(found.diameter - 2) < 0.05).all())
+        (np.str_('wall'), True)
+        """
+        positions, numbers = _arrays.to_points(points), _arrays.to_numpy(triangles)
+        if numbers.shape != (len(positions),) or numbers.dtype.kind not in "iu":
+            raise InputError(f"triangles must be ({len(positions)},) whole numbers, one for each point, not "
+                             f"{numbers.dtype} of the shape {numbers.shape}")  # fmt: skip
+        if numbers.size > 0 and not (0 <= numbers.min() and numbers.max() < 2**32):
+            raise UsageError("triangles must be indices of faces, from 0 on")
+        with reporting(progress) as report:
+            parts, diameter, inward = _raymap.thickness(
+                self._core, positions, numbers.astype(np.uint32), *_limits(max_thickness, threads), report
+            )
+        return Thickness(np.array(get_args(Part))[parts], diameter, inward)
+
+    def thickness_summary(
+        self, *, max_thickness: float | None = None, threads: int | None = None, progress: Progress = None
+    ) -> ThicknessSummary:
+        """Returns a summary of the thickness at 100,000 points that are spread evenly over the area of the mesh.
+
+        Lengths are NaN where there is nothing to measure. Arguments and errors are those of ``thickness``.
+
+        >>> found = raymap.Surface("ball.ply").thickness_summary()
+        >>> round(found["median"], 1), found["sheet_share"]
+        (2.0, 0.0)
+        """
+        with reporting(progress) as report:
+            return _raymap.summarize_thickness(self._core, *_limits(max_thickness, threads), report)  # type: ignore[return-value]
+
     @property
     def mesh(self) -> Mesh:
         """The mesh as the surface keeps it: the given faces; positions in single precision about an origin."""
@@ -310,9 +396,37 @@ def signed_distance(
     return surface.signed_distance(points, threads=threads, progress=progress)
 
 
-def has_sign(surface: Surface) -> bool:
-    """Returns whether a surface tells inside from outside."""
-    return surface._sign
+def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> FacePoints:
+    """Returns the middles of parts of the faces of a mesh, in the order of the faces.
+
+    A face is halved until no side of a part is longer than ``step``, but at most 22 times.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.Surface``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        step: Longest side of a part, in the mesh's units.
+
+    Raises:
+        InputError: The mesh is not valid.
+        UsageError: ``step`` is not above 0.
+        FileError: The file cannot be read.
+
+    >>> points = raymap.sample_faces("tetrahedron.ply", step=2)
+    >>> points.triangle, float(points.area[0])
+    (array([0, 1, 2, 3], dtype=uint32), 0.5)
+    """
+    if not step > 0:
+        raise UsageError(f"step must be above 0, not {step}")
+    return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), float(step)))
+
+
+def _limits(max_thickness: float | None, threads: int | None) -> tuple[float, _raymap.MachineOptions]:
+    return math.inf if max_thickness is None else float(max_thickness), to_machine("cpu", threads)
+
+
+def core_of_surface(surface: Surface) -> _raymap.Surface:
+    """Returns the surface as the extension module takes it."""
+    return surface._core
 
 
 def _prepare(

@@ -89,9 +89,11 @@ void bindField(nb::module_& module);
 void bindGenerate(nb::module_& module);
 void bindIsosurface(nb::module_& module);
 void bindMachine(nb::module_& module);
+void bindMeasure(nb::module_& module);
 void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
+void bindSamplePoints(nb::module_& module);
 void bindSurface(nb::module_& module);
 
 }  // namespace raymap::python

@@ -54,7 +54,17 @@ void bindOptions(nb::module_& module) {
   bindName(options, "distance", &FieldOptions::distance);
   bindName(options, "sign", &FieldOptions::sign);
   bindName(options, "orientation", &FieldOptions::orientation);
-  options.def_rw("band", &FieldOptions::band)
+  bindName(options, "sampling", &FieldOptions::sampling);
+  options
+      .def("set_offsets",
+           [](FieldOptions& self, const std::vector<std::tuple<int, int, int>>& offsets) {
+             self.offsets.clear();
+             for (const auto& [x, y, z] : offsets) self.offsets.emplace_back(x, y, z);
+           })
+      .def_rw("passes", &FieldOptions::passes)
+      .def_rw("threshold", &FieldOptions::threshold)
+      .def_rw("invert", &FieldOptions::invert)
+      .def_rw("band", &FieldOptions::band)
       .def_rw("close_holes", &FieldOptions::closeHoles)
       .def_rw("thickness", &FieldOptions::thickness)
       .def_rw("triangle", &FieldOptions::triangle)

@@ -55,6 +55,18 @@ std::shared_ptr<MeshHandle> load(const std::filesystem::path& path) {
   return own(std::move(mesh));
 }
 
+std::shared_ptr<AnimatedMesh> loadAnimation(const std::filesystem::path& path, size_t index) {
+  Call call{nb::none()};
+  auto animation = std::make_shared<AnimatedMesh>();
+  call.run([&] { *animation = readAnimatedMesh(path, index, call.warn()); });
+  return animation;
+}
+
+std::shared_ptr<MeshHandle> poseAt(const AnimatedMesh& animation, double seconds) {
+  const nb::gil_scoped_release release;
+  return own(posed(animation, seconds));
+}
+
 /// Views the vertices of a mesh of our own, about its origin.
 nb::ndarray<nb::numpy, const float> vertices(nb::handle_t<MeshHandle> self) {
   const Mesh& mesh = nb::cast<const MeshHandle&>(self).owned;
@@ -91,6 +103,10 @@ void bindMesh(nb::module_& module) {
           },
           "path"_a);
   module.def("load_mesh", &load, "path"_a);
+  nb::class_<AnimatedMesh>(module, "Animation")
+      .def_prop_ro("duration", &AnimatedMesh::seconds)
+      .def("mesh", &poseAt, "time"_a);
+  module.def("load_animation", &loadAnimation, "path"_a, "index"_a);
   module.def("mesh_extensions", &meshExtensions);
 }
 

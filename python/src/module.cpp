@@ -33,6 +33,8 @@ NB_MODULE(_raymap, module) {
   bindGenerate(module);
   bindIsosurface(module);
   bindSurface(module);
+  bindSamplePoints(module);
+  bindMeasure(module);
   bindRepair(module);
   bindRender(module);
   bindDevices(module);

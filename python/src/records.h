@@ -21,8 +21,8 @@ auto toPython(const Value& value) {
     return dict;
   } else if constexpr (std::is_enum_v<Value>) {
     return nb::cast(name(value));
-  } else if constexpr (std::is_same_v<Value, glm::dvec3>) {
-    return nb::cast(std::vector<double>{value.x, value.y, value.z});
+  } else if constexpr (std::is_same_v<Value, glm::dvec3> || std::is_same_v<Value, glm::ivec3>) {
+    return nb::cast(std::vector{value.x, value.y, value.z});
   } else if constexpr (std::is_same_v<Value, Box>) {
     return toPython(corners(value));
   } else if constexpr (std::is_same_v<Value, std::vector<uint32_t>>) {

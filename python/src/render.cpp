@@ -2,6 +2,7 @@
 #include <raymap/render.h>
 
 #include "call.h"
+#include "records.h"
 
 namespace raymap::python {
 
@@ -21,6 +22,35 @@ Pixels drawSlice(const FieldHandle& field, int axis, int index, int width, std::
   {
     const nb::gil_scoped_release release;
     picture = renderSlice(field.field, axis, index, width, chosen);
+  }
+  return toPixels(std::move(picture));
+}
+
+Pixels drawDefects(const MeshHandle& mesh, const RenderOptions& options) {
+  Picture picture;
+  {
+    const nb::gil_scoped_release release;
+    picture = renderDefects(mesh.view, options);
+  }
+  return toPixels(std::move(picture));
+}
+
+nb::dict compare(const FieldHandle& a, const FieldHandle& b, std::string_view array) {
+  const auto chosen = fromName<FieldArray>(array);
+  Comparison found;
+  {
+    const nb::gil_scoped_release release;
+    found = compareFields(a.field, b.field, chosen);
+  }
+  return toPython(found);
+}
+
+Pixels drawComparison(const FieldHandle& a, const FieldHandle& b, int width, std::string_view array) {
+  const auto chosen = fromName<FieldArray>(array);
+  Picture picture;
+  {
+    const nb::gil_scoped_release release;
+    picture = renderComparison(a.field, b.field, width, chosen);
   }
   return toPixels(std::move(picture));
 }
@@ -52,6 +82,9 @@ void bindRender(nb::module_& module) {
   bindVector(options, "direction", &RenderOptions::direction);
   bindVector(options, "up", &RenderOptions::up);
   module.def("render_field", &drawField, "field"_a, "options"_a, "machine"_a, "progress"_a.none());
+  module.def("render_defects", &drawDefects, "mesh"_a, "options"_a);
+  module.def("compare", &compare, "a"_a, "b"_a, "array"_a);
+  module.def("render_comparison", &drawComparison, "a"_a, "b"_a, "width"_a, "array"_a);
   module.def("render_slice", &drawSlice, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
 }
 

@@ -613,6 +613,19 @@ def test_an_unwritable_result_stops_the_run_and_quarantines_nothing(meshes: Path
     assert not Path("out/quarantine").exists()
 
 
+def test_the_command_line_takes_the_options_of_the_sign(meshes: Path) -> None:
+    ran = run_module("dataset", meshes / "small.ply", "-o", "out", "--resolution", 16, "--sign", "evolution",
+                     "--passes", 2, "--sampling", "paper", "--threshold", 0.4, "--invert")  # fmt: skip
+    assert ran.returncode == 0 and ran.stderr == ""
+    options = {"sign": "evolution", "passes": 2, "sampling": "paper", "threshold": 0.4, "invert": True}
+    expected = raymap.generate(meshes / "small.ply", resolution=16, device="cpu", **options).distance
+    np.testing.assert_array_equal(raymap.load_field("out/small.ply.npz").distance, expected)
+    offsets = np.array([(1, 2, 3)])
+    given = {**options, "sign": "paths", "offsets": offsets, "resolution": 16}
+    for count in (1, 0):
+        assert len(raymap.dataset.generate([meshes / "small.ply"], "other", **given).new) == count
+
+
 def test_the_command_line(meshes: Path) -> None:
     (meshes / "bad.ply").write_text("ply\n")
     options = ["--resolution", 16, "--arrays", "winding", "--memory-limit", "1.0e0GiB", "--workers", 2]

@@ -363,3 +363,40 @@ def test_devices():
     assert sum(device["automatic"] for device in found) == 1
     with pytest.raises(raymap.UsageError):
         raymap.test_device("cpu")
+
+
+def test_options_of_the_sign_are_those_of_the_command_line(ball, run_raymap):
+    """On an open mesh, where each option changes the winding number or the sign."""
+    raymap.Mesh(ball.vertices, ball.faces[:-300]).save("open.ply")
+    with open("offsets.txt", "w") as file:
+        file.write("3 1 -2\n-4 0 1\n0 5 2\n")
+    common = {"resolution": 20, "device": "cpu", "arrays": ("distance", "winding")}
+    for line, sign, options in (
+        ("--sign paths --passes 2", "paths", {"passes": 2}),
+        ("--sign evolution --sampling paper", "evolution", {"sampling": "paper"}),
+        ("--sign paths --offsets offsets.txt", "paths", {"offsets": [(3, 1, -2), (-4, 0, 1), (0, 5, 2)]}),
+        ("--threshold 0.8", "harmonic", {"threshold": 0.8}),
+        ("--invert", "harmonic", {"invert": True}),
+    ):
+        files = ("open.ply", "-o", "cli.npz", "--winding", "w.npy")
+        run_raymap("generate", *files, "--resolution", 20, "--device", "cpu", *line.split())
+        expected = raymap.load_field("cli.npz")
+        made, plain = (raymap.generate("open.ply", sign=sign, **common, **given) for given in (options, {}))
+        np.testing.assert_array_equal(made.distance, expected.distance)
+        np.testing.assert_array_equal(made.winding, expected.winding)
+        assert (made.distance != plain.distance).any() or (made.winding != plain.winding).any()
+    plain = raymap.generate(ball, resolution=20, device="cpu").distance
+    np.testing.assert_array_equal(raymap.Surface(ball).generate(resolution=20, device="cpu", invert=True).distance, -plain)
+
+
+@pytest.mark.parametrize("options, text", [
+    (dict(sign="paths", offsets=[(1, 2)]), r"offsets must be \(n, 3\) whole numbers"),
+    (dict(sign="paths", offsets=[(0.5, 1, 2)]), "whole numbers, not float64"),
+    (dict(sign="paths", offsets=[(2**31, 1, 2)]), "of 32 bits"),
+    (dict(sign="paths", passes=-1), "the number of passes must not be negative"),
+    (dict(sampling="raster"), "there is no sampling 'raster'"),
+    (dict(threshold=-1), "threshold"),
+])
+def test_options_of_the_sign_that_make_no_sense(ball, options, text):
+    with pytest.raises(raymap.UsageError, match=text):
+        raymap.generate(ball, resolution=8, device="cpu", **options)

@@ -8,12 +8,10 @@ import resource
 import signal
 import subprocess
 import sys
-from statistics import NormalDist
 
 import numpy as np
 import pytest
 import raymap
-from raymap import _samples
 
 COUNT = 20_000
 
@@ -98,8 +96,6 @@ def test_other_sides_that_are_left_out_get_no_points(ball):
     for options in ({"near": 0, "surface": 1}, {"near": 1}):
         points = raymap.sample_points(surface, COUNT, **options).points
         assert np.mean(points[:, 0] < 1.5) == pytest.approx(0.5, abs=0.01)
-    areas = _samples._Areas(surface.mesh.vertices, surface.mesh.faces, left_out)
-    assert not np.isin(areas.points(COUNT, _samples._Random(0))[1], left_out).any()
 
 
 def test_normals_where_both_sides_are_alike(ball):
@@ -120,8 +116,6 @@ def test_normals_where_both_sides_are_alike(ball):
 def test_counts(surface):
     samples = raymap.sample_points(surface, 11, near=0.5, surface=0.3, sigma=(0.1, 0.2, 0.3))
     assert samples.points.shape == (11, 3) and (samples.distance == 0).sum() == 3
-    assert _samples.point_counts(11, 0.5, 0.3, (1, 2, 3))[0] == [3, 2, 2, 2, 2]
-    assert _samples.point_counts(10, 0.94, 0, 0.5)[0] == [0, 9, 1]
     empty = raymap.sample_points(surface, 0)
     assert empty.points.shape == (0, 3) and empty.pos.shape == (0, 4) and empty.neg.shape == (0, 4)
 
@@ -129,19 +123,13 @@ def test_counts(surface):
 def test_the_same_seed_gives_the_same_bits(ball, surface, samples):
     exact = raymap.sample_points("tetrahedron.ply", 1000, surface=0.01).points
     assert hashlib.sha256(exact.tobytes()).hexdigest() == "97f54c7534005b7032bd8e06a6f882d1d2bc7c21f4192634db438888c5a566f7"
+    options = {"near": 0.5, "surface": 0.2, "sigma": (0.1, 0.01), "seed": 2**63 + 5, "normalize": True}
+    moved = raymap.sample_points("tetrahedron.ply", 1000, **options).points
+    assert hashlib.sha256(moved.tobytes()).hexdigest() == "6fbff74869bb3b07656aa4c8f6cc305c0963f57c23e2ce1d9c8b085c629d3c9b"
     for other in (raymap.sample_points(ball, COUNT, threads=1), raymap.sample_points(surface, COUNT, seed=0)):
         for name in ("points", "distance", "gradient"):
             np.testing.assert_array_equal(getattr(other, name), getattr(samples, name))
     assert (raymap.sample_points(surface, COUNT, seed=1).points != samples.points).any(axis=1).all()
-
-
-def test_random_numbers_are_normal():
-    numbers = np.sort(_samples._Random(5).normal((50_001, 1)).reshape(-1))
-    assert numbers.size == 50_001
-    expected = np.array([NormalDist().cdf(x) for x in numbers])
-    assert np.abs(expected - (np.arange(numbers.size) + 0.5) / numbers.size).max() < 0.007  # Kolmogorov and Smirnov
-    x = np.concatenate([_samples._Random(1).uniform(1000), 2.0 ** -np.arange(1, 100), [0.5**0.5, 1 - 2**-53]])
-    np.testing.assert_allclose(_samples._log(x), np.log(x), rtol=1e-14, atol=1e-16)
 
 
 def test_normalized(ball):
@@ -160,15 +148,20 @@ def test_normalized(ball):
 
 
 def test_files(samples):
+    samples.save("points.csv")
+    table = np.loadtxt("points.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(table, np.column_stack([samples.points, samples.distance, samples.gradient]))
     samples.save("points.npz")
     stored = np.load("points.npz")
-    assert sorted(stored.files) == ["neg", "pos"]
-    for name in stored.files:
+    assert sorted(stored.files) == ["centre", "neg", "pos", "scale"]
+    np.testing.assert_array_equal(stored["centre"], samples.centre)
+    assert stored["scale"] == samples.scale and stored["scale"].shape == ()
+    for name in ("pos", "neg"):
         np.testing.assert_array_equal(stored[name], getattr(samples, name))
         assert stored[name].dtype == np.float32 and stored[name].shape[1] == 4
     assert (stored["neg"][:, 3] < 0).all() and (stored["pos"][:, 3] >= 0).all()
     assert len(stored["neg"]) + len(stored["pos"]) == COUNT
-    with pytest.raises(raymap.UsageError, match="points.txt: samples are written as .npz, not '.txt'"):
+    with pytest.raises(raymap.UsageError, match="points.txt: '.txt' is not a format for points with distances; use one of .npz"):
         samples.save("points.txt")
     with pytest.raises(raymap.FileError, match="^gone/points.npz: cannot write: No such file"):
         samples.save("gone/points.npz")
@@ -238,10 +231,11 @@ def test_a_file_that_cannot_be_written_leaves_the_old_one(samples):
     (dict(near=float("nan")), raymap.UsageError, "near must be a share"),
     (dict(surface=-0.1), raymap.UsageError, "surface must be a share from 0 to 1, not -0.1"),
     (dict(near=0.8, surface=0.3), raymap.UsageError, "at most 1 together, not 0.8 and 0.3"),
-    (dict(sigma=-1.0), raymap.UsageError, "sigma must be numbers from 0 on, not -1.0"),
+    (dict(sigma=-1.0), raymap.UsageError, "sigma must be numbers from 0 on, not -1"),
     (dict(sigma=()), raymap.UsageError, "sigma must be numbers"),
     (dict(sigma=(0.1, float("inf"))), raymap.UsageError, "sigma must be numbers"),
     (dict(seed=-1), raymap.UsageError, "seed must not be negative, not -1"),
+    (dict(seed=2**64), raymap.UsageError, "seed must not exceed 64 bits, not 18446744073709551616"),
     (dict(seed=0.5), TypeError, None),
 ])
 def test_arguments_that_make_no_sense(surface, arguments, error, text):
@@ -250,7 +244,7 @@ def test_arguments_that_make_no_sense(surface, arguments, error, text):
 
 
 def test_meshes_without_points(ball):
-    with pytest.raises(raymap.UsageError, match="sign=False, so its points have no sign"):
+    with pytest.raises(raymap.UsageError, match="without a sign, so its points have no sign"):
         raymap.sample_points(raymap.Surface(ball, sign=False), 10)
     with pytest.raises(raymap.InputError, match="the mesh has no area"):
         raymap.sample_points(raymap.Mesh([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]), 10)

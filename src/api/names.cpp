@@ -71,6 +71,15 @@ struct Names<DeviceTestState> {
 };
 
 template <>
+struct Names<Part> {
+  static constexpr std::string_view kKind = "part";
+  static constexpr std::array kValues{Part::Wall,  Part::Edge,  Part::Corner,
+                                      Part::Solid, Part::Sheet, Part::Buried};
+  static constexpr std::array<std::string_view, 6> kNames{"wall",  "edge",  "corner",
+                                                          "solid", "sheet", "buried"};
+};
+
+template <>
 struct Names<ErrorCode> {
   static constexpr std::string_view kKind = "error code";
   static constexpr std::array kValues{ErrorCode::Usage,      ErrorCode::Input,       ErrorCode::File,
@@ -168,6 +177,7 @@ RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 RAYMAP_DEFINE_NAMES(MeshKind)
 RAYMAP_DEFINE_NAMES(Remedy)
+RAYMAP_DEFINE_NAMES(Part)
 RAYMAP_DEFINE_NAMES(WarningCode)
 
 }  // namespace raymap

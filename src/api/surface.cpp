@@ -119,6 +119,10 @@ Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
   return result;
 }
 
+bool Surface::isSigned() const {
+  return impl_->prepared.isSigned;
+}
+
 MeshView Surface::mesh() const {
   return impl_->prepared.mesh;
 }

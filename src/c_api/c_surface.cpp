@@ -1,6 +1,7 @@
-// The functions of raymap/c.h about queries at any points.
+// The functions of raymap/c.h about queries at any points, and about points to train with.
 
 #include <raymap/c.h>
+#include <raymap/sample_points.h>
 
 #include <algorithm>
 #include <limits>
@@ -19,14 +20,42 @@ SurfaceOptions surfaceOptions(const FieldOptions& given) {
   return {.sign = given.sign, .orientation = given.orientation, .threshold = given.threshold};
 }
 
+void copyTo(double* to, const glm::dvec3& from) {
+  for (int c = 0; c < 3; ++c) to[c] = from[c];
+}
+
 void copyTo(double* to, const Buffer<glm::dvec3>& from) {
-  for (size_t i = 0; to && i < from.size(); ++i)
-    for (int c = 0; c < 3; ++c) to[3 * i + size_t(c)] = from[i][c];
+  for (size_t i = 0; to && i < from.size(); ++i) copyTo(to + 3 * i, from[i]);
 }
 
 template <class T>
 void copyTo(T* to, const Buffer<T>& from) {
   if (to) std::ranges::copy(from, to);
+}
+
+const std::vector<double>& defaultSigmas() {
+  static const std::vector<double> sigmas = SamplePointsOptions().sigmas;
+  return sigmas;
+}
+
+/// Returns a struct that begins with its size. Throws `Error(Usage)` if the caller did not set it.
+template <class T>
+T& needSized(T* pointer, const char* name) {
+  T& given = need(pointer, name);
+  if (given.size != sizeof(T))
+    throw Error(ErrorCode::Usage, std::string("the size of ") + name + " is " + std::to_string(given.size) +
+                                      "; set it to " + std::to_string(sizeof(T)));
+  return given;
+}
+
+SamplePointsOptions sampleOptions(const raymap_sample_points_options& given) {
+  if (given.sigma_count > 0) need(given.sigmas, "the array of deviations");
+  return {.count = given.count,
+          .surfaceShare = given.surface_share,
+          .nearShare = given.near_share,
+          .sigmas = {given.sigmas, given.sigmas + given.sigma_count},
+          .seed = given.seed,
+          .normalize = given.normalize};
 }
 
 }  // namespace
@@ -79,5 +108,33 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
     copyTo(wanted.direction, found.direction);
     copyTo(wanted.winding, found.winding);
     copyTo(wanted.confidence, found.confidence);
+  });
+}
+
+raymap_sample_points_options raymap_sample_points_options_default(void) {
+  const SamplePointsOptions options;
+  return {.size = sizeof(raymap_sample_points_options),
+          .count = options.count,
+          .surface_share = options.surfaceShare,
+          .near_share = options.nearShare,
+          .sigmas = defaultSigmas().data(),
+          .sigma_count = defaultSigmas().size(),
+          .seed = options.seed,
+          .normalize = options.normalize};
+}
+
+raymap_result raymap_sample_points(const raymap_surface* surface, const raymap_sample_points_options* options,
+                                   const raymap_options* machine, raymap_point_samples* samples) {
+  return guard([&] {
+    const raymap_sample_points_options defaults = raymap_sample_points_options_default();
+    const auto& given = needSized(options ? options : &defaults, "the struct of options");
+    raymap_point_samples& wanted = needSized(samples, "the struct of samples");
+    const PointSamples found =
+        samplePoints(need(surface, "the surface").surface, sampleOptions(given), c::optionsOr(machine).machine);
+    copyTo(wanted.points, found.points);
+    copyTo(wanted.distance, found.distance);
+    copyTo(wanted.gradient, found.gradient);
+    copyTo(wanted.centre, found.centre);
+    wanted.scale = found.scale;
   });
 }

@@ -86,6 +86,10 @@ std::vector<std::string> queryExtensions() {
   return extensions;
 }
 
+std::vector<std::string> sampleExtensions() {
+  return {".npz", ".csv", ".ply"};
+}
+
 std::vector<glm::dvec3> readPoints(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
   const std::string format = formatOf(source, options.format, pointExtensions());
@@ -111,6 +115,20 @@ void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const 
   }
   const auto write = [&](std::ostream& out) { format.write(out, table); };
   writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
+}
+
+void writePointSamples(const fs::path& path, const PointSamples& samples, std::string_view given) {
+  const std::string format = formatOf(path, given, sampleExtensions());
+  if (!contains(sampleExtensions(), format)) failExtension(path, "points with distances", sampleExtensions());
+  const std::span<const double> distance = samples.distance;
+  const std::span<const glm::dvec3> gradient = samples.gradient;
+  const PointTable table{samples.points, {{"distance", distance}, {"gradient", gradient, "xyz"}}, {}};
+  writeAtomically(path, [&](std::ostream& out) {
+    if (format == ".npz")
+      writeSeekable(out, [&](std::ostream& file) { writeSampleNpz(file, samples); });
+    else
+      (format == ".csv" ? writePointCsv : writePointPly)(out, table);
+  });
 }
 
 }  // namespace raymap

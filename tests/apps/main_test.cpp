@@ -43,10 +43,11 @@ TEST_F(CliMain, FailsWhereItsTextIsLost) {
 }
 
 TEST_F(CliMain, NamesTheCommands) {
-  expectFailure("", ErrorCode::Usage,
-                "name a command: generate info query mesh render repair compare convert example devices;");
+  expectFailure(
+      "", ErrorCode::Usage,
+      "name a command: generate info query sample mesh render repair compare convert example devices;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
-                "unknown command 'paint'; use one of: generate info query mesh render");
+                "unknown command 'paint'; use one of: generate info query sample mesh render");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 template <class Enum>
 class NamesOf : public testing::Test {};
 using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
-                             DeviceTestState, ErrorCode, MeshKind, Remedy, WarningCode>;
+                             DeviceTestState, ErrorCode, MeshKind, Part, Remedy, WarningCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {
@@ -37,6 +37,7 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(FieldArray::Triangle), "triangle");
   EXPECT_EQ(name(DeviceType::Software), "software");
   EXPECT_EQ(name(DeviceTestState::Unfinished), "unfinished");
+  EXPECT_EQ(name(Part::Buried), "buried");
   EXPECT_EQ(name(ErrorCode::DeviceLost), "device_lost");
   EXPECT_EQ(name(ErrorCode::DeviceMemory), "device_memory");
   EXPECT_EQ(name(WarningCode::DrainHolesMissing), "drain_holes_missing");

@@ -173,6 +173,44 @@ static void test_field(void) {
 }
 
 /* The tetrahedron's faces lie in planes such as x + y + z = -1, so the origin is 1 / sqrt(3) inside. */
+/* The surface is that of the tetrahedron. */
+static void check_sample_points(const raymap_surface* surface) {
+  enum { COUNT = 200 };
+  static double points[COUNT][3], distance[COUNT], gradient[COUNT][3], queried[COUNT];
+  raymap_sample_points_options how = raymap_sample_points_options_default();
+  CHECK(how.count == 500000 && how.near_share == 0.94 && how.surface_share == 0.0 && how.sigma_count == 2);
+  CHECK(how.sigmas[0] == 0.0025 && how.sigmas[1] == 0.00025 && how.seed == 0 && !how.normalize);
+  const double sigma = 0.1;
+  how.count = COUNT;
+  how.surface_share = 0.25;
+  how.near_share = 0.5;
+  how.sigmas = &sigma;
+  how.sigma_count = 1;
+  raymap_point_samples samples = {sizeof(samples), &points[0][0], distance, &gradient[0][0], {9, 9, 9}, 0};
+  CHECK(raymap_sample_points(surface, &how, NULL, &samples) == RAYMAP_OK);
+  CHECK(samples.scale == 1.0 && samples.centre[0] == 0.0 && samples.centre[2] == 0.0);
+  raymap_query_arrays arrays = {0};
+  arrays.distance = queried;
+  CHECK(raymap_surface_query(surface, &points[0][0], COUNT, 0.0, NULL, &arrays) == RAYMAP_OK);
+  for (int i = 0; i < COUNT; ++i) {
+    CHECK(i < COUNT / 4 ? distance[i] == 0.0 && fabs(queried[i]) < 1e-6 : distance[i] == queried[i]);
+    const double* g = gradient[i];
+    CHECK(fabs(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] - 1.0) < 1e-9);
+  }
+  how.normalize = true;
+  samples.points = samples.gradient = NULL;
+  CHECK(raymap_sample_points(surface, &how, NULL, &samples) == RAYMAP_OK && samples.scale != 1.0);
+  CHECK(distance[COUNT - 1] != queried[COUNT - 1]);
+  how.near_share = 2.0;
+  CHECK_FAILS(raymap_sample_points(surface, &how, NULL, &samples), RAYMAP_ERROR_USAGE, "near must be a share");
+  how.size = 3;
+  CHECK_FAILS(raymap_sample_points(surface, &how, NULL, &samples), RAYMAP_ERROR_USAGE,
+              "the size of the struct of options is 3; set it to");
+  samples.size = 0;
+  CHECK_FAILS(raymap_sample_points(surface, NULL, NULL, &samples), RAYMAP_ERROR_USAGE,
+              "the size of the struct of samples is 0; set it to");
+}
+
 static void test_surface(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_options* options = raymap_options_create();
@@ -211,6 +249,7 @@ static void test_surface(void) {
   CHECK(raymap_surface_query(surface, NULL, 0, 0.0, NULL, &arrays) == RAYMAP_OK);
   CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, -1.0, NULL, &arrays), RAYMAP_ERROR_USAGE,
               "the largest distance must be positive");
+  check_sample_points(surface);
   raymap_surface_free(surface);
 
   mesh = make_tetrahedron();
@@ -472,6 +511,7 @@ static void test_null(void) {
   CHECK(raymap_surface_stats(surface, NULL) == usage);
   CHECK(raymap_surface_query(surface, NULL, 1, 0.0, NULL, &results) == usage);
   CHECK(raymap_surface_query(surface, low, 1, 0.0, NULL, NULL) == usage);
+  CHECK(raymap_sample_points(surface, NULL, NULL, NULL) == usage);
   raymap_surface_free(surface);
   CHECK(raymap_field_load(NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);

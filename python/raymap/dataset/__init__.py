@@ -7,9 +7,8 @@ import os
 import time
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, Unpack
+from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
 
 from .._errors import FileError, UsageError, warn
 from .._progress import reporting
@@ -24,8 +23,8 @@ __all__ = ["FORMATS", "Format", "Options", "Summary", "What", "generate"]
 What: TypeAlias = Literal["field", "points"]
 Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
 
-@dataclass(frozen=True)
-class Summary:
+
+class Summary(NamedTuple):
     """States of the meshes of a data set after a run. Names are paths below the folder of the meshes."""
 
     done: list[str]

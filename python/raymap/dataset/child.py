@@ -41,7 +41,7 @@ from .._generate import generate
 from .._mesh import Mesh, load_mesh, tetrahedron
 from .._raymap import write_whole
 from .._repair import info
-from .._samples import npz_content, sample_points
+from .._samples import sample_points, save_as_npz
 
 _IDLE_SECONDS = 60.0
 _THUMBNAIL = {"width": 192, "height": 144, "device": "cpu"}
@@ -183,10 +183,9 @@ def _make_points(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], d
     samples = sample_points(mesh, **job["options"], threads=job["threads"])
     small = generate(mesh, resolution=48, device="cpu", threads=job["threads"], memory_limit=job["memory_limit"])
     picture = _picture(small, job["threads"])
-    content = npz_content(samples, centre=samples.centre, scale=samples.scale)
 
     def write() -> None:
-        write_whole(job["result"], content)
+        save_as_npz(samples, job["result"])
         write_whole(job["thumbnail"], picture)
 
     figures = {

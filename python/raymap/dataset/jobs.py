@@ -16,7 +16,7 @@ from .. import _raymap
 from .._errors import Cancelled, FileError, MemoryLimitError, UsageError
 from .._generate import FieldOptions, generate
 from .._mesh import tetrahedron
-from .._samples import point_counts, sample_points
+from .._samples import sample_points, to_sample_options
 from .work import FORMATS, Job
 
 PathLike: TypeAlias = str | os.PathLike[str]
@@ -109,6 +109,8 @@ def _field_options(options: Options) -> dict[str, Any]:
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
     if result["bounds"] is not None:
         result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
+    if result["offsets"] is not None:
+        result["offsets"] = np.asarray(result["offsets"]).tolist()
     return result
 
 
@@ -118,7 +120,7 @@ def _point_options(options: Options) -> dict[str, Any]:
         raise UsageError("what='points' needs n, the number of points of each mesh")
     result = _with_defaults(options, sample_points, "points")
     result["sigma"] = np.atleast_1d(np.asarray(result["sigma"], np.float64)).tolist()
-    point_counts(result["n"], result["near"], result["surface"], result["sigma"])
+    to_sample_options(result["n"], result["near"], result["sigma"], result["surface"], result["seed"])
     return result
 
 

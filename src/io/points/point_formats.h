@@ -1,8 +1,10 @@
 #pragma once
 
-// One reader and one writer per format, for `readPoints` and `writeQuery`.
+// One reader and one writer per format, for `readPoints`, `writeQuery` and
+// `writePointSamples`.
 
 #include <raymap/query.h>
+#include <raymap/sample_points.h>
 
 #include <filesystem>
 #include <iosfwd>
@@ -47,5 +49,7 @@ void writePointNpy(std::ostream& out, const PointTable& table);
 /// Writes all arrays of the table, without the points.
 void writePointNpz(std::ostream& out, const PointTable& table);
 void writePointPly(std::ostream& out, const PointTable& table);
+/// Writes the rows of the points on both sides, and what they are relative to.
+void writeSampleNpz(std::ostream& out, const PointSamples& samples);
 
 }  // namespace raymap

@@ -191,4 +191,25 @@ void writePointPly(std::ostream& out, const PointTable& table) {
   pieces.write();
 }
 
+void writeSampleNpz(std::ostream& out, const PointSamples& samples) {
+  ZipWriter zip(out);
+  const auto add = [&](const std::string& name, const NpyHeader& header, std::span<const std::byte> bytes) {
+    zip.add(name + ".npy", npyHeader(header), bytes);
+  };
+  const auto addRows = [&](const std::string& name, const SampleRows& rows) {
+    std::visit(
+        [&](const auto& values) {
+          const char* const type = sizeof(values[0]) == sizeof(glm::vec4) ? "<f4" : "<f8";
+          add(name, {type, false, {int64_t(values.size()), 4}}, std::as_bytes(std::span(values)));
+        },
+        rows);
+  };
+  const SampleRows outside = sampleRows(samples, false), inside = sampleRows(samples, true);
+  addRows("pos", outside);
+  addRows("neg", inside);
+  add("centre", {"<f8", false, {3}}, std::as_bytes(std::span(&samples.centre, 1)));
+  add("scale", {"<f8", false, {}}, std::as_bytes(std::span(&samples.scale, 1)));
+  zip.finish();
+}
+
 }  // namespace raymap
