@@ -11,9 +11,7 @@ using raymap::c::need;
 
 raymap_mesh* raymap_isosurface(const raymap_field* field, double iso, const raymap_options* options) {
   return create([&] {
-    const Options& given = c::optionsOr(options);
     return c::ownMesh(
-        isosurface(need(field, "the field").field,
-                   {.iso = iso, .threads = given.threads, .warn = given.warn, .progress = given.progress}));
+        isosurface(need(field, "the field").field, c::onMachine(IsosurfaceOptions{.iso = iso}, options)));
   });
 }

@@ -77,6 +77,17 @@ void setNumber(Options& options, const std::string& option, double value) {
 
 }  // namespace
 
+SurfaceOptions raymap::c::surfaceOptions(const raymap_options* options) {
+  const Options& given = optionsOr(options);
+  if (given.sign != SignMode::Harmonic && given.sign != SignMode::None)
+    throw Error(ErrorCode::Usage, "a surface cannot use the sign '" + std::string(name(given.sign)) +
+                                      "'; use harmonic or none");
+  return onMachine(SurfaceOptions{.sign = given.sign == SignMode::Harmonic,
+                                  .orientation = given.orientation,
+                                  .threshold = given.threshold},
+                   options);
+}
+
 raymap_options* raymap_options_create(void) {
   return create([] { return std::make_unique<raymap_options>(); });
 }

@@ -1,14 +1,12 @@
 // The functions of raymap/c.h about queries at any points.
 
 #include <raymap/c.h>
-#include <raymap/names.h>
 
 #include <algorithm>
-#include <limits>
-#include <span>
-#include <string>
+#include <vector>
 
 #include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
 
 using namespace raymap;
 using raymap::c::create;
@@ -16,18 +14,6 @@ using raymap::c::guard;
 using raymap::c::need;
 
 namespace {
-
-SurfaceOptions surfaceOptions(const Options& given) {
-  if (given.sign != SignMode::Harmonic && given.sign != SignMode::None)
-    throw Error(ErrorCode::Usage, "a surface cannot use the sign '" + std::string(name(given.sign)) +
-                                      "'; use harmonic or none");
-  return {.sign = given.sign == SignMode::Harmonic,
-          .orientation = given.orientation,
-          .threshold = given.threshold,
-          .threads = given.threads,
-          .memoryLimit = given.memoryLimit,
-          .progress = given.progress};
-}
 
 void copyTo(double* to, const Buffer<glm::dvec3>& from) {
   for (size_t i = 0; to && i < from.size(); ++i)
@@ -43,8 +29,7 @@ void copyTo(T* to, const Buffer<T>& from) {
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
-    return std::make_unique<raymap_surface>(
-        Surface(need(mesh, "the mesh").view, surfaceOptions(c::optionsOr(options))));
+    return std::make_unique<raymap_surface>(Surface(need(mesh, "the mesh").view, c::surfaceOptions(options)));
   });
 }
 
@@ -59,30 +44,27 @@ size_t raymap_surface_bytes(const raymap_surface* surface) {
 raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* stats) {
   return guard([&] {
     const Stats& found = need(surface, "the surface").surface.stats();
-    need(stats, "the struct of statistics") = c::toC(found);
+    c::write(c::toC(found), stats);
   });
 }
 
 raymap_result raymap_surface_query(const raymap_surface* surface, const double* points, size_t count,
-                                   double limit, const raymap_options* options,
+                                   double max_distance, const raymap_options* options,
                                    const raymap_query_arrays* arrays) {
   return guard([&] {
     const Surface& queried = need(surface, "the surface").surface;
-    const raymap_query_arrays& wanted = need(arrays, "the struct of arrays");
+    need(arrays, "raymap_query_arrays");
+    const raymap_query_arrays wanted = c::read(arrays);
     if (count > 0) need(points, "the array of points");
-    const Options& given = c::optionsOr(options);
-    const QueryResult found =
-        queried.query(PointsView(points, count),
-                      {.distance = wanted.distance != nullptr,
-                       .closest = wanted.closest != nullptr,
-                       .triangle = wanted.triangle != nullptr,
-                       .barycentric = wanted.barycentric != nullptr,
-                       .direction = wanted.direction != nullptr,
-                       .winding = wanted.winding != nullptr,
-                       .confidence = wanted.confidence != nullptr,
-                       .maxDistance = limit != 0.0 ? limit : std::numeric_limits<double>::infinity(),
-                       .threads = given.threads,
-                       .progress = given.progress});
+    const QueryOptions how{.distance = wanted.distance != nullptr,
+                           .closest = wanted.closest != nullptr,
+                           .triangle = wanted.triangle != nullptr,
+                           .barycentric = wanted.barycentric != nullptr,
+                           .direction = wanted.direction != nullptr,
+                           .winding = wanted.winding != nullptr,
+                           .confidence = wanted.confidence != nullptr,
+                           .maxDistance = c::limitOr(max_distance)};
+    const QueryResult found = queried.query(PointsView(points, count), c::onMachine(how, options));
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
     copyTo(wanted.triangle, found.triangle);
@@ -90,5 +72,26 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
     copyTo(wanted.direction, found.direction);
     copyTo(wanted.winding, found.winding);
     copyTo(wanted.confidence, found.confidence);
+  });
+}
+
+raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
+                                       const uint32_t* triangles, size_t count, double max_thickness,
+                                       const raymap_options* options, const raymap_thickness_arrays* arrays) {
+  return guard([&] {
+    const Surface& measured = need(surface, "the surface").surface;
+    need(arrays, "raymap_thickness_arrays");
+    const raymap_thickness_arrays wanted = c::read(arrays);
+    if (count > 0) need(points, "the array of points"), need(triangles, "the array of triangles");
+    std::vector<FacePoint> places(count);
+    for (size_t p = 0; p < count; ++p)
+      places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};
+    const std::vector<Thickness> found = measured.thickness(
+        places, c::onMachine(ThicknessOptions{.most = c::limitOr(max_thickness)}, options));
+    for (size_t p = 0; p < count; ++p) {
+      if (wanted.diameter) wanted.diameter[p] = found[p].diameter;
+      if (wanted.part) wanted.part[p] = int32_t(found[p].part);
+      for (int a = 0; wanted.inward && a < 3; ++a) wanted.inward[3 * p + size_t(a)] = found[p].inward[a];
+    }
   });
 }
