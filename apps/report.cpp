@@ -11,10 +11,6 @@
 
 namespace raymap {
 
-std::string textOf(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
   const std::array<std::pair<size_t, const char*>, 6> defects{
       {{found.boundaryEdges, "boundary edge"},

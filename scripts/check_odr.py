@@ -16,7 +16,8 @@ from pathlib import Path
 
 FOLDERS = ("include", "src", "apps", "python/src", "examples", "bench", "fuzz", "tests")
 ENTRY_POINTS = {"main", "LLVMFuzzerTestOneInput"}
-ALTERNATIVES = {"src/c_api/c_files_missing.cpp"}  # Builds without RAYMAP_IO compile it instead of c_files.cpp.
+# Builds without RAYMAP_IO or RAYMAP_RENDER compile them instead of c_files.cpp and c_json.cpp, or c_render.cpp.
+ALTERNATIVES = {"src/c_api/c_files_missing.cpp", "src/c_api/c_render_missing.cpp"}
 # Macros that stand between ctags and a definition (src/base/shader_types.h, RAYMAP_API, Highway's, GLSL's).
 MACROS = ("RAYMAP_SHARED_BEGIN(space)=namespace space {", "RAYMAP_SHARED_END=}", "RAYMAP_CONSTANT=inline constexpr",
           "RAYMAP_FUNCTION=inline", "RAYMAP_API=", "RAYMAP_API_EXCEPTION=", "HWY_INLINE=inline", "layout(list)=")

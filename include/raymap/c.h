@@ -3,7 +3,7 @@
 
 /*
  * raymap for C and for other languages: load or wrap a mesh, make its signed distance field, sample and write
- * it. All of it works from C11 on.
+ * it, query, inspect, repair and draw the mesh. All of it works from C11 on.
  *
  * Handles are opaque pointers. A function that returns a handle gives it to the caller, who frees it with the
  * `_free` function of its type; that takes NULL too. Every other function that is given NULL for a required
@@ -14,6 +14,12 @@
  *
  * A handle may be read by several threads at once, but changed by one only. All lengths, positions and
  * distances are in the mesh's units; bytes, seconds and counts are said where they occur. Text is UTF-8.
+ *
+ * Structs whose first member is `size` grow in later versions. The caller sets it to the size of the struct,
+ * and all members that it does not need to 0: RAYMAP_INIT does both. Such a 0 means the default. The library
+ * reads and writes `size` bytes only, so a program goes on working with a newer library. An older library
+ * accepts a newer struct as long as the members that it does not know are 0. A size that cannot be right,
+ * such as 0, is RAYMAP_ERROR_USAGE.
  */
 
 #include <raymap/export.h>
@@ -28,6 +34,20 @@ extern "C" {
 #endif
 
 /* Names are as usual in C. NOLINTBEGIN(readability-identifier-naming) */
+
+/* Returns a struct with its `size` set and all other members 0:
+ *   raymap_stats stats = RAYMAP_INIT(raymap_stats);
+ * In other languages, fill the struct with 0, then set `size`. */
+#ifdef __cplusplus
+#define RAYMAP_INIT(type)            \
+  ([] {                              \
+    type raymap_made{};              \
+    raymap_made.size = sizeof(type); \
+    return raymap_made;              \
+  }())
+#else
+#define RAYMAP_INIT(type) ((type){.size = sizeof(type)})
+#endif
 
 /* ---- Errors ---- */
 
@@ -54,6 +74,9 @@ RAYMAP_API const char* raymap_last_error_message(void);
 
 /* Returns the version of the linked library, for example "0.1.0". Valid for ever. */
 RAYMAP_API const char* raymap_version(void);
+
+/* Frees a text that a function gave to the caller; takes NULL too. */
+RAYMAP_API void raymap_text_free(char* text);
 
 /* ---- Threads ---- */
 
@@ -120,8 +143,9 @@ typedef struct raymap_mesh raymap_mesh;
 
 /* A mesh in the caller's memory. Position of vertex v: `origin` plus three numbers at `vertices` + v *
  * `vertex_stride` bytes. Triangle t: three vertex numbers at `triangles` + t * `triangle_stride` bytes,
- * counter-clockwise seen from outside. Initialise with {0}. */
+ * counter-clockwise seen from outside. Initialise with RAYMAP_INIT. */
 typedef struct raymap_mesh_arrays {
+  size_t size; /* sizeof(raymap_mesh_arrays) */
   const void* vertices;
   size_t vertex_count;
   size_t vertex_stride; /* Bytes from one vertex to the next; 0 = tightly packed. */
@@ -155,7 +179,7 @@ RAYMAP_API raymap_result raymap_mesh_copy_triangles(const raymap_mesh* mesh, uin
 
 /* Finds the bounds of the vertices that triangles use. Fails with RAYMAP_ERROR_INPUT if the mesh has no
  * triangle, an index out of range or a vertex that is not finite. */
-RAYMAP_API raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double low[3], double high[3]);
+RAYMAP_API raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double min[3], double max[3]);
 
 /* Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension. The file appears
  * whole or not at all. Of the options only the warning callback counts; they may be NULL. It is called if the
@@ -172,19 +196,19 @@ typedef struct raymap_grid {
   double spacing;   /* Distance between neighbouring samples. */
 } raymap_grid;
 
-/* How to lay a grid over a mesh. */
+/* How to lay a grid over a mesh. Initialise with RAYMAP_INIT. */
 typedef struct raymap_grid_options {
-  int32_t resolution; /* Samples along the longest side of the box; ignored with `voxel_size`. */
+  size_t size;        /* sizeof(raymap_grid_options) */
+  int32_t resolution; /* Samples along the longest side of the box; ignored with `voxel_size`. 0 = 128, or 256
+                         for a repair. */
+  bool has_padding;   /* Whether `padding` counts; else it is 0.1. */
+  bool has_box;       /* Whether to cover the box below instead of the padded bounds. */
   double voxel_size;  /* Spacing; 0 = from the resolution. */
   double padding;     /* Padding of the bounds on every side, as a share of their longest side. */
   double thickness;   /* The option "thickness" of the field: half of it pads the bounds besides. */
-  bool has_box;       /* Whether to cover the box below instead of the padded bounds. */
-  double box_low[3];
-  double box_high[3];
+  double box_min[3];
+  double box_max[3];
 } raymap_grid_options;
-
-/* Returns the defaults: resolution 128, padding 0.1, thickness 0, no box. */
-RAYMAP_API raymap_grid_options raymap_grid_options_default(void);
 
 /* Lays a grid of cubic cells over the mesh. `options` may be NULL for the defaults. */
 RAYMAP_API raymap_result raymap_fit_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
@@ -230,14 +254,16 @@ RAYMAP_API const float* raymap_field_winding(const raymap_field* field);
 /* Returns the field's own confidences in the sign, in the same way: 0 to 1. */
 RAYMAP_API const float* raymap_field_confidence(const raymap_field* field);
 
-/* Costs of making a field, and findings about the mesh; all 0 for a field that was read from a file. */
+/* Costs of making a field, and findings about the mesh. For a field that was read from a file all are 0,
+ * and the orientation fits. */
 typedef struct raymap_stats {
+  size_t size;             /* sizeof(raymap_stats); RAYMAP_INIT sets it. */
   double milliseconds;     /* Time from triangles in memory to the finished field. */
   uint64_t bytes;          /* Most bytes that the generator and the field held together. */
   double doubtful_share;   /* Share of samples whose six rays disagree. */
   uint64_t turned_faces;   /* Number of faces that were reversed. */
   uint64_t left_out_faces; /* Number of faces that the sign left out: the other sides of double-sided ones. */
-  int no_orientation_fits; /* 1 if the faces were examined, but no choice has a misfit of at most 0.5. */
+  bool orientation_fits;   /* False if the faces were examined, but no choice has a misfit of at most 0.5. */
   double misfit_given;     /* Disagreement of the crossings of the given mesh, 0 to 1. */
   double misfit;           /* The same with those faces reversed and left out. */
   uint64_t patch_triangles; /* Number of triangles of the surface that closes holes. */
@@ -257,7 +283,7 @@ typedef enum raymap_outside {
 
 /* Samples a field between its samples, in parallel. `points` are x, y, z of each. `distances` takes `count`
  * numbers, `gradients` 3 * `count`; each may be NULL if it is not wanted. Trilinear inside. raymap/sample.h
- * says exactly what the results are. */
+ * says exactly what the results are. Fails with RAYMAP_ERROR_USAGE for another value of `outside`. */
 RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
                                              raymap_outside outside, float* distances, float* gradients);
 
@@ -289,8 +315,9 @@ RAYMAP_API size_t raymap_surface_bytes(const raymap_surface* surface);
 RAYMAP_API raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* stats);
 
 /* The caller's arrays for the results of a query, one value per point; NULL = not wanted. Initialise with
- * {0}. A point that is not finite gets NaN, and the triangle UINT32_MAX. */
+ * RAYMAP_INIT. A point that is not finite gets NaN, and the triangle UINT32_MAX. */
 typedef struct raymap_query_arrays {
+  size_t size;         /* sizeof(raymap_query_arrays) */
   double* distance;    /* In the mesh's units, negative inside. */
   double* closest;     /* Closest point of the surface: x, y, z. */
   uint32_t* triangle;  /* Index of a triangle that holds it. */
@@ -300,12 +327,42 @@ typedef struct raymap_query_arrays {
   float* confidence;   /* Confidence in the sign, 0 to 1. Needs a sign. */
 } raymap_query_arrays;
 
-/* Fills the arrays. `points` are x, y, z of each. Points farther than `limit` get this distance with
- * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = no limit. Of the options, only
+/* Fills the arrays. `points` are x, y, z of each. Points farther than `max_distance` get this distance with
+ * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = all points. Of the options, only
  * "threads" and the progress callback count; they may be NULL. After a failure the arrays are unchanged. */
 RAYMAP_API raymap_result raymap_surface_query(const raymap_surface* surface, const double* points,
-                                              size_t count, double limit, const raymap_options* options,
+                                              size_t count, double max_distance,
+                                              const raymap_options* options,
                                               const raymap_query_arrays* arrays);
+
+/* Kinds of part that a point of a mesh's surface bounds. The values are those of raymap::Part. */
+typedef enum raymap_part {
+  RAYMAP_PART_WALL = 0,   /* Side of a plate, a rod or any body: another side lies opposite. */
+  RAYMAP_PART_EDGE = 1,   /* Side of a wedge or a spike, which runs out to an edge or a tip. */
+  RAYMAP_PART_CORNER = 2, /* Surface beside a blunt edge or corner, and narrow faces. */
+  RAYMAP_PART_SOLID = 3,  /* Surface of a solid whose other side is farther than the largest thickness. */
+  RAYMAP_PART_SHEET = 4,  /* Face that bounds nothing: it is outside on both sides. */
+  RAYMAP_PART_BURIED = 5  /* Face that is inside on both sides. */
+} raymap_part;
+
+/* The caller's arrays for the thickness at points, one value per point; NULL = not wanted. Initialise with
+ * RAYMAP_INIT. */
+typedef struct raymap_thickness_arrays {
+  size_t size;     /* sizeof(raymap_thickness_arrays) */
+  float* diameter; /* Diameter of the ball inside that touches the point and the side opposite. 0 for a sheet;
+                      infinite where no side lies opposite. */
+  int32_t* part;   /* A value of raymap_part. */
+  float* inward;   /* Unit vector into the solid: x, y, z; 0 for sheets, buried and narrow faces. */
+} raymap_thickness_arrays;
+
+/* Measures the thickness at points of faces: `points` are x, y, z of each, `triangles` the face that each
+ * lies on. Parts thicker than `max_thickness` count as infinitely thick; 0 = none. The smaller, the faster.
+ * Of the options, "threads" and the progress callback count; they may be NULL. Fails with RAYMAP_ERROR_USAGE
+ * for a face that does not exist and a surface without a sign. After a failure the arrays are unchanged. */
+RAYMAP_API raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
+                                                  const uint32_t* triangles, size_t count,
+                                                  double max_thickness, const raymap_options* options,
+                                                  const raymap_thickness_arrays* arrays);
 
 /* How to choose points; start from raymap_sample_points_options_default. */
 typedef struct raymap_sample_points_options {
@@ -315,14 +372,15 @@ typedef struct raymap_sample_points_options {
   double near_share;    /* Share of the points that are near the surface, 0 to 1 (0.94). */
   const double* sigmas; /* Standard deviations of their offsets, as shares of the bounding sphere's radius. */
   size_t sigma_count;   /* Number of deviations; each gets as many points (2: 0.0025 and 0.00025). */
-  uint64_t seed;        /* Another seed gives other points (0). */
   bool normalize;       /* Whether the bounding sphere becomes the unit sphere about 0 (false). */
+  uint64_t seed;        /* Another seed gives other points (0). */
 } raymap_sample_points_options;
 
 /* Returns the defaults, which are given above in parentheses. */
 RAYMAP_API raymap_sample_points_options raymap_sample_points_options_default(void);
 
-/* The caller's arrays for points with distances; NULL = not wanted. Initialise with {sizeof(the struct)}. */
+/* The caller's arrays for points with distances; NULL = not wanted. Initialise with
+ * RAYMAP_INIT. */
 typedef struct raymap_point_samples {
   size_t size;      /* sizeof(raymap_point_samples). */
   double* points;   /* (position in the mesh - centre) * scale: x, y, z of each point. */
@@ -340,6 +398,187 @@ RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface,
                                               const raymap_sample_points_options* options,
                                               const raymap_options* machine, raymap_point_samples* samples);
 
+/* ---- Inspection ---- */
+
+/* Size, topology and defects of a mesh, the faces that cross, and a verdict. */
+typedef struct raymap_inspection raymap_inspection;
+
+/* Inspects a mesh. Of the options only the progress callback counts; they may be NULL. */
+RAYMAP_API raymap_inspection* raymap_inspect(const raymap_mesh* mesh, const raymap_options* options);
+RAYMAP_API void raymap_inspection_free(raymap_inspection* inspection);
+
+/* The main numbers of an inspection. raymap/diagnostics.h and raymap/verdict.h say exactly what they count.
+ */
+typedef struct raymap_findings {
+  size_t size;        /* sizeof(raymap_findings); RAYMAP_INIT sets it. */
+  const char* kind;   /* What the mesh is: "clean_solid", "open_solid", "sheet", ... Valid for ever. */
+  const char* remedy; /* What makes a clean solid of it: "none", "repair" or "thicken". Valid for ever. */
+  uint64_t vertices;  /* Number of vertices as stored. */
+  uint64_t welded_vertices; /* Number of distinct positions. */
+  uint64_t triangles;
+  uint64_t components;         /* Number of parts connected through shared vertices. */
+  uint64_t open_components;    /* Number of those with boundary edges. */
+  uint64_t inward_components;  /* Number of closed ones with a negative volume. */
+  uint64_t sheets;             /* Number of open ones that are mostly hole. */
+  uint64_t holes;              /* Number of boundary loops. */
+  uint64_t boundary_edges;     /* Number of edges with one face. */
+  uint64_t non_manifold_edges; /* Number of edges with more than two faces. */
+  uint64_t flipped_edges;      /* Number of edges that two faces use in the same direction. */
+  uint64_t flipped_faces;      /* Least number of faces to reverse so that neighbours agree. */
+  uint64_t degenerate_faces;   /* Number of faces without an area, or nearly so. */
+  uint64_t duplicate_faces;    /* Number of further faces on the same three corners. */
+  uint64_t double_sided_faces; /* Number of faces that lie back to back. */
+  uint64_t crossing_pairs;     /* Number of pairs of faces that cross. */
+  uint64_t crossing_faces;     /* Number of faces in them. */
+  bool crossings_complete;     /* False if the search stopped early: there are at least so many pairs. */
+  bool watertight;             /* Whether every edge has exactly two faces. */
+  bool consistently_oriented;  /* Whether neighbours agree across every edge with two faces. */
+  bool balanced;               /* Whether every edge is used equally often both ways. */
+  double signed_volume;        /* Positive if faces point outwards. */
+  double area;
+  double min[3]; /* Bounds of the vertices that faces use. */
+  double max[3];
+  double
+      thinnest; /* Thickness of the thinnest part; NaN if none is thinner than a 25th of the longest side. */
+  double voxel_size; /* Largest distance between samples that keeps that part; NaN if there is none. */
+} raymap_findings;
+RAYMAP_API raymap_result raymap_inspection_findings(const raymap_inspection* inspection,
+                                                    raymap_findings* findings);
+
+/* Returns all that was found as JSON: the text of `raymap info --json` (docs/report.md) without the unit. The
+ * caller frees it with raymap_text_free. Not in builds without files. */
+RAYMAP_API char* raymap_inspection_json(const raymap_inspection* inspection);
+
+/* ---- Repair ---- */
+
+/* How to change a mesh beside closing it. Initialise with RAYMAP_INIT. raymap/repair.h says more. */
+typedef struct raymap_repair_options {
+  size_t size;               /* sizeof(raymap_repair_options) */
+  bool close_holes_in_steps; /* Whether holes close in steps of a sample, instead of by a surface that
+                              distances count. */
+  bool keep_cavities;        /* Whether sealed cavities stay; else they are filled, with all parts in them. */
+  bool remesh;               /* Whether to make a mesh anew whose faces could be kept. */
+  bool is_brief;         /* Whether to measure nothing: the report then neither compares the meshes nor tells
+                            what is wrong with them. Takes less time. */
+  bool has_drop_smaller; /* Whether `drop_smaller` counts; else it is a thousandth of the largest part. */
+  bool has_tolerance;    /* Whether `tolerance` counts; else it is a tenth of the spacing. */
+  int32_t drain_holes;   /* Number of drain holes of each hollow; 0 = 1. */
+  double offset;         /* Distance to move the surface outwards; negative: inwards. */
+  double shell;          /* Thickness of the walls of a hollow solid; 0 = not hollow. */
+  double min_thickness;  /* Least thickness of walls, fins and sheets; 0 = none. At least two samples. */
+  double drain_hole;     /* Diameter of the drain holes; 0 = none. */
+  double drop_smaller;   /* Volume, in the mesh's units cubed, below which parts are dropped. */
+  double tolerance;      /* Largest deviation from the isosurface, to have fewer faces; 0 = all faces. */
+  double down[3];        /* Direction of the drain holes, of any length; 0 = (0, 0, -1). */
+} raymap_repair_options;
+
+/* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box and the
+ * thickness of the field do not count. */
+RAYMAP_API raymap_result raymap_fit_repair_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
+                                                const raymap_repair_options* repair, raymap_grid* grid);
+
+/* A repaired mesh and a report on it. */
+typedef struct raymap_repaired raymap_repaired;
+
+/* Makes a watertight solid of any mesh, on a grid that holds it. Keeps the faces of a mesh with nothing
+ * wrong. Both options may be NULL for the defaults. Fails with RAYMAP_ERROR_USAGE for options of a field that
+ * make no sense for a solid: no sign, "band", "invert", "thickness", "close_holes" and further arrays. */
+RAYMAP_API raymap_repaired* raymap_repair(const raymap_mesh* mesh, const raymap_grid* grid,
+                                          const raymap_repair_options* repair, const raymap_options* options);
+RAYMAP_API void raymap_repaired_free(raymap_repaired* repaired);
+
+/* Returns the repaired mesh, valid until `repaired` is freed, which owns it; NULL for NULL. */
+RAYMAP_API const raymap_mesh* raymap_repaired_mesh(const raymap_repaired* repaired);
+
+/* The main numbers of a repair. raymap/repair.h says exactly what they are. */
+typedef struct raymap_repair_numbers {
+  size_t size;             /* sizeof(raymap_repair_numbers); RAYMAP_INIT sets it. */
+  uint64_t solids;         /* Number of parts of the result. */
+  uint64_t cavities;       /* Number of its sealed cavities. */
+  uint64_t hollows;        /* Number of hollows that the shell left. */
+  uint64_t filled_hollows; /* Number of hollows that a drain hole does not fit into; they are solid. */
+  uint64_t drain_holes;    /* Number of drain holes. */
+  uint64_t dropped;        /* Number of parts that were too small. */
+  uint64_t filled;         /* Number of sealed cavities that were filled. */
+  uint64_t closed_holes;   /* Number of holes that were closed beside faces that were kept. */
+  bool kept; /* Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes. */
+  bool parts_overlap; /* Whether parts overlap, touch or nest wrongly, and all else is right. */
+  bool watertight;    /* Whether every edge of the result has two faces. False if nothing was measured. */
+  bool consistently_oriented; /* Whether they agree. False if nothing was measured. */
+  double volume;              /* Volume of the result. The rest is 0 if nothing was measured. */
+  double result_from_mesh;    /* Largest distance from points of the result to the given surface. */
+  double mesh_from_result;    /* Largest distance from points of the given surface to the result. */
+  double lost_share;          /* Share of the mesh's area more than a sample outside the result. */
+  double buried_share;        /* Share of the mesh's area more than a sample inside the result. */
+} raymap_repair_numbers;
+RAYMAP_API raymap_result raymap_repaired_numbers(const raymap_repaired* repaired,
+                                                 raymap_repair_numbers* numbers);
+
+/* Returns the whole report as JSON, with the keys of docs/report.md. The caller frees it with
+ * raymap_text_free. Not in builds without files. */
+RAYMAP_API char* raymap_repaired_json(const raymap_repaired* repaired);
+
+/* ---- Simplification ---- */
+
+/* How well a mesh was simplified. */
+typedef struct raymap_simplified {
+  size_t size;      /* sizeof(raymap_simplified); RAYMAP_INIT sets it. */
+  double deviation; /* Largest distance measured from points of either mesh to the other. */
+  uint64_t undone;  /* Number of faces at which a check failed, so that edge collapses were undone. */
+} raymap_simplified;
+
+/* Returns a watertight mesh with fewer faces: no point of either mesh is farther than `tolerance` from the
+ * other, measured at points `step` apart; 0 = ten times the tolerance. A tolerance of 0 keeps the mesh.
+ * `simplified` may be NULL. Of the options, "threads" and the progress callback count; they may be NULL.
+ * Fails with RAYMAP_ERROR_INPUT if the mesh is not a closed, oriented manifold. */
+RAYMAP_API raymap_mesh* raymap_simplify(const raymap_mesh* mesh, double tolerance, double step,
+                                        const raymap_options* options, raymap_simplified* simplified);
+
+/* ---- Pictures ---- */
+
+/* An 8-bit sRGB picture. The functions here fail with RAYMAP_ERROR_UNSUPPORTED in builds without pictures
+ * (RAYMAP_RENDER=OFF). */
+typedef struct raymap_picture raymap_picture;
+
+/* How to look at a field or a mesh. Initialise with RAYMAP_INIT. */
+typedef struct raymap_view {
+  size_t size;          /* sizeof(raymap_view) */
+  int32_t width;        /* In pixels; 0 = 1024. */
+  int32_t height;       /* In pixels; 0 = 768. */
+  bool cut;             /* Whether to remove the half of a field that is nearer to the camera. */
+  bool has_frame;       /* Whether the camera frames the box below instead of the shape. */
+  double direction[3];  /* Direction from the camera to the centre of the shape; 0 = (-0.6, -0.45, -1). */
+  double up[3];         /* Direction up in the picture; 0 = (0, 1, 0). */
+  double field_of_view; /* Angle from the bottom to the top of the picture, in degrees; 0 = 30. */
+  double shell;         /* Thickness of the outer wall of a hollow shape; 0 = not hollow. */
+  double frame_min[3];
+  double frame_max[3];
+} raymap_view;
+
+/* Draws the surface of a field at distance zero. Of the options, "threads", "device" and the callbacks count.
+ * `view` and `options` may be NULL for the defaults. */
+RAYMAP_API raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
+                                               const raymap_options* options);
+/* Draws a mesh with its defects in colour, which raymap/render.h lists. Options as above; `cut` and `shell`
+ * do not count. */
+RAYMAP_API raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
+                                                 const raymap_options* options);
+/* Draws a slice of an array of a field across axis 0, 1 or 2 at sample `index`; -1 = the middle one. The
+ * array is "distance" (or NULL), "winding", "confidence" or "triangle"; the width is in pixels, 0 = 1024. */
+RAYMAP_API raymap_picture* raymap_render_slice(const raymap_field* field, int32_t axis, int32_t index,
+                                               int32_t width, const char* array);
+RAYMAP_API void raymap_picture_free(raymap_picture* picture);
+
+/* Returns the width in pixels; 0 for NULL. */
+RAYMAP_API int32_t raymap_picture_width(const raymap_picture* picture);
+/* Returns the height in pixels; 0 for NULL. */
+RAYMAP_API int32_t raymap_picture_height(const raymap_picture* picture);
+/* Returns the picture's own pixels: red, green and blue of each, one byte a colour, rows from the top,
+ * without gaps. Valid until the picture is freed; NULL for NULL. */
+RAYMAP_API const uint8_t* raymap_picture_rgb(const raymap_picture* picture);
+/* Writes a picture as PNG. The file appears whole or not at all. */
+RAYMAP_API raymap_result raymap_picture_write_png(const raymap_picture* picture, const char* path);
+
 /* ---- Devices ---- */
 
 /* All devices of this machine. */
@@ -347,6 +586,7 @@ typedef struct raymap_devices raymap_devices;
 
 /* Description of a device. The list owns the texts. */
 typedef struct raymap_device {
+  size_t size;      /* sizeof(raymap_device); RAYMAP_INIT sets it. */
   const char* id;   /* Value for the option "device". */
   const char* name; /* Name of the processor or GPU. */
   const char* type; /* "discrete", "integrated", "virtual", "other", "software" or "cpu". */

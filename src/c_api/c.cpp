@@ -7,9 +7,11 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 
 #include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
 
 using namespace raymap;
 using raymap::c::create;
@@ -17,12 +19,6 @@ using raymap::c::guard;
 using raymap::c::need;
 
 namespace {
-
-/// Returns the name of an enum's value. Names are literals, so they end with a zero.
-template <class Enum>
-const char* textOf(Enum value) {
-  return name(value).data();  // NOLINT(bugprone-suspicious-stringview-data-usage)
-}
 
 struct Failure {
   raymap_result code = RAYMAP_OK;
@@ -49,6 +45,10 @@ const char* raymap_last_error_message(void) {
 
 const char* raymap_version(void) {
   return version().text;
+}
+
+void raymap_text_free(char* text) {
+  std::free(text);
 }
 
 raymap_result raymap_set_default_threads(int32_t threads) {
@@ -78,20 +78,21 @@ size_t raymap_devices_count(const raymap_devices* devices) {
 raymap_result raymap_devices_get(const raymap_devices* devices, size_t index, raymap_device* device) {
   return guard([&] {
     const DeviceList& list = need(devices, "the list of devices").list;
-    need(device, "the struct of a device");
     if (index >= list.devices.size())
       throw Error(ErrorCode::Usage, "there is no device " + std::to_string(index) + ", only " +
                                         std::to_string(list.devices.size()));
     const DeviceInfo& found = list.devices[index];
-    *device = {.id = found.id.c_str(),
-               .name = found.name.c_str(),
-               .type = textOf(found.type),
-               .driver = found.driver.c_str(),
-               .problem = found.problem.c_str(),
-               .memory = found.memory,
-               .is_automatic = found.automatic,
-               .test = textOf(found.test),
-               .test_problem = found.testProblem.c_str()};
+    c::write({.size = sizeof(raymap_device),
+              .id = found.id.c_str(),
+              .name = found.name.c_str(),
+              .type = c::nameOf(found.type),
+              .driver = found.driver.c_str(),
+              .problem = found.problem.c_str(),
+              .memory = found.memory,
+              .is_automatic = found.automatic,
+              .test = c::nameOf(found.test),
+              .test_problem = found.testProblem.c_str()},
+             device);
   });
 }
 

@@ -2,7 +2,10 @@
 
 #include <raymap/c.h>
 
+#include <string>
+
 #include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
 #include "field/field_sampler.h"
 
 using namespace raymap;
@@ -12,10 +15,16 @@ using raymap::c::need;
 
 namespace {
 
-Grid toGrid(const raymap_grid& grid) {
-  return {.dims = {grid.dims[0], grid.dims[1], grid.dims[2]},
-          .origin = {grid.origin[0], grid.origin[1], grid.origin[2]},
-          .spacing = grid.spacing};
+Outside outsideOf(raymap_outside outside) {
+  switch (int(outside)) {
+    case RAYMAP_OUTSIDE_BOUND:
+      return Outside::Bound;
+    case RAYMAP_OUTSIDE_NAN:
+      return Outside::NaN;
+    default:
+      throw Error(ErrorCode::Usage, "there is no raymap_outside " + std::to_string(int(outside)) +
+                                        "; use RAYMAP_OUTSIDE_BOUND or RAYMAP_OUTSIDE_NAN");
+  }
 }
 
 /// Returns the data of a field's array; null if it is empty.
@@ -44,7 +53,7 @@ raymap_field* raymap_generate(const raymap_mesh* mesh, const raymap_grid* grid,
   return create([&] {
     const raymap_options& given = c::optionsOr(options);
     auto [field, stats] =
-        generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")), given.field, given.machine);
+        generate(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")), given.field, given.machine);
     auto handle = std::make_unique<raymap_field>();
     handle->field = std::move(field);
     handle->stats = std::move(stats);
@@ -68,7 +77,7 @@ raymap_result raymap_generator_run(raymap_generator* generator, const raymap_mes
     const raymap_options& given = c::optionsOr(options);
     filled.stats = {};
     filled.stats = need(generator, "the generator")
-                       .generator.generate(need(mesh, "the mesh").view, toGrid(need(grid, "the grid")),
+                       .generator.generate(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")),
                                            given.field, filled.field, given.machine);
   });
 }
@@ -100,7 +109,7 @@ const float* raymap_field_confidence(const raymap_field* field) {
 raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats) {
   return guard([&] {
     const Stats& found = need(field, "the field").stats;
-    need(stats, "the struct of statistics") = c::toC(found);
+    c::write(c::toC(found), stats);
   });
 }
 
@@ -113,8 +122,7 @@ raymap_result raymap_field_sample(const raymap_field* field, const double* point
   return guard([&] {
     const Field& sampled = need(field, "the field").field;
     if (count > 0) need(points, "the array of points");
-    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count},
-               outside == RAYMAP_OUTSIDE_NAN ? Outside::NaN : Outside::Bound, distances,
+    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
                reinterpret_cast<glm::vec3*>(gradients));
   });
 }

@@ -30,3 +30,13 @@ raymap_field* raymap_field_load(const char*) {
 raymap_result raymap_field_write(const raymap_field*, const char*, const char*) {
   return fail();
 }
+
+char* raymap_inspection_json(const raymap_inspection*) {
+  fail();
+  return nullptr;
+}
+
+char* raymap_repaired_json(const raymap_repaired*) {
+  fail();
+  return nullptr;
+}

@@ -6,9 +6,13 @@
 #include <raymap/devices.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/picture.h>
+#include <raymap/repair.h>
 #include <raymap/surface.h>
+#include <raymap/verdict.h>
 
 #include <exception>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -37,6 +41,21 @@ struct raymap_surface {
   explicit raymap_surface(raymap::Surface made) : surface(std::move(made)) {}
 
   raymap::Surface surface;
+};
+
+struct raymap_inspection {
+  raymap::Diagnostics found;
+  raymap::SelfIntersections crossings;
+  raymap::Verdict verdict;
+};
+
+struct raymap_repaired {
+  raymap_mesh mesh;
+  raymap::RepairReport report;
+};
+
+struct raymap_picture {
+  raymap::Picture picture;
 };
 
 struct raymap_devices {
@@ -109,6 +128,35 @@ inline const raymap_options& optionsOr(const raymap_options* options) {
   return options ? *options : kDefaults;
 }
 
+/// Returns options of a grid. Throws `Error(Usage)` as `read` does.
+GridOptions gridOptions(const raymap_grid_options* options);
+
+/// Returns the limit of a search; 0 = none.
+inline double limitOr(double limit) {
+  return limit != 0.0 ? limit : std::numeric_limits<double>::infinity();
+}
+
+/// Converts a grid from the struct for C.
+inline Grid fromC(const raymap_grid& grid) {
+  return {.dims = {grid.dims[0], grid.dims[1], grid.dims[2]},
+          .origin = {grid.origin[0], grid.origin[1], grid.origin[2]},
+          .spacing = grid.spacing};
+}
+
+inline glm::dvec3 vectorOf(const double (&numbers)[3]) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+inline void copyVector(const glm::dvec3& from, double* to) {
+  for (int a = 0; a < 3; ++a) to[a] = from[a];
+}
+
+/// Returns the name of an enum's value. Names are literals, so they end with a zero.
+template <class Enum>
+const char* nameOf(Enum value) {
+  return name(value).data();  // NOLINT(bugprone-suspicious-stringview-data-usage)
+}
+
 /// Converts a grid to the struct for C.
 inline raymap_grid toC(const Grid& grid) {
   return {.dims = {grid.dims.x, grid.dims.y, grid.dims.z},
@@ -118,23 +166,29 @@ inline raymap_grid toC(const Grid& grid) {
 
 /// Converts statistics to the struct for C.
 inline raymap_stats toC(const Stats& stats) {
-  return {.milliseconds = stats.milliseconds,
+  return {.size = sizeof(raymap_stats),
+          .milliseconds = stats.milliseconds,
           .bytes = stats.bytes,
           .doubtful_share = stats.doubtfulShare,
           .turned_faces = stats.turnedFaces.size(),
           .left_out_faces = stats.leftOutFaces.size(),
-          .no_orientation_fits = stats.orientationFits ? 0 : 1,
+          .orientation_fits = stats.orientationFits,
           .misfit_given = stats.misfitGiven,
           .misfit = stats.misfit,
           .patch_triangles = stats.patchTriangles,
           .patch_area = stats.patchArea};
 }
 
+/// Makes a handle own a mesh.
+inline void own(raymap_mesh& handle, Mesh mesh) {
+  handle.owned = std::move(mesh);
+  handle.view = handle.owned;
+}
+
 /// Returns a handle that owns the mesh.
 inline std::unique_ptr<raymap_mesh> ownMesh(Mesh mesh) {
   auto handle = std::make_unique<raymap_mesh>();
-  handle->owned = std::move(mesh);
-  handle->view = handle->owned;
+  own(*handle, std::move(mesh));
   return handle;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
 #include "mesh/strided_mesh.h"
 
 using namespace raymap;
@@ -14,14 +15,6 @@ using raymap::c::need;
 
 namespace {
 
-void copy(const glm::dvec3& from, double* to) {
-  for (int a = 0; a < 3; ++a) to[a] = from[a];
-}
-
-glm::dvec3 vector(const double (&numbers)[3]) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 MeshView viewOf(const raymap_mesh_arrays& arrays) {
   const auto view = [&](const auto* vertices, const auto* triangles) -> MeshView {
     return {vertices,
@@ -29,7 +22,7 @@ MeshView viewOf(const raymap_mesh_arrays& arrays) {
             triangles,
             arrays.triangle_count,
             {arrays.vertex_stride, arrays.triangle_stride},
-            vector(arrays.origin)};
+            c::vectorOf(arrays.origin)};
   };
   const auto withVertices = [&](const auto* vertices) {
     return arrays.has_64_bit_indices ? view(vertices, static_cast<const uint64_t*>(arrays.triangles))
@@ -41,9 +34,19 @@ MeshView viewOf(const raymap_mesh_arrays& arrays) {
 
 }  // namespace
 
+GridOptions raymap::c::gridOptions(const raymap_grid_options* options) {
+  const raymap_grid_options given = read(options);
+  GridOptions wanted{.voxelSize = given.voxel_size, .thickness = given.thickness};
+  if (given.resolution != 0) wanted.resolution = given.resolution;
+  if (given.has_padding) wanted.padding = given.padding;
+  if (given.has_box) wanted.box = Box{vectorOf(given.box_min), vectorOf(given.box_max)};
+  return wanted;
+}
+
 raymap_mesh* raymap_mesh_from_arrays(const raymap_mesh_arrays* arrays) {
   return create([&] {
-    const raymap_mesh_arrays& given = need(arrays, "the struct of arrays");
+    need(arrays, "raymap_mesh_arrays");
+    const raymap_mesh_arrays given = c::read(arrays);
     if (given.vertex_count > 0) need(static_cast<const char*>(given.vertices), "the array of vertices");
     if (given.triangle_count > 0) need(static_cast<const char*>(given.triangles), "the array of triangles");
     auto mesh = std::make_unique<raymap_mesh>();
@@ -70,7 +73,7 @@ raymap_result raymap_mesh_copy_positions(const raymap_mesh* mesh, double* positi
     need(positions, "the array of positions");
     visitTypes(view, [&](const auto& strided) {
       for (size_t v = 0; v < strided.vertexCount(); ++v)
-        copy(view.origin + glm::dvec3(strided.position(v)), positions + 3 * v);
+        c::copyVector(view.origin + glm::dvec3(strided.position(v)), positions + 3 * v);
     });
   });
 }
@@ -93,43 +96,25 @@ raymap_result raymap_mesh_copy_triangles(const raymap_mesh* mesh, uint32_t* indi
   });
 }
 
-raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double low[3], double high[3]) {
+raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double min[3], double max[3]) {
   return guard([&] {
     const MeshView& view = need(mesh, "the mesh").view;
-    need(low, "the lower corner");
-    need(high, "the upper corner");
+    need(min, "the lower corner");
+    need(max, "the upper corner");
     validate(view);
     const Box box = bounds(view);
-    copy(box.min, low);
-    copy(box.max, high);
+    c::copyVector(box.min, min);
+    c::copyVector(box.max, max);
   });
-}
-
-raymap_grid_options raymap_grid_options_default(void) {
-  const GridOptions defaults;
-  return {.resolution = kDefaultResolution,
-          .voxel_size = defaults.voxelSize,
-          .padding = defaults.padding,
-          .thickness = defaults.thickness,
-          .has_box = false,
-          .box_low = {},
-          .box_high = {}};
 }
 
 raymap_result raymap_fit_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
                               raymap_grid* grid) {
   return guard([&] {
-    const raymap_grid_options given = options ? *options : raymap_grid_options_default();
     const MeshView& view = need(mesh, "the mesh").view;
     need(grid, "the grid");
-    GridOptions wanted{.resolution = given.resolution,
-                       .voxelSize = given.voxel_size,
-                       .padding = given.padding,
-                       .thickness = given.thickness};
-    if (given.has_box)
-      wanted.box = Box{vector(given.box_low), vector(given.box_high)};
-    else
-      validate(view);
+    const GridOptions wanted = c::gridOptions(options);
+    if (!wanted.box) validate(view);
     *grid = c::toC(fitGrid(view, wanted));
   });
 }

@@ -4,10 +4,11 @@
 #include <raymap/sample_points.h>
 
 #include <algorithm>
-#include <limits>
 #include <span>
+#include <vector>
 
 #include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
 
 using namespace raymap;
 using raymap::c::create;
@@ -15,10 +16,6 @@ using raymap::c::guard;
 using raymap::c::need;
 
 namespace {
-
-SurfaceOptions surfaceOptions(const FieldOptions& given) {
-  return {.sign = given.sign, .orientation = given.orientation, .threshold = given.threshold};
-}
 
 void copyTo(double* to, const glm::dvec3& from) {
   for (int c = 0; c < 3; ++c) to[c] = from[c];
@@ -38,16 +35,6 @@ const std::vector<double>& defaultSigmas() {
   return sigmas;
 }
 
-/// Returns a struct that begins with its size. Throws `Error(Usage)` if the caller did not set it.
-template <class T>
-T& needSized(T* pointer, const char* name) {
-  T& given = need(pointer, name);
-  if (given.size != sizeof(T))
-    throw Error(ErrorCode::Usage, std::string("the size of ") + name + " is " + std::to_string(given.size) +
-                                      "; set it to " + std::to_string(sizeof(T)));
-  return given;
-}
-
 SamplePointsOptions sampleOptions(const raymap_sample_points_options& given) {
   if (given.sigma_count > 0) need(given.sigmas, "the array of deviations");
   return {.count = given.count,
@@ -62,9 +49,10 @@ SamplePointsOptions sampleOptions(const raymap_sample_points_options& given) {
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
-    const raymap_options& given = c::optionsOr(options);
+    const auto& [field, machine] = c::optionsOr(options);
     return std::make_unique<raymap_surface>(
-        Surface(need(mesh, "the mesh").view, surfaceOptions(given.field), given.machine));
+        Surface(need(mesh, "the mesh").view,
+                {.sign = field.sign, .orientation = field.orientation, .threshold = field.threshold}, machine));
   });
 }
 
@@ -79,28 +67,27 @@ size_t raymap_surface_bytes(const raymap_surface* surface) {
 raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* stats) {
   return guard([&] {
     const Stats& found = need(surface, "the surface").surface.stats();
-    need(stats, "the struct of statistics") = c::toC(found);
+    c::write(c::toC(found), stats);
   });
 }
 
 raymap_result raymap_surface_query(const raymap_surface* surface, const double* points, size_t count,
-                                   double limit, const raymap_options* options,
+                                   double max_distance, const raymap_options* options,
                                    const raymap_query_arrays* arrays) {
   return guard([&] {
     const Surface& queried = need(surface, "the surface").surface;
-    const raymap_query_arrays& wanted = need(arrays, "the struct of arrays");
+    need(arrays, "raymap_query_arrays");
+    const raymap_query_arrays wanted = c::read(arrays);
     if (count > 0) need(points, "the array of points");
-    const QueryResult found =
-        queried.query(PointsView(points, count),
-                      {.distance = wanted.distance != nullptr,
-                       .closest = wanted.closest != nullptr,
-                       .triangle = wanted.triangle != nullptr,
-                       .barycentric = wanted.barycentric != nullptr,
-                       .direction = wanted.direction != nullptr,
-                       .winding = wanted.winding != nullptr,
-                       .confidence = wanted.confidence != nullptr,
-                       .maxDistance = limit != 0.0 ? limit : std::numeric_limits<double>::infinity()},
-                      c::optionsOr(options).machine);
+    const QueryOptions how{.distance = wanted.distance != nullptr,
+                           .closest = wanted.closest != nullptr,
+                           .triangle = wanted.triangle != nullptr,
+                           .barycentric = wanted.barycentric != nullptr,
+                           .direction = wanted.direction != nullptr,
+                           .winding = wanted.winding != nullptr,
+                           .confidence = wanted.confidence != nullptr,
+                           .maxDistance = c::limitOr(max_distance)};
+    const QueryResult found = queried.query(PointsView(points, count), how, c::optionsOr(options).machine);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
     copyTo(wanted.triangle, found.triangle);
@@ -108,6 +95,30 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
     copyTo(wanted.direction, found.direction);
     copyTo(wanted.winding, found.winding);
     copyTo(wanted.confidence, found.confidence);
+  });
+}
+
+raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
+                                       const uint32_t* triangles, size_t count, double max_thickness,
+                                       const raymap_options* options, const raymap_thickness_arrays* arrays) {
+  return guard([&] {
+    const Surface& measured = need(surface, "the surface").surface;
+    need(arrays, "raymap_thickness_arrays");
+    const raymap_thickness_arrays wanted = c::read(arrays);
+    if (count > 0) {
+      need(points, "the array of points");
+      need(triangles, "the array of triangles");
+    }
+    std::vector<FacePoint> places(count);
+    for (size_t p = 0; p < count; ++p)
+      places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};
+    const std::vector<Thickness> found = measured.thickness(
+        places, {.maxThickness = c::limitOr(max_thickness)}, c::optionsOr(options).machine);
+    for (size_t p = 0; p < count; ++p) {
+      if (wanted.diameter) wanted.diameter[p] = found[p].diameter;
+      if (wanted.part) wanted.part[p] = int32_t(found[p].part);
+      for (int a = 0; wanted.inward && a < 3; ++a) wanted.inward[3 * p + size_t(a)] = found[p].inward[a];
+    }
   });
 }
 
@@ -119,22 +130,24 @@ raymap_sample_points_options raymap_sample_points_options_default(void) {
           .near_share = options.nearShare,
           .sigmas = defaultSigmas().data(),
           .sigma_count = defaultSigmas().size(),
-          .seed = options.seed,
-          .normalize = options.normalize};
+          .normalize = options.normalize,
+          .seed = options.seed};
 }
 
 raymap_result raymap_sample_points(const raymap_surface* surface, const raymap_sample_points_options* options,
                                    const raymap_options* machine, raymap_point_samples* samples) {
   return guard([&] {
     const raymap_sample_points_options defaults = raymap_sample_points_options_default();
-    const auto& given = needSized(options ? options : &defaults, "the struct of options");
-    raymap_point_samples& wanted = needSized(samples, "the struct of samples");
-    const PointSamples found =
-        samplePoints(need(surface, "the surface").surface, sampleOptions(given), c::optionsOr(machine).machine);
+    const raymap_sample_points_options given = c::read(options ? options : &defaults);
+    need(samples, "raymap_point_samples");
+    raymap_point_samples wanted = c::read(samples);
+    const PointSamples found = samplePoints(need(surface, "the surface").surface, sampleOptions(given),
+                                            c::optionsOr(machine).machine);
     copyTo(wanted.points, found.points);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.gradient, found.gradient);
     copyTo(wanted.centre, found.centre);
     wanted.scale = found.scale;
+    c::write(wanted, samples);
   });
 }

@@ -40,7 +40,6 @@ TEST(FacePoints, LengthsAreCutIntoParts) {
   EXPECT_EQ(partsOf(2.0, 1.0), 2);
   EXPECT_EQ(partsOf(2.1, 1.0), 3);
   EXPECT_EQ(partsOf(1e9, 1.0), 1'000'000);
-  EXPECT_EQ(partsOf(1e9, 1.0, 5.0), 5);
 }
 
 TEST(FacePoints, EdgesHaveTheMiddlesOfTheirParts) {
@@ -95,22 +94,6 @@ TEST(FacePoints, RowsOfATriangleWithoutAreaAreOneRow) {
   points.clear();
   forEachFacePoint({1, 2, 3}, {1, 2, 3}, {1, 2, 3}, 1.0, [&](const dvec3& p) { points.push_back(p); });
   EXPECT_EQ(points, std::vector<dvec3>{dvec3(1, 2, 3)});
-}
-
-TEST(FacePoints, EvenPointsAreCentresOfEqualParts) {
-  for (const int parts : {1, 2, 7}) {
-    std::vector<dvec3> points;
-    forEachEvenPoint(kA, kB - kA, kC - kA, parts, [&](const vec3& p) { points.emplace_back(p); });
-    ASSERT_EQ(points.size(), size_t(parts) * size_t(parts));
-    dvec3 sum(0.0);
-    for (const dvec3& p : points) {
-      EXPECT_GT(leastWeight(p, kA, kB, kC), 0.3 / parts);
-      sum += p;
-    }
-    const dvec3 centre = dvec3(kA + kB + kC) / 3.0;
-    EXPECT_NEAR(glm::distance(sum / double(points.size()), centre), 0.0, 1e-5);
-    EXPECT_LT(widestGap(points, kA, kB, kC), 5.2 / parts);
-  }
 }
 
 }  // namespace

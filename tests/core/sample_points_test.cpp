@@ -247,7 +247,7 @@ TEST(SamplePoints, AreCounted) {
 }
 
 TEST(SamplePoints, NeedASignAndAnArea) {
-  const Surface unsignedSurface(shapes::sphere(1.0, 2), {.sign = false});
+  const Surface unsignedSurface(shapes::sphere(1.0, 2), {.sign = SignMode::None});
   EXPECT_FALSE(unsignedSurface.isSigned());
   EXPECT_EQ(codeOf([&] { samplePoints(unsignedSurface); }), ErrorCode::Usage);
   Mesh line;

@@ -34,6 +34,8 @@ constexpr int exitCode(ErrorCode code) {
       return 7;
     case ErrorCode::DeviceLost:
       return 8;
+    case ErrorCode::DeviceMemory:
+      return 10;
   }
   return 1;
 }

@@ -13,7 +13,7 @@ int main(void) {
   const double middle[3] = {0.0, 0.0, 0.0};
   float distance = 1.0f;
   raymap_grid grid;
-  raymap_grid_options options = raymap_grid_options_default();
+  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
   options.resolution = 21;
 
   raymap_mesh* mesh = raymap_mesh_load("tetrahedron.dae", NULL);
@@ -22,7 +22,7 @@ int main(void) {
   if (!field || raymap_field_sample(field, middle, 1, RAYMAP_OUTSIDE_NAN, &distance, NULL) != RAYMAP_OK) return fail();
   if (raymap_field_write(field, "field.vdb", NULL) != RAYMAP_OK) return fail();
   double nearest = 1.0;
-  raymap_query_arrays arrays = {0};
+  raymap_query_arrays arrays = RAYMAP_INIT(raymap_query_arrays);
   arrays.distance = &nearest;
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
   if (!surface || raymap_surface_query(surface, middle, 1, 0.0, NULL, &arrays) != RAYMAP_OK) return fail();

@@ -28,7 +28,7 @@ static const float kVertices[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, 
 static const uint32_t kTriangles[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
 
 static raymap_mesh* make_tetrahedron(void) {
-  raymap_mesh_arrays arrays = {0};
+  raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
   arrays.vertices = kVertices;
   arrays.vertex_count = 4;
   arrays.triangles = kTriangles;
@@ -39,20 +39,39 @@ static raymap_mesh* make_tetrahedron(void) {
 }
 
 static raymap_grid fit(const raymap_mesh* mesh) {
-  raymap_grid_options options = raymap_grid_options_default();
+  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
   raymap_grid grid;
-  double padded;
-  CHECK(options.resolution == 128 && options.thickness == 0.0);
-  options.thickness = 1.0;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
-  padded = grid.spacing * (double)grid.dims[0];
-  options.thickness = 0.0;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
-  CHECK(fabs(padded - grid.spacing * (double)grid.dims[0] - 1.0) < 1e-9);
   options.resolution = 21;
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
   CHECK(grid.dims[0] == 21 && grid.spacing > 0.0);
   return grid;
+}
+
+/* The side of the tetrahedron's bounds is 2 long. */
+static void test_grid_options(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
+  raymap_grid grid;
+  CHECK(raymap_fit_grid(mesh, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 128);
+  CHECK(fabs(grid.spacing * 128 - 2.4) < 1e-9);
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.4) < 1e-9);
+  options.thickness = 1.0;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 3.4) < 1e-9);
+  options.thickness = 0.0;
+  options.has_padding = true;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.0) < 1e-9);
+  options.has_box = true;
+  options.box_min[1] = 3.0;
+  options.box_max[0] = options.box_max[2] = 1.0;
+  options.box_max[1] = 7.0;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 128);
+  CHECK(fabs(grid.origin[1] - 3.0 - grid.spacing / 2) < 1e-9 && fabs(grid.spacing * 128 - 4.0) < 1e-9);
+  options.voxel_size = 0.5;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
+  options.voxel_size = 0.0;
+  options.resolution = -3;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_ERROR_USAGE);
+  raymap_mesh_free(mesh);
 }
 
 static size_t sample_count(const raymap_grid* grid) {
@@ -74,15 +93,15 @@ static raymap_options* on_cpu(void) {
 
 static void test_meshes(void) {
   raymap_mesh* mesh = make_tetrahedron();
-  double positions[12], low[3], high[3];
+  double positions[12], min[3], max[3];
   uint32_t indices[12];
   CHECK(raymap_mesh_vertex_count(mesh) == 4 && raymap_mesh_triangle_count(mesh) == 4);
   CHECK(raymap_mesh_copy_positions(mesh, positions) == RAYMAP_OK);
   CHECK(positions[3] == 1.0 && positions[4] == -1.0);
   CHECK(raymap_mesh_copy_triangles(mesh, indices) == RAYMAP_OK);
   CHECK(memcmp(indices, kTriangles, sizeof indices) == 0);
-  CHECK(raymap_mesh_bounds(mesh, low, high) == RAYMAP_OK);
-  CHECK(low[0] == -1.0 && high[2] == 1.0);
+  CHECK(raymap_mesh_bounds(mesh, min, max) == RAYMAP_OK);
+  CHECK(min[0] == -1.0 && max[2] == 1.0);
   raymap_mesh_free(mesh);
 }
 
@@ -90,8 +109,8 @@ static void test_meshes(void) {
 static void test_other_arrays(void) {
   double vertices[4][4];
   uint64_t triangles[4][3];
-  double low[3], high[3];
-  raymap_mesh_arrays arrays = {0};
+  double min[3], max[3];
+  raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
   for (int v = 0; v < 4; ++v)
     for (int a = 0; a < 3; ++a) {
       vertices[v][a] = (double)kVertices[v][a];
@@ -106,10 +125,10 @@ static void test_other_arrays(void) {
   arrays.has_64_bit_indices = true;
   arrays.origin[1] = 100.0;
   raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
-  CHECK(raymap_mesh_bounds(mesh, low, high) == RAYMAP_OK);
-  CHECK(low[1] == 99.0 && high[1] == 101.0);
+  CHECK(raymap_mesh_bounds(mesh, min, max) == RAYMAP_OK);
+  CHECK(min[1] == 99.0 && max[1] == 101.0);
   triangles[2][1] = UINT64_C(5000000000);
-  CHECK_FAILS(raymap_mesh_bounds(mesh, low, high), RAYMAP_ERROR_INPUT, "triangle 2 uses vertex 5000000000");
+  CHECK_FAILS(raymap_mesh_bounds(mesh, min, max), RAYMAP_ERROR_INPUT, "triangle 2 uses vertex 5000000000");
   raymap_mesh_free(mesh);
 }
 
@@ -132,10 +151,10 @@ static void test_field(void) {
   CHECK(raymap_field_confidence(field) == NULL);
   CHECK(raymap_field_clamp_distance(field) == 0.0);
   CHECK(strcmp(raymap_field_device(field), "cpu") == 0);
-  raymap_stats stats;
+  raymap_stats stats = RAYMAP_INIT(raymap_stats);
   CHECK(raymap_field_stats(field, &stats) == RAYMAP_OK);
   CHECK(stats.bytes > sample_count(&grid) * sizeof(float) && stats.milliseconds > 0.0);
-  CHECK(stats.doubtful_share == 0.0 && stats.turned_faces == 0);
+  CHECK(stats.doubtful_share == 0.0 && stats.turned_faces == 0 && stats.orientation_fits);
 
   /* Positions and the numbers of a sample agree. */
   const double points[2][3] = {{grid.origin[0], grid.origin[1], grid.origin[2]}, {0, 0, 0}};
@@ -151,6 +170,8 @@ static void test_field(void) {
   CHECK(distances[0] >= 99.0f && distances[0] < 100.0f);
   CHECK(raymap_field_sample(field, beyond, 1, RAYMAP_OUTSIDE_NAN, distances, &gradients[0][0]) == RAYMAP_OK);
   CHECK(isnan(distances[0]) && isnan(gradients[0][2]));
+  CHECK_FAILS(raymap_field_sample(field, beyond, 1, (raymap_outside)2, distances, NULL), RAYMAP_ERROR_USAGE,
+              "there is no raymap_outside 2");
 
   /* The same through a generator, into a field that is reused. */
   raymap_generator* generator = raymap_generator_create();
@@ -217,7 +238,7 @@ static void test_surface(void) {
   raymap_surface* surface = raymap_surface_create(mesh, options);
   raymap_mesh_free(mesh);
   CHECK(surface != NULL && raymap_surface_bytes(surface) > 1000);
-  raymap_stats stats;
+  raymap_stats stats = RAYMAP_INIT(raymap_stats);
   CHECK(raymap_surface_stats(surface, &stats) == RAYMAP_OK);
   CHECK(stats.turned_faces == 0 && stats.milliseconds > 0.0);
 
@@ -225,7 +246,7 @@ static void test_surface(void) {
   double distance[4], closest[4][3], barycentric[4][3], direction[4][3];
   uint32_t triangle[4];
   float winding[4], confidence[4];
-  raymap_query_arrays arrays = {0};
+  raymap_query_arrays arrays = RAYMAP_INIT(raymap_query_arrays);
   arrays.distance = distance;
   arrays.closest = &closest[0][0];
   arrays.triangle = triangle;
@@ -304,7 +325,7 @@ static void test_options(void) {
 /* Returns the sum of the winding numbers of the tetrahedron without its last face, over a small grid. */
 static double sum_of_winding(const raymap_options* options) {
   raymap_mesh_arrays arrays = {
-      .vertices = kVertices, .vertex_count = 4, .triangles = kTriangles, .triangle_count = 3};
+      .size = sizeof arrays, .vertices = kVertices, .vertex_count = 4, .triangles = kTriangles, .triangle_count = 3};
   raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
   const raymap_grid grid = {{6, 5, 4}, {-0.9, -0.8, -0.7}, 0.4};
   raymap_field* field = raymap_generate(mesh, &grid, options);
@@ -400,11 +421,279 @@ static void test_callbacks(void) {
   raymap_mesh_free(mesh);
 }
 
+/* Structs as a later version may have them. */
+typedef struct {
+  raymap_grid_options known;
+  int32_t later[2];
+} later_grid_options;
+typedef struct {
+  raymap_findings known;
+  double later[2];
+} later_findings;
+
+/* The first version of each struct is the current one, so the tests of a shorter one are in c_struct_test.cpp. */
+static void test_sizes(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_grid grid;
+  later_grid_options options = {{.size = sizeof options, .resolution = 20}, {0, 0}};
+  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK && grid.dims[0] == 20);
+  options.later[1] = 1;
+  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE,
+              "of a raymap_grid_options is not 0");
+  options.known.size = sizeof(raymap_grid_options);
+  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK);
+  options.known.size = sizeof(raymap_grid_options) - 1;
+  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE,
+              "RAYMAP_INIT(raymap_grid_options)");
+  options.known.size = (size_t)-1;
+  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE, "the size of a");
+
+  raymap_inspection* inspection = raymap_inspect(mesh, NULL);
+  later_findings findings = {{.size = sizeof findings}, {7.0, 7.0}};
+  CHECK(raymap_inspection_findings(inspection, &findings.known) == RAYMAP_OK);
+  CHECK(findings.known.size == sizeof findings && findings.known.triangles == 4);
+  CHECK(findings.later[0] == 0.0 && findings.later[1] == 0.0);
+  findings.later[0] = 7.0;
+  findings.known.size = sizeof findings.known;
+  CHECK(raymap_inspection_findings(inspection, &findings.known) == RAYMAP_OK && findings.later[0] == 7.0);
+  raymap_inspection_free(inspection);
+
+  const raymap_mesh_arrays arrays = {0};
+  CHECK_FAILS(raymap_mesh_from_arrays(&arrays), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_mesh_arrays)");
+  raymap_field* field = raymap_field_create();
+  raymap_stats stats = {0};
+  CHECK_FAILS(raymap_field_stats(field, &stats), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_stats)");
+  raymap_field_free(field);
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  CHECK_FAILS(raymap_surface_stats(surface, &stats), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_stats)");
+  const raymap_query_arrays results = {0};
+  CHECK_FAILS(raymap_surface_query(surface, NULL, 0, 0.0, NULL, &results), RAYMAP_ERROR_USAGE,
+              "RAYMAP_INIT(raymap_query_arrays)");
+  const raymap_thickness_arrays thickness = {0};
+  CHECK_FAILS(raymap_surface_thickness(surface, NULL, NULL, 0, 0.0, NULL, &thickness), RAYMAP_ERROR_USAGE,
+              "RAYMAP_INIT(raymap_thickness_arrays)");
+  raymap_surface_free(surface);
+  const raymap_repair_options repair = {0};
+  CHECK_FAILS(raymap_repair(mesh, &grid, &repair, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_repair_options)");
+  raymap_repaired* repaired = raymap_repair(mesh, &grid, NULL, NULL);
+  raymap_repair_numbers numbers = {0};
+  CHECK_FAILS(raymap_repaired_numbers(repaired, &numbers), RAYMAP_ERROR_USAGE,
+              "RAYMAP_INIT(raymap_repair_numbers)");
+  raymap_repaired_free(repaired);
+  raymap_simplified simplified = {0};
+  CHECK_FAILS(raymap_simplify(mesh, 0.0, 0.0, NULL, &simplified), RAYMAP_ERROR_USAGE,
+              "RAYMAP_INIT(raymap_simplified)");
+  const raymap_view view = {0};
+  CHECK_FAILS(raymap_render_defects(mesh, &view, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_view)");
+  raymap_devices* devices = raymap_devices_list();
+  raymap_device device = {0};
+  CHECK_FAILS(raymap_devices_get(devices, 0, &device), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_device)");
+  raymap_devices_free(devices);
+  raymap_mesh_free(mesh);
+}
+
+/* A box from (0, 0, 0) to (4, 2, 1), with all faces outwards. */
+static const float kBox[8][3] = {{0, 0, 0}, {4, 0, 0}, {0, 2, 0}, {4, 2, 0}, {0, 0, 1}, {4, 0, 1}, {0, 2, 1}, {4, 2, 1}};
+static const uint32_t kBoxFaces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                          {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+static raymap_mesh* make_box(size_t faces) {
+  raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
+  arrays.vertices = kBox;
+  arrays.vertex_count = 8;
+  arrays.triangles = kBoxFaces;
+  arrays.triangle_count = faces;
+  raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
+  CHECK(mesh != NULL);
+  return mesh;
+}
+
+static void test_thickness(void) {
+  raymap_mesh* mesh = make_box(12);
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  const double points[2][3] = {{2, 0.9, 1}, {2, 1.1, 0}}; /* On the top and on the bottom, 1 apart. */
+  const uint32_t triangles[2] = {2, 1}, missing = 12;
+  float diameter[2], inward[2][3];
+  int32_t part[2];
+  raymap_thickness_arrays arrays = RAYMAP_INIT(raymap_thickness_arrays);
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, 0.0, NULL, &arrays) == RAYMAP_OK);
+  arrays.diameter = diameter;
+  arrays.part = part;
+  arrays.inward = &inward[0][0];
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK(part[0] == RAYMAP_PART_WALL && part[1] == RAYMAP_PART_WALL);
+  CHECK(fabsf(diameter[0] - 1.0f) < 1e-3f && fabsf(diameter[1] - 1.0f) < 1e-3f);
+  CHECK(fabsf(inward[0][2] + 1.0f) < 1e-6f && fabsf(inward[1][2] - 1.0f) < 1e-6f && inward[1][0] == 0.0f);
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 1, 0.5, NULL, &arrays) == RAYMAP_OK);
+  CHECK(part[0] == RAYMAP_PART_SOLID && isinf(diameter[0]) && part[1] == RAYMAP_PART_WALL);
+  CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], &missing, 1, 0.0, NULL, &arrays),
+              RAYMAP_ERROR_USAGE, "12");
+  CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], triangles, 1, -1.0, NULL, &arrays),
+              RAYMAP_ERROR_USAGE, "must be positive");
+  raymap_surface_free(surface);
+  raymap_mesh_free(mesh);
+}
+
+static void test_inspection(void) {
+  raymap_findings findings = RAYMAP_INIT(raymap_findings);
+  raymap_mesh* mesh = make_box(12);
+  raymap_inspection* inspection = raymap_inspect(mesh, NULL);
+  CHECK(raymap_inspection_findings(inspection, &findings) == RAYMAP_OK);
+  CHECK(strcmp(findings.kind, "clean_solid") == 0 && strcmp(findings.remedy, "none") == 0);
+  CHECK(findings.watertight && findings.consistently_oriented && findings.balanced);
+  CHECK(findings.signed_volume == 8.0 && findings.area == 28.0 && findings.max[0] == 4.0);
+  CHECK(findings.boundary_edges == 0 && findings.crossing_pairs == 0 && findings.crossings_complete);
+  CHECK(findings.components == 1 && findings.welded_vertices == 8 && isnan(findings.thinnest));
+  raymap_inspection_free(inspection);
+  raymap_mesh_free(mesh);
+
+  mesh = make_box(10); /* Without the side at x = 4. */
+  inspection = raymap_inspect(mesh, NULL);
+  CHECK(raymap_inspection_findings(inspection, &findings) == RAYMAP_OK);
+  CHECK(strcmp(findings.kind, "open_solid") == 0 && strcmp(findings.remedy, "repair") == 0);
+  CHECK(!findings.watertight && findings.holes == 1 && findings.boundary_edges == 4);
+  CHECK(findings.triangles == 10 && findings.open_components == 1 && findings.area == 26.0);
+  char* json = raymap_inspection_json(inspection);
+  CHECK(json != NULL && strstr(json, "\"boundary_edges\": 4") != NULL);
+  CHECK(strstr(json, "\"verdict\"") != NULL && strstr(json, "\"self_intersections\"") != NULL);
+  raymap_text_free(json);
+  raymap_text_free(NULL);
+  raymap_inspection_free(inspection);
+
+  struct calls calls = {0, 0, false};
+  raymap_options* options = raymap_options_create();
+  CHECK(raymap_options_set_progress(options, on_progress, &calls) == RAYMAP_OK);
+  CHECK(raymap_inspect(mesh, options) == NULL && raymap_last_error() == RAYMAP_ERROR_CANCELLED);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
+static void test_repair(void) {
+  raymap_mesh* mesh = make_box(10);
+  raymap_grid grid;
+  raymap_grid_options how = RAYMAP_INIT(raymap_grid_options);
+  raymap_repair_options repair = RAYMAP_INIT(raymap_repair_options);
+  raymap_repair_numbers numbers = RAYMAP_INIT(raymap_repair_numbers);
+  raymap_options* options = on_cpu();
+  CHECK(raymap_fit_repair_grid(mesh, NULL, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 256);
+  how.resolution = 40;
+  CHECK(raymap_fit_repair_grid(mesh, &how, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 40);
+  const double spacing = grid.spacing;
+  repair.offset = 1.0;
+  CHECK(raymap_fit_repair_grid(mesh, &how, &repair, &grid) == RAYMAP_OK && grid.spacing > spacing);
+  repair.offset = 0.0;
+
+  /* The hole alone is closed. */
+  raymap_repaired* repaired = raymap_repair(mesh, &grid, NULL, options);
+  CHECK(raymap_mesh_triangle_count(raymap_repaired_mesh(repaired)) == 12);
+  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK);
+  CHECK(numbers.kept && numbers.closed_holes == 1 && numbers.watertight && numbers.solids == 1);
+  CHECK(fabs(numbers.volume - 8.0) < 1e-9);
+  char* json = raymap_repaired_json(repaired);
+  CHECK(json != NULL && strstr(json, "\"closed_holes\": 1") != NULL);
+  raymap_text_free(json);
+  raymap_repaired_free(repaired);
+
+  /* The closed box is made anew, with a rounded layer of 0.25 on its faces (28), edges (28 long) and corners. */
+  raymap_mesh_free(mesh);
+  mesh = make_box(12);
+  repair.remesh = true;
+  repair.offset = 0.25;
+  repaired = raymap_repair(mesh, &grid, &repair, options);
+  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK);
+  CHECK(!numbers.kept && numbers.watertight && numbers.consistently_oriented);
+  const double pi = 3.14159265, r = 0.25;
+  CHECK(fabs(numbers.volume - (8 + 28 * r + 7 * pi * r * r + 4 * pi / 3 * r * r * r)) < 0.2);
+  CHECK(numbers.result_from_mesh > 0.0 && numbers.result_from_mesh < grid.spacing);
+  raymap_repaired_free(repaired);
+  repair.is_brief = true;
+  repaired = raymap_repair(mesh, &grid, &repair, options);
+  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK && numbers.result_from_mesh == 0.0);
+  raymap_repaired_free(repaired);
+
+  CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
+  CHECK(raymap_repair(mesh, &grid, NULL, options) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
+static void test_simplify(void) {
+  raymap_mesh* box = make_box(12);
+  const raymap_grid grid = fit(box);
+  raymap_options* options = on_cpu();
+  raymap_field* field = raymap_generate(box, &grid, options);
+  raymap_mesh* fine = raymap_isosurface(field, 0.0, options);
+  raymap_simplified simplified = RAYMAP_INIT(raymap_simplified);
+  raymap_mesh* coarse = raymap_simplify(fine, 0.01, 0.05, options, &simplified);
+  CHECK(raymap_mesh_triangle_count(coarse) >= 12);
+  CHECK(raymap_mesh_triangle_count(coarse) < raymap_mesh_triangle_count(fine) / 4);
+  CHECK(simplified.deviation > 0.0 && simplified.deviation <= 0.01);
+  raymap_mesh* same = raymap_simplify(fine, 0.0, 0.0, NULL, NULL);
+  CHECK(raymap_mesh_triangle_count(same) == raymap_mesh_triangle_count(fine));
+  raymap_mesh* open = make_box(10);
+  CHECK(raymap_simplify(open, 0.1, 0.0, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
+  CHECK(raymap_simplify(fine, -1.0, 0.0, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  raymap_mesh_free(open);
+  raymap_mesh_free(same);
+  raymap_mesh_free(coarse);
+  raymap_mesh_free(fine);
+  raymap_field_free(field);
+  raymap_options_free(options);
+  raymap_mesh_free(box);
+}
+
+static int is_red(const uint8_t* pixel) {
+  return pixel[0] > 150 && pixel[1] < 100 && pixel[2] < 100;
+}
+
+static void test_pictures(const char* folder) {
+  char path[4096];
+  raymap_mesh* mesh = make_box(10);
+  raymap_options* options = on_cpu();
+  raymap_view view = RAYMAP_INIT(raymap_view);
+  view.width = 90;
+  view.height = 60;
+  raymap_picture* defects = raymap_render_defects(mesh, &view, options);
+  CHECK(raymap_picture_width(defects) == 90 && raymap_picture_height(defects) == 60);
+  int red = 0;
+  for (size_t p = 0; p < 90 * 60; ++p) red += is_red(raymap_picture_rgb(defects) + 3 * p);
+  CHECK(red > 20); /* The edges of the hole. */
+  snprintf(path, sizeof path, "%s/c_api.png", folder);
+  CHECK(raymap_picture_write_png(defects, path) == RAYMAP_OK);
+  FILE* file = fopen(path, "rb");
+  char start[4];
+  CHECK(file != NULL && fread(start, 1, 4, file) == 4 && memcmp(start + 1, "PNG", 3) == 0);
+  fclose(file);
+  CHECK_FAILS(raymap_picture_write_png(defects, "/no/such/folder/a.png"), RAYMAP_ERROR_FILE, "/no/such/folder");
+  raymap_picture_free(defects);
+
+  const raymap_grid grid = fit(mesh);
+  raymap_field* field = raymap_generate(mesh, &grid, options);
+  raymap_picture* drawn = raymap_render_field(field, &view, options);
+  view.cut = true;
+  raymap_picture* cut = raymap_render_field(field, &view, options);
+  CHECK(memcmp(raymap_picture_rgb(drawn), raymap_picture_rgb(cut), 90 * 60 * 3) != 0);
+  view.width = -1;
+  CHECK(raymap_render_field(field, &view, options) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  raymap_picture_free(cut);
+  raymap_picture_free(drawn);
+
+  raymap_picture* slice = raymap_render_slice(field, 2, -1, 0, NULL);
+  CHECK(raymap_picture_width(slice) == 1024 && raymap_picture_height(slice) < 1024);
+  raymap_picture_free(slice);
+  CHECK_FAILS(raymap_render_slice(field, 3, -1, 0, NULL), RAYMAP_ERROR_USAGE, "axis");
+  CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "colour"), RAYMAP_ERROR_USAGE, "confidence");
+  CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "winding"), RAYMAP_ERROR_USAGE, "winding");
+  raymap_field_free(field);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
 /* Single precision keeps half a unit of it. */
 static void test_far_stl(const char* folder) {
   char path[4096];
   snprintf(path, sizeof path, "%s/c_api.stl", folder);
-  raymap_mesh_arrays arrays = {0};
+  raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
   arrays.vertices = kVertices;
   arrays.vertex_count = 4;
   arrays.triangles = kTriangles;
@@ -448,7 +737,7 @@ static void test_files(const char* folder) {
 
 static void test_devices(void) {
   raymap_devices* devices = raymap_devices_list();
-  raymap_device device;
+  raymap_device device = RAYMAP_INIT(raymap_device);
   int automatic = 0;
   CHECK(raymap_devices_count(devices) >= 1);
   CHECK(raymap_devices_get(devices, 0, &device) == RAYMAP_OK);
@@ -470,10 +759,10 @@ static void test_null(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_field* field = raymap_field_create();
   double low[3];
-  raymap_device device;
-  raymap_stats stats;
-  raymap_mesh_arrays arrays = {0};
-  raymap_query_arrays results = {0};
+  raymap_device device = RAYMAP_INIT(raymap_device);
+  raymap_stats stats = RAYMAP_INIT(raymap_stats);
+  raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
+  raymap_query_arrays results = RAYMAP_INIT(raymap_query_arrays);
   const raymap_result usage = RAYMAP_ERROR_USAGE;
   raymap_options_free(NULL);
   raymap_mesh_free(NULL);
@@ -481,6 +770,9 @@ static void test_null(void) {
   raymap_generator_free(NULL);
   raymap_surface_free(NULL);
   raymap_devices_free(NULL);
+  raymap_inspection_free(NULL);
+  raymap_repaired_free(NULL);
+  raymap_picture_free(NULL);
   CHECK(raymap_options_set_text(NULL, "device", "cpu") == usage);
   CHECK(raymap_options_set_number(NULL, "band", 1) == usage);
   CHECK(raymap_options_set_progress(NULL, NULL, NULL) == usage);
@@ -512,7 +804,23 @@ static void test_null(void) {
   CHECK(raymap_surface_query(surface, NULL, 1, 0.0, NULL, &results) == usage);
   CHECK(raymap_surface_query(surface, low, 1, 0.0, NULL, NULL) == usage);
   CHECK(raymap_sample_points(surface, NULL, NULL, NULL) == usage);
+  raymap_thickness_arrays thickness = RAYMAP_INIT(raymap_thickness_arrays);
+  CHECK(raymap_surface_thickness(NULL, low, NULL, 0, 0.0, NULL, &thickness) == usage);
+  CHECK(raymap_surface_thickness(surface, low, NULL, 0, 0.0, NULL, NULL) == usage);
+  CHECK_FAILS(raymap_surface_thickness(surface, low, NULL, 1, 0.0, NULL, &thickness), usage, "triangles is NULL");
   raymap_surface_free(surface);
+  CHECK(raymap_inspect(NULL, NULL) == NULL && raymap_inspection_json(NULL) == NULL);
+  CHECK(raymap_inspection_findings(NULL, NULL) == usage);
+  CHECK(raymap_repair(NULL, &grid, NULL, NULL) == NULL && raymap_repair(mesh, NULL, NULL, NULL) == NULL);
+  CHECK(raymap_fit_repair_grid(NULL, NULL, NULL, &grid) == usage);
+  CHECK(raymap_fit_repair_grid(mesh, NULL, NULL, NULL) == usage);
+  CHECK(raymap_repaired_mesh(NULL) == NULL && raymap_repaired_json(NULL) == NULL);
+  CHECK(raymap_repaired_numbers(NULL, NULL) == usage);
+  CHECK(raymap_simplify(NULL, 0.0, 0.0, NULL, NULL) == NULL);
+  CHECK(raymap_render_field(NULL, NULL, NULL) == NULL && raymap_render_defects(NULL, NULL, NULL) == NULL);
+  CHECK(raymap_render_slice(NULL, 0, 0, 0, NULL) == NULL && raymap_picture_rgb(NULL) == NULL);
+  CHECK(raymap_picture_width(NULL) == 0 && raymap_picture_height(NULL) == 0);
+  CHECK(raymap_picture_write_png(NULL, "a.png") == usage);
   CHECK(raymap_field_load(NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);
   CHECK(raymap_devices_count(NULL) == 0 && raymap_devices_get(NULL, 0, &device) == usage);
@@ -527,6 +835,7 @@ int main(int argc, char** argv) {
   CHECK(raymap_version()[0] == '0' + RAYMAP_VERSION_MAJOR);
   test_meshes();
   test_other_arrays();
+  test_grid_options();
   test_field();
   test_surface();
   test_threads();
@@ -534,6 +843,12 @@ int main(int argc, char** argv) {
   test_signless();
   test_offsets();
   test_callbacks();
+  test_sizes();
+  test_thickness();
+  test_inspection();
+  test_repair();
+  test_simplify();
+  test_pictures(argc > 1 ? argv[1] : ".");
   test_files(argc > 1 ? argv[1] : ".");
   test_devices();
   test_null();

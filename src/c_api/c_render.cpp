@@ -1,0 +1,79 @@
+// The functions of raymap/c.h about pictures.
+
+#include <raymap/c.h>
+#include <raymap/names.h>
+#include <raymap/render.h>
+
+#include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
+
+using namespace raymap;
+using raymap::c::create;
+using raymap::c::guard;
+using raymap::c::need;
+
+namespace {
+
+RenderOptions renderOptions(const raymap_view* view) {
+  const raymap_view given = c::read(view);
+  RenderOptions wanted{.cut = given.cut, .shell = given.shell};
+  if (given.width != 0) wanted.width = given.width;
+  if (given.height != 0) wanted.height = given.height;
+  if (const glm::dvec3 direction = c::vectorOf(given.direction); direction != glm::dvec3(0.0))
+    wanted.direction = direction;
+  if (const glm::dvec3 up = c::vectorOf(given.up); up != glm::dvec3(0.0)) wanted.up = up;
+  if (given.field_of_view != 0.0) wanted.fieldOfView = given.field_of_view;
+  if (given.has_frame) wanted.frame = Box{c::vectorOf(given.frame_min), c::vectorOf(given.frame_max)};
+  return wanted;
+}
+
+std::unique_ptr<raymap_picture> ownPicture(Picture picture) {
+  return std::make_unique<raymap_picture>(raymap_picture{std::move(picture)});
+}
+
+}  // namespace
+
+raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
+                                    const raymap_options* options) {
+  return create([&] {
+    return ownPicture(renderField(need(field, "the field").field, renderOptions(view),
+                                  c::optionsOr(options).machine));
+  });
+}
+
+raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
+                                      const raymap_options* options) {
+  return create([&] {
+    return ownPicture(renderDefects(need(mesh, "the mesh").view, renderOptions(view),
+                                    c::optionsOr(options).machine));
+  });
+}
+
+raymap_picture* raymap_render_slice(const raymap_field* field, int32_t axis, int32_t index, int32_t width,
+                                    const char* array) {
+  return create([&] {
+    constexpr int kWidth = 1024;
+    return ownPicture(renderSlice(need(field, "the field").field, axis, index, width != 0 ? width : kWidth,
+                                  fromName<FieldArray>(array ? array : "distance")));
+  });
+}
+
+void raymap_picture_free(raymap_picture* picture) {
+  delete picture;
+}
+
+int32_t raymap_picture_width(const raymap_picture* picture) {
+  return picture ? picture->picture.width : 0;
+}
+
+int32_t raymap_picture_height(const raymap_picture* picture) {
+  return picture ? picture->picture.height : 0;
+}
+
+const uint8_t* raymap_picture_rgb(const raymap_picture* picture) {
+  return picture ? picture->picture.rgb.data() : nullptr;
+}
+
+raymap_result raymap_picture_write_png(const raymap_picture* picture, const char* path) {
+  return guard([&] { writePng(&need(path, "the path"), need(picture, "the picture").picture); });
+}

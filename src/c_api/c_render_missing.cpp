@@ -1,0 +1,49 @@
+// The functions of raymap/c.h about pictures, in a build without pictures.
+
+#include <raymap/c.h>
+
+#include "c_api/c_handles.h"
+
+namespace {
+
+raymap_result refusePictures() {
+  return raymap::c::fail(RAYMAP_ERROR_UNSUPPORTED,
+                         "raymap was built without pictures; build it with RAYMAP_RENDER=ON");
+}
+
+raymap_picture* refusedPicture() {
+  refusePictures();
+  return nullptr;
+}
+
+}  // namespace
+
+raymap_picture* raymap_render_field(const raymap_field*, const raymap_view*, const raymap_options*) {
+  return refusedPicture();
+}
+
+raymap_picture* raymap_render_defects(const raymap_mesh*, const raymap_view*, const raymap_options*) {
+  return refusedPicture();
+}
+
+raymap_picture* raymap_render_slice(const raymap_field*, int32_t, int32_t, int32_t, const char*) {
+  return refusedPicture();
+}
+
+void raymap_picture_free(raymap_picture*) {}
+
+int32_t raymap_picture_width(const raymap_picture*) {
+  return 0;
+}
+
+int32_t raymap_picture_height(const raymap_picture*) {
+  return 0;
+}
+
+const uint8_t* raymap_picture_rgb(const raymap_picture*) {
+  return nullptr;
+}
+
+raymap_result raymap_picture_write_png(const raymap_picture*, const char*) {
+  return refusePictures();
+}
