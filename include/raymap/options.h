@@ -74,7 +74,7 @@ struct Options {
   /// Device that computes the field. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them,
   /// which may be a software rasterizer; "auto", a real GPU if one is usable, else the CPU. See `devices`.
   std::string device = "auto";
-  WarningCallback warn = {};       ///< Called with the reason when "auto" falls back to the CPU.
+  WarningCallback warn = {};       ///< Called if "auto" falls back to the CPU, or no orientation fits.
   ProgressCallback progress = {};  ///< Called every few milliseconds.
 };
 
