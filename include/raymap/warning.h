@@ -13,7 +13,7 @@ enum class WarningCode {
   DeviceRefused,      ///< The device "auto" is the CPU, because the GPU did not pass its test: `device`.
   DeviceFailed,       ///< The device "auto" is the CPU, because the GPU failed at the work: `device`.
   OrientationMisfit,  ///< No directions of the faces fit the crossings, so signs may be wrong. `share` is the
-                      ///< misfit.
+                      ///< misfit, which may exceed 1.
   BoxReached,         ///< The solid reaches the grid's box, and was closed there.
   SolidLost,     ///< Parts of the solid are lost, `share` of the mesh's area. `voxelSize` keeps them, or most
                  ///< of them; 0 = none does.
@@ -33,7 +33,7 @@ struct WarningFields {
   std::string file = {};    ///< Path of the file that was read or written.
   std::string device = {};  ///< Device that was not used, such as "vulkan:0".
   size_t count = 0;         ///< Number of parts, cavities, hollows or holes.
-  double share = 0.0;       ///< Share of the whole, 0 to 1.
+  double share = 0.0;       ///< Share of the whole, 0 to 1, or a misfit.
   double length = 0.0;      ///< Length in the mesh's units.
   double volume = 0.0;      ///< Volume in the mesh's units cubed.
   double voxelSize = 0.0;   ///< Distance between samples that helps, in the mesh's units.

@@ -335,7 +335,7 @@ class WarningFields(TypedDict):
     count: int
     """Number of parts, cavities, hollows or holes."""
     share: float
-    """Share of the whole, 0 to 1."""
+    """Share of the whole, 0 to 1, or a misfit."""
     length: float
     """Length in the mesh's units."""
     volume: float

@@ -89,7 +89,7 @@ std::string namesOf(const DeviceList& list) {
 void requireUsable(const DeviceList& list, size_t number, const std::string& name) {
   if (number >= list.devices.size())
     throw Error(ErrorCode::Unsupported, "there is no device " + name +
-                                            (list.note.empty() ? "" : ": " + list.note) + "; there are" +
+                                            (list.note.empty() ? "" : ": " + list.note) + "; use one of" +
                                             namesOf(list));
   const DeviceInfo& device = list.devices[number];
   if (!device.problem.empty())
