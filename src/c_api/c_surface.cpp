@@ -43,31 +43,26 @@ void copyTo(T* to, const Buffer<T>& from) {
   if (to) std::ranges::copy(from, to);
 }
 
-const std::vector<double>& defaultSigmas() {
-  static const std::vector<double> sigmas = SamplePointsOptions().sigmas;
-  return sigmas;
-}
-
 /// Returns a struct that begins with its size. Throws `Error(Usage)` if the caller did not set it.
 template <class T>
 T& needSized(T* pointer, const char* name) {
   T& given = need(pointer, name);
   if (given.size != sizeof(T))
-    throw Error(ErrorCode::Usage, std::string("the size of ") + name + " is " + std::to_string(given.size) +
+    throw Error(ErrorCode::Usage, std::string(name) + ": the size is " + std::to_string(given.size) +
                                       "; set it to " + std::to_string(sizeof(T)));
   return given;
 }
 
-SamplePointsOptions sampleOptions(const raymap_sample_points_options& given, const Options& machine) {
-  if (given.sigma_count > 0) need(given.sigmas, "the array of deviations");
-  return {.count = given.count,
-          .surfaceShare = given.surface_share,
-          .nearShare = given.near_share,
-          .sigmas = {given.sigmas, given.sigmas + given.sigma_count},
-          .seed = given.seed,
-          .normalize = given.normalize,
-          .threads = machine.threads,
-          .progress = machine.progress};
+SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_options* how,
+                                  const Options& machine) {
+  SamplePointsOptions options{.count = count, .threads = machine.threads, .progress = machine.progress};
+  if (!how) return options;
+  const raymap_sample_points_options& given = needSized(how, "raymap_sample_points_options");
+  if (given.has_shares) options.surfaceShare = given.surface_share, options.nearShare = given.near_share;
+  if (given.sigmas) options.sigmas.assign(given.sigmas, given.sigmas + given.sigma_count);
+  options.seed = given.seed;
+  options.normalize = given.normalize;
+  return options;
 }
 
 }  // namespace
@@ -124,30 +119,17 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
   });
 }
 
-raymap_sample_points_options raymap_sample_points_options_default(void) {
-  const SamplePointsOptions options;
-  return {.size = sizeof(raymap_sample_points_options),
-          .count = options.count,
-          .surface_share = options.surfaceShare,
-          .near_share = options.nearShare,
-          .sigmas = defaultSigmas().data(),
-          .sigma_count = defaultSigmas().size(),
-          .seed = options.seed,
-          .normalize = options.normalize};
-}
-
-raymap_result raymap_sample_points(const raymap_surface* surface, const raymap_sample_points_options* options,
-                                   const raymap_options* machine, raymap_point_samples* samples) {
+raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
+                                   const raymap_sample_points_options* how, const raymap_options* options,
+                                   const raymap_point_sample_arrays* arrays) {
   return guard([&] {
-    const raymap_sample_points_options defaults = raymap_sample_points_options_default();
-    const auto& given = needSized(options ? options : &defaults, "the struct of options");
-    raymap_point_samples& wanted = needSized(samples, "the struct of samples");
-    const PointSamples found =
-        samplePoints(need(surface, "the surface").surface, sampleOptions(given, c::optionsOr(machine)));
+    const Surface& sampled = need(surface, "the surface").surface;
+    const raymap_point_sample_arrays& wanted = needSized(arrays, "raymap_point_sample_arrays");
+    const PointSamples found = samplePoints(sampled, sampleOptions(count, how, c::optionsOr(options)));
     copyTo(wanted.points, found.points);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.gradient, found.gradient);
-    copyTo(wanted.centre, found.centre);
-    wanted.scale = found.scale;
+    if (wanted.centre) copyTo(wanted.centre, found.centre);
+    if (wanted.scale) *wanted.scale = found.scale;
   });
 }
