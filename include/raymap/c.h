@@ -364,39 +364,38 @@ RAYMAP_API raymap_result raymap_surface_thickness(const raymap_surface* surface,
                                                   double max_thickness, const raymap_options* options,
                                                   const raymap_thickness_arrays* arrays);
 
-/* How to choose points; start from raymap_sample_points_options_default. */
+/* How to choose points. Initialise with RAYMAP_INIT, which is the default. */
 typedef struct raymap_sample_points_options {
-  size_t size;          /* sizeof(raymap_sample_points_options), as the default has it. */
-  size_t count;         /* Number of all points (500,000). */
-  double surface_share; /* Share of the points that are on the surface, 0 to 1 (0). */
-  double near_share;    /* Share of the points that are near the surface, 0 to 1 (0.94). */
-  const double* sigmas; /* Standard deviations of their offsets, as shares of the bounding sphere's radius. */
-  size_t sigma_count;   /* Number of deviations; each gets as many points (2: 0.0025 and 0.00025). */
-  bool normalize;       /* Whether the bounding sphere becomes the unit sphere about 0 (false). */
-  uint64_t seed;        /* Another seed gives other points (0). */
+  size_t size;          /* sizeof(raymap_sample_points_options) */
+  bool normalize;       /* Whether the bounding sphere becomes the unit sphere about 0. */
+  bool has_shares;      /* Whether the two shares count; else they are 0 and 0.94. */
+  double surface_share; /* Share of the points that are on the surface, 0 to 1. */
+  double near_share;    /* Share of the points that are near the surface, 0 to 1. */
+  const double* sigmas; /* Standard deviations of the offsets of these, as shares of the bounding sphere's
+                           radius; each gets as many points. NULL = 0.0025 and 0.00025. */
+  size_t sigma_count;   /* Number of deviations. */
+  uint64_t seed;        /* Another seed gives other points. */
 } raymap_sample_points_options;
-
-/* Returns the defaults, which are given above in parentheses. */
-RAYMAP_API raymap_sample_points_options raymap_sample_points_options_default(void);
 
 /* The caller's arrays for points with distances; NULL = not wanted. Initialise with
  * RAYMAP_INIT. */
-typedef struct raymap_point_samples {
-  size_t size;      /* sizeof(raymap_point_samples). */
+typedef struct raymap_point_sample_arrays {
+  size_t size;      /* sizeof(raymap_point_sample_arrays) */
   double* points;   /* (position in the mesh - centre) * scale: x, y, z of each point. */
-  double* distance; /* In the units of the points, negative inside; one per point. */
-  double* gradient; /* Unit vector that points outwards: x, y, z. */
-  double centre[3]; /* Filled in: point of the mesh that lies at 0 in `points`. */
-  double scale;     /* Filled in: length in `points` of one unit of the mesh. */
-} raymap_point_samples;
+  double* distance; /* In the units of the points, negative inside. */
+  double* gradient; /* Unit vector that points outwards: x, y, z of each point. */
+  double* centre;   /* Point of the mesh that lies at 0 in `points`: x, y, z. */
+  double* scale;    /* Length in `points` of one unit of the mesh: one number. */
+} raymap_point_sample_arrays;
 
-/* Chooses points on a surface, near it and around it, in this order, and measures their distances, as for
- * training DeepSDF; raymap/sample_points.h says how. The arrays hold `options->count` points. `options` may
- * be NULL for the defaults. Of `machine`, only "threads" and the progress callback count; it may be NULL.
- * After a failure the arrays are unchanged. */
-RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface,
-                                              const raymap_sample_points_options* options,
-                                              const raymap_options* machine, raymap_point_samples* samples);
+/* Chooses `count` points on a surface, near it and in its bounding sphere, in this order, and measures their
+ * distances, as for training DeepSDF; raymap/sample_points.h says how. `how` may be NULL for the defaults. Of
+ * the options, only "threads" and the progress callback count; they may be NULL. After a failure the arrays
+ * are unchanged. */
+RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
+                                              const raymap_sample_points_options* how,
+                                              const raymap_options* options,
+                                              const raymap_point_sample_arrays* arrays);
 
 /* ---- Inspection ---- */
 

@@ -30,19 +30,15 @@ void copyTo(T* to, const Buffer<T>& from) {
   if (to) std::ranges::copy(from, to);
 }
 
-const std::vector<double>& defaultSigmas() {
-  static const std::vector<double> sigmas = SamplePointsOptions().sigmas;
-  return sigmas;
-}
-
-SamplePointsOptions sampleOptions(const raymap_sample_points_options& given) {
-  if (given.sigma_count > 0) need(given.sigmas, "the array of deviations");
-  return {.count = given.count,
-          .surfaceShare = given.surface_share,
-          .nearShare = given.near_share,
-          .sigmas = {given.sigmas, given.sigmas + given.sigma_count},
-          .seed = given.seed,
-          .normalize = given.normalize};
+SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_options* how) {
+  const raymap_sample_points_options given = c::read(how);
+  SamplePointsOptions options{.count = count, .seed = given.seed, .normalize = given.normalize};
+  if (given.has_shares) {
+    options.surfaceShare = given.surface_share;
+    options.nearShare = given.near_share;
+  }
+  if (given.sigmas) options.sigmas.assign(given.sigmas, given.sigmas + given.sigma_count);
+  return options;
 }
 
 }  // namespace
@@ -122,32 +118,19 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
   });
 }
 
-raymap_sample_points_options raymap_sample_points_options_default(void) {
-  const SamplePointsOptions options;
-  return {.size = sizeof(raymap_sample_points_options),
-          .count = options.count,
-          .surface_share = options.surfaceShare,
-          .near_share = options.nearShare,
-          .sigmas = defaultSigmas().data(),
-          .sigma_count = defaultSigmas().size(),
-          .normalize = options.normalize,
-          .seed = options.seed};
-}
-
-raymap_result raymap_sample_points(const raymap_surface* surface, const raymap_sample_points_options* options,
-                                   const raymap_options* machine, raymap_point_samples* samples) {
+raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
+                                   const raymap_sample_points_options* how, const raymap_options* options,
+                                   const raymap_point_sample_arrays* arrays) {
   return guard([&] {
-    const raymap_sample_points_options defaults = raymap_sample_points_options_default();
-    const raymap_sample_points_options given = c::read(options ? options : &defaults);
-    need(samples, "raymap_point_samples");
-    raymap_point_samples wanted = c::read(samples);
-    const PointSamples found = samplePoints(need(surface, "the surface").surface, sampleOptions(given),
-                                            c::optionsOr(machine).machine);
+    const Surface& sampled = need(surface, "the surface").surface;
+    need(arrays, "raymap_point_sample_arrays");
+    const raymap_point_sample_arrays wanted = c::read(arrays);
+    const PointSamples found =
+        samplePoints(sampled, sampleOptions(count, how), c::optionsOr(options).machine);
     copyTo(wanted.points, found.points);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.gradient, found.gradient);
-    copyTo(wanted.centre, found.centre);
-    wanted.scale = found.scale;
-    c::write(wanted, samples);
+    if (wanted.centre) copyTo(wanted.centre, found.centre);
+    if (wanted.scale) *wanted.scale = found.scale;
   });
 }

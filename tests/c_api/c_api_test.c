@@ -198,38 +198,43 @@ static void test_field(void) {
 static void check_sample_points(const raymap_surface* surface) {
   enum { COUNT = 200 };
   static double points[COUNT][3], distance[COUNT], gradient[COUNT][3], queried[COUNT];
-  raymap_sample_points_options how = raymap_sample_points_options_default();
-  CHECK(how.count == 500000 && how.near_share == 0.94 && how.surface_share == 0.0 && how.sigma_count == 2);
-  CHECK(how.sigmas[0] == 0.0025 && how.sigmas[1] == 0.00025 && how.seed == 0 && !how.normalize);
   const double sigma = 0.1;
-  how.count = COUNT;
+  double centre[3] = {9, 9, 9}, scale = 0, first;
+  raymap_sample_points_options how = RAYMAP_INIT(raymap_sample_points_options);
+  how.has_shares = true;
   how.surface_share = 0.25;
   how.near_share = 0.5;
   how.sigmas = &sigma;
   how.sigma_count = 1;
-  raymap_point_samples samples = {sizeof(samples), &points[0][0], distance, &gradient[0][0], {9, 9, 9}, 0};
-  CHECK(raymap_sample_points(surface, &how, NULL, &samples) == RAYMAP_OK);
-  CHECK(samples.scale == 1.0 && samples.centre[0] == 0.0 && samples.centre[2] == 0.0);
-  raymap_query_arrays arrays = {0};
-  arrays.distance = queried;
-  CHECK(raymap_surface_query(surface, &points[0][0], COUNT, 0.0, NULL, &arrays) == RAYMAP_OK);
+  raymap_point_sample_arrays arrays = {sizeof(arrays), &points[0][0], distance, &gradient[0][0], centre, &scale};
+  CHECK(raymap_sample_points(surface, COUNT, &how, NULL, &arrays) == RAYMAP_OK);
+  CHECK(scale == 1.0 && centre[0] == 0.0 && centre[2] == 0.0);
+  raymap_query_arrays asked = RAYMAP_INIT(raymap_query_arrays);
+  asked.distance = queried;
+  CHECK(raymap_surface_query(surface, &points[0][0], COUNT, 0.0, NULL, &asked) == RAYMAP_OK);
   for (int i = 0; i < COUNT; ++i) {
     CHECK(i < COUNT / 4 ? distance[i] == 0.0 && fabs(queried[i]) < 1e-6 : distance[i] == queried[i]);
     const double* g = gradient[i];
     CHECK(fabs(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] - 1.0) < 1e-9);
   }
+  first = points[0][0];
+  how.seed = 1;
   how.normalize = true;
-  samples.points = samples.gradient = NULL;
-  CHECK(raymap_sample_points(surface, &how, NULL, &samples) == RAYMAP_OK && samples.scale != 1.0);
-  CHECK(distance[COUNT - 1] != queried[COUNT - 1]);
+  arrays.distance = arrays.gradient = arrays.centre = NULL;
+  CHECK(raymap_sample_points(surface, COUNT, &how, NULL, &arrays) == RAYMAP_OK);
+  CHECK(scale != 1.0 && points[0][0] != first);
   how.near_share = 2.0;
-  CHECK_FAILS(raymap_sample_points(surface, &how, NULL, &samples), RAYMAP_ERROR_USAGE, "near must be a share");
+  CHECK_FAILS(raymap_sample_points(surface, COUNT, &how, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "near must be a share from 0 to 1, not 2");
+  arrays.distance = distance;
+  CHECK(raymap_sample_points(surface, 50, NULL, NULL, &arrays) == RAYMAP_OK);
+  for (int i = 0; i < 47; ++i) CHECK(fabs(distance[i]) < 0.0025 * 6 * sqrt(3.0)); /* The default is near. */
   how.size = 3;
-  CHECK_FAILS(raymap_sample_points(surface, &how, NULL, &samples), RAYMAP_ERROR_USAGE,
-              "the size of the struct of options is 3; set it to");
-  samples.size = 0;
-  CHECK_FAILS(raymap_sample_points(surface, NULL, NULL, &samples), RAYMAP_ERROR_USAGE,
-              "the size of the struct of samples is 0; set it to");
+  CHECK_FAILS(raymap_sample_points(surface, 1, &how, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the size of a raymap_sample_points_options is 3");
+  arrays.size = 0;
+  CHECK_FAILS(raymap_sample_points(surface, 1, NULL, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the size of a raymap_point_sample_arrays is 0");
 }
 
 static void test_surface(void) {
@@ -803,7 +808,7 @@ static void test_null(void) {
   CHECK(raymap_surface_stats(surface, NULL) == usage);
   CHECK(raymap_surface_query(surface, NULL, 1, 0.0, NULL, &results) == usage);
   CHECK(raymap_surface_query(surface, low, 1, 0.0, NULL, NULL) == usage);
-  CHECK(raymap_sample_points(surface, NULL, NULL, NULL) == usage);
+  CHECK(raymap_sample_points(surface, 1, NULL, NULL, NULL) == usage);
   raymap_thickness_arrays thickness = RAYMAP_INIT(raymap_thickness_arrays);
   CHECK(raymap_surface_thickness(NULL, low, NULL, 0, 0.0, NULL, &thickness) == usage);
   CHECK(raymap_surface_thickness(surface, low, NULL, 0, 0.0, NULL, NULL) == usage);

@@ -17,13 +17,9 @@ namespace raymap {
 namespace {
 
 /// Returns the mesh with its first faces reversed.
-Mesh reversed(Mesh mesh, size_t faces) {
+Mesh withReversed(Mesh mesh, size_t faces) {
   for (size_t f = 0; f < faces; ++f) std::swap(mesh.triangles[f].y, mesh.triangles[f].z);
   return mesh;
-}
-
-double volumeShare(double share) {
-  return share * share * share;
 }
 
 TEST(RandomNumbers, AreThoseOfNumPy) {
@@ -138,20 +134,18 @@ TEST(SamplePoints, HaveTheDeviationsAndFillTheBall) {
     const auto within =
         std::count_if(samples.points.begin() + count / 2, samples.points.end(),
                       [&](const glm::dvec3& p) { return glm::length(p) <= share * radius * 1.000001; });
-    const double expected = volumeShare(share) * count / 2.0;
+    const double expected = std::pow(share, 3) * count / 2.0;
     EXPECT_NEAR(double(within), expected, 4.0 * std::sqrt(count / 8.0)) << share;
   }
 }
 
 TEST(SamplePoints, HaveOutwardNormalsHoweverFacesAreWound) {
   const Mesh ball = shapes::sphere(1.0, 3);
-  Mesh both = ball;
-  const Mesh other = reversed(ball, ball.triangles.size());
-  both.triangles.insert(both.triangles.end(), other.triangles.begin(), other.triangles.end());
+  const Mesh other = shapes::inverted(ball), both = shapes::joined(ball, other);
   for (const auto& [mesh, orientation] :
        {std::pair(ball, Orientation::Keep), std::pair(other, Orientation::Auto),
         std::pair(other, Orientation::Keep), std::pair(both, Orientation::Auto),
-        std::pair(reversed(ball, 40), Orientation::Repair)}) {
+        std::pair(withReversed(ball, 40), Orientation::Repair)}) {
     const Surface surface(mesh, {.orientation = orientation});
     const PointSamples samples =
         samplePoints(surface, {.count = 3000, .surfaceShare = 1.0, .nearShare = 0.0});
@@ -161,16 +155,38 @@ TEST(SamplePoints, HaveOutwardNormalsHoweverFacesAreWound) {
 }
 
 TEST(SamplePoints, PointToTheLowerWindingNumberWhereBothSidesAreInside) {
-  Mesh mesh = shapes::sphere(1.0, 3);
-  const Mesh inner = shapes::sphere(0.5, 3);
-  for (const glm::uvec3& t : inner.triangles) mesh.triangles.push_back(t + uint32_t(mesh.vertices.size()));
-  mesh.vertices.insert(mesh.vertices.end(), inner.vertices.begin(), inner.vertices.end());
+  const Mesh mesh = shapes::joined(shapes::sphere(1.0, 3), shapes::sphere(0.5, 3));
   for (const size_t turned : {size_t{0}, mesh.triangles.size()}) {
-    const Surface surface(reversed(mesh, turned), {.orientation = Orientation::Keep});
+    const Surface surface(withReversed(mesh, turned), {.orientation = Orientation::Keep});
     const PointSamples samples =
         samplePoints(surface, {.count = 3000, .surfaceShare = 1.0, .nearShare = 0.0});
     for (size_t i = 0; i < samples.points.size(); ++i)
       ASSERT_GT(glm::dot(samples.gradient[i], samples.points[i]), 0.4) << i;
+  }
+}
+
+TEST(SamplePoints, FollowTheFacesOfASheetAsTheSurfaceTurnedThem) {
+  constexpr uint32_t kSide = 8, kRow = kSide + 1;
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::uvec3> faces;
+  for (uint32_t v = 0; v < kRow * kRow; ++v) positions.emplace_back(v % kRow, v / kRow, 0);
+  for (uint32_t v = 0; v < kSide * kRow; ++v)
+    if (v % kRow < kSide) faces.insert(faces.end(), {{v, v + 1, v + kRow + 1}, {v, v + kRow + 1, v + kRow}});
+  const Surface surface(withReversed(makeMesh(positions, faces), 3), {.orientation = Orientation::Repair});
+  ASSERT_EQ(surface.stats().turnedFaces.size(), 3u);
+  const PointSamples samples = samplePoints(surface, {.count = 3000, .surfaceShare = 1.0, .nearShare = 0.0});
+  for (const glm::dvec3& normal : samples.gradient) ASSERT_EQ(normal, glm::dvec3(0, 0, 1));
+}
+
+TEST(SamplePoints, LeaveOutTheOtherSidesOfDoubleSidedFaces) {
+  const Mesh ball = shapes::sphere(1.0, 3), far = shapes::sphere(1.0, 3, {3, 0, 0});
+  const Surface surface(shapes::joined(shapes::joined(ball, shapes::inverted(ball)), far));
+  ASSERT_EQ(surface.stats().leftOutFaces.size(), ball.triangles.size());
+  for (const double share : {0.0, 1.0}) {
+    const PointSamples samples =
+        samplePoints(surface, {.count = 20'000, .surfaceShare = share, .nearShare = 1.0 - share});
+    const auto here = std::ranges::count_if(samples.points, [](const glm::dvec3& p) { return p.x < 1.5; });
+    EXPECT_NEAR(double(here), 10'000.0, 4.0 * std::sqrt(5000.0));
   }
 }
 
