@@ -82,7 +82,10 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
     const Surface& measured = need(surface, "the surface").surface;
     need(arrays, "raymap_thickness_arrays");
     const raymap_thickness_arrays wanted = c::read(arrays);
-    if (count > 0) need(points, "the array of points"), need(triangles, "the array of triangles");
+    if (count > 0) {
+      need(points, "the array of points");
+      need(triangles, "the array of triangles");
+    }
     std::vector<FacePoint> places(count);
     for (size_t p = 0; p < count; ++p)
       places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};

@@ -14,6 +14,8 @@
 namespace raymap {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 template <auto kFree>
 struct Freed {
   void operator()(auto* handle) const { kFree(handle); }
