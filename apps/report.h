@@ -10,6 +10,8 @@
 
 namespace raymap {
 
+using Json = nlohmann::ordered_json;
+
 /// Returns, for example, "418 boundary edges, 2 crossing pairs of faces"; "nothing" if there is none, and
 /// that crossings were not counted if so.
 std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings);

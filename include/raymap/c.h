@@ -444,8 +444,9 @@ typedef struct raymap_findings {
 RAYMAP_API raymap_result raymap_inspection_findings(const raymap_inspection* inspection,
                                                     raymap_findings* findings);
 
-/* Returns all that was found as JSON: the text of `raymap info --json` (docs/report.md) without the unit. The
- * caller frees it with raymap_text_free. Not in builds without files. */
+/* Returns all that was found as JSON: the text of `raymap info --json` (docs/report.md) without the unit.
+ * Lists end after a thousand values. The caller frees the text with raymap_text_free. Not in builds without
+ * files. */
 RAYMAP_API char* raymap_inspection_json(const raymap_inspection* inspection);
 
 /* ---- Repair ---- */
@@ -513,8 +514,8 @@ typedef struct raymap_repair_numbers {
 RAYMAP_API raymap_result raymap_repaired_numbers(const raymap_repaired* repaired,
                                                  raymap_repair_numbers* numbers);
 
-/* Returns the whole report as JSON, with the keys of docs/report.md. The caller frees it with
- * raymap_text_free. Not in builds without files. */
+/* Returns the whole report as JSON, with the keys of docs/report.md. Lists end after a thousand
+ * values. The caller frees the text with raymap_text_free. Not in builds without files. */
 RAYMAP_API char* raymap_repaired_json(const raymap_repaired* repaired);
 
 /* ---- Simplification ---- */

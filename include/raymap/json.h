@@ -14,20 +14,18 @@
 
 namespace raymap {
 
-using Json = nlohmann::ordered_json;
-
 /// Returns JSON as text, indented and with a line end. In strings, bytes that are no UTF-8 become U+FFFD.
-inline std::string textOf(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+inline std::string textOf(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 /// Returns a result of the library (raymap/records.h), or a member of one. Face indices become their number.
 /// Of other lists, the first thousand values are kept.
 template <class Value>
-Json toJson(const Value& value) {
+nlohmann::ordered_json toJson(const Value& value) {
   constexpr size_t kMost = 1000;
   if constexpr (Record<Value>) {
-    Json json = Json::object();
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
     forEachMember(value, [&](const char* name, const auto& member) { json[name] = toJson(member); });
     return json;
   } else if constexpr (std::is_enum_v<Value>) {
@@ -37,13 +35,13 @@ Json toJson(const Value& value) {
   } else if constexpr (std::is_same_v<Value, Box>) {
     return toJson(corners(value));
   } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
-    return value ? Json(*value) : Json();
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
   } else if constexpr (std::is_same_v<Value, std::vector<uint32_t>>) {
     return value.size();
   } else if constexpr (std::is_same_v<Value, std::string> || !std::is_class_v<Value>) {
     return value;
   } else {
-    Json list = Json::array();
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (size_t k = 0; k < std::min(value.size(), kMost); ++k) list.push_back(toJson(value[k]));
     return list;
   }

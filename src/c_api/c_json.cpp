@@ -3,7 +3,10 @@
 #include <raymap/c.h>
 #include <raymap/json.h>
 
+#include <cstdlib>
 #include <cstring>
+#include <new>
+#include <string>
 
 #include "c_api/c_handles.h"
 
@@ -14,7 +17,7 @@ using raymap::c::need;
 namespace {
 
 /// Returns JSON as a text for the caller to free.
-char* ownedText(const Json& json) {
+char* ownedText(const nlohmann::ordered_json& json) {
   const std::string text = textOf(json);
   char* copy = static_cast<char*>(std::malloc(text.size() + 1));
   if (!copy) throw std::bad_alloc();
@@ -28,7 +31,7 @@ char* raymap_inspection_json(const raymap_inspection* inspection) {
   char* text = nullptr;
   guard([&] {
     const auto& [found, crossings, verdict] = need(inspection, "the inspection");
-    Json json = toJson(Inspection{found, crossings});
+    nlohmann::ordered_json json = toJson(Inspection{found, crossings});
     json["verdict"] = toJson(verdict);
     text = ownedText(json);
   });

@@ -68,7 +68,7 @@ raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* 
 }
 
 raymap_result raymap_surface_query(const raymap_surface* surface, const double* points, size_t count,
-                                   double max_distance, const raymap_options* options,
+                                   double maxDistance, const raymap_options* options,
                                    const raymap_query_arrays* arrays) {
   return guard([&] {
     const Surface& queried = need(surface, "the surface").surface;
@@ -82,7 +82,7 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
                            .direction = wanted.direction != nullptr,
                            .winding = wanted.winding != nullptr,
                            .confidence = wanted.confidence != nullptr,
-                           .maxDistance = c::limitOr(max_distance)};
+                           .maxDistance = c::limitOr(maxDistance)};
     const QueryResult found = queried.query(PointsView(points, count), how, c::optionsOr(options).machine);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
@@ -95,7 +95,7 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
 }
 
 raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
-                                       const uint32_t* triangles, size_t count, double max_thickness,
+                                       const uint32_t* triangles, size_t count, double maxThickness,
                                        const raymap_options* options, const raymap_thickness_arrays* arrays) {
   return guard([&] {
     const Surface& measured = need(surface, "the surface").surface;
@@ -109,7 +109,7 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
     for (size_t p = 0; p < count; ++p)
       places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};
     const std::vector<Thickness> found = measured.thickness(
-        places, {.maxThickness = c::limitOr(max_thickness)}, c::optionsOr(options).machine);
+        places, {.maxThickness = c::limitOr(maxThickness)}, c::optionsOr(options).machine);
     for (size_t p = 0; p < count; ++p) {
       if (wanted.diameter) wanted.diameter[p] = found[p].diameter;
       if (wanted.part) wanted.part[p] = int32_t(found[p].part);

@@ -565,7 +565,7 @@ static void test_inspection(void) {
   raymap_text_free(NULL);
   raymap_inspection_free(inspection);
 
-  struct calls calls = {0, 0, false};
+  struct calls calls = {.goes_on = false};
   raymap_options* options = raymap_options_create();
   CHECK(raymap_options_set_progress(options, on_progress, &calls) == RAYMAP_OK);
   CHECK(raymap_inspect(mesh, options) == NULL && raymap_last_error() == RAYMAP_ERROR_CANCELLED);

@@ -14,6 +14,8 @@
 namespace raymap {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 template <auto kFree>
 struct Freed {
   void operator()(auto* handle) const { kFree(handle); }
@@ -130,7 +132,7 @@ TEST_F(CResults, InspectionIsThatOfTheThreeFunctions) {
   EXPECT_EQ(findings.double_sided_faces, found.doubleSidedFaces);
   EXPECT_EQ(findings.crossing_pairs, crossings.pairs);
   EXPECT_EQ(findings.crossing_faces, crossings.faces.size());
-  EXPECT_EQ(findings.crossings_complete, crossings.isComplete);
+  EXPECT_EQ(findings.crossings_complete, crossings.complete);
   EXPECT_EQ(findings.watertight, found.watertight);
   EXPECT_EQ(findings.consistently_oriented, found.consistentlyOriented);
   EXPECT_EQ(findings.balanced, found.balanced);
@@ -187,7 +189,7 @@ TEST_F(CResults, RepairIsThatOfCpp) {
   cHow.remesh = true;
   cHow.has_tolerance = true;
   cHow.tolerance = 0.02;
-  const Repaired expected = repair(mesh_, grid, {.device = "cpu"}, how);
+  const Repaired expected = repair(mesh_, grid, {}, how, {.device = "cpu"});
   ASSERT_EQ(expected.report.holes, 2u);
   const Handle<raymap_repaired, raymap_repaired_free> repaired(
       raymap_repair(cMesh_.get(), &cGrid, &cHow, cOptions_.get()));
@@ -205,7 +207,7 @@ TEST_F(CResults, RepairIsThatOfCpp) {
   EXPECT_EQ(numbers.dropped, report.dropped.count);
   EXPECT_EQ(numbers.filled, report.filled.count);
   EXPECT_EQ(numbers.closed_holes, report.closedHoles);
-  EXPECT_EQ(numbers.kept, report.isKept);
+  EXPECT_EQ(numbers.kept, report.kept);
   EXPECT_EQ(numbers.parts_overlap, report.partsOverlap);
   EXPECT_EQ(numbers.watertight, report.after.watertight);
   EXPECT_EQ(numbers.consistently_oriented, report.after.consistentlyOriented);
@@ -228,7 +230,7 @@ TEST_F(CResults, OtherOptionsOfRepairAreThoseOfCpp) {
   cHow.has_drop_smaller = true;
   cHow.keep_cavities = true;
   cHow.is_brief = true;
-  const Repaired expected = repair(mesh_, grid, {.device = "cpu"}, how);
+  const Repaired expected = repair(mesh_, grid, {}, how, {.device = "cpu"});
   const Handle<raymap_repaired, raymap_repaired_free> repaired(
       raymap_repair(cMesh_.get(), &cGrid, &cHow, cOptions_.get()));
   ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
@@ -256,7 +258,7 @@ TEST_F(CResults, RepairGridIsThatOfCpp) {
 
 TEST_F(CResults, SimplifiedMeshIsThatOfCpp) {
   const auto [grid, cGrid] = fit(32);
-  const Mesh fine = isosurface(generate(mesh_, grid, {.device = "cpu"}).field);
+  const Mesh fine = isosurface(generate(mesh_, grid, {}, {.device = "cpu"}).field);
   const Handle<raymap_field, raymap_field_free> field(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
   const Handle<raymap_mesh, raymap_mesh_free> cFine(raymap_isosurface(field.get(), 0.0, nullptr));
   const Simplified expected = simplify(fine, {.tolerance = 0.02, .step = 0.1});
@@ -277,7 +279,7 @@ TEST_F(CResults, ThicknessIsThatOfCpp) {
     positions.push_back(point.position);
     triangles.push_back(point.triangle);
   }
-  const std::vector<Thickness> expected = Surface(mesh_).thickness(points, {.most = 1.5});
+  const std::vector<Thickness> expected = Surface(mesh_).thickness(points, {.maxThickness = 1.5});
   std::vector<float> diameter(points.size());
   std::vector<int32_t> part(points.size());
   std::vector<glm::vec3> inward(points.size());
@@ -298,7 +300,7 @@ TEST_F(CResults, ThicknessIsThatOfCpp) {
 
 TEST_F(CResults, PicturesAreThoseOfCpp) {
   const auto [grid, cGrid] = fit(32);
-  const Field field = generate(mesh_, grid, {.winding = true, .device = "cpu"}).field;
+  const Field field = generate(mesh_, grid, {.winding = true}, {.device = "cpu"}).field;
   raymap_options_set_number(cOptions_.get(), "winding", 1);
   const Handle<raymap_field, raymap_field_free> cField(
       raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
@@ -309,8 +311,8 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
                           .fieldOfView = 45,
                           .cut = true,
                           .shell = 0.2,
-                          .frame = Box{{-1, -1, -1}, {5, 3, 2}},
-                          .device = "cpu"};
+                          .frame = Box{{-1, -1, -1}, {5, 3, 2}}};
+  const MachineOptions machine{.device = "cpu"};
   auto view = RAYMAP_INIT(raymap_view);
   view.width = 60;
   view.height = 40;
@@ -327,11 +329,11 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
     view.frame_max[a] = how.frame->max[a];
   }
   using Drawn = Handle<raymap_picture, raymap_picture_free>;
-  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(), renderField(field, how));
+  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(), renderField(field, how, machine));
   expectSame(Drawn(raymap_render_defects(cMesh_.get(), &view, cOptions_.get())).get(),
              renderDefects(mesh_, how));
   expectSame(Drawn(raymap_render_field(cField.get(), nullptr, cOptions_.get())).get(),
-             renderField(field, {.device = "cpu"}));
+             renderField(field, {}, machine));
   expectSame(Drawn(raymap_render_slice(cField.get(), 1, 5, 50, "winding")).get(),
              renderSlice(field, 1, 5, 50, FieldArray::Winding));
   expectSame(Drawn(raymap_render_slice(cField.get(), 2, -1, 0, nullptr)).get(), renderSlice(field, 2));
