@@ -51,10 +51,10 @@ void run(Arguments& arguments) {
   const Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
-  const Surface surface(mesh,
-                        {.orientation = fromName<Orientation>(arguments.orientation),
-                         .threshold = arguments.options.threshold},
-                        machine);
+  const Surface surface(
+      mesh,
+      {.orientation = fromName<Orientation>(arguments.orientation), .threshold = arguments.options.threshold},
+      machine);
   const PointSamples samples = samplePoints(surface, arguments.choice, machine);
   line.clear();
   writePointSamples(arguments.samples, samples, arguments.format.output);

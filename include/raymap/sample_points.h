@@ -55,7 +55,7 @@ RAYMAP_API std::vector<size_t> samplePointCounts(const SamplePointsOptions& opti
 /// surface without a sign, Input if the mesh has no area,
 /// Memory, Cancelled.
 RAYMAP_API PointSamples samplePoints(const Surface& surface, const SamplePointsOptions& options = {},
-                                    const MachineOptions& machine = {});
+                                     const MachineOptions& machine = {});
 
 /// Rows x, y, z, distance, in single precision if all coordinates are numbers of it, else in double
 /// precision.

@@ -44,9 +44,7 @@ nb::tuple measure(const Surface& surface, const Points& positions, const Indices
     points[i] = {{positions(i, 0), positions(i, 1), positions(i, 2)}, triangles(i)};
   Call call(std::move(progress));
   std::vector<Thickness> found;
-  call.run([&] {
-    found = surface.thickness(points, {.maxThickness = most}, call.on(machine));
-  });
+  call.run([&] { found = surface.thickness(points, {.maxThickness = most}, call.on(machine)); });
   return nb::make_tuple(column<uint8_t>(found, [](const Thickness& t) { return uint8_t(t.part); }),
                         column<float>(found, [](const Thickness& t) { return t.diameter; }),
                         column<glm::vec3>(found, [](const Thickness& t) { return t.inward; }));
@@ -55,9 +53,7 @@ nb::tuple measure(const Surface& surface, const Points& positions, const Indices
 nb::dict summarize(const Surface& surface, double most, const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   ThicknessSummary found{};
-  call.run([&] {
-    found = summarizeThickness(surface, {.maxThickness = most}, call.on(machine));
-  });
+  call.run([&] { found = summarizeThickness(surface, {.maxThickness = most}, call.on(machine)); });
   return toPython(found);
 }
 
@@ -67,12 +63,10 @@ std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& 
                                                               nb::object progress) {
   Call call(std::move(progress));
   Simplified result;
-  call.run([&] {
-    result = simplify(mesh.view, {.tolerance = tolerance, .step = step}, call.on(machine));
-  });
+  call.run([&] { result = simplify(mesh.view, {.tolerance = tolerance, .step = step}, call.on(machine)); });
   const SimplifyReport report{.tolerance = tolerance,
-                              .facesBefore = mesh.view.triangleCount,
-                              .facesAfter = result.mesh.triangles.size(),
+                              .trianglesBefore = mesh.view.triangleCount,
+                              .trianglesAfter = result.mesh.triangles.size(),
                               .deviation = result.deviation};
   return {own(std::move(result.mesh)), toPython(report)};
 }

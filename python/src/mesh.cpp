@@ -58,7 +58,7 @@ std::shared_ptr<MeshHandle> load(const std::filesystem::path& path) {
 std::shared_ptr<AnimatedMesh> loadAnimation(const std::filesystem::path& path, size_t index) {
   Call call{nb::none()};
   auto animation = std::make_shared<AnimatedMesh>();
-  call.run([&] { *animation = readAnimatedMesh(path, index, call.warn()); });
+  call.run([&] { *animation = readAnimatedMesh(path, index, {.warn = call.warn()}); });
   return animation;
 }
 

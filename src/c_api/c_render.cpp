@@ -36,16 +36,16 @@ std::unique_ptr<raymap_picture> ownPicture(Picture picture) {
 raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
                                     const raymap_options* options) {
   return create([&] {
-    return ownPicture(renderField(need(field, "the field").field, renderOptions(view),
-                                  c::optionsOr(options).machine));
+    return ownPicture(
+        renderField(need(field, "the field").field, renderOptions(view), c::optionsOr(options).machine));
   });
 }
 
 raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
                                       const raymap_options* options) {
   return create([&] {
-    return ownPicture(renderDefects(need(mesh, "the mesh").view, renderOptions(view),
-                                    c::optionsOr(options).machine));
+    return ownPicture(
+        renderDefects(need(mesh, "the mesh").view, renderOptions(view), c::optionsOr(options).machine));
   });
 }
 

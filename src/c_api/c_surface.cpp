@@ -46,9 +46,9 @@ SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_optio
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
     const auto& [field, machine] = c::optionsOr(options);
-    return std::make_unique<raymap_surface>(
-        Surface(need(mesh, "the mesh").view,
-                {.sign = field.sign, .orientation = field.orientation, .threshold = field.threshold}, machine));
+    return std::make_unique<raymap_surface>(Surface(
+        need(mesh, "the mesh").view,
+        {.sign = field.sign, .orientation = field.orientation, .threshold = field.threshold}, machine));
   });
 }
 
@@ -108,8 +108,8 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
     std::vector<FacePoint> places(count);
     for (size_t p = 0; p < count; ++p)
       places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};
-    const std::vector<Thickness> found = measured.thickness(
-        places, {.maxThickness = c::limitOr(maxThickness)}, c::optionsOr(options).machine);
+    const std::vector<Thickness> found =
+        measured.thickness(places, {.maxThickness = c::limitOr(maxThickness)}, c::optionsOr(options).machine);
     for (size_t p = 0; p < count; ++p) {
       if (wanted.diameter) wanted.diameter[p] = found[p].diameter;
       if (wanted.part) wanted.part[p] = int32_t(found[p].part);

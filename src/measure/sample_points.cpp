@@ -170,8 +170,7 @@ std::vector<glm::dvec3> store(const SamplePointsOptions& options, const Bounding
 /// Fills distances and gradients of the points from `first` on.
 void measureOthers(const Surface& surface, const MachineOptions& machine,
                    std::span<const glm::dvec3> positions, size_t first, double unit, PointSamples& samples) {
-  const QueryResult found =
-      surface.query(positions.subspan(first), {.direction = true}, machine);
+  const QueryResult found = surface.query(positions.subspan(first), {.direction = true}, machine);
   for (size_t i = first; i < positions.size(); ++i) {
     const double distance = found.distance[i - first];
     const glm::dvec3& direction = found.direction[i - first];

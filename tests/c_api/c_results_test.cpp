@@ -329,7 +329,8 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
     view.frame_max[a] = how.frame->max[a];
   }
   using Drawn = Handle<raymap_picture, raymap_picture_free>;
-  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(), renderField(field, how, machine));
+  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
+             renderField(field, how, machine));
   expectSame(Drawn(raymap_render_defects(cMesh_.get(), &view, cOptions_.get())).get(),
              renderDefects(mesh_, how));
   expectSame(Drawn(raymap_render_field(cField.get(), nullptr, cOptions_.get())).get(),
