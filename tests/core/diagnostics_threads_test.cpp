@@ -101,7 +101,7 @@ TEST(DiagnosticsThreads, StopOnRequest) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const ProgressCallback stop = [](std::string_view, double) { return false; };
   EXPECT_THROW(diagnose(mesh, {}, {.progress = stop}), Error);
-  EXPECT_THROW(findSelfIntersections(mesh, stop), Error);
+  EXPECT_THROW(findSelfIntersections(mesh, {.progress = stop}), Error);
 }
 
 TEST(DiagnosticsThreads, ReportTheirStages) {
@@ -112,7 +112,7 @@ TEST(DiagnosticsThreads, ReportTheirStages) {
     return true;
   };
   diagnose(mesh, {}, {.progress = note});
-  findSelfIntersections(mesh, note);
+  findSelfIntersections(mesh, {.progress = note});
   ASSERT_EQ(shares.size(), 2u);
   for (const char* stage : {"diagnose", "crossing pairs"}) {
     EXPECT_GT(shares[stage].size(), 2u) << stage;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
+#include <raymap/names.h>
 
 #include <algorithm>
 #include <cmath>
