@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "mesh/defects.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -85,6 +86,16 @@ TEST(Diagnostics, CountsDuplicatesInEitherOrientation) {
   mesh.triangles.push_back(face);
   mesh.triangles.emplace_back(face.z, face.y, face.x);
   EXPECT_EQ(diagnose(mesh).duplicateFaces, 2u);
+}
+
+TEST(Defects, NameTheFurtherFacesOnTheSameCorners) {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const glm::uvec3 face = mesh.triangles[3];
+  mesh.triangles.push_back(face);                             // 12
+  mesh.triangles.emplace_back(face.y, face.x, face.z);        // 13
+  mesh.triangles.insert(mesh.triangles.end(), 2, {0, 1, 1});  // Without three corners, they are no faces.
+  mesh.triangles.insert(mesh.triangles.end(), 2, {0, 0, 1});
+  EXPECT_EQ(findDefects(mesh).duplicateFaces, (std::vector<uint32_t>{12, 13}));
 }
 
 TEST(Diagnostics, KeepsRepeatedCornersOutOfTheEdges) {
@@ -230,6 +241,18 @@ TEST(Diagnostics, StopsCountingWhereAllFacesCross) {
   const SelfIntersections found = findSelfIntersections(makeMesh(p, t));
   EXPECT_FALSE(found.complete);
   EXPECT_GT(found.pairs, 1000000u);
+}
+
+TEST(Diagnostics, FindsInwardComponentsOfAnySize) {
+  const Mesh box = shapes::box({-20, 0, 0}, {-19, 1, 1});
+  for (const double size : {1e-3, 1.0, 1e3}) {
+    const Mesh inward = shapes::inverted(shapes::box({0, 0, 0}, {size, size, size}));
+    EXPECT_EQ(diagnose(inward).inwardComponents, 1u) << size;
+    EXPECT_EQ(diagnose(shapes::joined(box, inward)).inwardComponents, 1u) << size;
+    // What is so flat that its volume may be a rounding error points neither way.
+    const Mesh flat = shapes::inverted(shapes::box({0, 0, 0}, {size, size, 1e-10 * size}));
+    EXPECT_EQ(diagnose(flat).inwardComponents, 0u) << size;
+  }
 }
 
 TEST(Diagnostics, RefusesABadIndex) {

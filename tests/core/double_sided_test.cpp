@@ -121,6 +121,23 @@ TEST(Parts, AreNearPatches) {
   }
 }
 
+TEST(Parts, AreNearInEveryDirection) {
+  // The first face spans 100 along every axis. The second one is small, and near a corner of it or not.
+  const auto partCount = [&](const glm::dvec3& gap) {
+    const std::vector<glm::dvec3> p{{0, 0, 0}, glm::dvec3(-100.5), {-50, -100, -100},
+                                    gap,       gap + 0.001,        gap + glm::dvec3(0.001, 0, 0)};
+    const Mesh mesh = makeMesh(p, {{0, 1, 2}, {3, 4, 5}});
+    const Patches patches{.ids = {0, 1}, .isReversed = std::vector<uint8_t>(2), .count = 2};
+    return findParts(mesh, allFaces(mesh), patches, 1.0)[1] == 0 ? 1 : 2;
+  };
+  for (int k = 0; k < 27; ++k) {
+    const glm::dvec3 way(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    if (way == glm::dvec3(0.0)) continue;
+    EXPECT_EQ(partCount(0.99 * way), 1) << way.x << way.y << way.z;
+    EXPECT_EQ(partCount(3.01 * way), 2) << way.x << way.y << way.z;
+  }
+}
+
 TEST(Parts, AreJoinedAtVertices) {
   // Each face is a patch. Vertex 6 belongs to none.
   std::vector<glm::dvec3> vertices{{0, 0, 0},  {1, 0, 0},  {0, 1, 0}, {0, 0, 1},

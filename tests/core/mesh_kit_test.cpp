@@ -10,6 +10,7 @@
 #include "mesh/half_edges.h"
 #include "mesh/loops.h"
 #include "mesh/part_volumes.h"
+#include "mesh/patches.h"
 #include "mesh/position_bits.h"
 #include "mesh/triangle.h"
 #include "shapes.h"
@@ -89,6 +90,23 @@ TEST(HalfEdges, DoNotMeetAtVerticesThatAreNotWelded) {
   };
   EXPECT_EQ(pairs(unwelded(6)), 0u);
   EXPECT_EQ(pairs(weldVertices(mesh.vertices)), 1u);
+}
+
+TEST(Patches, DropTheLinkOfAMoebiusStripWithTheHighestVertices) {
+  // The last square has its sides swapped, so the faces at the edge from 0 to 1 disagree.
+  constexpr uint32_t kSquares = 8;
+  Mesh mesh;
+  for (uint32_t v = 0; v < 2 * kSquares; ++v) mesh.vertices.emplace_back(v + 1, v % 2, 0);
+  for (uint32_t a = 0; a < 2 * kSquares; a += 2) {
+    const bool isLast = a + 2 == 2 * kSquares;
+    const uint32_t c = isLast ? 1 : a + 2, d = isLast ? 0 : a + 3;
+    mesh.triangles.insert(mesh.triangles.end(), {{a, c, a + 1}, {a + 1, c, d}});
+  }
+  const Patches patches = findPatches(mesh);
+  EXPECT_EQ(patches.count, 1u);
+  std::vector<uint8_t> isReversed(2 * kSquares);
+  isReversed[2 * kSquares - 2] = isReversed[2 * kSquares - 1] = 1;
+  EXPECT_EQ(patches.isReversed, isReversed);
 }
 
 TEST(Welding, NumbersPositions) {

@@ -7,6 +7,7 @@
 
 #include "broken_meshes.h"
 #include "closed_mesh.h"
+#include "mesh/triangle.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -82,6 +83,36 @@ TEST(FillHoles, FillsRimsOfUpTo300Edges) {
   EXPECT_NEAR(volumeOf(fits), std::numbers::pi / 3.0, 0.001);
   EXPECT_EQ(fillHoles(large).holes, 0u);
   EXPECT_EQ(large.triangles.size(), 301u);
+}
+
+TEST(FillHoles, FillsNoHoleIfOneIsTooLarge) {
+  Mesh ball = shapes::sphere(1.0, 2, {5, 0, 0});
+  ball.triangles.pop_back();
+  for (Mesh mesh : {shapes::joined(cone(301), ball), shapes::joined(ball, cone(301))}) {
+    const size_t faces = mesh.triangles.size();
+    EXPECT_EQ(fillHoles(mesh).holes, 0u);
+    EXPECT_EQ(mesh.triangles.size(), faces);
+  }
+}
+
+TEST(FillHoles, TakesTheSmallerOfTwoFillingsThatAreEquallySharp) {
+  // The face beyond the edge from 0 to 1 has no area, so its edge counts as the sharpest in either filling.
+  // With the diagonal from 0 to 2 the area is the square root of 5, with the one from 1 to 3 it is 2.
+  for (uint32_t first = 0; first < 4; ++first) {
+    const std::vector<glm::dvec3> p{{0, 0, 0}, {1, 0, 0}, {1, 1, 2}, {0, 1, 0}, {-1, 0, 0}};
+    const auto at = [&](uint32_t k) { return k < 4 ? (k + first) % 4 : k; };
+    std::vector<glm::dvec3> turned(p);
+    for (uint32_t k = 0; k < 4; ++k) turned[at(k)] = p[k];
+    Mesh mesh =
+        makeMesh(turned, {{at(1), at(0), 4}, {at(2), at(1), 4}, {at(3), at(2), 4}, {at(0), at(3), 4}});
+    EXPECT_EQ(fillHoles(mesh).faces, 2u);
+    double area = 0.0;
+    for (size_t f = 4; f < mesh.triangles.size(); ++f) {
+      const glm::uvec3& t = mesh.triangles[f];
+      area += triangleArea(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
+    }
+    EXPECT_NEAR(area, 2.0, 1e-6) << first;
+  }
 }
 
 TEST(FillHoles, PartsRimsThatMeet) {

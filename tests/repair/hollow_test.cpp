@@ -106,6 +106,41 @@ TEST(Hollow, HasNoFloorWhereItIsSteep) {
   EXPECT_NEAR(solid.grid.position(hollows[0].lowest).z, -3.5, 0.01);
 }
 
+TEST(Hollow, EndsAtALayerOfSamplesOfItsWall) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Field solid = analytic::sampled(analytic::cube(9, 9.0), [&](const glm::dvec3& p) {
+      const glm::dvec3 a = glm::abs(p);
+      const bool isInside = std::max({a.x, a.y, a.z}) < 3.5;
+      return isInside && std::abs(p[axis]) > 0.5 ? -2.0 * kWall : 0.5;
+    });
+    size_t filled = 0;
+    EXPECT_EQ(hollowsOf(solid, kWall, 0.1, filled).size(), 2u) << axis;
+    EXPECT_EQ(filled, 0u);
+  }
+}
+
+TEST(Hollow, IsDrilledUpToTheBorderOfTheGrid) {
+  const DrainHole hole{{0.1, 0.2, 0.3}, {0.1, 0.2, -6.0}, 1.2};
+  const glm::dvec3 ways[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const DrainHole turned{hole.start, sign * 6.0 * ways[axis] + hole.start, hole.radius};
+      Field solid = analytic::sampled(analytic::cube(8, 8.0), [](const glm::dvec3&) { return -9.0; });
+      drill(solid, turned);
+      size_t drilled = 0;
+      for (int k = 0; k < 8; ++k)
+        for (int j = 0; j < 8; ++j)
+          for (int i = 0; i < 8; ++i) {
+            const glm::dvec3 p = solid.grid.position({i, j, k}) - turned.start;
+            const double along = sign * p[axis];
+            const bool isIn = along > 0.0 && glm::length(p - along * sign * ways[axis]) < turned.radius;
+            EXPECT_EQ(solid.distance[solid.grid.index({i, j, k})] > 0.0f, isIn) << i << j << k;
+            drilled += isIn ? 1 : 0;
+          }
+      EXPECT_GT(drilled, 12u);
+    }
+}
+
 TEST(Hollow, IsFilledIfItIsTooShallow) {
   Field solid = solidTable();
   size_t filled = 0;

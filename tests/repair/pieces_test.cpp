@@ -101,6 +101,19 @@ TEST(Pieces, ThatTouchOrOverlapAreNotApart) {
   EXPECT_FALSE(nested(joined(cube(0, 10), box({5, 5, 5}, {15, 15, 15})), 64).areApart);
 }
 
+TEST(Pieces, AreNotApartIfTheOnlyRayOfOneStartsOnAnother) {
+  // The first face of the tetrahedron lies in a side of the cube. No ray says that it is inside.
+  const std::vector<glm::dvec3> p{{0, 4, 4}, {0, 4, 6}, {0, 6, 4}, {-2, 4, 4}};
+  const auto mesh = [&](double gap) {
+    Mesh tip = makeMesh(p, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    tip.origin.x -= gap;
+    return joined(cube(0, 10), tip);
+  };
+  EXPECT_GT(findPieces(mesh(0.0)).pieces[1].volume, 0.0);
+  EXPECT_FALSE(nested(mesh(0.0), 1).areApart);
+  EXPECT_TRUE(nested(mesh(0.001), 1).areApart);
+}
+
 Choice chosen(const Mesh& mesh, const RepairOptions& repair, RepairReport& report) {
   return choosePieces(nested(mesh), repair, repair.keepCavities, report);
 }
