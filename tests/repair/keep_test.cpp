@@ -179,6 +179,13 @@ TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
   EXPECT_THROW(repaired(mesh, {.dropSmaller = -1.0}), Error);
 }
 
+TEST(Keep, TakesNoMeshForRightThatEnclosesNothing) {
+  Diagnostics found = diagnose(box(glm::dvec3(0), glm::dvec3(2)));
+  EXPECT_TRUE(looksRight(found));
+  found.signedVolume = 0.0;
+  EXPECT_FALSE(looksRight(found));
+}
+
 /// A cube with a bubble, and a crumb beside it.
 Mesh cubeAndCrumb() {
   const Mesh bubble = shapes::inverted(shapes::sphere(0.5, 3, {1.5, 1.5, 1.5}));
@@ -208,6 +215,10 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   EXPECT_LT(report.ofKept.max, 0.5 * kOddSpacing);
 }
 
+TEST(Repair, NeedsAWayDown) {
+  EXPECT_THROW(repaired(ball(), {.down = glm::dvec3(0.0), .remesh = true}), Error);
+}
+
 TEST(Repair, KeepsCrumbsAndBubblesOnRequest) {
   const Repaired made = repaired(cubeAndCrumb(), {.dropSmaller = 0.0, .keepCavities = true, .remesh = true});
   EXPECT_EQ(made.report.solids, 2u);
@@ -222,6 +233,12 @@ TEST(Repair, HollowsOutWhatIsLeftWithoutBubbles) {
   EXPECT_EQ(made.report.cavities, 1u);
   EXPECT_EQ(made.report.hollows, 1u);
   EXPECT_NEAR(made.report.after.signedVolume, 27.0 - 2.2 * 2.2 * 2.2, 0.05);
+  const Mesh bubbly =
+      joined(box(glm::dvec3(0), glm::dvec3(3)), shapes::inverted(shapes::sphere(0.5, 3, {1.5, 1.5, 1.5})));
+  const Repaired alone = repaired(bubbly, {.shell = 0.4});
+  EXPECT_EQ(alone.report.filled.count, 1u);
+  EXPECT_EQ(alone.report.dropped.count, 0u);
+  EXPECT_NEAR(alone.report.after.signedVolume, 27.0 - 2.2 * 2.2 * 2.2, 0.1);
   const Repaired bubble = repaired(cubeAndCrumb(), {.shell = 0.4, .dropSmaller = 0.1, .keepCavities = true});
   // The bubble's wall is a ball of 0.9 with a cavity of 0.5 in the hollow.
   EXPECT_EQ(bubble.report.solids, 2u);

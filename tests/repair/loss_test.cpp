@@ -188,6 +188,27 @@ TEST(Loss, TellsOfHollowsThatWereNotMade) {
   EXPECT_EQ(made.warnings, "");
 }
 
+TEST(Loss, IsOfThePartsThinnerThanFourSamples) {
+  const Mesh box = shapes::box({0, 0, 0}, {16, 16, 4});
+  for (const double spacing : {0.25, 0.5, 0.99, 1.01, 2.0}) {
+    const Grid grid = fitGrid(box, {.voxelSize = spacing});
+    const FieldOptions options;
+    const RepairOptions changes;
+    const MachineOptions machine{.device = "cpu"};
+    Given given(box, grid, options, changes, machine);
+    Progress progress;
+    uint32_t face = 0;
+    while (box.position(box.triangles[face].x).z + box.position(box.triangles[face].y).z +
+               box.position(box.triangles[face].z).z <
+           11.9)
+      ++face;
+    const std::vector<FacePoint> lost{{.position = {8, 8, 4}, .triangle = face, .area = 1.0}};
+    const Loss loss = inspectLoss(given, lost, 0.5, progress);
+    EXPECT_EQ(loss.solidShare, spacing > 1.0 ? 0.5 : 0.0) << spacing;
+    EXPECT_EQ(loss.openShare, spacing > 1.0 ? 0.0 : 0.5) << spacing;
+  }
+}
+
 TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}};
   const Mesh sheet = makeMesh(corners, {{0, 1, 2}, {0, 2, 3}});

@@ -19,6 +19,8 @@ RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {
 void expectAllShown(const RepairReport& report, double within) {
   EXPECT_EQ(report.lostShare, 0.0);
   EXPECT_EQ(report.buriedShare, 0.0);
+  EXPECT_GT(report.ofMesh.points, 100u);
+  EXPECT_GT(report.ofResult.points, 100u);
   EXPECT_LE(report.ofMesh.max, within);
   EXPECT_LE(report.ofResult.max, within);
   EXPECT_EQ(report.ofKept.points, report.ofMesh.points);
@@ -37,7 +39,7 @@ TEST(Measure, RaisesNoFalseAlarmWhereFacesLieInPlanesOfSamples) {
   const Mesh box = shapes::box({0, 0, 0}, {40, 30, 10});
   for (const int resolution : {256, 96, 60, 53, 48, 47}) {
     const Grid grid = fitRepairGrid(box, {.resolution = resolution}, {});
-    const RepairReport report = repair(box, grid, {}, {}, {.device = "cpu"}).report;
+    const RepairReport report = repair(box, grid, {}, {.remesh = true}, {.device = "cpu"}).report;
     expectAllShown(report, 0.1 * grid.spacing);
     EXPECT_EQ(report.trimmedShare, 0.0);
   }

@@ -170,6 +170,14 @@ TEST(Simplify, TurnsNoPartInsideOut) {
   }
 }
 
+TEST(Simplify, KeepsATetrahedronSmallerThanTheTolerance) {
+  const std::vector<dvec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Mesh mesh = makeMesh(corners, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+  const Simplified result = simplify(mesh, {.tolerance = 5.0, .step = 0.5});
+  EXPECT_EQ(result.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(result.undone, 0u);
+}
+
 TEST(Simplify, RefusesMeshesThatAreNotClosed) {
   const auto refuse = [](const Mesh& mesh, const char* message) {
     try {

@@ -162,6 +162,12 @@ TEST(ThinParts, AreThickAfterTheOffset) {
   EXPECT_EQ(thick.report.thickenedShare, 0.0);
 }
 
+TEST(ThinParts, NeedNoPlatesIfTheOffsetAloneMakesThemThick) {
+  const Repaired solid = solidOf(sheet({0, 0}, {4, 4}), {.offset = 0.5 * kLeast, .minThickness = kLeast});
+  EXPECT_EQ(solid.report.thickenedShare, 0.0);
+  EXPECT_NEAR(bounds(solid.mesh).size().z, kLeast, 0.02);
+}
+
 TEST(ThinParts, AreWithinTheGrid) {
   const Mesh mesh = sheet({0, 0}, {1, 1});
   RepairOptions options{.minThickness = 2.0};
