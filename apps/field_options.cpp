@@ -5,6 +5,7 @@
 #include <raymap/names.h>
 
 #include <span>
+#include <string>
 
 #include "checks.h"
 #include "first_use.h"
@@ -24,15 +25,7 @@ CLI::IsMember oneOf() {
 }
 
 void addGridOptions(CLI::App& command, FieldArguments& arguments) {
-  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
-                                               "Samples along the longest side (default 128)");
-  resolution->check(wholeNumberFrom(1))->group("Grid");
-  command
-      .add_option("--voxel-size", arguments.grid.voxelSize,
-                  "Distance between samples, in the mesh's units, instead of --resolution")
-      ->check(numberFrom(0, true))
-      ->excludes(resolution)
-      ->group("Grid");
+  addSpacingOptions(command, arguments.grid, kDefaultResolution);
   CLI::Option* bounds = command.add_option(
       "--bounds", arguments.bounds, "Box to cover, x0 y0 z0 x1 y1 z1 (default: the mesh's bounds, padded)");
   bounds->expected(6)->group("Grid");
@@ -80,6 +73,19 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
 }
 
 }  // namespace
+
+void addSpacingOptions(CLI::App& command, GridOptions& grid, int defaultResolution) {
+  CLI::Option* resolution = command.add_option(
+      "--resolution", grid.resolution,
+      "Samples along the longest side (default " + std::to_string(defaultResolution) + ")");
+  resolution->check(wholeNumberFrom(1))->group("Grid");
+  command
+      .add_option("--voxel-size", grid.voxelSize,
+                  "Distance between samples, in the mesh's units, instead of --resolution")
+      ->check(numberFrom(0, true))
+      ->excludes(resolution)
+      ->group("Grid");
+}
 
 void addOrientationOption(CLI::App& command, FieldArguments& arguments) {
   command

@@ -26,6 +26,7 @@ struct FieldArguments {
 void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 
 // Add some of them.
+void addSpacingOptions(CLI::App& command, GridOptions& grid, int defaultResolution);
 void addOrientationOption(CLI::App& command, FieldArguments& arguments);
 void addMachineOptions(CLI::App& command, FieldArguments& arguments);
 void addCpuOptions(CLI::App& command, FieldArguments& arguments);

@@ -134,18 +134,6 @@ void addPartOptions(CLI::App& command, RepairArguments& arguments) {
       ->group("Parts");
 }
 
-void addRepairGridOptions(CLI::App& command, RepairArguments& arguments) {
-  CLI::Option* resolution = command.add_option("--resolution", arguments.grid.resolution,
-                                               "Samples along the longest side (default 256)");
-  resolution->check(wholeNumberFrom(1))->group("Grid");
-  command
-      .add_option("--voxel-size", arguments.grid.voxelSize,
-                  "Distance between samples, in the mesh's units, instead of --resolution")
-      ->check(numberFrom(0, true))
-      ->excludes(resolution)
-      ->group("Grid");
-}
-
 }  // namespace
 
 void addRepair(CLI::App& app) {
@@ -162,7 +150,7 @@ void addRepair(CLI::App& app) {
   addFormatOption(*command, arguments->format);
   command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
   addOverwriteOption(*command, arguments->mayOverwrite);
-  addRepairGridOptions(*command, *arguments);
+  addSpacingOptions(*command, arguments->grid, kRepairResolution);
   addOrientationOption(*command, *arguments);
   command
       ->add_flag_callback(

@@ -17,12 +17,8 @@ using raymap::c::need;
 
 namespace {
 
-void copyTo(double* to, const glm::dvec3& from) {
-  for (int c = 0; c < 3; ++c) to[c] = from[c];
-}
-
 void copyTo(double* to, const Buffer<glm::dvec3>& from) {
-  for (size_t i = 0; to && i < from.size(); ++i) copyTo(to + 3 * i, from[i]);
+  for (size_t i = 0; to && i < from.size(); ++i) c::copyVector(from[i], to + 3 * i);
 }
 
 template <class T>
@@ -130,7 +126,7 @@ raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
     copyTo(wanted.points, found.points);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.gradient, found.gradient);
-    if (wanted.centre) copyTo(wanted.centre, found.centre);
+    if (wanted.centre) c::copyVector(found.centre, wanted.centre);
     if (wanted.scale) *wanted.scale = found.scale;
   });
 }
