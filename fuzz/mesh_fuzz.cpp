@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
+#include <raymap/warning.h>
 
 #include <cstdlib>
 
@@ -10,7 +11,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     const raymap::MeshFile file{std::as_bytes(std::span(data, size)), "/nonexistent/mesh",
-                                [](std::string_view) {}};
+                                [](const raymap::Warning&) {}};
     validate(raymap::RAYMAP_READER(file));
   } catch (const raymap::Error& error) {
     if (std::string_view(error.what()).empty()) std::abort();

@@ -30,7 +30,7 @@ pos: npt.NDArray[np.float32] = samples.pos
 coarse, simplified = raymap.simplify(solid, tolerance=0.1)
 faces_left: int = simplified["triangles_after"]
 face_points: raymap.FacePoints = raymap.sample_faces(mesh, step=0.5)
-thickness: raymap.Thickness = prepared.thickness(face_points.position, face_points.triangle, most=0.5)
+thickness: raymap.Thickness = prepared.thickness(face_points.position, face_points.triangle, max_thickness=0.5)
 median: float = prepared.thickness_summary()["median"]
 worst: list[int] = field.compare(field)["worst_sample"]
 defects: npt.NDArray[np.uint8] = raymap.render_defects(mesh, width=64, height=48)

@@ -136,7 +136,7 @@ TEST(WriteMeshNames, AreChecked) {
   };
   const Mesh mesh = shapes::box(glm::dvec3(0.0), glm::dvec3(1.0));
   EXPECT_EQ(refusal("mesh.fbx", mesh), ErrorCode::Usage);
-  EXPECT_EQ(refusal("mesh.PLY", mesh), ErrorCode{});
+  EXPECT_EQ(refusal("mesh.PLY", mesh), std::nullopt);
   EXPECT_EQ(refusal("none/mesh.ply", mesh), ErrorCode::File);
   EXPECT_EQ(refusal("empty.ply", Mesh()), ErrorCode::Input);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "empty.ply"));
