@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
                            {"3D/b.model", end == text.npos ? "" : text.substr(end + 1)}},
                           samples::Zip::Stored);
   try {
-    validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](std::string_view) {}}));
+    validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](const raymap::Warning&) {}}));
   } catch (const Error& error) {
     if (std::string_view(error.what()).empty()) std::abort();
   }
