@@ -1,6 +1,7 @@
 #include "cpu/sign/close_holes.h"
 
 #include <gtest/gtest.h>
+#include <raymap/error.h>
 
 #include <map>
 #include <numbers>

@@ -1,6 +1,7 @@
 #include "cpu/sign/crossings.h"
 
 #include <gtest/gtest.h>
+#include <raymap/error.h>
 
 #include <algorithm>
 #include <cstring>
