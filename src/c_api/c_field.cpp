@@ -2,6 +2,7 @@
 
 #include <raymap/c.h>
 
+#include <cstring>
 #include <string>
 
 #include "c_api/c_handles.h"
@@ -15,14 +16,17 @@ using raymap::c::need;
 
 namespace {
 
-Outside outsideOf(raymap_outside outside) {
-  switch (int(outside)) {
+Outside outsideOf(const raymap_outside& outside) {
+  int value = 0;  // C passes any number; C++ must not read one that the enum lacks as the enum.
+  static_assert(sizeof value == sizeof outside);
+  std::memcpy(&value, &outside, sizeof value);
+  switch (value) {
     case RAYMAP_OUTSIDE_BOUND:
       return Outside::Bound;
     case RAYMAP_OUTSIDE_NAN:
       return Outside::NaN;
     default:
-      throw Error(ErrorCode::Usage, "there is no raymap_outside " + std::to_string(int(outside)) +
+      throw Error(ErrorCode::Usage, "there is no raymap_outside " + std::to_string(value) +
                                         "; use RAYMAP_OUTSIDE_BOUND or RAYMAP_OUTSIDE_NAN");
   }
 }

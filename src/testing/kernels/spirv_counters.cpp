@@ -205,7 +205,7 @@ uint32_t weightOfExtended(uint32_t number) {
 uint32_t operationsOf(const Types& types, Words words) {
   const uint32_t op = opOf(words);
   const uint32_t numbers = types.numbers(words[1]);
-  if (op < OpPtrAccessChain || op == OpFunctionCall || op == OpPhi) return op == OpExtInst ? numbers : 0;
+  if (op < OpPtrAccessChain || op == OpPhi) return op == OpExtInst ? numbers : 0;
   if (op >= OpVectorShuffle && op <= OpCopyObject) return 0;
   if (op == OpBitcast || op == OpConvertPtrToU || op == OpConvertUToPtr) return 0;
   if (op == OpFDiv) return 8 * numbers;
