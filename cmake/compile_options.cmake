@@ -8,7 +8,9 @@ if(RAYMAP_WERROR)
   target_compile_options(raymap_compile_options INTERFACE -Werror)
 endif()
 if(CMAKE_UNITY_BUILD)
-  target_compile_options(raymap_compile_options INTERFACE -Wno-shadow) # One file's names may shadow another's.
+  # One file's names may shadow another's, and GCC takes an included file for a header.
+  target_compile_options(raymap_compile_options INTERFACE -Wno-shadow
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 endif()
 if(RAYMAP_SANITIZE)
   # One instruction set is enough to find what sanitizers find; six take minutes to compile with them. x86-64 by itself

@@ -23,12 +23,13 @@ if [[ -n $unknown ]]; then
   exit 1
 fi
 
-mkdir -p build/install
+mkdir -p build
 cp tests/consumer/tetrahedron.dae "$work"
 cp -r tests/consumer "$work/consumer"
 
 install_library() { # kind, options of CMake
-  local kind=$1 build=build/install/$1
+  # As deep as build/release: relative paths are then the same, and a compiler cache serves both.
+  local kind=$1 build=build/install_$1
   shift
   echo "building: $kind"
   {

@@ -8,7 +8,9 @@ if ! "$env/bin/pip" show clang-tidy 2>/dev/null | grep -qxF "Version: $version";
   python3 -m venv "$env"
   "$env/bin/pip" install --quiet --disable-pip-version-check "clang-tidy==$version"
 fi
-cmake --preset release >/dev/null
+# Each file by itself: this is also the check that it includes what it needs, as the other builds compile several together.
+cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null
+cmake --build build/tidy --target raymap_vulkan_shaders >/dev/null
 files=("$@")
 # Clang does not compile Boost's headers of Debian 12 any more, which OpenVDB's include.
 if [[ ${#files[@]} -eq 0 ]]; then
@@ -18,5 +20,5 @@ fi
 analyzer=(--extra-arg=-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=max-nodes=22500)
 gcc_only=(--extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-deprecated-declarations)
 printf '%s\0' "${files[@]}" |
-  xargs -0 -n 1 -P "$(nproc)" "$env/bin/clang-tidy" -p build/release --quiet "${analyzer[@]}" "${gcc_only[@]}" 2>&1 |
+  xargs -0 -n 1 -P "$(nproc)" "$env/bin/clang-tidy" -p build/tidy --quiet "${analyzer[@]}" "${gcc_only[@]}" 2>&1 |
   sed '/^[0-9]* warnings\? generated\.$/d'

@@ -57,13 +57,13 @@ nb::dict query(const Surface& self, const PointArray<Real>& points, const QueryO
   return toDict(std::move(result), options, points.shape(0));
 }
 
-nb::ndarray<nb::numpy, const float> vertices(nb::handle_t<Surface> self) {
+nb::ndarray<nb::numpy, const float> surfaceVertices(nb::handle_t<Surface> self) {
   const MeshView mesh = nb::cast<const Surface&>(self).mesh();
   const size_t shape[] = {mesh.vertexCount, 3};
   return {static_cast<const float*>(mesh.vertices), 2, shape, self};
 }
 
-nb::ndarray<nb::numpy, const uint32_t> faces(nb::handle_t<Surface> self) {
+nb::ndarray<nb::numpy, const uint32_t> surfaceFaces(nb::handle_t<Surface> self) {
   const MeshView mesh = nb::cast<const Surface&>(self).mesh();
   const size_t shape[] = {mesh.triangleCount, 3};
   return {static_cast<const uint32_t*>(mesh.triangles), 2, shape, self};
@@ -104,8 +104,8 @@ void bindSurface(nb::module_& module) {
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })
-      .def("vertices", &vertices)
-      .def("faces", &faces)
+      .def("vertices", &surfaceVertices)
+      .def("faces", &surfaceFaces)
       .def_prop_ro("origin", [](const Surface& self) { return toTriple(self.mesh().origin); });
 }
 

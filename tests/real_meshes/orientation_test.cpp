@@ -11,7 +11,7 @@ namespace raymap {
 namespace {
 
 /// Largest mesh to examine, so that the test takes seconds.
-constexpr size_t kMostTriangles = 130'000;
+constexpr size_t kMostTurned = 130'000;
 
 TEST(OrientationOfRealMeshes, AutoKeepsEveryConsistentMesh) {
   RAYMAP_NEED_MESHES();
@@ -20,7 +20,7 @@ TEST(OrientationOfRealMeshes, AutoKeepsEveryConsistentMesh) {
     if (row["kind"] == "malformed" || row["consistently_oriented"] != "yes") continue;
     SCOPED_TRACE(row["file"]);
     const Mesh mesh = readMesh(meshFolder() / row["file"]);
-    if (mesh.triangles.size() > kMostTriangles) continue;
+    if (mesh.triangles.size() > kMostTurned) continue;
     const Grid grid = fitGrid(mesh, {.resolution = 48});
     const Generated chosen = runOf(mesh, grid, Orientation::Auto);
     EXPECT_EQ(chosen.stats.turnedFaces.size(), 0u);

@@ -92,7 +92,7 @@ TEST_F(VulkanGenerator, AllocatesNothingFromFrameToFrame) {
   const Mesh mesh = holedSphere(1);
   const Grid grid{{8, 8, 8}, glm::dvec3(-1.75), 0.5};
   for (const auto& [options, frames] :
-       {std::pair(FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}, isFast ? 10000 : 50),
+       {std::pair(FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}, isFast ? 2000 : 50),
         std::pair(FieldOptions{}, isFast ? 100 : 20)}) {
     // A device without validation, which would take most of the time.
     Generator generator("vulkan");

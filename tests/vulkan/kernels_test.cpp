@@ -40,7 +40,7 @@ constexpr uint32_t kDecorationNoContraction = 42;
 constexpr uint32_t kStoragePushConstant = 9;
 
 enum Capability : uint32_t {
-  Shader = 1,
+  CapabilityShader = 1,
   Int64 = 11,
   GroupNonUniform = 61,
   GroupNonUniformVote = 62,
@@ -49,7 +49,7 @@ enum Capability : uint32_t {
   PhysicalStorageBufferAddresses = 5347
 };
 
-std::set<uint32_t> capabilitiesOf(const struct Shader& shader) {
+std::set<uint32_t> capabilitiesOf(const Shader& shader) {
   std::set<uint32_t> capabilities;
   forEachInstruction(shader.code, [&](std::span<const uint32_t> words) {
     if (opOf(words) == OpCapability) capabilities.insert(words[1]);
@@ -64,12 +64,12 @@ TEST(Kernels, AskForNoOtherCapabilitiesThanTheDeviceIsCheckedFor) {
       {GroupNonUniformArithmetic, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT},
       {GroupNonUniformBallot, VK_SUBGROUP_FEATURE_BALLOT_BIT}};
   VkSubgroupFeatureFlags used = 0;
-  for (const struct Shader& shader : shaders::kAll)
+  for (const Shader& shader : shaders::kAll)
     for (const uint32_t capability : capabilitiesOf(shader)) {
       if (const auto operation = subgroupOperations.find(capability); operation != subgroupOperations.end())
         used |= operation->second;
       else
-        EXPECT_TRUE(capability == Capability::Shader || capability == Int64 ||
+        EXPECT_TRUE(capability == CapabilityShader || capability == Int64 ||
                     capability == PhysicalStorageBufferAddresses)
             << shader.name << " needs capability " << capability;
     }
@@ -84,22 +84,22 @@ TEST(Kernels, HaveAHashThatChangesWithEachOfThem) {
   ASSERT_NE(gpuPlugIn(), nullptr);
   const uint64_t hash = hashOf(shaders::kAll);
   EXPECT_EQ(gpuPlugIn()->kernelHash(), hash);
-  const std::vector<struct Shader> all(std::begin(shaders::kAll), std::end(shaders::kAll));
+  const std::vector<Shader> all(std::begin(shaders::kAll), std::end(shaders::kAll));
   for (size_t s = 0; s < all.size(); ++s) {
     std::vector<uint32_t> code(all[s].code.begin(), all[s].code.end());
     code.back() ^= 1u << 31;
-    std::vector<struct Shader> changed = all;
+    std::vector<Shader> changed = all;
     changed[s].code = code;
     EXPECT_NE(hashOf(changed), hash) << all[s].name;
   }
-  std::vector<struct Shader> renamed = all;
+  std::vector<Shader> renamed = all;
   std::swap(renamed[0].name, renamed[1].name);
   EXPECT_NE(hashOf(renamed), hash);
 }
 
 TEST(Kernels, HaveNoNumbersOfDoublePrecision) {
   size_t floats = 0;
-  for (const struct Shader& shader : shaders::kAll)
+  for (const Shader& shader : shaders::kAll)
     forEachInstruction(shader.code, [&](std::span<const uint32_t> words) {
       if (opOf(words) != OpTypeFloat) return;
       EXPECT_EQ(words[2], 32u) << shader.name;
@@ -130,7 +130,7 @@ struct Arithmetic {
 };
 
 /// Returns the arithmetic in each function, by the function's name without its parameters.
-std::map<std::string, Arithmetic> arithmeticOf(const struct Shader& shader) {
+std::map<std::string, Arithmetic> arithmeticOf(const Shader& shader) {
   std::map<uint32_t, std::string> names;
   std::set<uint32_t> precise;
   std::map<std::string, Arithmetic> functions;
@@ -156,7 +156,7 @@ TEST(Kernels, ForbidDriversToContractWhatMustBeRounded) {
       {"surface_tree_leaves", {"exactSum", "renormalized", "exactProduct", "pairSum", "pairProduct"}},
       {"distance_transform", {"isNoHigher"}},
       {"cell_distance", {"dotExactly", "crossExactly"}}};
-  for (const struct Shader& shader : shaders::kAll) {
+  for (const Shader& shader : shaders::kAll) {
     const auto functions = arithmeticOf(shader);
     for (const std::string& name : rounded[std::string(shader.name)]) {
       const auto function = functions.find(name);
@@ -195,7 +195,7 @@ PushReads pushReadsOf(std::span<const uint32_t> code) {
 // Vulkan wants an index that is the same in all invocations. AMD's compiler takes that of the first one for
 // the others, which no software driver shows.
 TEST(Kernels, ReadPushConstantsAtConstantPlaces) {
-  for (const struct Shader& shader : shaders::kAll) {
+  for (const Shader& shader : shaders::kAll) {
     const PushReads reads = pushReadsOf(shader.code);
     EXPECT_EQ(reads.variable, 0u) << shader.name;
     ASSERT_FALSE(reads.all.empty()) << shader.name;

@@ -4,15 +4,12 @@
 
 #include <algorithm>
 
+#include "base/ceil_div.h"
 #include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
 
 namespace {
-
-uint64_t ceilDiv(uint64_t a, uint64_t b) {
-  return (a + b - 1) / b;
-}
 
 /// Invocations of one submission: systems also limit the time of these.
 constexpr uint64_t kMostSubmitted = uint64_t{1} << 27;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <type_traits>
@@ -8,6 +9,9 @@
 #include "vulkan/device/shader.h"
 
 namespace raymap::vulkan {
+
+/// Invocations in a group of most kernels.
+inline constexpr uint32_t kGroup = 128;
 
 /// Compute pipeline of a shader, made when a kernel of the device is first used.
 class ComputePipeline {

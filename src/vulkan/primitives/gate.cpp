@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/ceil_div.h"
 #include "shaders/gate_spv.h"
 #include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
 
 namespace {
-constexpr uint32_t kGroup = 64;
-
-uint64_t ceilDiv(uint64_t a, uint64_t b) {
-  return (a + b - 1) / b;
-}
+constexpr uint32_t kGateGroup = 64;
 
 VkDispatchIndirectCommand argumentsOf(uint64_t groups) {
   const uint64_t y = std::max<uint64_t>(ceilDiv(groups, kMaxGroups), 1);
@@ -22,7 +19,7 @@ VkDispatchIndirectCommand argumentsOf(uint64_t groups) {
 }  // namespace
 
 Gate::Gate(Device& device, const std::string& name)
-    : kernel_(device, shaders::kGate, kGroup),
+    : kernel_(device, shaders::kGate, kGateGroup),
       planned_(device, "planned " + name, MemoryUse::Upload),
       actual_(device, name) {}
 

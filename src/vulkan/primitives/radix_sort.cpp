@@ -14,7 +14,7 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kLargest = uint32_t{1} << 30;
+constexpr uint32_t kLargestSort = uint32_t{1} << 30;
 
 /// Limits a group to 16 of the smallest subgroups. Each subgroup counts in 1 KiB of shared memory of its own,
 /// and every device has 16 KiB.
@@ -39,7 +39,7 @@ RadixSort::RadixSort(Device& device, uint32_t keyWords)
       histogram_(device, "radix sort histogram") {}
 
 void RadixSort::reserve(uint32_t most) {
-  if (most > kLargest) throw std::logic_error("a sort of more than 2^30 elements");
+  if (most > kLargestSort) throw std::logic_error("a sort of more than 2^30 elements");
   scan_.reserve(kRadixBins * groups(most));
   histogram_.resize<uint32_t>(uint64_t{kRadixBins} * groups(most) + 1);
   reserved_ = most;

@@ -13,7 +13,7 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kLargest = uint32_t{1} << 31;
+constexpr uint32_t kLargestScan = uint32_t{1} << 31;
 
 /// Returns the number of elements of level `level` for `count` elements of the first level.
 uint32_t sizeOf(uint32_t count, uint32_t level) {
@@ -35,7 +35,7 @@ Scan::Scan(Device& device)
       blockSums_{DeviceBuffer(device, "scan block sums"), DeviceBuffer(device, "scan upper block sums")} {}
 
 void Scan::reserve(uint32_t most) {
-  if (most > kLargest) throw std::logic_error("a prefix sum over more than 2^31 elements");
+  if (most > kLargestScan) throw std::logic_error("a prefix sum over more than 2^31 elements");
   for (uint32_t level = 0; level + 1 < levelsOf(most); ++level)
     blockSums_[level].resize<uint32_t>(sizeOf(most, level + 1) + 1);
   reserved_ = most;

@@ -4,6 +4,7 @@
 // with the CPU's, or with an independent reference. It throws a `Difference`.
 
 #include <span>
+#include <string>
 
 #include "vulkan/runtime/backend.h"
 #include "vulkan/self_test/cell_probe.h"
@@ -25,6 +26,11 @@ struct Check {
   const char* name;
   void (*run)(Subject& subject);
 };
+
+/// Returns the name of a case.
+inline std::string nameOf(const CellMesh& mesh) {
+  return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
+}
 
 // In the order of the stages: each relies on those before it.
 std::span<const Check> checksOfPrimitives();

@@ -15,10 +15,6 @@ namespace {
 constexpr double kAllowed =
     1e-6;  // Share of the grid's diagonal, and of the distance, whose floats are as coarse.
 
-std::string nameOf(const CellMesh& mesh) {
-  return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
-}
-
 double allowedIn(const CellMesh& mesh) {
   return kAllowed * glm::length(glm::dvec3(mesh.dims));
 }
@@ -121,13 +117,6 @@ void checkRasterDistance(Subject& subject) {
   for (const OwnCellMesh& mesh : cellMeshes()) compareRasterDistance(subject.cells, mesh);
 }
 
-constexpr Check kChecks[] = {{"cell_mesh", checkCellMesh},
-                             {"voxel_grid", checkVoxelGrid},
-                             {"cell_distance", checkCellDistance},
-                             {"distance_transform", checkTransform},
-                             {"refine", checkRefine},
-                             {"raster_distance", checkRasterDistance}};
-
 }  // namespace
 
 void compareVoxelGrid(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells) {
@@ -199,6 +188,12 @@ void compareRasterDistance(CellProbe& probe, const CellMesh& mesh) {
 }
 
 std::span<const Check> checksOfCells() {
+  static constexpr Check kChecks[] = {{"cell_mesh", checkCellMesh},
+                                      {"voxel_grid", checkVoxelGrid},
+                                      {"cell_distance", checkCellDistance},
+                                      {"distance_transform", checkTransform},
+                                      {"refine", checkRefine},
+                                      {"raster_distance", checkRasterDistance}};
   return kChecks;
 }
 

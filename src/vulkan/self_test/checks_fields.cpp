@@ -164,15 +164,14 @@ void checkHoles(Subject& subject) {
                 {.distance = DistanceMode::Cell, .sign = SignMode::Paths, .closeHoles = true});
 }
 
-constexpr Check kChecks[] = {{"default fields", checkDefault},
-                             {"quick fields", checkQuick},
-                             {"fields of other modes", checkModes},
-                             {"fields of turned faces", checkTurns},
-                             {"fields with closed holes", checkHoles}};
-
 }  // namespace
 
 std::span<const Check> checksOfFields() {
+  static constexpr Check kChecks[] = {{"default fields", checkDefault},
+                                      {"quick fields", checkQuick},
+                                      {"fields of other modes", checkModes},
+                                      {"fields of turned faces", checkTurns},
+                                      {"fields with closed holes", checkHoles}};
   return kChecks;
 }
 

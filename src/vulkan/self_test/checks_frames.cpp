@@ -199,12 +199,11 @@ void checkRenderField(Subject& subject) {
   compare("band", notchedBox(32, 0.2), {.direction = {1.0, -0.5, 0.4}});
 }
 
-constexpr Check kChecks[] = {
-    {"skin", checkSkin}, {"field_image", checkFieldImage}, {"render_field", checkRenderField}};
-
 }  // namespace
 
 std::span<const Check> checksOfFrames() {
+  static constexpr Check kChecks[] = {
+      {"skin", checkSkin}, {"field_image", checkFieldImage}, {"render_field", checkRenderField}};
   return kChecks;
 }
 

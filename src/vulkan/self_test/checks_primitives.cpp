@@ -77,8 +77,6 @@ void checkRadixSort(Subject& subject) {
   for (const uint32_t size : {1U, 257U, 2049U, 65537U}) compareRadixSort(subject.probe, size);
 }
 
-constexpr Check kChecks[] = {{"scan", checkScan}, {"radix_sort", checkRadixSort}};
-
 }  // namespace
 
 void compareScan(const Probe& probe, uint32_t count) {
@@ -114,6 +112,7 @@ void compareRadixSort(const Probe& probe, uint32_t count) {
 }
 
 std::span<const Check> checksOfPrimitives() {
+  static constexpr Check kChecks[] = {{"scan", checkScan}, {"radix_sort", checkRadixSort}};
   return kChecks;
 }
 

@@ -195,18 +195,6 @@ void checkSign(Subject& subject) {
     }
 }
 
-constexpr Check kChecks[] = {{"crossings", checkCrossings},
-                             {"ray_map, winding_rays", checkRays},
-                             {"winding_harmonic", checkHarmonic},
-                             {"winding_paths", checkPaths},
-                             {"orientation", checkOrientation},
-                             {"close_holes", checkCloseHoles},
-                             {"sign", checkSign}};
-
-std::string nameOf(const CellMesh& mesh) {
-  return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
-}
-
 }  // namespace
 
 void compareCrossings(SignProbe& probe, const CellMesh& mesh) {
@@ -296,6 +284,13 @@ void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMa
 }
 
 std::span<const Check> checksOfSign() {
+  static constexpr Check kChecks[] = {{"crossings", checkCrossings},
+                                      {"ray_map, winding_rays", checkRays},
+                                      {"winding_harmonic", checkHarmonic},
+                                      {"winding_paths", checkPaths},
+                                      {"orientation", checkOrientation},
+                                      {"close_holes", checkCloseHoles},
+                                      {"sign", checkSign}};
   return kChecks;
 }
 

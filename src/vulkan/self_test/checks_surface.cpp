@@ -63,10 +63,6 @@ std::vector<OwnCellMesh> surfaceMeshes() {
   return meshes;
 }
 
-std::string nameOf(const CellMesh& mesh) {
-  return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
-}
-
 void checkSurfaceTree(Subject& subject) {
   SurfaceTreeStage tree(subject.probe.device());
   for (const OwnCellMesh& mesh : surfaceMeshes()) {
@@ -183,14 +179,13 @@ void checkFinish(Subject& subject) {
   requireEqual("distances in the band", finished(3.0), std::vector{-1.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.5f});
 }
 
-constexpr Check kChecks[] = {{"surface_tree", checkSurfaceTree},
-                             {"exact_distance", checkExactDistance},
-                             {"winding_dipoles", checkDipoles},
-                             {"finish", checkFinish}};
-
 }  // namespace
 
 std::span<const Check> checksOfSurface() {
+  static constexpr Check kChecks[] = {{"surface_tree", checkSurfaceTree},
+                                      {"exact_distance", checkExactDistance},
+                                      {"winding_dipoles", checkDipoles},
+                                      {"finish", checkFinish}};
   return kChecks;
 }
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 
+#include "base/ceil_div.h"
 #include "method/turns.h"
 #include "shaders/cell_mesh_mend_spv.h"
 #include "shaders/cell_mesh_spv.h"
@@ -15,8 +16,6 @@
 namespace raymap::vulkan {
 
 namespace {
-
-constexpr uint32_t kGroup = 128;
 
 template <class T>
 VkDeviceAddress fillWith(DeviceBuffer& buffer, std::span<const T> values) {
@@ -41,7 +40,7 @@ CellMeshStage::CellMeshStage(Device& device)
 void CellMeshStage::reserve(uint32_t vertices, uint32_t triangles) {
   vertices_.resize<glm::vec3>(vertices);
   triangles_.resize<glm::uvec3>(triangles);
-  gate_.plan(std::array{(uint64_t{std::max(vertices, triangles)} + kGroup - 1) / kGroup});
+  gate_.plan(std::array{ceilDiv(std::max(vertices, triangles), kGroup)});
 }
 
 void CellMeshStage::record(Commands& commands, const Source& source, const Grid& grid, double outside) {

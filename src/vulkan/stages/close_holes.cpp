@@ -9,10 +9,6 @@
 
 namespace raymap::vulkan {
 
-namespace {
-constexpr uint32_t kGroup = 128;
-}  // namespace
-
 CloseHolesStage::CloseHolesStage(Device& device)
     : search_(device, shaders::kCloseHoles, kGroup),
       count_(device, "number of missing edges"),

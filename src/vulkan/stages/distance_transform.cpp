@@ -14,6 +14,7 @@
 #include <bit>
 #include <string>
 
+#include "base/ceil_div.h"
 #include "method/cell_lattice.h"
 #include "shaders/distance_transform_spv.h"
 
@@ -23,17 +24,13 @@ namespace {
 
 constexpr uint32_t kBytesPerInvocation = kSegmentCells * 8 + 4;
 
-uint32_t ceilDiv(uint32_t a, uint32_t b) {
-  return (a + b - 1) / b;
-}
-
 /// Returns 256 invocations, or as many as the shared memory allows.
 uint32_t groupSizeOf(const DeviceLimits& limits) {
   return std::min(256U, limits.sharedMemory / kBytesPerInvocation / 32 * 32);
 }
 
 uint32_t segmentsOf(int length) {
-  return ceilDiv(static_cast<uint32_t>(length), kSegmentCells);
+  return static_cast<uint32_t>(ceilDiv(static_cast<uint32_t>(length), kSegmentCells));
 }
 
 }  // namespace
@@ -72,8 +69,8 @@ void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int 
   const uint32_t segments = segmentsOf(dims_[axis]);
   const uint32_t fit = std::min(kMostLines, groupSize_ / segments);
   const uint32_t lines = axis == 0 ? fit : std::bit_floor(fit);
-  const uint64_t groups = axis == 0 ? (uint64_t{dims.y} * dims.z + lines - 1) / lines
-                                    : uint64_t{ceilDiv(dims.x, lines)} * (axis == 1 ? dims.z : dims.y);
+  const uint64_t groups = axis == 0 ? ceilDiv(uint64_t{dims.y} * dims.z, lines)
+                                    : ceilDiv(dims.x, lines) * (axis == 1 ? dims.z : dims.y);
   commands.dispatch(kernel,
                     {.values = squared,
                      .from = from,

@@ -2,6 +2,7 @@
 
 #include "vulkan/stages/orientation.h"
 
+#include "base/ceil_div.h"
 #include "shaders/orientation_misfit_spv.h"
 #include "shaders/orientation_parity_spv.h"
 #include "shaders/orientation_sides_spv.h"
@@ -9,7 +10,6 @@
 namespace raymap::vulkan {
 
 namespace {
-constexpr uint32_t kGroup = 128;
 constexpr uint64_t kSamplesOfGroup = uint64_t{kMisfitGroup} * kMisfitSamples;
 }  // namespace
 
@@ -26,7 +26,7 @@ void OrientationStage::reserve(const glm::ivec3& dims, uint32_t triangleCount) {
   samples_ = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   triangleCount_ = triangleCount;
   for (DeviceBuffer* sums : {&sums_, &hostSums_})
-    sums->resize<float>(kMisfitNumbers * ((samples_ + kSamplesOfGroup - 1) / kSamplesOfGroup));
+    sums->resize<float>(kMisfitNumbers * ceilDiv(samples_, kSamplesOfGroup));
   for (DeviceBuffer* sides : {&sides_, &hostSides_}) sides->resize<float>(triangleCount);
 }
 

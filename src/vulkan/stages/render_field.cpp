@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "base/ceil_div.h"
 #include "base/text.h"
 #include "scene/scene.h"
 #include "scene/sphere_trace_shared.h"
@@ -87,7 +88,7 @@ void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int w
 
 void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels,
                                   int first, int count) {
-  const auto tiles = [](uint32_t side) { return (uint64_t{side} + kRenderTile - 1) / kRenderTile; };
+  const auto tiles = [](uint32_t side) { return ceilDiv(side, kRenderTile); };
   push_.samples = samples.address;
   push_.scale = samples.scale;
   push_.pixels = pixels;

@@ -6,10 +6,6 @@
 
 namespace raymap::vulkan {
 
-namespace {
-constexpr uint32_t kGroup = 128;
-}  // namespace
-
 SignStage::SignStage(Device& device) : sign_(device, shaders::kSign, kGroup) {}
 
 void SignStage::record(Commands& commands, const Fields& fields, const glm::uvec3& dims, double threshold,

@@ -8,12 +8,6 @@
 
 namespace raymap::vulkan {
 
-namespace {
-
-constexpr uint32_t kGroup = 128;
-
-}  // namespace
-
 SkinStage::SkinStage(Device& device) : kernel_(device, shaders::kSkin, kGroup) {
   kernel_.handle();  // Makes the kernel now, not while a frame is recorded.
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/ceil_div.h"
 #include "shaders/surface_tree_bounds_spv.h"
 #include "shaders/surface_tree_keys_spv.h"
 #include "shaders/surface_tree_leaves_spv.h"
@@ -15,7 +16,6 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kGroup = 128;
 constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorders.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
@@ -104,7 +104,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                        .levelStart = levels_[0].start,
                        .levelCount = levels_[0].count};
   commands.fill(meshBounds_, UINT32_MAX);
-  commands.dispatch(bounds_, push, (uint64_t{mesh.vertexCount} + kVerticesEach - 1) / kVerticesEach);
+  commands.dispatch(bounds_, push, ceilDiv(mesh.vertexCount, kVerticesEach));
   commands.dispatch(keys_, push, mesh.triangleCount);
   push.order =
       sort_

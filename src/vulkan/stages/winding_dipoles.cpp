@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/ceil_div.h"
 #include "shaders/winding_dipoles_doubts_spv.h"
 #include "shaders/winding_dipoles_moments_spv.h"
 #include "shaders/winding_dipoles_points_spv.h"
@@ -25,10 +26,6 @@ constexpr uint32_t kMomentsGroup = 64;
 // turn has up to two: one in an inner loop, one in the outer.
 constexpr uint32_t kFewTurns = 30000;
 constexpr uint32_t kManyTurns = 60000000;
-
-uint64_t ceilDiv(uint64_t a, uint64_t b) {
-  return (a + b - 1) / b;
-}
 
 uint64_t samplesOf(const glm::ivec3& dims) {
   return uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/ceil_div.h"
 #include "shaders/winding_harmonic_coarsest_spv.h"
 #include "shaders/winding_harmonic_correct_spv.h"
 #include "shaders/winding_harmonic_jumps_spv.h"
@@ -19,10 +20,6 @@ namespace {
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
 constexpr uint32_t kCoarsestGroup = 256;
 constexpr double kRestrictShare = 0.125;  // Samples of the next coarser lattice per sample.
-
-uint64_t ceilDiv(uint64_t a, uint64_t b) {
-  return (a + b - 1) / b;
-}
 
 uint64_t restrictGroups(const glm::ivec3& coarse) {
   return ceilDiv(uint64_t(coarse.x), kRestrictX) * ceilDiv(uint64_t(coarse.y), kRestrictY) *

@@ -32,7 +32,6 @@ class WindingHarmonicStage {
   /// Sizes of dispatches, which index a level's arguments.
   enum class Extent : uint32_t { Samples, HalfSamples, RestrictGroups, OneGroup };
   static constexpr uint32_t kExtents = 4;
-  static constexpr uint32_t kGroup = 128;
 
   void plan();
   void solve(Commands& commands, const WindingFields& fields, uint32_t level);

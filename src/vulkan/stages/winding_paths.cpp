@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/ceil_div.h"
 #include "method/winding_paths_offsets.h"
 #include "shaders/winding_paths_spv.h"
 
@@ -20,7 +21,7 @@ WindingPathsStage::WindingPathsStage(Device& device, ScratchMemory* scratch)
 void WindingPathsStage::reserve(const glm::ivec3& dims) {
   const uint64_t samples = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   next_.resize<float>(samples);
-  gate_.plan(std::array{(samples + kWindingPathsGroup - 1) / kWindingPathsGroup}, kMostGroups);
+  gate_.plan(std::array{ceilDiv(samples, kWindingPathsGroup)}, kMostGroups);
   dims_ = dims;
 }
 

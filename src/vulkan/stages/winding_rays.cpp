@@ -2,6 +2,7 @@
 
 #include "vulkan/stages/winding_rays.h"
 
+#include "base/ceil_div.h"
 #include "shaders/winding_rays_spv.h"
 
 namespace raymap::vulkan {
@@ -24,7 +25,7 @@ void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, Sign
   commands.fill(doubtful_, 0);
   const uint64_t samplesOfGroup = uint64_t{kWindingRaysGroup} * kWindingRaysRows;
   commands.dispatch(mode == SignMode::Ray ? oneRay_ : average_, push,
-                    (push.sampleCount + samplesOfGroup - 1) / samplesOfGroup * kWindingRaysGroup);
+                    ceilDiv(push.sampleCount, samplesOfGroup) * kWindingRaysGroup);
 }
 
 }  // namespace raymap::vulkan
