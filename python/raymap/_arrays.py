@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import InputError, UsageError
+from ._errors import InputError
 
 #: What to do for those who give points in place of faces.
 POINTS_HINT = "for distances at points, use raymap.signed_distance(mesh, points), or raymap.Surface for several calls"
@@ -89,19 +89,3 @@ def to_points(points: Any, *, keep_single: bool = False) -> npt.NDArray[Any]:
         raise InputError(f"points must be numbers, not {array.dtype}")
     dtype = np.float32 if keep_single and array.dtype == np.float32 else np.float64
     return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype)
-
-
-def to_box(name: str, corners: npt.ArrayLike) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Returns a box as the extension module takes it."""
-    box = np.asarray(corners, np.float64)
-    if box.shape != (2, 3):
-        raise UsageError(f"{name} must be ((x0, y0, z0), (x1, y1, z1)), not of the shape {box.shape}")
-    if not (box[0] <= box[1]).all():
-        raise UsageError(f"{name}: each of x0, y0, z0 must be less than its x1, y1, z1")
-    return to_vector(box[0]), to_vector(box[1])
-
-
-def to_vector(v: Any) -> tuple[float, float, float]:
-    """Returns three numbers as the extension module takes them."""
-    x, y, z = (float(number) for number in v)
-    return x, y, z

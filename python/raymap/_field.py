@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _devices, _html, _raymap
-from ._arrays import to_box, to_vector
+from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_threads, to_vector, to_whole
 from ._errors import UsageError
 from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
@@ -67,9 +67,9 @@ class Field:
         shape = np.shape(_arrays.to_numpy(distance))
         if len(shape) != 3 or 0 in shape:
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
-        x, y, z = (float(v) for v in np.asarray(origin, np.float64))
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
-        self._take(_raymap.Field(shape, (x, y, z), float(spacing), float(clamp_distance), box))
+        clamp = to_number("clamp_distance", clamp_distance, least=0.0, most=FINITE)
+        self._take(_raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box))
         for name, array in arrays.items():
             if array is not None:
                 self._set(name, _arrays.to_numpy(array), shape)
@@ -219,7 +219,7 @@ class Field:
             raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
         shape = np.shape(points)
         flat = _arrays.to_points(points)
-        result = self._core.sample(flat, gradients, outside == "nan", threads or 0)
+        result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
         return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
 
     def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
@@ -242,7 +242,7 @@ class Field:
                [ 1.1,  1.1,  1.1]])
         """
         with reporting(progress) as report:
-            return mesh_of_core(_raymap.isosurface(self._core, float(iso), threads or 0, report))
+            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
 
     def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
@@ -294,7 +294,7 @@ class Field:
         if index is not None and not -count <= index < count:
             raise UsageError(f"index {index} is out of range: the field has {count} samples along {'xyz'[number]}")
         chosen = -1 if index is None else index % count
-        return _raymap.render_slice(self._core, number, chosen, int(width), array)
+        return _raymap.render_slice(self._core, number, chosen, to_whole("width", width), to_text("array", array))
 
     def render(
         self,
@@ -332,9 +332,9 @@ class Field:
         (48, 64, 3)
         """
         options = to_view(width, height, direction, up, field_of_view)
-        options.cut, options.shell = bool(cut), float(shell)
+        options.cut, options.shell = bool(cut), to_number("shell", shell, least=0.0)
         machine = _raymap.MachineOptions()
-        machine.device, machine.threads = _devices.tested(device), threads or 0
+        machine.device, machine.threads = _devices.tested(to_text("device", device)), to_threads(threads)
         with reporting(progress) as report:
             return _raymap.render_field(self._core, options, machine, report)
 
@@ -377,7 +377,11 @@ class Field:
         >>> field.render_comparison(field, width=100).shape
         (100, 100, 3)
         """
-        return _raymap.render_comparison(self._core, other._core, int(width), array)
+        return _raymap.render_comparison(self._core, other._core, to_whole("width", width), to_text("array", array))
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
+        """Returns the distances: ``np.asarray(field)`` is ``field.distance``."""
+        return np.array(self.distance, dtype=dtype, copy=copy)  # type: ignore[arg-type]  # NumPy 1 takes None for False.
 
     def __repr__(self) -> str:
         nx, ny, nz = self.shape
@@ -416,8 +420,9 @@ def to_view(
 ) -> _raymap.RenderOptions:
     """Returns options of a picture as the extension module takes them."""
     options = _raymap.RenderOptions()
-    options.width, options.height, options.field_of_view = int(width), int(height), float(field_of_view)
-    options.direction, options.up = to_vector(direction), to_vector(up)
+    options.width, options.height = to_whole("width", width), to_whole("height", height)
+    options.field_of_view = to_number("field_of_view", field_of_view)
+    options.direction, options.up = to_vector("direction", direction), to_vector("up", up)
     return options
 
 
@@ -444,7 +449,7 @@ def _restore(
 ) -> Field:
     """Makes a field of what was pickled."""
     restored = Field.__new__(Field)
-    restored._take(_raymap.Field(shape, to_vector(origin), spacing, clamp_distance, surface_bounds), stats)
+    restored._take(_raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds), stats)
     for name, array in arrays.items():
         restored._set(name, array, shape)
     return restored

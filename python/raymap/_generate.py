@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, TypedDict, Unpack, get_args
@@ -11,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _devices, _inputs, _raymap
-from ._arrays import to_box, to_numpy
+from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_threads, to_whole
+from ._arrays import to_numpy
 from ._errors import UsageError
 from ._field import Field, field_of_core
 from ._mesh import core_of
@@ -199,31 +199,36 @@ def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
 def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> _raymap.Grid:
     """Returns the grid that the options ask for, fitted by a function of the extension module."""
     voxel_size = options.get("voxel_size")
-    if voxel_size is not None and not voxel_size > 0:
-        raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
     box = None
     if (bounds := options.get("bounds")) is not None:
         box = to_box("bounds", bounds)
         if any(low == high for low, high in zip(*box)):
             raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
-    resolution = operator.index(options.get("resolution", 128))
-    return fit(resolution, voxel_size or 0.0, box, options.get("padding", 0.1), options.get("thickness") or 0.0)
+    thickness = options.get("thickness")
+    return fit(
+        to_whole("resolution", options.get("resolution", 128), least=1),
+        0.0 if voxel_size is None else to_length("voxel_size", voxel_size),
+        box,
+        to_number("padding", options.get("padding", 0.1), least=0.0, most=FINITE),
+        0.0 if thickness is None else to_length("thickness", thickness),
+    )
 
 
 def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.FieldOptions:
     """Returns the options as the extension module takes them."""
     options = _raymap.FieldOptions()
-    options.distance = given.get("distance", "exact")
-    options.sign = given.get("sign", "harmonic")
-    options.orientation = orientation
-    options.passes = operator.index(given.get("passes", 5))
-    options.sampling = given.get("sampling", "raymap")
+    options.distance = to_text("distance", given.get("distance", "exact"))
+    options.sign = to_text("sign", given.get("sign", "harmonic"))
+    options.orientation = to_text("orientation", orientation)
+    options.passes = to_whole("passes", given.get("passes", 5))
+    options.sampling = to_text("sampling", given.get("sampling", "raymap"))
     options.set_offsets(_to_offsets(given.get("offsets")))
-    options.threshold = float(given.get("threshold", 0.5))
+    options.threshold = to_number("threshold", given.get("threshold", 0.5), least=0.0, most=FINITE)
     options.invert = bool(given.get("invert", False))
     options.close_holes = bool(given.get("close_holes", False))
     _set_thickness(options, given.get("thickness"))
-    options.band = given.get("band") or 0.0
+    if (band := given.get("band")) is not None:
+        options.band = to_length("band", band)
     _set_arrays(options, given.get("arrays", ("distance",)))
     return options
 
@@ -242,11 +247,9 @@ def _to_offsets(offsets: npt.ArrayLike | None) -> list[tuple[int, int, int]]:
 def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> None:
     if thickness is None:
         return
-    if not thickness > 0:
-        raise UsageError(f"thickness must be above 0, not {thickness}")
     if options.sign not in ("harmonic", "none"):
         raise UsageError("thickness takes the place of sign; leave one of them out")
-    options.sign, options.thickness = "none", float(thickness)
+    options.sign, options.thickness = "none", to_length("thickness", thickness)
 
 
 def _set_arrays(options: _raymap.FieldOptions, arrays: Iterable[str]) -> None:
@@ -265,10 +268,8 @@ def _set_arrays(options: _raymap.FieldOptions, arrays: Iterable[str]) -> None:
 def to_machine(device: str, threads: int | None, memory_limit: int | None = None) -> _raymap.MachineOptions:
     """Returns what every long call takes."""
     machine = _raymap.MachineOptions()
-    machine.device = _devices.tested(device)
-    machine.threads = operator.index(threads or 0)
+    machine.device = _devices.tested(to_text("device", device))
+    machine.threads = to_threads(threads)
     if memory_limit is not None:
-        if not operator.index(memory_limit) > 0:
-            raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
-        machine.memory_limit = operator.index(memory_limit)
+        machine.memory_limit = to_whole("memory_limit", memory_limit, least=1, most=2**64 - 1)
     return machine

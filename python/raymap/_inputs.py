@@ -49,6 +49,8 @@ def _arrays_of(mesh: Any) -> tuple[Any, Any]:
         return surface.points, surface.regular_faces
     if has("points", "extract_surface"):  # other data sets of pyvista
         raise UsageError(f"no surface but {type(mesh).__name__}; give mesh.extract_surface()")
+    if has("to_mesh", "distance", "spacing"):  # raymap.Field
+        raise UsageError("a field where a mesh is wanted: give field.to_mesh()")
     if has("__dlpack__") or isinstance(mesh, (np.ndarray, list, tuple)):
         raise UsageError("vertices without faces: give raymap.Mesh(vertices, faces)")
     raise TypeError(

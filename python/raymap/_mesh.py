@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import operator
 import os
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -12,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raymap
+from ._arguments import FINITE, to_number, to_whole
 from ._arrays import checked_arrays
-from ._errors import UsageError
 
 _Origin: TypeAlias = tuple[float, float, float] | None  # Of the library's own meshes, whose vertices are about it.
 
@@ -149,9 +147,7 @@ class Animation:
         Raises:
             UsageError: The time is not finite.
         """
-        if not math.isfinite(time):
-            raise UsageError(f"time must be finite, not {time}")
-        return mesh_of_core(self._core.mesh(float(time)))
+        return mesh_of_core(self._core.mesh(to_number("time", time, least=-FINITE, most=FINITE)))
 
     def __repr__(self) -> str:
         return f"raymap.Animation({self.duration:.6g} s)"
@@ -173,9 +169,7 @@ def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
         InputError: Its content is not valid; the text names the element and the value.
         UnsupportedError: Another format.
     """
-    if operator.index(index) < 0:
-        raise UsageError(f"index must not be negative, not {index}")
-    return Animation(_raymap.load_animation(os.fspath(path), operator.index(index)))
+    return Animation(_raymap.load_animation(os.fspath(path), to_whole("index", index)))
 
 
 def load_mesh(path: str | os.PathLike[str]) -> Mesh:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import operator
 from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _inputs, _raymap
-from ._arrays import to_vector
-from ._errors import UsageError
+from . import _inputs, _raymap, _views
+from ._arguments import FINITE, to_length, to_number, to_text, to_vector, to_whole
 from ._field import Field, to_view
 from ._generate import to_machine
 from ._mesh import Mesh, core_of, mesh_of_core
@@ -104,6 +102,9 @@ class Simplified(NamedTuple):
     mesh: Mesh
     report: SimplifyReport
 
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
+
 
 def simplify(
     mesh_or_vertices: Any,
@@ -138,11 +139,11 @@ def simplify(
     >>> report["triangles_before"], report["triangles_after"] < 640, report["deviation"] <= 0.05
     (1280, True, True)
     """
-    if step is not None and not step > 0:
-        raise UsageError(f"step must be above 0, not {step}")
+    within = to_number("tolerance", tolerance, least=0.0, most=FINITE)
+    apart = 0.0 if step is None else to_length("step", step)
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:
-        result, found = _raymap.simplify(mesh, float(tolerance), float(step or 0), to_machine("cpu", threads), report)
+        result, found = _raymap.simplify(mesh, within, apart, to_machine("cpu", threads), report)
     return Simplified(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 
@@ -151,6 +152,9 @@ class Repaired(NamedTuple):
 
     mesh: Mesh
     report: RepairReport
+
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
 
 
 def repair(
@@ -217,22 +221,22 @@ def repair(
     (True, 0)
     """
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
-    if voxel_size is not None and not voxel_size > 0:
-        raise UsageError(f"voxel_size must be above 0, not {voxel_size}")
+    size = to_whole("resolution", resolution, least=1), 0.0 if voxel_size is None else to_length("voxel_size", voxel_size)
     options = _raymap.FieldOptions()
-    options.orientation = orientation
+    options.orientation = to_text("orientation", orientation)
     machine = to_machine(device, threads, memory_limit)
     how = _raymap.RepairOptions()
     how.close_holes = bool(close_holes)
-    how.offset, how.shell, how.drain_hole, how.down = float(offset), float(shell), float(drain_hole), to_vector(down)
-    how.drain_holes = operator.index(drain_holes)
-    how.drop_smaller = None if drop_smaller is None else float(drop_smaller)
+    how.offset = to_number("offset", offset, least=-FINITE, most=FINITE)
+    how.shell = to_number("shell", shell, least=0.0, most=FINITE)
+    how.drain_hole = to_number("drain_hole", drain_hole, least=0.0, most=FINITE)
+    how.drain_holes, how.down = to_whole("drain_holes", drain_holes), to_vector("down", down)
+    how.drop_smaller = None if drop_smaller is None else to_number("drop_smaller", drop_smaller, least=0.0)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
-    how.min_thickness = float(min_thickness)
+    how.min_thickness = to_number("min_thickness", min_thickness, least=0.0, most=FINITE)
     if tolerance is not None:
-        how.tolerance = float(tolerance)
+        how.tolerance = to_number("tolerance", tolerance, least=0.0, most=FINITE)
     with reporting(progress) as report:
-        size = operator.index(resolution), voxel_size or 0.0
         result, found = _raymap.repair(mesh, *size, options, how, machine, report)
     return Repaired(mesh_of_core(result), found)  # type: ignore[arg-type]
 

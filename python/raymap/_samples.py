@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Iterable
 from typing import Any, NamedTuple
@@ -10,9 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _inputs, _raymap
-from ._arrays import to_vector
-from ._errors import UsageError
+from . import _inputs, _raymap, _views
+from ._arguments import FINITE, to_number, to_vector, to_whole
 from ._generate import to_machine
 from ._progress import Progress, reporting
 from ._surface import Surface, core_of_surface
@@ -60,6 +58,9 @@ class Samples(NamedTuple):
         4
         """
         _save(self, path, "")
+
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
 
 
 def sample_points(
@@ -135,20 +136,16 @@ def save_as_npz(samples: Samples, path: str | os.PathLike[str]) -> None:
 
 def _save(samples: Samples, path: str | os.PathLike[str], extension: str) -> None:
     arrays = (samples.points, samples.distance, samples.gradient)
-    _raymap.save_samples(os.fspath(path), *arrays, to_vector(samples.centre), samples.scale, extension)
+    _raymap.save_samples(os.fspath(path), *arrays, to_vector("centre", samples.centre), samples.scale, extension)
 
 
 def to_sample_options(
     n: int, near: float, sigma: float | Iterable[float], surface: float, seed: int
 ) -> _raymap.SamplePointsOptions:
     """Returns the options as the extension module takes them. Checks them."""
-    for name, number in (("n", n), ("seed", seed)):
-        if not 0 <= operator.index(number) < 2**64:
-            problem = "be negative" if number < 0 else "exceed 64 bits"
-            raise UsageError(f"{name} must not {problem}, not {number}")
     options = _raymap.SamplePointsOptions()
-    options.count, options.seed = operator.index(n), operator.index(seed)
-    options.near, options.surface = float(near), float(surface)
-    options.sigmas = [float(s) for s in (sigma if isinstance(sigma, Iterable) else (sigma,))]
+    options.count, options.seed = (to_whole(name, number, most=2**64 - 1) for name, number in (("n", n), ("seed", seed)))
+    options.near, options.surface = to_number("near", near, least=0.0, most=FINITE), to_number("surface", surface, least=0.0, most=FINITE)
+    options.sigmas = [to_number("sigma", s, least=0.0, most=FINITE) for s in (sigma if isinstance(sigma, Iterable) else (sigma,))]
     _raymap.sample_point_counts(options)
     return options

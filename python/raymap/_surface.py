@@ -9,7 +9,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias, Unpack, get_args
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _inputs, _raymap
+from . import _arrays, _inputs, _raymap, _views
+from ._arguments import to_number
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
 from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_machine, to_options
@@ -35,6 +36,9 @@ class Closest(NamedTuple):
     barycentric: Any
     """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
 
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
+
 
 class Query(NamedTuple):
     """Result of ``Surface.query``: one value per point, in the shape of the points. None for what was not asked for."""
@@ -54,6 +58,9 @@ class Query(NamedTuple):
     confidence: Any
     """Confidences in the sign, (...) float32, 0 to 1."""
 
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
+
 
 class FacePoints(NamedTuple):
     """Result of ``raymap.sample_faces``: one value per point."""
@@ -64,6 +71,9 @@ class FacePoints(NamedTuple):
     """Indices of the faces, (n,)."""
     area: npt.NDArray[np.float64]
     """Areas that the points stand for, (n,), in the mesh's units squared."""
+
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
 
 
 class Thickness(NamedTuple):
@@ -78,6 +88,9 @@ class Thickness(NamedTuple):
     infinite where no side lies opposite."""
     inward: npt.NDArray[np.float32]
     """Unit vectors into the solid, (n, 3); 0 for sheets and buried faces."""
+
+    __repr__ = _views.show
+    _repr_html_ = _views.show_html
 
 
 class Surface:
@@ -246,7 +259,7 @@ class Surface:
         for name in Query._fields:
             setattr(options, name, name in names)
         if max_distance is not None:
-            options.max_distance = float(max_distance)
+            options.max_distance = to_number("max_distance", max_distance, least=0.0)
         machine = to_machine("cpu", threads)
         flat = _arrays.to_points(points, keep_single=True)
         shape = tuple(np.shape(points))
@@ -415,13 +428,11 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
     >>> points.triangle, float(points.area[0])
     (array([0, 1, 2, 3], dtype=uint32), 0.5)
     """
-    if not step > 0:
-        raise UsageError(f"step must be above 0, not {step}")
-    return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), float(step)))
+    return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), to_number("step", step, above=0.0)))
 
 
 def _limits(max_thickness: float | None, threads: int | None) -> tuple[float, _raymap.MachineOptions]:
-    return math.inf if max_thickness is None else float(max_thickness), to_machine("cpu", threads)
+    return math.inf if max_thickness is None else to_number("max_thickness", max_thickness), to_machine("cpu", threads)
 
 
 def core_of_surface(surface: Surface) -> _raymap.Surface:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import operator
-
 from . import _raymap
-from ._errors import UsageError
+from ._arguments import to_threads
 
 
 def set_threads(threads: int | None) -> None:
@@ -24,9 +22,7 @@ def set_threads(threads: int | None) -> None:
     1
     >>> raymap.set_threads(None)
     """
-    if threads is not None and operator.index(threads) < 1:
-        raise UsageError(f"threads must be 1 or more, or None for all, not {threads}")
-    _raymap.set_threads(0 if threads is None else operator.index(threads))
+    _raymap.set_threads(to_threads(threads))
 
 
 def get_threads() -> int | None:

@@ -2,6 +2,7 @@
 #include <raymap/names.h>
 
 #include <exception>
+#include <new>
 #include <string_view>
 
 #include "bindings.h"
@@ -34,6 +35,8 @@ void bindErrors(nb::module_&) {
       std::rethrow_exception(thrown);
     } catch (const Error& error) {
       raise(error);
+    } catch (const std::bad_alloc&) {
+      raise(Error(ErrorCode::Memory, "there is not enough memory"));
     }
   });
 }

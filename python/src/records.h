@@ -11,12 +11,18 @@
 
 namespace raymap::python {
 
+/// Returns a new object of a class of raymap._views.
+template <class Object>
+Object makeView(const char* name) {
+  return nb::cast<Object>(nb::module_::import_("raymap._views").attr(name)());
+}
+
 /// Returns a result of the library (raymap/records.h) as a dict, or a member of one. Face indices become an
 /// array.
 template <class Value>
 auto toPython(const Value& value) {
   if constexpr (Record<Value>) {
-    nb::dict dict;
+    auto dict = makeView<nb::dict>("Record");
     forEachMember(value, [&](const char* name, const auto& member) { dict[name] = toPython(member); });
     return dict;
   } else if constexpr (std::is_enum_v<Value>) {
@@ -32,7 +38,8 @@ auto toPython(const Value& value) {
   } else if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>>) {
     return nb::cast(value);
   } else {
-    nb::list list;
+    constexpr bool kHoldsRecords = Record<std::remove_cvref_t<decltype(*value.begin())>>;
+    auto list = kHoldsRecords ? makeView<nb::list>("Records") : nb::list();
     for (const auto& element : value) list.append(toPython(element));
     return list;
   }

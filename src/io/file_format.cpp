@@ -113,6 +113,8 @@ std::string formatOf(const SourceFile& source, std::string_view given, const For
   std::error_code error;
   if (!std::filesystem::exists(source.place(), error))
     throw Error(ErrorCode::File, source.path().string() + ": no such file; check the path");
+  if (std::filesystem::is_directory(source.place(), error))
+    throw Error(ErrorCode::File, source.path().string() + ": it is a folder; give a file in it");
   const uint64_t bytes = std::filesystem::file_size(source.place(), error);
   const std::string head = source.head(kHeadBytes);
   std::string_view found = formatOfBytes(head, error ? 0 : bytes);

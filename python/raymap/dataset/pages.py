@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import csv
-import html
 import importlib
 import io
 import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from .._errors import UsageError
 from .._raymap import write_whole
 from .files import readable
+from .gallery import gallery
 from .work import KINDS, Job, Outcome, read_marker
 
 
@@ -56,7 +55,7 @@ def write_pages(
     write_whole(table_path, text.getvalue().encode())
     if parquet is not None:
         write_whole(parquet, _parquet(columns, [row for _, row in rows]))
-    write_whole(page_path, _page(rows, table_path.name, others).encode())
+    write_whole(page_path, gallery(rows, table_path.name, others).encode())
 
 
 def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
@@ -97,57 +96,3 @@ def _cells(figures: dict[str, Any], prefix: str = "") -> dict[str, Any]:
                 value = {"x": x, "y": y, "z": z}
         cells |= _cells(value, f"{prefix}{name}_") if isinstance(value, dict) else {prefix + name: value}
     return cells
-
-
-_STYLE = """
-body { font: 14px sans-serif; margin: 2em; }
-main { display: flex; flex-wrap: wrap; gap: 1em; }
-figure { margin: 0; width: 192px; }
-figure img { display: block; background: #eee; }
-figcaption, td { overflow-wrap: anywhere; }
-td { padding: 0.2em 1em 0.2em 0; vertical-align: top; }
-"""
-
-
-def _page(rows: list[tuple[Job, dict[str, Any]]], table: str, others: list[str]) -> str:
-    done = [(job, row) for job, row in rows if row["state"] == "done"]
-    failed = [(job, row) for job, row in rows if row["state"] != "done"]
-    parts = [
-        f"<!DOCTYPE html>\n<html lang=en><meta charset=utf-8><title>Data set</title><style>{_STYLE}</style>",
-        f"<h1>{len(done)} of {len(rows)} meshes done</h1>",
-        f'<p><a href="{table}">Table of all meshes</a></p>',
-    ]
-    if failed:
-        parts += ["<h2>Not done</h2>", "<table>", *(_failed(job, row) for job, row in failed), "</table>"]
-    if others:
-        parts += ["<h2>Of other options, formats or meshes</h2>", "<table>", *map(_other, others), "</table>"]
-    parts += ["<h2>Done</h2>", "<main>", *(_figure(job, row) for job, row in done), "</main>", "</html>"]
-    return "\n".join(parts) + "\n"
-
-
-def _failed(job: Job, row: dict[str, Any]) -> str:
-    name = html.escape(row["mesh"])
-    if row["state"] == "quarantined":
-        name = f'<a href="{_link(job, job.quarantine / "log.txt")}">{name}</a>'
-    return f"<tr><td>{name}<td>{html.escape(row['reason'] or row['state'])}"
-
-
-def _other(name: str) -> str:
-    return f'<tr><td><a href="{_quoted(name)}">{html.escape(readable(name))}</a>'
-
-
-def _figure(job: Job, row: dict[str, Any]) -> str:
-    watertight = "watertight" if row["watertight"] else f"{row['boundary_edges']} boundary edges"
-    return (
-        f'<figure><a href="{_link(job, job.result)}"><img src="{_link(job, job.thumbnail)}" alt="" loading=lazy '
-        f"width=192 height=144></a><figcaption>{html.escape(row['mesh'])}<br>{row['triangles']} triangles, {watertight}"
-        "</figcaption></figure>"
-    )
-
-
-def _link(job: Job, path: Path) -> str:
-    return _quoted(os.path.relpath(path, job.out))
-
-
-def _quoted(path: str) -> str:
-    return html.escape(quote(os.fsencode(path)))

@@ -1,0 +1,110 @@
+"""Checks arguments, and names them where they are wrong."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import UsageError
+
+Vector = tuple[float, float, float]
+
+#: Largest finite number.
+FINITE = float(np.finfo(np.float64).max)
+_MOST_THREADS = 1 << 16  # A larger number is a mistake.
+_MOST = 2**31 - 1
+
+
+def to_number(name: str, value: Any, *, least: float = -math.inf, above: float = -math.inf, most: float = math.inf) -> float:
+    """Returns a number from ``least`` to ``most`` and above ``above``.
+
+    Raises:
+        TypeError: The value is no number.
+        UsageError: It is out of range or NaN, or infinite although ``most`` is finite.
+    """
+    try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError  # float() would read them.
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, not {_shown(value)}") from None
+    if least <= number <= most and number > above:
+        return number
+    if math.isinf(number) and not math.isinf(most):
+        raise UsageError(f"{name} must be finite, not {number}")
+    limit = f"above {above:g}" if above > -math.inf else f"{least:g} or more" if least > -math.inf else "a number"
+    raise UsageError(f"{name} must be {limit}, not {number:g}")
+
+
+def to_length(name: str, value: Any) -> float:
+    """Returns a finite number above 0."""
+    return to_number(name, value, above=0.0, most=FINITE)
+
+
+def to_whole(name: str, value: Any, *, least: int = 0, most: int = _MOST) -> int:
+    """Returns a whole number from ``least`` to ``most``.
+
+    Raises:
+        TypeError: The value is no whole number.
+        UsageError: It is out of range.
+    """
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be a whole number, not {_shown(value)}") from None
+    if number < least:
+        raise UsageError(f"{name} must be {least} or more, not {number}")
+    if number > most:
+        raise UsageError(f"{name} must be {most} or less, not {number}")
+    return number
+
+
+def to_text(name: str, value: Any) -> str:
+    """Returns a text.
+
+    Raises:
+        TypeError: The value is something else.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text, not {_shown(value)}")
+    return value
+
+
+def to_threads(threads: Any) -> int:
+    """Returns a number of threads as the extension module takes it: 0 for None."""
+    return 0 if threads is None else to_whole("threads", threads, least=1, most=_MOST_THREADS)
+
+
+def to_vector(name: str, vector: Any) -> Vector:
+    """Returns three finite numbers."""
+    x, y, z = _numbers(name, vector, (3,), "(x, y, z)").tolist()
+    return x, y, z
+
+
+def to_box(name: str, corners: npt.ArrayLike) -> tuple[Vector, Vector]:
+    """Returns a box, whose sides may be 0."""
+    low, high = _numbers(name, corners, (2, 3), "((x0, y0, z0), (x1, y1, z1))")
+    if not (low <= high).all():
+        raise UsageError(f"{name}: each of x0, y0, z0 must be less than its x1, y1, z1")
+    return to_vector(name, low), to_vector(name, high)
+
+
+def _numbers(name: str, given: Any, shape: tuple[int, ...], wanted: str) -> npt.NDArray[np.float64]:
+    try:
+        array = np.asarray(given, np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be numbers {wanted}, not {_shown(given)}") from None
+    if array.shape != shape:
+        raise UsageError(f"{name} must be {wanted}, not of the shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise UsageError(f"{name} must be finite, not {array.tolist()}")
+    return array
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"a {type(value).__name__}"
