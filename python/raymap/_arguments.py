@@ -15,7 +15,6 @@ Vector = tuple[float, float, float]
 
 #: Largest finite number.
 FINITE = float(np.finfo(np.float64).max)
-_MOST_THREADS = 1 << 16  # A larger number is a mistake.
 _MOST = 2**31 - 1
 
 
@@ -24,7 +23,7 @@ def to_number(name: str, value: Any, *, least: float = -math.inf, above: float =
 
     Raises:
         TypeError: The value is no number.
-        UsageError: It is out of range or NaN, or infinite although ``most`` is finite.
+        UsageError: It is out of range, or NaN.
     """
     try:
         if isinstance(value, (str, bytes)):
@@ -34,9 +33,12 @@ def to_number(name: str, value: Any, *, least: float = -math.inf, above: float =
         raise TypeError(f"{name} must be a number, not {_shown(value)}") from None
     if least <= number <= most and number > above:
         return number
-    if math.isinf(number) and not math.isinf(most):
-        raise UsageError(f"{name} must be finite, not {number}")
-    limit = f"above {above:g}" if above > -math.inf else f"{least:g} or more" if least > -math.inf else "a number"
+    if most < FINITE:
+        limit = f"from {least:g} to {most:g}"
+    elif number > above and number >= least or max(least, above) <= -FINITE:
+        limit = "finite" if most == FINITE else "a number"
+    else:
+        limit = f"above {above:g}" if above > -math.inf else f"{least:g} or more"
     raise UsageError(f"{name} must be {limit}, not {number:g}")
 
 
@@ -76,7 +78,7 @@ def to_text(name: str, value: Any) -> str:
 
 def to_threads(threads: Any) -> int:
     """Returns a number of threads as the extension module takes it: 0 for None."""
-    return 0 if threads is None else to_whole("threads", threads, least=1, most=_MOST_THREADS)
+    return 0 if threads is None else to_whole("threads", threads, least=1, most=2**63 - 1)
 
 
 def to_vector(name: str, vector: Any) -> Vector:

@@ -381,7 +381,7 @@ class Field:
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Returns the distances: ``np.asarray(field)`` is ``field.distance``."""
-        return np.array(self.distance, dtype=dtype, copy=copy)  # type: ignore[arg-type]  # NumPy 1 takes None for False.
+        return np.array(self.distance, dtype=dtype, copy=copy)  # NumPy 1 takes None for False.
 
     def __repr__(self) -> str:
         nx, ny, nz = self.shape

@@ -96,14 +96,12 @@ def render_defects(
     return _raymap.render_defects(mesh, to_view(width, height, direction, up, field_of_view))
 
 
+@_views.shown
 class Simplified(NamedTuple):
     """A mesh with fewer faces, and how far it is from the given one."""
 
     mesh: Mesh
     report: SimplifyReport
-
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
 
 def simplify(
@@ -147,14 +145,12 @@ def simplify(
     return Simplified(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 
+@_views.shown
 class Repaired(NamedTuple):
     """A repaired mesh, and what was done."""
 
     mesh: Mesh
     report: RepairReport
-
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
 
 def repair(

@@ -18,6 +18,7 @@ from ._surface import Surface, core_of_surface
 _Doubles = npt.NDArray[np.float64]
 
 
+@_views.shown
 class Samples(NamedTuple):
     """Points near a surface and around it, with signed distances, negative inside. ``raymap.sample_points`` makes them."""
 
@@ -58,9 +59,6 @@ class Samples(NamedTuple):
         4
         """
         _save(self, path, "")
-
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
 
 def sample_points(
@@ -145,7 +143,7 @@ def to_sample_options(
     """Returns the options as the extension module takes them. Checks them."""
     options = _raymap.SamplePointsOptions()
     options.count, options.seed = (to_whole(name, number, most=2**64 - 1) for name, number in (("n", n), ("seed", seed)))
-    options.near, options.surface = to_number("near", near, least=0.0, most=FINITE), to_number("surface", surface, least=0.0, most=FINITE)
+    options.near, options.surface = to_number("near", near, least=0.0, most=1.0), to_number("surface", surface, least=0.0, most=1.0)
     options.sigmas = [to_number("sigma", s, least=0.0, most=FINITE) for s in (sigma if isinstance(sigma, Iterable) else (sigma,))]
     _raymap.sample_point_counts(options)
     return options

@@ -24,6 +24,7 @@ QueryArray: TypeAlias = Literal[
 ]
 
 
+@_views.shown
 class Closest(NamedTuple):
     """Result of ``Surface.closest``: one value per point, in the shape of the points."""
 
@@ -36,10 +37,8 @@ class Closest(NamedTuple):
     barycentric: Any
     """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
 
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
-
+@_views.shown
 class Query(NamedTuple):
     """Result of ``Surface.query``: one value per point, in the shape of the points. None for what was not asked for."""
 
@@ -58,10 +57,8 @@ class Query(NamedTuple):
     confidence: Any
     """Confidences in the sign, (...) float32, 0 to 1."""
 
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
-
+@_views.shown
 class FacePoints(NamedTuple):
     """Result of ``raymap.sample_faces``: one value per point."""
 
@@ -72,10 +69,8 @@ class FacePoints(NamedTuple):
     area: npt.NDArray[np.float64]
     """Areas that the points stand for, (n,), in the mesh's units squared."""
 
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
-
+@_views.shown
 class Thickness(NamedTuple):
     """Result of ``Surface.thickness``: one value per point."""
 
@@ -88,9 +83,6 @@ class Thickness(NamedTuple):
     infinite where no side lies opposite."""
     inward: npt.NDArray[np.float32]
     """Unit vectors into the solid, (n, 3); 0 for sheets and buried faces."""
-
-    __repr__ = _views.show
-    _repr_html_ = _views.show_html
 
 
 class Surface:
@@ -259,7 +251,7 @@ class Surface:
         for name in Query._fields:
             setattr(options, name, name in names)
         if max_distance is not None:
-            options.max_distance = to_number("max_distance", max_distance, least=0.0)
+            options.max_distance = to_number("max_distance", max_distance, above=0.0)
         machine = to_machine("cpu", threads)
         flat = _arrays.to_points(points, keep_single=True)
         shape = tuple(np.shape(points))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import html
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 _WIDTH = 100  # Characters of a line.
+_Tuple = TypeVar("_Tuple", bound=tuple[Any, ...])
 
 
 class Record(dict[str, Any]):
@@ -30,14 +31,16 @@ class Records(list[Record]):
         return "".join(_html_table(str(number), record) for number, record in enumerate(self))
 
 
-def show(result: Any) -> str:
-    """Returns the text of a named tuple: ``__repr__`` of classes with large arrays."""
-    return f"raymap.{type(result).__name__}\n" + _table(result._asdict())
+def shown(kind: type[_Tuple]) -> type[_Tuple]:
+    """Decorates a class of named tuples that shows as a table below its name."""
+    names, title = list(kind.__annotations__), f"raymap.{kind.__name__}"
 
+    def values(result: Any) -> dict[str, Any]:
+        return dict(zip(names, result, strict=True))
 
-def show_html(result: Any) -> str:
-    """Returns the same for a notebook."""
-    return _html_table(f"raymap.{type(result).__name__}", result._asdict())
+    kind.__repr__ = lambda self: f"{title}\n{_table(values(self))}"  # type: ignore[method-assign]
+    setattr(kind, "_repr_html_", lambda self: _html_table(title, values(self)))
+    return kind
 
 
 def _table(values: dict[str, Any]) -> str:

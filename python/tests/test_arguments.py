@@ -20,7 +20,7 @@ OUT_OF_RANGE: dict[str, list[Any]] = {
     "threshold": [-1, NAN, INF],
     "band": [0, -1, NAN, INF],
     "thickness": [0, -1, NAN, INF],
-    "threads": [0, -1, 10**9],
+    "threads": [0, -1, 2**64],
     "memory_limit": [0, -1, 2**64],
     "bounds": [1, [(0, 0, 0), (NAN, 1, 1)], [(0, 0, 0), (INF, 1, 1)], [(1, 1, 1), (0, 0, 0)]],
 }

@@ -583,14 +583,14 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
         ({"what": "points"}, "needs n"),
         ({"workers": 0}, "workers must be at least 1, not 0"),
         ({"time_limit": 0}, "time_limit must be above 0"),
-        ({"resolution": 0}, "resolution must be at least 1"),
+        ({"resolution": 0}, "resolution must be 1 or more"),
         ({"memory_limit": -1}, "memory_limit must be above 0"),
         ({"arrays": ["colour"]}, "no array is named 'colour'"),
     ]:
         with pytest.raises(raymap.UsageError, match=text):
             raymap.dataset.generate(meshes, "out", **options)
     for options, text in [
-        ({"n": -1}, "n must not be negative"),
+        ({"n": -1}, "n must be 0 or more"),
         ({"n": 9, "near": 2}, "near must be"),
         ({"n": 9, "format": "npy"}, "points are written as npz"),
     ]:
@@ -634,7 +634,7 @@ def test_the_command_line(meshes: Path) -> None:
     assert ran.stdout.startswith("4 done, 1 quarantined, 0 unfinished; 5 of them new, in ")
     assert generate(meshes, arrays=["winding"], memory_limit=1 << 30).new == []
     wrong = run_module("dataset", meshes, "-o", "out", "--resolution", 0)
-    assert wrong.returncode == 2 and wrong.stderr.startswith("raymap: error: the resolution must")
+    assert wrong.returncode == 2 and wrong.stderr.startswith("raymap: error: resolution must")
     wrong = run_module("dataset", meshes, "-o", "out", "--what", "points", "-n", 9, "--resolution", 16)
     assert (wrong.returncode, wrong.stderr) == (2, "raymap: error: resolution is no option of points\n")
     assert run_module("dataset", "nowhere", "-o", "out").returncode == 4

@@ -169,7 +169,7 @@ def test_animated_meshes():
         np.testing.assert_array_equal(mesh.faces, rest.faces)
     with pytest.raises(raymap.UsageError, match="there is no animation 1: it has 1 animation"):
         raymap.load_animation("walk.gltf", 1)
-    with pytest.raises(raymap.UsageError, match="index must not be negative, not -1"):
+    with pytest.raises(raymap.UsageError, match="index must be 0 or more, not -1"):
         raymap.load_animation("walk.gltf", -1)
     with pytest.raises(raymap.UsageError, match="time must be finite, not nan"):
         animation.mesh(float("nan"))
