@@ -23,7 +23,8 @@ struct ThicknessSummary {
 };
 
 /// Returns the middles of parts of the faces of a mesh, in the order of the faces. A face is halved until no
-/// side of a part is longer than `step`, but at most 22 times.
+/// side of a part is longer than `step`, but at most 22 times. Throws `Error(Memory)` if the points do not
+/// fit.
 RAYMAP_API std::vector<FacePoint> sampleFaces(const MeshView& mesh, double step);
 
 /// Returns the summary of what was measured at points.

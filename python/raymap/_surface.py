@@ -414,6 +414,7 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
     Raises:
         InputError: The mesh is not valid.
         UsageError: ``step`` is not above 0.
+        MemoryLimitError: The points do not fit into memory.
         FileError: The file cannot be read.
 
     >>> points = raymap.sample_faces("tetrahedron.ply", step=2)

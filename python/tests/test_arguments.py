@@ -107,7 +107,7 @@ def test_other_functions_check_theirs() -> None:
 
 
 def test_too_many_points_are_a_memory_error() -> None:
-    with pytest.raises(raymap.MemoryLimitError):
+    with pytest.raises(raymap.MemoryLimitError, match="use a larger step"):
         raymap.sample_faces(raymap.Mesh(*make_ball(3)), step=1e-9)
 
 

@@ -1,9 +1,13 @@
 #include "measure/spread_points.h"
 
+#include <raymap/error.h>
 #include <raymap/thickness.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
+#include "base/memory.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
 
@@ -25,6 +29,24 @@ glm::dvec3 pointOf(const PackedMesh& mesh, const glm::uvec3& face, double u, dou
   }
   const glm::dvec3 a = mesh.position(face.x), b = mesh.position(face.y), c = mesh.position(face.z);
   return a + u * (b - a) + v * (c - a);
+}
+
+/// Returns fewer parts than a face is halved into, or as many: the largest part is an equilateral triangle.
+double leastParts(const PackedMesh& mesh, const glm::uvec3& face, double step) {
+  const auto [a, b, c] = mesh.corners(face);
+  const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+  const double byArea = areaOf(mesh, face) / (std::sqrt(0.1875) * step * step);
+  return std::clamp(std::max(byArea, longest / step), 1.0, double(1 << kMostFaceHalvings));
+}
+
+/// Throws `Error(Memory)` if the points do not fit.
+void checkPoints(const PackedMesh& mesh, double step) {
+  double count = 0.0;
+  for (const glm::uvec3& face : mesh.triangles) count += leastParts(mesh, face, step);
+  const auto needed = static_cast<uint64_t>(count * sizeof(FacePoint));
+  if (const uint64_t limit = availableMemory(); needed > limit)
+    throw Error(ErrorCode::Memory, "the points on the faces need " + neededText(needed) + ", but " +
+                                       limitText(limit) + " are available; use a larger step");
 }
 
 }  // namespace
@@ -50,6 +72,7 @@ std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
 std::vector<FacePoint> sampleFaces(const MeshView& view, double step) {
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
+  checkPoints(mesh, step);
   std::vector<FacePoint> points;
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3& face = mesh.triangles[t];
