@@ -142,6 +142,8 @@ TEST(MeshView, RefusesWhatIsNotFinite) {
   const std::vector<glm::uvec3>& triangles = box.triangles;
   positions[5].z = NAN;
   expectInputError(MeshView(positions, triangles), "vertex 5 of triangle");
+  const std::vector<glm::dvec3> nowhere(8, glm::dvec3(NAN));
+  expectInputError(MeshView(nowhere, triangles), "is not finite");
   expectInputError(MeshView(positions, std::vector<glm::uvec3>()), "no triangles");
   expectInputError(MeshView(box.vertices, triangles, {0, NAN, 0}),
                    "the mesh's origin is not finite: (0, nan, 0)");
@@ -162,6 +164,37 @@ TEST(MeshView, NamesPositionsAsTheCallerGaveThem) {
     MeshPacker packer;
     expectInputError(packer.pack(MeshView(positions, box.triangles)), at);
   }
+}
+
+TEST(MeshView, SkipsWhatLiesBetweenPositions) {
+  const Mesh mesh = farBall();
+  std::vector<glm::vec4> padded;
+  for (const glm::vec3& v : mesh.vertices) padded.emplace_back(v, 1e9f);
+  MeshView view(mesh);
+  view.vertices = padded.data();
+  view.vertexStride = sizeof(glm::vec4);
+  MeshPacker packer;
+  const PackedMesh copy = packer.pack(view);
+  for (uint32_t v = 0; v < padded.size(); ++v) EXPECT_EQ(copy.position(v), mesh.position(v));
+}
+
+TEST(MeshView, IsAsLargeAsItsOutermostTriangles) {
+  Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-5, -6, -7}, {7, 6, 5}},
+            std::vector<glm::uvec3>(100000, glm::uvec3(0, 1, 2))};
+  mesh.triangles[50000].x = 3;
+  mesh.triangles.back().y = 4;
+  EXPECT_EQ(bounds(mesh).min, glm::dvec3(-5, -6, -7));
+  EXPECT_EQ(bounds(mesh).max, glm::dvec3(7, 6, 5));
+}
+
+TEST(MeshView, NeedsTheMemoryOfItsCopy) {
+  const Mesh mesh = farBall();
+  EXPECT_EQ(MeshPacker::bytesNeeded(mesh), 0u);
+  const std::vector<glm::dvec3> positions = positionsOf(mesh);
+  const MeshView view(positions, mesh.triangles);
+  MeshPacker packer;
+  const PackedMesh copy = packer.pack(view);
+  EXPECT_EQ(MeshPacker::bytesNeeded(view), copy.vertices.size_bytes() + copy.triangles.size_bytes());
 }
 
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {

@@ -453,6 +453,20 @@ TEST(Surface, RefusesBadInput) {
             ErrorCode::Cancelled);
 }
 
+TEST(Surface, ReportsTheShareOfItsPoints) {
+  const Mesh mesh = shapes::sphere(1.0, 2);
+  const Surface surface(mesh);
+  std::vector<double> shares;
+  surface.query(uniformPoints(mesh, 20000), {},
+                {.threads = 1, .progress = [&](std::string_view, double done) {
+                   shares.push_back(done);
+                   return true;
+                 }});
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_TRUE(std::ranges::any_of(shares, [](double share) { return share > 0.1 && share < 0.9; }));
+  EXPECT_EQ(shares.back(), 1.0);
+}
+
 TEST(Surface, KeepsItsMeshWhenMoved) {
   Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1);
   Surface first(mesh);

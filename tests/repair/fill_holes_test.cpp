@@ -115,6 +115,24 @@ TEST(FillHoles, TakesTheSmallerOfTwoFillingsThatAreEquallySharp) {
   }
 }
 
+TEST(FillHoles, TakesNoFaceWithoutArea) {
+  // Corner 1 is in the middle of a side. The faces beyond that side fold sharply, those beyond the others
+  // less.
+  for (uint32_t first = 0; first < 4; ++first) {
+    const std::vector<glm::dvec3> p{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 0.875, -0.5}};
+    const auto at = [&](uint32_t k) { return k < 4 ? (k + first) % 4 : k; };
+    std::vector<glm::dvec3> turned(p);
+    for (uint32_t k = 0; k < 4; ++k) turned[at(k)] = p[k];
+    Mesh mesh =
+        makeMesh(turned, {{at(1), at(0), 4}, {at(2), at(1), 4}, {at(3), at(2), 4}, {at(0), at(3), 4}});
+    EXPECT_EQ(fillHoles(mesh).faces, 2u);
+    for (size_t f = 4; f < mesh.triangles.size(); ++f) {
+      const glm::uvec3& t = mesh.triangles[f];
+      EXPECT_EQ(triangleArea(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z)), 0.5) << first;
+    }
+  }
+}
+
 TEST(FillHoles, PartsRimsThatMeet) {
   const Mesh whole = shapes::sphere(1.0, 2);
   for (const uint32_t centre : {0u, 12u, 40u}) {  // Of five faces and of six.

@@ -186,6 +186,14 @@ TEST(Loss, TellsOfHollowsThatWereNotMade) {
   EXPECT_EQ(made.report.hollows, 1u);
   EXPECT_EQ(made.report.filledHollows, 0u);
   EXPECT_EQ(made.warnings, "");
+  EXPECT_EQ(runAt(box, 0.5, {.shell = 1.0}).warnings, "");
+  // The floor of 8 x 8 has no place for 50 holes that are 2 apart.
+  const Outcome few = runAt(box, 0.5, {.shell = 1.0, .drainHole = 1.0, .drainHoles = 50});
+  EXPECT_GT(few.report.holes, 2u);
+  EXPECT_LT(few.report.holes, 50u);
+  ASSERT_EQ(few.report.warnings.size(), 1u);
+  EXPECT_EQ(few.report.warnings[0].code, WarningCode::DrainHolesMissing);
+  EXPECT_EQ(few.report.warnings[0].fields.count, 50u - few.report.holes);
 }
 
 TEST(Loss, IsOfThePartsThinnerThanFourSamples) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "repair/solid/deviation.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -108,6 +109,39 @@ TEST(Measure, ComparesWithTheMovedSurface) {
     expectAllShown(shrunken, 0.1);
     EXPECT_NEAR(shrunken.trimmedShare, 1.0 - 208.0 / 376.0, 0.03);
   }
+}
+
+TEST(Measure, TrimsNothingOfASurfaceWithoutArea) {
+  const Mesh line{{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}, {{0, 1, 2}}};
+  const RepairReport report = reportOf(line, 0.25, {.offset = 1.0});
+  EXPECT_NEAR(report.after.bounds.size().x, 5.0, 0.1);
+  EXPECT_EQ(report.trimmedShare, 0.0);
+}
+
+TEST(Measure, TakesEachVertexOnce) {
+  const Mesh ball = shapes::sphere(1.0, 1, {5, 6, 7});
+  const Grid grid = fitGrid(ball, {.voxelSize = 0.5});
+  const SurfacePoints points = surfacePoints(ball, grid, 0.5);
+  EXPECT_GT(points.positions.size(), ball.vertices.size());
+  for (uint32_t v = 0; v < ball.vertices.size(); ++v) {
+    size_t found = 0;
+    for (size_t i = 0; i < points.positions.size(); ++i) {
+      if (glm::distance(grid.position(points.positions[i]), ball.position(v)) > 1e-5) continue;
+      ++found;
+      const glm::uvec3& face = ball.triangles[points.faces[i]];
+      EXPECT_TRUE(face.x == v || face.y == v || face.z == v);
+    }
+    EXPECT_EQ(found, 1u) << v;
+  }
+}
+
+TEST(Measure, TakesFewerPointsWhereThereWouldBeTooMany) {
+  // 2.1e7 points if they were as close as asked for. Points half as far apart again are 1 / 2.25 as many.
+  const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {64, 0, 0}, {0, 64, 0}}, {{0, 1, 2}});
+  const double step = std::sqrt(0.5 * 64 * 64 / 2.1e7);
+  const SurfacePoints points = surfacePoints(mesh, {.dims = glm::ivec3(64), .spacing = 1.0}, step);
+  EXPECT_GT(points.positions.size(), 0.9 * 2.1e7 / 2.25);
+  EXPECT_LT(points.positions.size(), 1.5 * 2.1e7 / 2.25);
 }
 
 TEST(Measure, KnowsTheSurfaceOfAHollow) {

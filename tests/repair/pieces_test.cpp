@@ -101,6 +101,24 @@ TEST(Pieces, ThatTouchOrOverlapAreNotApart) {
   EXPECT_FALSE(nested(joined(cube(0, 10), box({5, 5, 5}, {15, 15, 15})), 64).areApart);
 }
 
+TEST(Pieces, TouchWithinAShareOfTheirSize) {
+  // A side of a tetrahedron is parallel to one of a cube. The vertices are relative to 0, where floats tell
+  // such gaps apart.
+  const auto areApart = [](float size, float share) {
+    Mesh mesh{.triangles = cube(0, 1).triangles};
+    for (int i = 0; i < 8; ++i) mesh.vertices.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {{-share, 0.4, 0.4}, {-share, 0.4, 0.6}, {-share, 0.6, 0.4}, {-0.2, 0.4, 0.4}});
+    mesh.triangles.insert(mesh.triangles.end(), {{8, 10, 9}, {8, 9, 11}, {9, 10, 11}, {10, 8, 11}});
+    for (glm::vec3& v : mesh.vertices) v *= size;
+    return nested(mesh, 1).areApart;
+  };
+  for (const float size : {1e-3f, 1.0f, 1e3f}) {
+    EXPECT_FALSE(areApart(size, 0.5e-10f)) << size;
+    EXPECT_TRUE(areApart(size, 2e-10f)) << size;
+  }
+}
+
 TEST(Pieces, AreNotApartIfTheOnlyRayOfOneStartsOnAnother) {
   // The first face of the tetrahedron lies in a side of the cube. No ray says that it is inside.
   const std::vector<glm::dvec3> p{{0, 4, 4}, {0, 4, 6}, {0, 6, 4}, {-2, 4, 4}};
@@ -160,6 +178,14 @@ TEST(DropPieces, KeepsPartsOfEqualSizeAndAtTheLimit) {
   EXPECT_EQ(chosen(two, {.dropSmaller = 1.001}, report).count, 2u);
 }
 
+TEST(DropPieces, CountsAPieceWithoutVolumeAsDropped) {
+  const Pieces found{.ids = {0, 1}, .pieces = {{.volume = 1.0}, {.volume = 0.0}}};
+  RepairReport report;
+  EXPECT_EQ(choosePieces(found, {}, false, report).isDropped, (std::vector<bool>{false, true}));
+  expectRemoved(report.dropped, 1, 0.0, 0.0);
+  EXPECT_EQ(report.filled.count, 0u);
+}
+
 TEST(DropPieces, LeavesTheFacesAndVerticesOfTheOthers) {
   Mesh mesh = nestedCubes();
   const Mesh all = mesh;
@@ -205,16 +231,20 @@ TEST(DropPieces, GivesSamplesTheSideOfTheSpaceAroundThem) {
 }
 
 TEST(DropPieces, FillsOnlySamplesOfTheGrid) {
-  const Mesh mesh = joined(box({-20, -20, -20}, {20, 20, 20}), box({30, -5, -5}, {40, 5, 5}));
   const Grid grid{.dims = {4, 4, 4}, .origin = glm::dvec3(36, 0, 0), .spacing = 2.0};
-  Field solid = constantField(grid, -1.0f);
-  const Pieces found = nested(mesh);
-  RepairReport report;
-  dropFrom(solid, mesh, found, choosePieces(found, {.dropSmaller = 2000.0}, false, report));
-  for (int k = 0; k < 4; ++k)
-    for (int j = 0; j < 4; ++j)
-      for (int i = 0; i < 4; ++i)  // The side at x = 40 is inside on neither side of the sample.
-        EXPECT_EQ(solid.distance[grid.index({i, j, k})] > 0.0f, i <= 2 && j <= 2 && k <= 2) << i << j << k;
+  for (const double y : {5.0, 15.0})  // The grid ends at 6.
+    for (const double z : {5.0, 15.0}) {
+      const Mesh mesh = joined(box({-20, -20, -20}, {20, 20, 20}), box({30, -5, -5}, {40, y, z}));
+      Field solid = constantField(grid, -1.0f);
+      const Pieces found = nested(mesh);
+      RepairReport report;
+      dropFrom(solid, mesh, found, choosePieces(found, {.dropSmaller = 5000.0}, false, report));
+      for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j)
+          for (int i = 0; i < 4; ++i)  // The side at x = 40 is inside on neither side of the sample.
+            EXPECT_EQ(solid.distance[grid.index({i, j, k})] > 0.0f, i <= 2 && 2 * j < y && 2 * k < z)
+                << i << j << k;
+    }
 }
 
 TEST(DropPieces, WarnsOfWhatMayBeMissed) {

@@ -6,8 +6,10 @@
 
 #include "analytic_fields.h"
 #include "closed_mesh.h"
+#include "mesh/face_points.h"
 #include "reference.h"
 #include "shapes.h"
+#include "simplify/decimate.h"
 
 namespace raymap {
 namespace {
@@ -82,6 +84,19 @@ TEST(Simplify, HasFewerFacesTheLargerTheTolerance) {
     faces = result.mesh.triangles.size();
   }
   EXPECT_LT(faces, 300u);
+}
+
+TEST(Simplify, KnowsHowFarOffItsEdgesAre) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::sphere(p, 1.0); });
+  const Simplified result = simplified(ball, kSpacing);
+  for (const glm::uvec3& t : result.mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const dvec3 from = result.mesh.position(t[c]), to = result.mesh.position(t[(c + 1) % 3]);
+      if (t[c] > t[(c + 1) % 3]) continue;  // The other face has the same edge.
+      forEachEdgePoint(
+          from, to, partsOf(Decimator::kEdgePoints * glm::distance(from, to), kSpacing),
+          [&](const dvec3& p) { EXPECT_LE(reference::distance(ball, p), result.deviation * (1.0 + 1e-6)); });
+    }
 }
 
 TEST(Simplify, KeepsSolidsThatAreCloseToEachOtherApart) {

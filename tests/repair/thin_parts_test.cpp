@@ -71,6 +71,23 @@ TEST(ThinParts, GrowToTheLeastThickness) {
   }
 }
 
+TEST(ThinParts, AreTheEdgesOfWedges) {
+  // A prism along y, 2 high at x = 0, that runs out to an edge at x = 10.
+  const std::vector<glm::dvec3> p{{0, 0, -1}, {10, 0, 0}, {0, 0, 1}, {0, 6, -1}, {10, 6, 0}, {0, 6, 1}};
+  const Mesh wedge = shapes::rotated(
+      makeMesh(p, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}}));
+  const Repaired solid = solidOf(wedge, {.minThickness = kLeast});
+  expectSound(solid);
+  // 3 of the two slopes' 10 are less than the least thickness apart.
+  const double area = 2.0 * 6.0 * std::hypot(10.0, 1.0);
+  EXPECT_NEAR(solid.report.thickenedShare, 0.3 * area / (area + 2.0 * 6.0 + 2.0 * 10.0), 0.03);
+  for (const double x : {8.0, 8.5, 9.0, 9.5}) {
+    const glm::dvec3 middle = shapes::kTurn * glm::dvec3(x, 3, 0);
+    EXPECT_NEAR(reference::distance(solid.mesh, middle), 0.5 * kLeast, 0.03) << x;
+    EXPECT_NEAR(reference::windingNumber(solid.mesh, middle), 1.0, 1e-6) << x;
+  }
+}
+
 TEST(ThinParts, LeaveThickOnesAsTheyAre) {
   const Mesh mesh = shapes::rotated(shapes::box({0, 0, 0}, {8, 6, 0.7}));
   const Repaired plain = solidOf(mesh, {}), thick = solidOf(mesh, {.minThickness = kLeast});
@@ -137,16 +154,19 @@ TEST(ThinParts, AreSheetsAlone) {
 
 TEST(ThinParts, AreRefusedWithLengthsThatSaySomething) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1e-6, 1e-6, 1e-6});
-  const RepairOptions how{.minThickness = 1e-8};
-  const Grid grid = fitRepairGrid(mesh, {.voxelSize = 2e-8}, how);
-  try {
-    repair(mesh, grid, {}, how);
-    ADD_FAILURE() << "made a plate thinner than two samples";
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "a least thickness of 1e-08 is less than two samples (4e-08); use a voxel size "
-              "of at most 5e-09");
-  }
+  const auto messageFor = [&](const RepairOptions& how) -> std::string {
+    try {
+      repair(mesh, fitRepairGrid(mesh, {.voxelSize = 2e-8}, how), {}, how);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(messageFor({.minThickness = 1e-8}),
+            "a least thickness of 1e-08 is less than two samples (4e-08); use a voxel size "
+            "of at most 5e-09");
+  EXPECT_EQ(messageFor({.shell = 3e-8}),
+            "a wall of 3e-08 is thinner than two samples (4e-08); use more samples");
 }
 
 TEST(ThinParts, AreThickAfterTheOffset) {
