@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "terminal.h"
 
@@ -170,7 +171,9 @@ template <class Value, class IsIn>
 CLI::Validator valueIn(const std::string& range, IsIn isIn) {
   return {[=](const std::string& text) -> std::string {
             Value value{};
-            if (CLI::detail::lexical_cast(text, value) && isIn(value)) return {};
+            const bool isNegated =
+                std::is_unsigned_v<Value> && text.starts_with('-');  // CLI11 would wrap it.
+            if (!isNegated && CLI::detail::lexical_cast(text, value) && isIn(value)) return {};
             return "must be " + range + ", not " + text;
           },
           ""};

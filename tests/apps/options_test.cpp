@@ -246,9 +246,10 @@ TEST_F(CliOptions, AreOnManPages) {
   for (const std::string& command : commands()) {
     const std::string page = succeed("manual " + command).out;
     EXPECT_EQ(page.find(".TH raymap\\-" + command + " 1"), 0u) << page;
-    for (const auto& [option, text] : entries(command))
-      if (option != "--help")
-        EXPECT_NE(page.find(std::regex_replace(option, std::regex("-"), "\\-")), std::string::npos) << option;
+    for (const auto& [option, text] : entries(command)) {
+      const std::string name = std::regex_replace(option, std::regex("-"), "\\-");
+      EXPECT_TRUE(option == "--help" || page.find(name) != std::string::npos) << option;
+    }
   }
   EXPECT_EQ(shell("command -v groff || exit 0; $R manual repair | groff -man -Tutf8 -ww -z").err, "");
   expectFailure("manual paint", ErrorCode::Usage, "there is no command paint");

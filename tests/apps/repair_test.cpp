@@ -197,7 +197,7 @@ TEST_F(CliRepair, RepairsInUnitsAndAxes) {
   const Json options = json("s.json")["options"];
   EXPECT_EQ(options["unit"], "mm");
   EXPECT_EQ(options["scale"], 1.0);
-  EXPECT_EQ(options["up"], "y");
+  EXPECT_EQ(options["up"], Json({0.0, 1.0, 0.0}));
   succeed("repair ball.glb -o plain.glb --resolution 20 --stats t.json");
   EXPECT_EQ(json("t.json")["options"]["unit"], "m");
   EXPECT_TRUE(json("t.json")["options"]["up"].is_null());
