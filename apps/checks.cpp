@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "terminal.h"
 
@@ -91,6 +92,19 @@ void nameStandardOutput(const std::vector<Output>& outputs) {
       output.path = kStdout;
 }
 
+/// Throws `Error(Usage)` unless a file whose name tells its format has the format `name`.
+void checkRepeated(const std::string& name, const std::vector<Input>& inputs,
+                   const std::vector<Output>& outputs) {
+  std::string files;
+  const auto isNamed = [&](const auto& file) {
+    if (!file.path.empty()) files += (files.empty() ? "" : " and ") + file.path.string();
+    return hasExtension(file.path, {name});
+  };
+  if (std::ranges::none_of(outputs, isNamed) && std::ranges::none_of(inputs, isNamed))
+    throw Error(ErrorCode::Usage, "--format " + name.substr(1) + ": is not what the names of " + files +
+                                      " say; leave it out, or rename the file");
+}
+
 /// Decides which files --format is about.
 void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
                   const std::vector<Output>& outputs) {
@@ -109,8 +123,10 @@ void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
   assign(outputs, format.output);
   assign(inputs, format.input);
   const std::string start = "--format " + format.given + ": ";
-  if (asked.empty())
-    throw Error(ErrorCode::Usage, start + "the names of all files tell their formats; leave it out");
+  if (asked.empty()) {
+    checkRepeated(name, inputs, outputs);
+    return;
+  }
   if (std::find(asked.begin(), asked.end(), name) == asked.end())
     throw Error(ErrorCode::Usage, start + "must be " + endings(asked));
 }
@@ -140,10 +156,6 @@ std::optional<uint64_t> bytesOf(const std::string& text) {
 
 }  // namespace
 
-CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite) {
-  return command.add_flag("--overwrite", mayOverwrite, "Allow an output to replace an input");
-}
-
 void checkInputs(const std::vector<Output>& outputs, const std::vector<fs::path>& inputs) {
   for (const Output& output : outputs)
     for (const fs::path& input : inputs)
@@ -152,25 +164,42 @@ void checkInputs(const std::vector<Output>& outputs, const std::vector<fs::path>
                                           input.string() + "; to replace it: --overwrite");
 }
 
-CLI::Validator numberFrom(double low, bool isOpen) {
-  const std::string limit = (isOpen ? "above " : "at least ") + CLI::detail::to_string(low);
+namespace {
+
+/// Accepts a text that is a value which `isIn` accepts.
+template <class Value, class IsIn>
+CLI::Validator valueIn(const std::string& range, IsIn isIn) {
   return {[=](const std::string& text) -> std::string {
-            double value = 0.0;
-            const bool isNumber = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-            if (isNumber && (isOpen ? value > low : value >= low)) return {};
-            return "must be a number " + limit + ", not " + text;
+            Value value{};
+            const bool isNegated =
+                std::is_unsigned_v<Value> && text.starts_with('-');  // CLI11 would wrap it.
+            if (!isNegated && CLI::detail::lexical_cast(text, value) && isIn(value)) return {};
+            return "must be " + range + ", not " + text;
           },
-          (isOpen ? "> " : ">= ") + CLI::detail::to_string(low)};
+          ""};
+}
+
+}  // namespace
+
+CLI::Validator numberFrom(double low, bool isOpen) {
+  return valueIn<double>(
+      std::string("a number ") + (isOpen ? "above " : "at least ") + CLI::detail::to_string(low),
+      [=](double value) { return std::isfinite(value) && (isOpen ? value > low : value >= low); });
+}
+
+CLI::Validator anyNumber() {
+  return valueIn<double>("a number", [](double value) { return std::isfinite(value); });
 }
 
 CLI::Validator wholeNumberFrom(int low) {
-  return {[=](const std::string& text) -> std::string {
-            int value = 0;
-            if (CLI::detail::lexical_cast(text, value) && value >= low) return {};
-            return "must be a whole number from " + std::to_string(low) + " to " +
-                   std::to_string(std::numeric_limits<int>::max()) + ", not " + text;
-          },
-          ">= " + std::to_string(low)};
+  return valueIn<int>(
+      "a whole number from " + std::to_string(low) + " to " + std::to_string(std::numeric_limits<int>::max()),
+      [=](int value) { return value >= low; });
+}
+
+CLI::Validator wholeNumber() {
+  return valueIn<uint64_t>("a whole number from 0 to " + std::to_string(std::numeric_limits<uint64_t>::max()),
+                           [](uint64_t) { return true; });
 }
 
 CLI::Validator sizeInBytes() {
@@ -190,14 +219,6 @@ bool hasExtension(const fs::path& path, const std::vector<std::string>& extensio
   return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
 }
 
-void addFormatOption(CLI::App& command, StreamFormat& format) {
-  command
-      .add_option("--format", format.given,
-                  "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if "
-                  "that is such a file. An input without it is recognised by its first bytes")
-      ->type_name("FORMAT");
-}
-
 void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs,
                   const std::vector<Output>& outputs) {
   nameStandardInput(inputs);
@@ -206,6 +227,7 @@ void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs,
   checkOutputs(outputs, format.output);
   for (const Output& output : outputs)
     if (output.path == kStdout) output.path = keepStdoutForData();
+  silenceText();
 }
 
 }  // namespace raymap

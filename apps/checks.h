@@ -10,8 +10,14 @@ namespace raymap {
 /// Accepts a finite number of at least `low`; above `low` if `isOpen`.
 CLI::Validator numberFrom(double low, bool isOpen = false);
 
+/// Accepts any finite number.
+CLI::Validator anyNumber();
+
 /// Accepts a whole number of at least `low` that fits into an int.
 CLI::Validator wholeNumberFrom(int low);
+
+/// Accepts a whole number from 0 on that fits into 64 bits.
+CLI::Validator wholeNumber();
 
 /// Replaces a size such as 500MB, 1.5GB or 1e9 by its number of bytes. Units are powers of 1024.
 CLI::Validator sizeInBytes();
@@ -35,9 +41,6 @@ struct StreamFormat {
   std::string input, output;
 };
 
-/// Adds the option --format to a command.
-void addFormatOption(CLI::App& command, StreamFormat& format);
-
 /// Prepares the files of a command:
 /// - Replaces - by standard input or output. If data goes there, all text goes to stderr from now on.
 /// - Finds which files --format is about: those to write whose names do not tell their format, or else those
@@ -47,9 +50,6 @@ void addFormatOption(CLI::App& command, StreamFormat& format);
 ///
 /// Throws `Error(Usage)` or `Error(File)`.
 void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs, const std::vector<Output>& outputs);
-
-/// Adds `--overwrite`, which allows outputs that are inputs.
-CLI::Option* addOverwriteOption(CLI::App& command, bool& mayOverwrite);
 
 /// Throws `Error(Usage)` if an output is the same file as an input, also through links.
 void checkInputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);

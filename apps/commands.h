@@ -16,5 +16,7 @@ void addCompare(CLI::App& app);
 void addConvert(CLI::App& app);
 void addExample(CLI::App& app);
 void addDevices(CLI::App& app);
+void addCompletion(CLI::App& app);
+void addManual(CLI::App& app);
 
 }  // namespace raymap

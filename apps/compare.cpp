@@ -6,6 +6,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
+#include "options.h"
 #include "report.h"
 
 namespace raymap {
@@ -28,7 +29,7 @@ struct Arguments {
   StreamFormat format;
   fs::path a, b, picture;
   std::string as;
-  bool isJson = false;
+  bool isJson = false, mayOverwrite = false;
 };
 
 void printCount(const char* what, size_t count, const Comparison& found) {
@@ -64,8 +65,10 @@ FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
 }
 
 void run(Arguments& arguments) {
+  const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
-               {{"--output", arguments.picture, {".png"}}});
+               outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
   Field a = readField(arguments.a, {.format = arguments.format.input}),
         b = readField(arguments.b, {.format = arguments.format.input});
   const FieldArray array = chooseCommon(arguments, a, b);
@@ -89,11 +92,11 @@ void addCompare(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("a", arguments->a, "First field")->type_name("FIELD")->required();
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
-  command->add_option("-o,--output", arguments->picture, "Picture of the differences, .png")
-      ->type_name("FILE");
-  addFormatOption(*command, arguments->format);
-  addArrayOption(*command, arguments->as);
-  command->add_flag("--json", arguments->isJson, "Print JSON");
+  addOption(*command, "--output", arguments->picture);
+  addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--as", arguments->as);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addJsonOption(*command, arguments->isJson);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

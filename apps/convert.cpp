@@ -6,6 +6,7 @@
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -16,7 +17,6 @@ namespace {
 struct Arguments {
   StreamFormat format;
   std::filesystem::path input, output;
-  bool recenter = false;
   bool mayOverwrite = false;
   MeshUnits units;
 };
@@ -35,17 +35,15 @@ void writeConverted(const Arguments& arguments, Mesh& mesh) {
                               output = named(arguments.output, arguments.format.output);
   checkMeshUnits(arguments.units, output);
   convertUnits(mesh, arguments.units, input, output);
-  const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.recenter,
+  const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.units.recenter,
                                                        .unit = writtenUnit(arguments.units, input),
                                                        .format = arguments.format.output});
   writeMesh(arguments.output, mesh, options);
   printWritten(arguments.output, options);
 }
 
-void writeConverted(const Arguments& arguments, const Field& field) {
-  if (arguments.units.areGiven() || arguments.recenter)
-    throw Error(ErrorCode::Usage, "--unit, --scale, --up and --recenter are for meshes, and " +
-                                      arguments.input.string() + " is a field; leave them out");
+void writeConverted(const Arguments& arguments, Field& field) {
+  convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
   writeField(arguments.output, field, {.array = heldArray(field), .format = arguments.format.output});
   printWritten(arguments.output);
 }
@@ -57,7 +55,7 @@ void run(Arguments& arguments) {
   std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     writeConverted(arguments, *mesh);
-  else if (const Field* field = std::get_if<Field>(&read))
+  else if (Field* field = std::get_if<Field>(&read))
     writeConverted(arguments, *field);
 }
 
@@ -75,13 +73,12 @@ void addConvert(CLI::App& app) {
                    ".ply, .obj, .stl, .glb or .3mf")
       ->type_name("FILE")
       ->required();
-  addRecenterOption(*command, arguments->recenter);
-  addOverwriteOption(*command, arguments->mayOverwrite);
-  addFormatOption(*command, arguments->format);
+  addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
   command->footer(
       "Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply\n"
       "  raymap convert car.glb car.3mf --unit mm --up y");
-  addMeshUnits(*command, arguments->units);
+  addMeshOutputOptions(*command, arguments->units);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "commands.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -112,13 +113,12 @@ void testAll(const std::string& asked, bool isJson) {
 void addDevices(CLI::App& app) {
   CLI::App* command = app.add_subcommand("devices", "List the devices that can compute a field");
   const auto isJson = std::make_shared<bool>(false);
-  command->add_flag("--json", *isJson, "Print JSON");
+  addJsonOption(*command, *isJson);
   const auto tested = std::make_shared<std::string>();
-  CLI::Option* test = command->add_option(
-      "--test", *tested, "Test this GPU, or every one: compare every stage and whole fields with the CPU");
-  test->expected(0, 1)->type_name("[vulkan:K]");
+  CLI::Option* test = addOption(*command, "--test", *tested)->expected(0, 1);
   command->footer(kFooter);
   command->callback([isJson, tested, test] {
+    silenceText();
     if (test->count() > 0) {
       testAll(*tested, *isJson);
       return;

@@ -3,6 +3,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "example_mesh.h"
+#include "options.h"
 #include "report.h"
 
 namespace raymap {
@@ -12,10 +13,11 @@ void addExample(CLI::App& app) {
     std::filesystem::path mesh;
     bool holes = false;
   };
-  CLI::App* command = app.add_subcommand("example", "Write an example mesh: a globe of 95,000 triangles");
+  CLI::App* command =
+      app.add_subcommand("example", "Write an example mesh as .ply: a globe of 95,000 triangles");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("-o,--output", arguments->mesh, "Mesh to write, .ply")->type_name("FILE")->required();
-  command->add_flag("--holes", arguments->holes, "Tear holes into the mesh");
+  addOption(*command, "--output", arguments->mesh)->required();
+  addOption(*command, "--holes", arguments->holes);
   command->footer("Example:\n  raymap example -o torn.ply --holes");
   command->callback([arguments] {
     StreamFormat format;

@@ -3,9 +3,6 @@
 #include <raymap/error.h>
 #include <raymap/names.h>
 
-#include <span>
-#include <vector>
-
 namespace raymap {
 
 namespace {
@@ -30,15 +27,6 @@ FieldArray heldArray(const Field& field) {
   for (const FieldArray array : {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence})
     if (hasArray(field, array)) return array;
   return FieldArray::Triangle;
-}
-
-void addArrayOption(CLI::App& command, std::string& as) {
-  const std::span<const std::string_view> accepted = names<FieldArray>();
-  command
-      .add_option("--as", as,
-                  "Array to show: distance, winding, confidence or triangle (default: what the file says it "
-                  "holds; a .npy of floats holds distances)")
-      ->check(CLI::IsMember(std::vector<std::string>(accepted.begin(), accepted.end())));
 }
 
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field) {

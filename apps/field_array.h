@@ -2,7 +2,6 @@
 
 #include <raymap/field.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
@@ -10,9 +9,6 @@ namespace raymap {
 
 /// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
 FieldArray heldArray(const Field& field);
-
-/// Adds the option --as, which names the array to show.
-void addArrayOption(CLI::App& command, std::string& as);
 
 /// Returns the array to show: the one named by --as, or the file's own if `as` is empty. A file that has only
 /// one array of floats holds what --as says: a .npy keeps no name. Throws `Error(Usage)` if the file has no

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh_units.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -20,17 +21,17 @@ struct FieldArguments {
   std::filesystem::path offsets;
   FieldOptions options;
   MachineOptions machine;
+  MeshUnits units;
 };
 
 /// Adds the options of all of them, in groups, to a command.
 void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 
 // Add some of them.
-void addSpacingOptions(CLI::App& command, GridOptions& grid, int defaultResolution);
-void addOrientationOption(CLI::App& command, FieldArguments& arguments);
-void addMachineOptions(CLI::App& command, FieldArguments& arguments);
-void addCpuOptions(CLI::App& command, FieldArguments& arguments);
-void addThresholdOption(CLI::App& command, FieldArguments& arguments);
+void addSpacingOptions(CLI::App& command, GridOptions& grid);
+void addGridOptions(CLI::App& command, FieldArguments& arguments);
+void addCpuOptions(CLI::App& command, MachineOptions& machine);
+void addMachineOptions(CLI::App& command, MachineOptions& machine);
 
 /// Converts arguments given as text into `grid` and `options`. Throws `Error(Usage)` if they contradict each
 /// other.
@@ -43,7 +44,8 @@ MachineOptions withProgress(MachineOptions machine, ProgressLine& line);
 std::vector<std::string> meshAndFieldExtensions();
 
 /// Reads a field, or reads a mesh and makes its field. `format` counts if the file's name does not tell.
-Field loadField(const std::filesystem::path& path, const FieldArguments& arguments,
-                const std::string& format);
+/// A mesh is turned to the axis that is up in the file to write, `result`, if there is one.
+Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
+                const std::filesystem::path& result = {});
 
 }  // namespace raymap

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "view_options.h"
@@ -138,11 +139,6 @@ Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& 
   return json;
 }
 
-void writeJson(const fs::path& path, const Json& json, Report& report) {
-  writeAtomically(path, [&](std::ostream& out) { out << textOf(json); });
-  report.written.push_back(path);
-}
-
 void print(const Arguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
@@ -165,9 +161,13 @@ void print(const Arguments& arguments, const Report& report) {
 }
 
 void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report) {
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report), report);
-  if (!arguments.report.empty())
-    writeJson(arguments.report, describeDefects(arguments, mesh, field, report), report);
+  const auto write = [&](const fs::path& path, auto&& describe) {
+    if (path.empty()) return;
+    writeJson(path, describe());
+    report.written.push_back(path);
+  };
+  write(arguments.stats, [&] { return describe(arguments, report); });
+  write(arguments.report, [&] { return describeDefects(arguments, mesh, field, report); });
   if (arguments.reportPicture.empty()) return;
   const RenderOptions view = defaultView(isZUp(arguments.mesh, arguments.format.input));
   writePng(arguments.reportPicture, renderDefects(mesh, view));
@@ -183,7 +183,8 @@ void run(Arguments& arguments) {
   Report report;
   Mesh mesh;
   Field field;
-  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
+  timeStep(report.before, "load",
+           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
   {
     ProgressLine line;
     // The summary line needs no more. The files list everything.
@@ -203,18 +204,15 @@ void run(Arguments& arguments) {
 }
 
 void addOutputOptions(CLI::App& command, Arguments& arguments) {
-  const auto add = [&](const char* name, fs::path& path, const char* help) {
-    return command.add_option(name, path, help)->type_name("FILE")->group("Files");
-  };
-  add("-o,--output", arguments.field, "Field to write: .vdb, .nrrd, .npz, .vti, or .npy (without its grid)")
-      ->required();
-  addFormatOption(command, arguments.format);
-  add("--triangle-ids", arguments.triangleIds, "Also write the index of each sample's closest triangle");
-  add("--winding", arguments.winding, "Also write the winding number");
-  add("--confidence", arguments.confidence, "Also write the confidence in the sign, 0 to 1");
-  add("--stats", arguments.stats, "Also write figures of the mesh, the grid and every stage, as .json");
-  add("--report", arguments.report, "Also write the mesh's defects and the uncertain signs, as .json");
-  add("--report-picture", arguments.reportPicture, "Also draw the mesh with its defects in colour, as .png");
+  addOption(command, "--output", arguments.field)->required();
+  addOption(command, "--format", arguments.format.given);
+  addOption(command, "--triangle-ids", arguments.triangleIds);
+  addOption(command, "--winding", arguments.winding);
+  addOption(command, "--confidence", arguments.confidence);
+  addFigureOptions(command, arguments.stats);
+  addOption(command, "--report", arguments.report);
+  addOption(command, "--report-picture", arguments.reportPicture);
+  addOption(command, "--overwrite", arguments.mayOverwrite);
 }
 
 }  // namespace
@@ -226,7 +224,7 @@ void addGenerate(CLI::App& app) {
       ->type_name("MESH")
       ->required();
   addOutputOptions(*command, *arguments);
-  addOverwriteOption(*command, arguments->mayOverwrite)->group("Files");
+  addUnitOptions(*command, arguments->units);
   addFieldOptions(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -8,7 +8,9 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_options.h"
 #include "mesh_units.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "verdict.h"
@@ -87,6 +89,9 @@ void addInfo(CLI::App& app) {
     std::filesystem::path mesh, picture;
     bool isJson = false, isFast = false;
     StreamFormat format;
+    bool mayOverwrite = false;
+    MeshUnits units;
+    MachineOptions machine;
     ViewArguments view;
   };
   CLI::App* command = app.add_subcommand("info", "Report a mesh's size, topology and defects");
@@ -94,36 +99,34 @@ void addInfo(CLI::App& app) {
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
-  addFormatOption(*command, arguments->format);
-  command->add_flag("--json", arguments->isJson, "Print JSON");
-  command->add_flag(
-      "--fast", arguments->isFast,
-      "Do not count crossing pairs of faces, nor measure the thickness: takes less than half of the time");
-  command
-      ->add_option(
-          "--picture", arguments->picture,
-          "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that "
-          "cross others orange, flipped faces blue, duplicates yellow, double-sided ones green")
-      ->type_name("FILE");
+  addOption(*command, "--format", arguments->format.given);
+  addJsonOption(*command, arguments->isJson);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addUnitOptions(*command, arguments->units);
+  addOption(*command, "--fast", arguments->isFast);
+  addOption(*command, "--picture", arguments->picture);
+  addCpuOptions(*command, arguments->machine);
   addViewOptions(*command, arguments->view);
   command->footer(kFooter);
   command->callback([arguments] {
-    prepareFiles(arguments->format, {{arguments->mesh, meshExtensions()}},
-                 {{"--picture", arguments->picture, {".png"}}});
+    const std::vector<Output> outputs{{"--picture", arguments->picture, {".png"}}};
+    prepareFiles(arguments->format, {{arguments->mesh, meshExtensions()}}, outputs);
+    if (!arguments->mayOverwrite) checkInputs(outputs, {arguments->mesh});
     RenderOptions view;
     setView(arguments->view, isZUp(arguments->mesh, arguments->format.input), view);
     if (arguments->isFast && !arguments->picture.empty())
       throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
-    const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input);
+    const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input, arguments->units);
     ProgressLine line;
-    const MachineOptions machine{.progress = line.callback()};
+    const MachineOptions machine = withProgress(arguments->machine, line);
     const Diagnostics found = diagnose(mesh, {}, machine);
     std::optional<SelfIntersections> crossings;
     if (!arguments->isFast) crossings = findSelfIntersections(mesh, machine);
     const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
     line.clear();
     if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
-    const std::optional<LengthUnit> unit = meshUnit(named(arguments->mesh, arguments->format.input));
+    const std::optional<LengthUnit> unit =
+        unitOf(arguments->units, named(arguments->mesh, arguments->format.input));
     if (!arguments->isJson) {
       print(found, crossings, unit);
       std::printf("\n%s", describe(verdict, found, crossings, arguments->mesh).c_str());

@@ -1,14 +1,17 @@
 #include <raymap/error.h>
 #include <raymap/version.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "commands.h"
+#include "options.h"
 #include "terminal.h"
+#include "usage.h"
 
 namespace raymap {
 
@@ -38,33 +41,6 @@ std::string commandName(const CLI::App& app) {
   return name;
 }
 
-/// Returns what is wrong with the arguments, in their order. CLI11 lists unknown ones last first, and reports
-/// a misspelt command only as missing.
-std::string describe(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<std::string> unknown = app.remaining(true);
-  if (app.get_subcommands().empty()) {
-    std::string text =
-        unknown.empty() ? "name a command:" : "unknown command '" + unknown.front() + "'; use one of:";
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-      text += " " + command->get_name();
-    return text;
-  }
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
-  std::string text = "not understood:";
-  for (const std::string& argument : unknown) text += " " + argument;
-  return text;
-}
-
-/// Returns the arguments, last first as CLI11 wants them. Writes -.5 as -0.5: CLI11 would take the former
-/// for an option.
-std::vector<std::string> readArguments(int argc, char** argv) {
-  std::vector<std::string> arguments(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + 1));
-  for (std::string& argument : arguments)
-    if (argument.size() > 2 && argument.starts_with("-.") && argument[2] >= '0' && argument[2] <= '9')
-      argument.insert(1, "0");
-  return arguments;
-}
-
 /// Returns the exit code of an error, as docs/cli.md lists it.
 int exitCode(ErrorCode code) {
   switch (code) {
@@ -88,12 +64,30 @@ int exitCode(ErrorCode code) {
   return 1;
 }
 
+/// Returns the arguments as CLI11 reads them. Options that every command has may stand before it, and
+/// `help COMMAND` stands for `COMMAND --help`.
+std::vector<std::string> readArguments(int argc, char** argv) {
+  std::vector<std::string> arguments = normalized(std::vector<std::string>(argv + 1, argv + argc));
+  constexpr std::array kAnywhere{"-q", "--quiet", "-v", "--verbose"};
+  const auto command = std::ranges::find_if(
+      arguments, [&](const std::string& argument) { return std::ranges::count(kAnywhere, argument) == 0; });
+  std::rotate(arguments.begin(), command, arguments.end());
+  if (!arguments.empty() && CLI::detail::to_lower(arguments.front()) == "help") {
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  return arguments;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
-  app.set_version_flag("--version", std::string("raymap ") + version().text);
+  app.set_version_flag("-V,--version", std::string("raymap ") + version().text, "Print the version");
+  app.set_help_flag("-h,--help", "Print this help");
   app.footer(kFooter);
   app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
+  app.ignore_case();
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   addGenerate(app);
   addInfo(app);
   addQuery(app);
@@ -105,8 +99,15 @@ int run(int argc, char** argv) {
   addConvert(app);
   addExample(app);
   addDevices(app);
+  addCompletion(app);
+  addManual(app);
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    command->group("Commands");
+    addTextOptions(*command);
+  }
+  const std::vector<std::string> arguments = readArguments(argc, argv);
   try {
-    app.parse(readArguments(argc, argv));
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 wants the last first.
     finishText();
     return 0;
   } catch (const CLI::ParseError& error) {
@@ -116,7 +117,8 @@ int run(int argc, char** argv) {
       return 0;
     }
     if (dynamic_cast<const CLI::RuntimeError*>(&error) != nullptr) return error.get_exit_code();
-    return fail(exitCode(ErrorCode::Usage), describe(app, error) + "; see " + commandName(app) + " --help");
+    return fail(exitCode(ErrorCode::Usage),
+                describeUsageError(app, error, arguments) + "; see " + commandName(app) + " --help");
   }
 }
 

@@ -1,12 +1,14 @@
 #include <raymap/raymap.h>
 
 #include <cstdio>
+#include <optional>
 
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -23,35 +25,64 @@ constexpr const char* kFooter = R"(Examples:
 Every edge of the result has exactly two faces, which point outwards. The result is closed where it reaches
 the grid's box.)";
 
+constexpr double kSimplifyTolerance = 0.1;  ///< In samples; that of `repair`, too.
+
 struct Arguments : FieldArguments {
   StreamFormat format;
-  std::filesystem::path input, mesh;
-  bool recenter = false;
+  std::filesystem::path input, mesh, stats;
   bool mayOverwrite = false;
   IsosurfaceOptions surface;
+  std::optional<double> tolerance;
+  const CLI::Option* closeHoles = nullptr;  ///< The option: yes unless it is given, where there is a sign.
 };
 
-Mesh makeSurface(const Field& field, const Arguments& arguments) {
+/// Makes the surface, and drops triangles within the tolerance.
+Simplified makeSurface(const Field& field, const Arguments& arguments) {
   ProgressLine line;
-  return isosurface(field, arguments.surface, withProgress(arguments.machine, line));
+  const MachineOptions machine = withProgress(arguments.machine, line);
+  Mesh mesh = isosurface(field, arguments.surface, machine);
+  const double tolerance = arguments.tolerance.value_or(kSimplifyTolerance * field.grid.spacing);
+  if (tolerance == 0.0) return {.mesh = std::move(mesh)};
+  return simplify(mesh, {.tolerance = tolerance, .step = field.grid.spacing}, machine);
+}
+
+Json describe(const Arguments& arguments, const Field& field, const Simplified& surface,
+              const StoredMesh& stored) {
+  return {{"raymap", version().text},
+          {"input", arguments.input.string()},
+          {"grid", {{"dims", toJson(field.grid.dims)}, {"spacing", field.grid.spacing}}},
+          {"triangles", stored.exact.triangles.size()},
+          {"vertices", stored.exact.vertices.size()},
+          {"deviation", surface.deviation},
+          {"file_offset", toJson(stored.options.offset)}};
 }
 
 void run(Arguments& arguments) {
+  if (arguments.closeHoles->count() == 0)
+    arguments.options.closeHoles = arguments.sign != "none" && arguments.options.thickness == 0.0;
   finishFieldArguments(arguments);
-  const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()}};
+  const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()},
+                                    {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
-  const StoredMesh stored = storeMesh(
-      arguments.mesh, makeSurface(loadField(arguments.input, arguments, arguments.format.input), arguments),
-      {.recenter = arguments.recenter,
-       .unit = writtenUnit({}, named(arguments.input, arguments.format.input)),
-       .format = arguments.format.output});
+  const std::filesystem::path output = named(arguments.mesh, arguments.format.output);
+  checkMeshUnits(arguments.units, output);
+  const Field field = loadField(arguments.input, arguments, arguments.format.input, output);
+  Simplified surface = makeSurface(field, arguments);
+  const StoredMesh stored =
+      storeMesh(arguments.mesh, std::move(surface.mesh),
+                {.recenter = arguments.units.recenter,
+                 .unit = writtenUnit(arguments.units, named(arguments.input, arguments.format.input)),
+                 .format = arguments.format.output});
   checkStored(stored);
   const Mesh& mesh = stored.exact;
   writeMesh(stored.path, mesh, stored.options);
-  std::printf("%s, %s\n", counted(mesh.triangles.size(), "triangle").c_str(),
-              mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str());
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, field, surface, stored));
+  std::printf("%s, %s, at most %.3g off the isosurface\n", counted(mesh.triangles.size(), "triangle").c_str(),
+              mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str(),
+              surface.deviation);
   printWritten(stored.path, stored.options);
+  if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
 }  // namespace
@@ -63,15 +94,15 @@ void addMesh(CLI::App& app) {
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
-  command->add_option("-o,--output", arguments->mesh, "Mesh to write: .ply, .obj, .stl, .glb or .3mf")
-      ->type_name("FILE")
-      ->required();
-  addOverwriteOption(*command, arguments->mayOverwrite);
-  addFormatOption(*command, arguments->format);
-  command->add_option("--iso", arguments->surface.iso,
-                      "Distance at which the surface lies, in the mesh's units (default 0)");
-  addRecenterOption(*command, arguments->recenter);
+  addOption(*command, "--output", arguments->mesh)->required();
+  addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addFigureOptions(*command, arguments->stats);
+  addMeshOutputOptions(*command, arguments->units);
+  addOption(*command, "--iso", arguments->surface.iso);
+  addOption(*command, "--tolerance", arguments->tolerance);
   addFieldOptions(*command, *arguments);
+  arguments->closeHoles = command->get_option("--close-holes");
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

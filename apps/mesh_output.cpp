@@ -67,12 +67,6 @@ std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact) {
 
 }  // namespace
 
-void addRecenterOption(CLI::App& command, bool& recenter) {
-  command.add_flag("--recenter", recenter,
-                   "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; "
-                   "the offset is printed, and noted in the file");
-}
-
 MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options) {
   return {.offset = options.recenter ? roundCentre(bounds(mesh)) : glm::dvec3(0.0),
           .unit = options.unit,

@@ -3,7 +3,6 @@
 #include <raymap/diagnostics.h>
 #include <raymap/io.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 namespace raymap {
@@ -15,9 +14,6 @@ struct StoredMesh {
   Mesh exact;   ///< The mesh before it is rounded.
   Mesh stored;  ///< The mesh as the file holds it, moved back by the offset.
 };
-
-/// Adds the option `--recenter`.
-void addRecenterOption(CLI::App& command, bool& recenter);
 
 /// How to store a mesh.
 struct StoreOptions {

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cfloat>
+#include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "checks.h"
+#include "options.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -27,6 +30,15 @@ std::optional<LengthUnit> unitNamed(const std::string& name) {
   return std::nullopt;
 }
 
+/// Returns the unit of the numbers of a file, if it is known.
+std::optional<LengthUnit> sourceOf(const MeshUnits& units, const std::filesystem::path& path) {
+  return units.from.empty() ? meshUnit(path) : unitNamed(units.from);
+}
+
+const std::string& targetOf(const MeshUnits& units) {
+  return units.to.empty() ? units.unit : units.to;
+}
+
 /// Returns the unit that programs take for granted in a file.
 std::optional<LengthUnit> impliedUnit(const std::filesystem::path& result) {
   if (hasExtension(result, {".stl"})) return LengthUnit::Millimetre;
@@ -36,18 +48,68 @@ std::optional<LengthUnit> impliedUnit(const std::filesystem::path& result) {
 
 void warnOfUnit(const MeshUnits& units, const std::filesystem::path& mesh,
                 const std::filesystem::path& result) {
-  const std::optional<LengthUnit> given = meshUnit(mesh), implied = impliedUnit(result);
-  if (!units.unit.empty() || !given || !implied || *given == *implied) return;
+  const std::optional<LengthUnit> given = unitOf(units, mesh), implied = impliedUnit(result);
+  if (!targetOf(units).empty() || !given || !implied || *given == *implied) return;
   printWarning(result.string() + ": its lengths are in " + nameOf(*given) + ", as in " + mesh.string() +
                ", but programs take them for " + nameOf(*implied) + "; --unit " + nameOf(*implied) +
                " converts them");
 }
 
-/// Turns the mesh by a quarter about x, so that y becomes z, or z becomes y.
-void turn(Mesh& mesh, bool toZ) {
-  const auto turned = [&](auto p) { return toZ ? decltype(p)(p.x, -p.z, p.y) : decltype(p)(p.x, p.z, -p.y); };
-  for (glm::vec3& vertex : mesh.vertices) vertex = turned(vertex);
-  mesh.origin = turned(mesh.origin);
+/// Returns the factor that converts the numbers of a file. Says so if a unit is taken for granted.
+double factorFor(const MeshUnits& units, const std::filesystem::path& path) {
+  const std::optional<LengthUnit> from = sourceOf(units, path), to = unitNamed(targetOf(units));
+  if (from && to) return units.scale * (millimetres(*from) / millimetres(*to));
+  if (!to) return units.scale;
+  if (!units.to.empty())
+    throw Error(ErrorCode::Usage, "--to " + units.to + ": " + displayName(path) +
+                                      " does not state its unit; add --from and the unit of its numbers");
+  std::printf(
+      "%s does not state its unit: its numbers are taken to be in %s, and stay; --from U --to %s "
+      "converts them from U\n",
+      displayName(path).c_str(), units.unit.c_str(), units.unit.c_str());
+  return units.scale;
+}
+
+glm::dvec3 vectorOf(const std::vector<double>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+/// Returns the least rotation of one unit vector to another; by half a turn about x, or y, to the opposite
+/// one. Exact for axes.
+glm::dmat3 rotationTo(const glm::dvec3& from, const glm::dvec3& to) {
+  const glm::dvec3 axis = glm::cross(from, to);
+  const double cosine = glm::dot(from, to);
+  if (cosine < -1.0 + 1e-12) {
+    const glm::dvec3 about = std::abs(from.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 normal = glm::normalize(about - from * glm::dot(about, from));
+    return 2.0 * glm::outerProduct(normal, normal) - glm::dmat3(1.0);
+  }
+  const glm::dmat3 k(0.0, axis.z, -axis.y, -axis.z, 0.0, axis.x, axis.y, -axis.x, 0.0);
+  return glm::dmat3(1.0) + k + k * k / (1.0 + cosine);
+}
+
+/// Returns the rotation by degrees about x, then y, then z. Exact for quarter turns.
+glm::dmat3 rotationBy(const glm::dvec3& degrees) {
+  glm::dmat3 result(1.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double quarters = degrees[axis] / 90.0;
+    const bool isExact = quarters == std::round(quarters);
+    const double angle = glm::radians(degrees[axis]);
+    const double sine = isExact ? std::round(std::sin(angle)) : std::sin(angle),
+                 cosine = isExact ? std::round(std::cos(angle)) : std::cos(angle);
+    glm::dmat3 turn(1.0);
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    turn[u][u] = turn[v][v] = cosine;
+    turn[u][v] = sine;
+    turn[v][u] = -sine;
+    result = turn * result;
+  }
+  return result;
+}
+
+void turn(Mesh& mesh, const glm::dmat3& rotation) {
+  for (glm::vec3& vertex : mesh.vertices) vertex = glm::vec3(rotation * glm::dvec3(vertex));
+  mesh.origin = rotation * mesh.origin;
 }
 
 void scale(Mesh& mesh, double factor, const MeshUnits& units) {
@@ -65,36 +127,40 @@ void scale(Mesh& mesh, double factor, const MeshUnits& units) {
 
 }  // namespace
 
-void addMeshUnits(CLI::App& command, MeshUnits& units) {
-  std::vector<std::string> names;
-  for (const auto& [name, unit] : kUnits) names.emplace_back(name);
-  command
-      .add_option(
-          "--unit", units.unit,
-          "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is "
-          "converted to it; the numbers of other files are taken to be in it. A .3mf states it")
-      ->check(CLI::IsMember(names))
-      ->type_name("U")
-      ->group("Units");
-  command.add_option("--scale", units.scale, "Multiply the mesh by this factor")
-      ->check(numberFrom(0, true))
-      ->group("Units");
-  command
-      .add_option("--up", units.up,
-                  "Axis that points up in the mesh, y or z; the result is turned to z up, a .glb to y up")
-      ->check(CLI::IsMember({"y", "z"}))
-      ->type_name("AXIS")
-      ->group("Units");
+std::vector<std::string> unitNames() {
+  std::vector<std::string> all;
+  for (const auto& [name, unit] : kUnits) all.emplace_back(name);
+  return all;
+}
+
+void addUnitOptions(CLI::App& command, MeshUnits& units) {
+  CLI::Option* unit = addOption(command, "--unit", units.unit);
+  addOption(command, "--from", units.from);
+  addOption(command, "--to", units.to)->excludes(unit);
+  addOption(command, "--scale", units.scale);
+  addOption(command, "--rotate", units.rotate);
+  addOption(command, "--translate", units.translate);
+}
+
+void addMeshOutputOptions(CLI::App& command, MeshUnits& units) {
+  addUnitOptions(command, units);
+  addOption(command, "--up", units.up);
+  addOption(command, "--recenter", units.recenter);
 }
 
 void checkMeshUnits(const MeshUnits& units, const std::filesystem::path& result) {
-  if (hasExtension(result, {".glb"}) && !units.unit.empty() && units.unit != "m")
-    throw Error(ErrorCode::Usage, "--unit " + units.unit + ": " + result.string() +
-                                      " is in metres, as its format demands; use --unit m");
+  const std::string& to = targetOf(units);
+  if (hasExtension(result, {".glb"}) && !to.empty() && to != "m")
+    throw Error(ErrorCode::Usage, (units.to.empty() ? "--unit " : "--to ") + to + ": " + result.string() +
+                                      " is in metres, as its format demands; use " +
+                                      (units.to.empty() ? "--unit m" : "--to m"));
+  if (!units.up.empty() && vectorOf(units.up) == glm::dvec3(0.0))
+    throw Error(ErrorCode::Usage, "--up: must be a direction, not 0 0 0");
 }
 
 std::optional<LengthUnit> unitOf(const MeshUnits& units, const std::filesystem::path& mesh) {
-  return units.unit.empty() ? meshUnit(mesh) : unitNamed(units.unit);
+  const std::string& to = targetOf(units);
+  return to.empty() ? sourceOf(units, mesh) : unitNamed(to);
 }
 
 LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh) {
@@ -105,14 +171,37 @@ glm::dvec3 downIn(const std::filesystem::path& result) {
   return hasExtension(result, {".glb"}) ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
 }
 
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& path,
+void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
+  if (!units.rotate.empty()) turn(mesh, rotationBy(vectorOf(units.rotate)));
+  if (const double factor = factorFor(units, from); factor != 1.0) scale(mesh, factor, units);
+  if (!units.translate.empty()) mesh.origin += vectorOf(units.translate);
+}
+
+void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
                   const std::filesystem::path& result) {
-  warnOfUnit(units, path, result);
-  const bool toZ = !hasExtension(result, {".glb"});
-  if (!units.up.empty() && (units.up == "z") != toZ) turn(mesh, toZ);
-  const std::optional<LengthUnit> from = meshUnit(path), to = unitNamed(units.unit);
-  const double factor = units.scale * (from && to ? millimetres(*from) / millimetres(*to) : 1.0);
-  if (factor != 1.0) scale(mesh, factor, units);
+  warnOfUnit(units, from, result);
+  if (!units.up.empty()) turn(mesh, rotationTo(glm::normalize(vectorOf(units.up)), -downIn(result)));
+  convertUnits(mesh, units, from);
+}
+
+void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from) {
+  if (!units.up.empty() || !units.rotate.empty() || units.recenter)
+    throw Error(ErrorCode::Usage, "--up, --rotate and --recenter are for meshes, and " + from.string() +
+                                      " is a field; leave them out, or turn the mesh before");
+  const double factor = factorFor(units, from);
+  const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
+  for (float& distance : field.distance) distance = float(distance * factor);
+  field.clampDistance *= factor;
+  field.grid.spacing *= factor;
+  field.grid.origin = factor * field.grid.origin + move;
+  if (field.surfaceBounds.min.x <= field.surfaceBounds.max.x)
+    field.surfaceBounds = {factor * field.surfaceBounds.min + move, factor * field.surfaceBounds.max + move};
+}
+
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units) {
+  Mesh mesh = loadMesh(path, format);
+  convertUnits(mesh, units, named(path, format));
+  return mesh;
 }
 
 std::filesystem::path named(const std::filesystem::path& path, const std::string& format) {

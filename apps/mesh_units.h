@@ -1,24 +1,36 @@
 #pragma once
 
+#include <raymap/field.h>
 #include <raymap/io.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace raymap {
 
-/// Options of a command that reads a mesh and writes one: what its numbers mean.
+/// What the numbers of a file mean, and where the mesh lies. Vectors are empty if they are not given.
 struct MeshUnits {
-  std::string unit;  ///< Unit of all lengths; empty: that of the mesh's file.
+  std::string from;  ///< Unit of the file's numbers; empty: the one that its format has.
+  std::string to;    ///< Unit of all lengths, for a file whose unit is known; empty: that of the file.
+  std::string unit;  ///< The same; a file without a unit is taken to be in it.
   double scale = 1.0;
-  std::string up;  ///< "y" or "z"; empty: the mesh is not turned.
-
-  bool areGiven() const { return !unit.empty() || scale != 1.0 || !up.empty(); }
+  std::vector<double> up;         ///< Direction that is up; empty: the mesh is not turned.
+  std::vector<double> rotate;     ///< Degrees about x, then y, then z.
+  std::vector<double> translate;  ///< In the unit of the result.
+  bool recenter = false;
 };
 
-void addMeshUnits(CLI::App& command, MeshUnits& units);
+/// Adds `--from`, `--to`, `--unit`, `--scale`, `--rotate` and `--translate`.
+void addUnitOptions(CLI::App& command, MeshUnits& units);
+
+/// Adds those, `--up` and `--recenter` to a command that writes a mesh.
+void addMeshOutputOptions(CLI::App& command, MeshUnits& units);
+
+/// Returns the names of units, as `--unit` takes them.
+std::vector<std::string> unitNames();
 
 /// Throws `Error(Usage)` if the options contradict the file to write.
 void checkMeshUnits(const MeshUnits& units, const std::filesystem::path& result);
@@ -32,10 +44,18 @@ LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh
 /// Returns the direction down in a file to write: y is up in a .glb, else z.
 glm::dvec3 downIn(const std::filesystem::path& result);
 
-/// Brings a mesh to the unit, the scale and the axis of the file to write. Warns if that format's unit is
-/// another one than the mesh's.
+/// Turns, scales and moves a mesh, in this order. Throws `Error(Usage)` if `to` is given and the unit of the
+/// file is not known.
+void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from);
+/// Turns it to the axis that is up in the file to write, too. Warns if that format's unit is another one than
+/// the mesh's.
 void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
                   const std::filesystem::path& result);
+/// Scales and moves a field. Throws `Error(Usage)` if the options would turn it, or as above.
+void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from);
+
+/// Reads a mesh as `loadMesh` does, and converts it.
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units);
 
 /// Returns the path of a file with the format that --format names appended. Its extension tells the format.
 std::filesystem::path named(const std::filesystem::path& path, const std::string& format);

@@ -10,6 +10,8 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
+#include "options.h"
+#include "query_arrays.h"
 #include "report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -38,21 +40,6 @@ struct Arguments : FieldArguments {
   bool isUnsigned = false, colour = false, mayOverwrite = false;
 };
 
-/// An array that may be asked for: its name and its member of the options.
-struct AskedArray {
-  const char* name;
-  bool QueryOptions::*isAsked;
-  size_t bytes;  ///< Size of a point's value.
-};
-
-constexpr std::array kArrays{AskedArray{"distance", &QueryOptions::distance, sizeof(double)},
-                             AskedArray{"closest", &QueryOptions::closest, sizeof(glm::dvec3)},
-                             AskedArray{"triangle", &QueryOptions::triangle, sizeof(uint32_t)},
-                             AskedArray{"barycentric", &QueryOptions::barycentric, sizeof(glm::dvec3)},
-                             AskedArray{"direction", &QueryOptions::direction, sizeof(glm::dvec3)},
-                             AskedArray{"winding", &QueryOptions::winding, sizeof(float)},
-                             AskedArray{"confidence", &QueryOptions::confidence, sizeof(float)}};
-
 /// Results of one run, for the summary and the statistics.
 struct Report {
   size_t triangles = 0, points = 0, notFinite = 0;
@@ -72,7 +59,7 @@ struct Report {
 
 QueryOptions askedFor(const Arguments& arguments) {
   QueryOptions options;
-  for (const AskedArray& array : kArrays)
+  for (const AskedArray& array : kQueryArrays)
     options.*array.isAsked = std::ranges::find(arguments.arrays, array.name) != arguments.arrays.end();
   options.maxDistance = arguments.maxDistance;
   return options;
@@ -98,7 +85,7 @@ void check(Arguments& arguments, const QueryOptions& asked) {
   require(!arguments.colour || (asked.distance && isWritten(arguments, ".ply")),
           "--colour needs the array distance and an output .ply");
   const auto count =
-      std::ranges::count_if(kArrays, [&](const AskedArray& array) { return asked.*array.isAsked; });
+      std::ranges::count_if(kQueryArrays, [&](const AskedArray& array) { return asked.*array.isAsked; });
   require(count == 1 || !isWritten(arguments, ".npy"),
           "a .npy holds one array; name one with --arrays, or write a .npz");
 }
@@ -113,7 +100,7 @@ size_t limitOfSurface(const Arguments& arguments, const QueryOptions& asked, siz
   const size_t limit = arguments.machine.memoryLimit;
   if (limit == 0) return 0;
   size_t bytes = sizeof(glm::dvec3);
-  for (const AskedArray& array : kArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
+  for (const AskedArray& array : kQueryArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
   bytes *= points;
   if (bytes >= limit)
     throw Error(ErrorCode::Memory,
@@ -148,7 +135,7 @@ void count(std::span<const glm::dvec3> points, const QueryResult& result, Report
 
 Json describe(const Arguments& arguments, const QueryOptions& asked, const Report& report) {
   Json arrays = Json::array();
-  for (const AskedArray& array : kArrays)
+  for (const AskedArray& array : kQueryArrays)
     if (asked.*array.isAsked) arrays.push_back(array.name);
   Json json{
       {"raymap", version().text},
@@ -204,7 +191,8 @@ void run(Arguments& arguments) {
   Mesh mesh;
   std::vector<glm::dvec3> points;
   QueryResult result;
-  timeStep(report.before, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
+  timeStep(report.before, "load",
+           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
   report.triangles = mesh.triangles.size();
@@ -219,40 +207,18 @@ void run(Arguments& arguments) {
   }
   timeStep(report.after, "write", [&] { writeResults(arguments, points, result); });
   count(points, result, report);
-  if (!arguments.stats.empty())
-    writeAtomically(arguments.stats,
-                    [&](std::ostream& out) { out << textOf(describe(arguments, asked, report)); });
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, asked, report));
   print(arguments, report, millisecondsSince(start));
 }
 
 void addResultOptions(CLI::App& command, Arguments& arguments) {
-  std::vector<std::string> names;
-  for (const AskedArray& array : kArrays) names.emplace_back(array.name);
-  command
-      .add_option("-o,--output", arguments.results, "Results to write: .csv, .npy (one array), .npz or .ply")
-      ->type_name("FILE")
-      ->required()
-      ->group("Files");
-  addFormatOption(command, arguments.format);
-  command
-      .add_option("--stats", arguments.stats,
-                  "Also write figures of the mesh, the points and every step, as .json")
-      ->type_name("FILE")
-      ->group("Files");
-  addOverwriteOption(command, arguments.mayOverwrite)->group("Files");
-  command
-      .add_option("--arrays", arguments.arrays,
-                  "Comma-separated list of arrays to compute (default distance)")
-      ->delimiter(',')
-      ->check(CLI::IsMember(names))
-      ->group("Results");
-  command
-      .add_option("--max-distance", arguments.maxDistance,
-                  "Farther points get this distance and no closest point; in the mesh's units")
-      ->check(numberFrom(0, true))
-      ->group("Results");
-  command.add_flag("--colour", arguments.colour, "Colour the points of a .ply by distance, as slices are")
-      ->group("Results");
+  addOption(command, "--output", arguments.results)->required();
+  addOption(command, "--format", arguments.format.given);
+  addFigureOptions(command, arguments.stats);
+  addOption(command, "--overwrite", arguments.mayOverwrite);
+  addOption(command, "--arrays", arguments.arrays);
+  addOption(command, "--max-distance", arguments.maxDistance);
+  addOption(command, "--colour", arguments.colour);
 }
 
 }  // namespace
@@ -268,13 +234,11 @@ void addQuery(CLI::App& app) {
       ->type_name("POINTS")
       ->required();
   addResultOptions(*command, *arguments);
-  command
-      ->add_flag("--unsigned", arguments->isUnsigned,
-                 "Compute no sign: faster, for surfaces without an inside")
-      ->group("Method");
-  addOrientationOption(*command, *arguments);
-  addThresholdOption(*command, *arguments);
-  addCpuOptions(*command, *arguments);
+  addUnitOptions(*command, arguments->units);
+  addOption(*command, "--unsigned", arguments->isUnsigned);
+  addOption(*command, "--orientation", arguments->orientation);
+  addOption(*command, "--threshold", arguments->options.threshold);
+  addCpuOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

@@ -5,6 +5,7 @@
 #include "field_array.h"
 #include "field_options.h"
 #include "first_use.h"
+#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "view_options.h"
@@ -22,68 +23,49 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
   raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
   raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
-  raymap render part.obj -o part.png --up 0 0 1            (z points up, as in .stl and .3mf by themselves))";
+  raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves))";
 
-struct Arguments {
+struct Arguments : FieldArguments {
   StreamFormat format;
   fs::path input, picture;
   std::string slice, as;
   int index = -1;
-  int resolution = 256;
-  double thickness = 0.0;
-  ViewArguments view;
-  RenderOptions options;
-  MachineOptions machine;
+  ViewArguments camera;
+  RenderOptions view;
+  bool mayOverwrite = false;
 };
 
-Field loadField(const Arguments& arguments) {
-  FieldArguments field;
-  field.grid.resolution = arguments.resolution;
-  field.machine = arguments.machine;
-  field.options.thickness = field.grid.thickness = arguments.thickness;
-  field.options.winding = arguments.as == "winding";
-  field.options.confidence = arguments.as == "confidence";
-  field.options.triangle = arguments.as == "triangle";
-  return loadField(arguments.input, field, arguments.format.input);
+void finishOptions(Arguments& arguments) {
+  constexpr int kResolution = 256;  // Twice that of `generate`: people look at the picture.
+  if (!arguments.grid.resolution) arguments.grid.resolution = kResolution;
+  finishFieldArguments(arguments);
+  arguments.options.winding = arguments.as == "winding";
+  arguments.options.confidence = arguments.as == "confidence";
+  arguments.options.triangle = arguments.as == "triangle";
 }
 
 Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   if (!arguments.slice.empty())
-    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.view.size[0], array);
+    return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
   if (array != FieldArray::Distance)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
   MachineOptions machine = arguments.machine;
   testBeforeFirstUse(machine.device);
   ProgressLine line;
-  return renderField(field, arguments.options, withProgress(machine, line));
+  return renderField(field, arguments.view, withProgress(machine, line));
 }
 
 void run(Arguments& arguments) {
-  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}},
-               {{"--output", arguments.picture, {".png"}}});
-  setView(arguments.view, isZUp(arguments.input, arguments.format.input), arguments.options);
-  Field field = loadField(arguments);
+  finishOptions(arguments);
+  const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
+  Field field = loadField(arguments.input, arguments, arguments.format.input);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
   writePng(arguments.picture, draw(field, array, arguments));
   printWritten(arguments.picture);
-}
-
-void addSliceOptions(CLI::App& command, Arguments& arguments) {
-  CLI::Option* slice = command.add_option("--slice", arguments.slice,
-                                          "Draw a map of the slice across this axis instead of the surface");
-  slice->check(CLI::IsMember({"x", "y", "z"}));
-  command.add_option("--index", arguments.index, "Index of the slice, in samples (default: the middle one)")
-      ->check(wholeNumberFrom(0))
-      ->needs(slice);
-}
-
-void addShapeOptions(CLI::App& command, Arguments& arguments) {
-  command.add_flag("--cut", arguments.options.cut, "Cut the shape open and show half of it");
-  command
-      .add_option("--shell", arguments.options.shell,
-                  "Hollow the shape out, leaving a wall this thick, in the mesh's units")
-      ->check(numberFrom(0, true));
 }
 
 }  // namespace
@@ -94,30 +76,18 @@ void addRender(CLI::App& app) {
   command->add_option("input", arguments->input, "Mesh or field to read")
       ->type_name("MESH|FIELD")
       ->required();
-  command->add_option("-o,--output", arguments->picture, "Picture to write, .png")
-      ->type_name("FILE")
-      ->required();
-  addFormatOption(*command, arguments->format);
-  command
-      ->add_option("--resolution", arguments->resolution,
-                   "Samples along the longest side of a mesh's field (default 256)")
-      ->check(wholeNumberFrom(1));
-  command
-      ->add_option("--thickness", arguments->thickness,
-                   "Draw a solid of this thickness around a mesh's surface, in its units: for sheets")
-      ->check(numberFrom(0, true));
-  command->add_option(
-      "--device", arguments->machine.device,
-      "Device that makes a mesh's field and draws it: cpu, vulkan, vulkan:K (see raymap devices), or auto "
-      "(default), a GPU if there is one, else the CPU");
-  command
-      ->add_option("--threads", arguments->machine.threads,
-                   "Number of CPU threads; 0 = RAYMAP_THREADS, or else all (default)")
-      ->check(wholeNumberFrom(0));
-  addViewOptions(*command, arguments->view);
-  addShapeOptions(*command, *arguments);
-  addSliceOptions(*command, *arguments);
-  addArrayOption(*command, arguments->as);
+  addOption(*command, "--output", arguments->picture)->required();
+  addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addUnitOptions(*command, arguments->units);
+  addGridOptions(*command, *arguments);
+  addOption(*command, "--thickness", arguments->options.thickness);
+  addOption(*command, "--shell", arguments->view.shell);
+  addViewOptions(*command, arguments->camera);
+  addOption(*command, "--cut", arguments->view.cut);
+  addOption(*command, "--index", arguments->index)->needs(addOption(*command, "--slice", arguments->slice));
+  addOption(*command, "--as", arguments->as);
+  addMachineOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

@@ -9,6 +9,7 @@
 #include "first_use.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
+#include "options.h"
 #include "repair_report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -36,7 +37,7 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
   RepairOptions how = arguments.repair;
   how.finish = [&](Mesh& result) {
     stored = storeMesh(arguments.result, std::move(result),
-                       {.recenter = arguments.recenter,
+                       {.recenter = arguments.units.recenter,
                         .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),
                         .format = arguments.format.output});
     checkStored(stored);
@@ -70,10 +71,7 @@ void run(RepairArguments& arguments) {
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
   writeMesh(stored.path, stored.exact, stored.options);
-  if (!arguments.stats.empty())
-    writeAtomically(arguments.stats, [&](std::ostream& out) {
-      out << textOf(describe(arguments, grid, report, stored.options));
-    });
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, grid, report, stored.options));
   print(arguments, grid, report);
   printWritten(stored.path, stored.options);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
@@ -81,57 +79,16 @@ void run(RepairArguments& arguments) {
 
 void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
-  command
-      .add_option("--tolerance", repair.tolerance,
-                  "Largest deviation from the isosurface, to write fewer triangles; 0: all of them (default "
-                  "a tenth of the distance between samples)")
-      ->check(numberFrom(0))
-      ->group("Shape");
-  command.add_option("--offset", repair.offset, "Distance to move the surface outwards; negative: inwards")
-      ->group("Shape");
-  CLI::Option* shell =
-      command.add_option("--shell", repair.shell, "Hollow the solid out, leaving walls this thick");
-  shell->check(numberFrom(0, true))->group("Shape");
-  command
-      .add_option("--min-thickness", repair.minThickness,
-                  "Make walls, fins and sheets that are thinner this thick; at least two samples")
-      ->check(numberFrom(0, true))
-      ->group("Shape");
-  CLI::Option* hole = command.add_option(
-      "--drain-hole", repair.drainHole,
-      "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too "
-      "small for it stay solid");
-  hole->check(numberFrom(0, true))->needs(shell)->group("Shape");
-  command
-      .add_option("--drain-holes", repair.drainHoles,
-                  "Number of holes of each hollow: the second is a vent up from the highest point, more go "
-                  "down from level floors (default 1)")
-      ->check(wholeNumberFrom(1))
-      ->needs(hole)
-      ->type_name("N")
-      ->group("Shape");
-  command
-      .add_option("--down", arguments.down, "Direction of down (default 0 0 -1; with --up in a .glb, 0 -1 0)")
-      ->expected(3)
-      ->needs(hole)
-      ->group("Shape");
-}
-
-void addPartOptions(CLI::App& command, RepairArguments& arguments) {
-  RepairOptions& repair = arguments.repair;
-  command
-      .add_option("--drop-smaller", repair.dropSmaller,
-                  "Drop parts that enclose less than this volume, in the mesh's units cubed; 0 keeps all "
-                  "(default: a thousandth of the largest part's volume)")
-      ->check(numberFrom(0))
-      ->type_name("VOLUME")
-      ->group("Parts");
-  command.add_flag("--keep-cavities", repair.keepCavities, "Do not fill sealed cavities")->group("Parts");
-  command
-      .add_flag("--remesh", repair.remesh,
-                "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but "
-                "small holes")
-      ->group("Parts");
+  addOption(command, "--tolerance", repair.tolerance);
+  addOption(command, "--offset", repair.offset);
+  CLI::Option* shell = addOption(command, "--shell", repair.shell);
+  addOption(command, "--min-thickness", repair.minThickness);
+  CLI::Option* hole = addOption(command, "--drain-hole", repair.drainHole)->needs(shell);
+  addOption(command, "--drain-holes", repair.drainHoles)->needs(hole);
+  addOption(command, "--down", arguments.down)->needs(hole);
+  addOption(command, "--drop-smaller", repair.dropSmaller);
+  addOption(command, "--keep-cavities", repair.keepCavities);
+  addOption(command, "--remesh", repair.remesh);
 }
 
 }  // namespace
@@ -143,24 +100,16 @@ void addRepair(CLI::App& app) {
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
-  command->add_option("-o,--output", arguments->result, "Mesh to write: .ply, .obj, .stl, .glb or .3mf")
-      ->type_name("FILE")
-      ->required();
-  addRecenterOption(*command, arguments->recenter);
-  addFormatOption(*command, arguments->format);
-  command->add_option("--stats", arguments->stats, "Also write all figures as .json")->type_name("FILE");
-  addOverwriteOption(*command, arguments->mayOverwrite);
-  addSpacingOptions(*command, arguments->grid, kRepairResolution);
-  addOrientationOption(*command, *arguments);
-  command
-      ->add_flag_callback(
-          "--no-close-holes", [arguments] { arguments->repair.closeHoles = false; },
-          "Do not measure distances to the surface that closes holes; they are still closed, but in steps")
-      ->group("Method");
+  addOption(*command, "--output", arguments->result)->required();
+  addOption(*command, "--format", arguments->format.given);
+  addFigureOptions(*command, arguments->stats);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addMeshOutputOptions(*command, arguments->units);
+  addSpacingOptions(*command, arguments->grid);
+  addOption(*command, "--orientation", arguments->orientation);
+  addOption(*command, "--close-holes", arguments->repair.closeHoles);
   addShapeOptions(*command, *arguments);
-  addPartOptions(*command, *arguments);
-  addMeshUnits(*command, arguments->units);
-  addMachineOptions(*command, *arguments);
+  addMachineOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

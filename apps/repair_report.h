@@ -18,8 +18,6 @@ struct RepairArguments : FieldArguments {
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;
-  MeshUnits units;
-  bool recenter = false;
   bool mayOverwrite = false;
 };
 

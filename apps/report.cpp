@@ -1,10 +1,12 @@
 #include "report.h"
 
+#include <raymap/atomic_file.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <ostream>
 #include <utility>
 
 #include "terminal.h"
@@ -78,6 +80,10 @@ void printOrientation(const Stats& stats) {
   if (turned > 0)
     std::printf("orientation: turned %s; misfit of the crossings %.3g as given, %.3g now\n",
                 counted(turned, "face").c_str(), stats.misfitGiven, stats.misfit);
+}
+
+void writeJson(const std::filesystem::path& path, const Json& json) {
+  writeAtomically(path, [&](std::ostream& out) { out << textOf(json); });
 }
 
 void printWritten(const std::filesystem::path& path) {

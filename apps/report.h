@@ -44,6 +44,9 @@ std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsed
 /// Prints which faces were reversed and left out, if any.
 void printOrientation(const Stats& stats);
 
+/// Writes a file of JSON.
+void writeJson(const std::filesystem::path& path, const Json& json);
+
 /// Prints "wrote scan.vdb, 1.23 MB".
 void printWritten(const std::filesystem::path& path);
 

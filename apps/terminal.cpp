@@ -53,6 +53,15 @@ void catchUnlessIgnored(int signal, void (*handler)(int)) {
 
 std::string dataPath;  // Path of stdout, if that is kept for data.
 
+TextLevel textLevel = TextLevel::Normal;
+bool isTextKept = false;
+const auto startTime = std::chrono::steady_clock::now();
+
+/// Returns whether to show progress.
+bool showsProgress() {
+  return textLevel == TextLevel::Normal && isatty(STDERR_FILENO) == 1;
+}
+
 std::mutex waitingMutex;
 bool isWaitingShown = false;
 
@@ -107,7 +116,7 @@ int caughtSignal() {
   return caught;
 }
 
-ProgressLine::ProgressLine() : next_(Clock::now() + kQuietTime), isTerminal_(isatty(STDERR_FILENO) == 1) {
+ProgressLine::ProgressLine() : next_(Clock::now() + kQuietTime), isTerminal_(showsProgress()) {
   isCancellable = true;
 }
 
@@ -121,7 +130,15 @@ void ProgressLine::clear() {
   isShown_ = false;
 }
 
+void ProgressLine::nameStage(std::string_view stage) {
+  if (stage == stage_) return;
+  stage_ = stage;
+  const std::chrono::duration<double> elapsed = Clock::now() - startTime;
+  std::fprintf(stderr, "raymap: %.2f s: %s\n", elapsed.count(), stage_.c_str());
+}
+
 bool ProgressLine::report(std::string_view stage, double done) {
+  if (textLevel == TextLevel::Verbose) nameStage(stage);
   if (isTerminal_ && Clock::now() >= next_) {
     std::fprintf(stderr, "\r\033[K  %s %3.0f %%", std::string(stage).c_str(), 100.0 * done);
     next_ = Clock::now() + kRefreshTime;
@@ -131,7 +148,8 @@ bool ProgressLine::report(std::string_view stage, double done) {
 }
 
 WaitingLine::WaitingLine(const std::string& task) {
-  if (isatty(STDERR_FILENO) == 1) thread_ = std::thread([this, task] { show(task); });
+  if (textLevel == TextLevel::Verbose) std::fprintf(stderr, "raymap: %s\n", task.c_str());
+  if (showsProgress()) thread_ = std::thread([this, task] { show(task); });
 }
 
 WaitingLine::~WaitingLine() {
@@ -153,6 +171,21 @@ void WaitingLine::show(const std::string& task) {
     std::fprintf(stderr, "\r\033[K  %s, %d s", task.c_str(), seconds);
     isWaitingShown = true;
   }
+}
+
+void setTextLevel(TextLevel level) {
+  textLevel = level;
+}
+
+void keepText() {
+  isTextKept = true;
+}
+
+void silenceText() {
+  if (textLevel != TextLevel::Quiet || isTextKept) return;
+  std::fflush(stdout);
+  if (std::freopen("/dev/null", "w", stdout) == nullptr)
+    throw Error(ErrorCode::File, "/dev/null: cannot be opened");
 }
 
 std::filesystem::path keepStdoutForData() {

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <string>
@@ -22,6 +23,18 @@ std::string printable(std::string_view text);
 /// Prints `raymap: warning: ...` on stderr.
 void printWarning(std::string_view message);
 
+/// How much text a command prints.
+enum class TextLevel : uint8_t { Quiet, Normal, Verbose };
+
+/// Sets the level of all text from now on.
+void setTextLevel(TextLevel level);
+
+/// Makes `silenceText` keep stdout: the text is the result that was asked for.
+void keepText();
+
+/// Drops all text that is printed on stdout from now on, if the level is Quiet.
+void silenceText();
+
 /// Makes SIGINT, SIGTERM, SIGHUP and SIGXCPU end the program at once, without a half-written file. While a
 /// `ProgressLine` lives, the first signal cancels the work through its callback instead. It ends the program
 /// only if the work does not stop within two seconds. SIGQUIT always ends it at once, and leaves a core.
@@ -30,7 +43,8 @@ void catchSignals();
 /// Returns the signal that cancelled the work, or 0.
 int caughtSignal();
 
-/// A line on stderr that shows the progress: only on a terminal, and only after a second.
+/// A line on stderr that shows the progress: only on a terminal, and only after a second. With
+/// `TextLevel::Verbose`, lines that name each stage as it begins.
 class ProgressLine {
  public:
   ProgressLine();
@@ -46,11 +60,13 @@ class ProgressLine {
 
  private:
   bool report(std::string_view stage, double done);
+  void nameStage(std::string_view stage);
 
   using Clock = std::chrono::steady_clock;
   Clock::time_point next_;
   bool isTerminal_;
   bool isShown_ = false;
+  std::string stage_;
 };
 
 /// A line on stderr that shows how long a task has taken that cannot tell its progress: only on a terminal,

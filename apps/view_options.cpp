@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "checks.h"
+#include "options.h"
 
 namespace raymap {
 
@@ -23,15 +24,9 @@ glm::dvec3 lookingDown(const glm::dvec3& up) {
 }  // namespace
 
 void addViewOptions(CLI::App& command, ViewArguments& arguments) {
-  command.add_option("--size", arguments.size, "Width and height in pixels (default 1024 768)")
-      ->expected(2)
-      ->check(CLI::Range(1, kMaxPictureSide).description("1 to " + std::to_string(kMaxPictureSide)));
-  command
-      .add_option("--direction", arguments.direction,
-                  "Direction of the camera (default -0.6 -0.45 -1; where z is up, -0.6 1 -0.45)")
-      ->expected(3);
-  command.add_option("--up", arguments.up, "Direction of up (default 0 1 0; 0 0 1 for .stl and .3mf)")
-      ->expected(3);
+  addOption(command, "--size", arguments.size);
+  addOption(command, "--direction", arguments.direction);
+  addOption(command, "--up", arguments.up);
 }
 
 bool isZUp(const std::filesystem::path& path, const std::string& format) {

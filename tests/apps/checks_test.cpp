@@ -20,7 +20,8 @@ TEST_F(CliChecks, RefusesBadOptions) {
   refuse("--resolution many", "--resolution");
   refuse("--voxel-size 0", "--voxel-size");
   refuse("--voxel-size nan", "--voxel-size: must be a number above 0, not nan");
-  refuse("--voxel-size 1 --resolution 3", "--resolution excludes --voxel-size");
+  refuse("--voxel-size 1 --resolution 3",
+         "--voxel-size and --resolution cannot be used together; leave one of them out");
   refuse("--bounds 0 0 0 1 1", "--bounds");
   refuse("--bounds 1 0 0 0 1 1", "--bounds: each of x0 y0 z0 must be less");
   refuse("--padding -1", "--padding");
@@ -34,15 +35,17 @@ TEST_F(CliChecks, RefusesBadOptions) {
   refuse("--winding f.nrrd", "another option already writes this file");
   refuse("--winding w.txt", "must end in one of");
   refuse("--stats stats.txt", "must end in .json");
-  refuse("--no-such-option 1", "not understood: --no-such-option 1; see raymap generate --help");
-  expectFailure("generate torus.ply", ErrorCode::Usage, "--output is required; see raymap generate --help");
+  refuse("--no-such-option 1", "not understood: --no-such-option; see raymap generate --help");
+  expectFailure("generate torus.ply", ErrorCode::Usage,
+                "--output FILE is required; see raymap generate --help");
   expectFailure("generate torus.ply -o f.txt", ErrorCode::Usage, ".nrrd");
   expectFailure("render torus.txt -o f.png", ErrorCode::File, "torus.txt: no such file");
   std::ofstream(path("text.txt")) << "text\n";
   expectFailure("render text.txt -o f.png", ErrorCode::Unsupported, ".obj .ply .stl");
   expectFailure("render text.txt -o f.png", ErrorCode::Unsupported, ".npz");
   fs::remove(path("text.txt"));
-  expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage, "--index requires --slice");
+  expectFailure("render torus.ply -o f.png --index 3", ErrorCode::Usage,
+                "--index needs --slice AXIS; add it");
   expectFailure("render torus.ply -o f.png --direction 0 1 0", ErrorCode::Usage, "--direction and --up");
   EXPECT_EQ(fileCount(), 1u);
 }

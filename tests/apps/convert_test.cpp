@@ -61,8 +61,9 @@ TEST_F(CliConvert, ConvertsUnitsScaleAndAxis) {
 TEST_F(CliConvert, RefusesUnitsThatMeanNothing) {
   writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)));
   expectFailure("convert box.ply a.3mf --unit furlong", ErrorCode::Usage,
-                "--unit: furlong not in {um,mm,cm,m,in,ft}");
-  expectFailure("convert box.ply a.3mf --up x", ErrorCode::Usage, "--up: x not in {y,z}");
+                "--unit: must be one of um, mm, cm, m, in, ft, not furlong");
+  expectFailure("convert box.ply a.3mf --up w", ErrorCode::Usage,
+                "--up takes 3 numbers, or an axis such as z");
   expectFailure("convert box.ply a.3mf --scale 0", ErrorCode::Usage,
                 "--scale: must be a number above 0, not 0");
   expectFailure("convert box.ply a.3mf --scale 1e39", ErrorCode::Usage,
@@ -76,8 +77,8 @@ TEST_F(CliConvert, RefusesUnitsThatMeanNothing) {
   field.distance.resizeUninitialized(8);
   std::ranges::fill(field.distance, 1.0F);
   writeField(path("field.nrrd"), field);
-  expectFailure("convert field.nrrd a.npz --scale 2", ErrorCode::Usage,
-                "--unit, --scale, --up and --recenter are for meshes, and field.nrrd is a field");
+  expectFailure("convert field.nrrd a.npz --up z", ErrorCode::Usage,
+                "--up, --rotate and --recenter are for meshes, and field.nrrd is a field");
   expectFailure("convert field.nrrd a.npz --recenter", ErrorCode::Usage, "are for meshes");
   EXPECT_EQ(fileCount(), 2u);
 }

@@ -105,8 +105,7 @@ TEST_F(CliPipes, NamesTheFormatsOfPipes) {
   expectFailure(
       "generate torus.ply -o -", usage,
       "--output /dev/stdout: the name must end in one of .nrrd .npy .npz .vti .vdb, or --format must name");
-  expectFailure("generate torus.ply -o f.nrrd --format npy", usage,
-                "--format npy: the names of all files tell");
+  expectFailure("generate torus.ply -o f.nrrd --format npy", usage, "--format npy: is not what the names of");
   expectFailure("generate torus.ply -o - --format stl", usage, "--format stl: must be one of .nrrd .npy");
   expectFailure("generate torus.ply -o - --format nrrd --winding -", usage,
                 "another option already writes this");

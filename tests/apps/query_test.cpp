@@ -64,7 +64,7 @@ TEST_F(CliQuery, RefusesQueriesThatMakeNoSense) {
   expectFailure("query torus.ply p.csv -o r.csv --colour", usage, "--colour needs");
   expectFailure("query torus.ply p.csv -o r.ply --colour --arrays winding", usage, "--colour needs");
   expectFailure("query torus.ply p.csv -o r.csv --unsigned --arrays winding", usage, "leave out --unsigned");
-  expectFailure("query torus.ply p.csv -o r.csv --arrays length", usage, "length not in");
+  expectFailure("query torus.ply p.csv -o r.csv --arrays length", usage, "must be one of distance, closest");
   expectFailure("query torus.ply p.csv -o r.csv --max-distance 0", usage, "must be a number above 0");
   expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 30kB", ErrorCode::Memory,
                 "960 points and their results need 30.7 kB, which leaves nothing of the 30.7 kB");

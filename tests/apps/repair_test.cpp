@@ -164,7 +164,7 @@ TEST_F(CliRepair, HollowsAMeshOut) {
   expectFailure("repair ball.ply -o thin.stl --resolution 64 --shell 0.01", ErrorCode::Usage,
                 "thinner than two samples");
   expectFailure("repair ball.ply -o thin.stl --drain-hole 0.3", ErrorCode::Usage,
-                "--drain-hole requires --shell");
+                "--drain-hole needs --shell LENGTH; add it");
 }
 
 TEST_F(CliRepair, DrillsVents) {
@@ -186,7 +186,8 @@ TEST_F(CliRepair, DrillsVents) {
   EXPECT_NE(none.err.find("1 hollow is too small for the drain hole"), std::string::npos) << none.err;
   EXPECT_EQ(json("ball.json")["drain_holes"], 0);
   expectFailure(repair + "--drain-hole 0.3 --drain-holes 0", ErrorCode::Usage, "--drain-holes");
-  expectFailure(repair + "--drain-holes 2", ErrorCode::Usage, "--drain-holes requires --drain-hole");
+  expectFailure(repair + "--drain-holes 2", ErrorCode::Usage,
+                "--drain-holes needs --drain-hole LENGTH; add it");
 }
 
 TEST_F(CliRepair, RepairsInUnitsAndAxes) {
@@ -196,7 +197,7 @@ TEST_F(CliRepair, RepairsInUnitsAndAxes) {
   const Json options = json("s.json")["options"];
   EXPECT_EQ(options["unit"], "mm");
   EXPECT_EQ(options["scale"], 1.0);
-  EXPECT_EQ(options["up"], "y");
+  EXPECT_EQ(options["up"], Json({0.0, 1.0, 0.0}));
   succeed("repair ball.glb -o plain.glb --resolution 20 --stats t.json");
   EXPECT_EQ(json("t.json")["options"]["unit"], "m");
   EXPECT_TRUE(json("t.json")["options"]["up"].is_null());

@@ -1,0 +1,443 @@
+#include "options.h"
+
+#include <raymap/error.h>
+#include <raymap/names.h>
+#include <raymap/render.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "checks.h"
+#include "mesh_units.h"
+#include "query_arrays.h"
+#include "terminal.h"
+
+namespace raymap {
+
+namespace {
+
+template <class Enum>
+std::vector<std::string> namesOf() {
+  const std::span<const std::string_view> accepted = names<Enum>();
+  return {accepted.begin(), accepted.end()};
+}
+
+std::vector<std::string> axes() {
+  return {"x", "y", "z"};
+}
+
+std::vector<std::string> queryArrayNames() {
+  std::vector<std::string> all;
+  for (const AskedArray& array : kQueryArrays) all.emplace_back(array.name);
+  return all;
+}
+
+using enum Takes;
+
+constexpr OptionRow kRows[] = {
+    {"-o,--output", "--out", "Files", File, "FILE", "",
+     "File to write; its name ends in the format. A field: .vdb, .nrrd, .npz, .vti or .npy (without its "
+     "grid). A "
+     "mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png"},
+    {"--format", "", "Files", Text, "FORMAT", "",
+     "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such a "
+     "file. An "
+     "input without it is recognised by its first bytes"},
+    {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
+    {"--triangle-ids", "", "Files", File, "FILE", "",
+     "Also write the index of each sample's closest triangle"},
+    {"--winding", "", "Files", File, "FILE", "", "Also write the winding number"},
+    {"--confidence", "", "Files", File, "FILE", "", "Also write the confidence in the sign, 0 to 1"},
+    {"--stats", "", "Files", File, "FILE", "", "Also write all figures, as .json"},
+    {"--json", "", "Files", Nothing, "", "", "Print all figures as JSON on stdout, instead of text"},
+    {"--report", "", "Files", File, "FILE", "",
+     "Also write the mesh's defects and the uncertain signs, as .json"},
+    {"--report-picture", "", "Files", File, "FILE", "",
+     "Also draw the mesh with its defects in colour, as .png"},
+    {"--picture", "", "Files", File, "FILE", "",
+     "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
+     "others "
+     "orange, flipped faces blue, duplicates yellow, double-sided ones green"},
+
+    {"--unit", "--units", "Units", Choice, "UNIT", "",
+     "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is converted "
+     "to it; "
+     "the numbers of other files are taken to be in it, without --from. A .3mf states it",
+     unitNames},
+    {"--from", "", "Units", Choice, "UNIT", "the one that the file's format has",
+     "Unit of the numbers in the file that is read", unitNames},
+    {"--to", "", "Units", Choice, "UNIT", "that of the file",
+     "Unit of all lengths, also of these options, to which what is read is converted", unitNames},
+    {"--scale", "", "Units", AboveZero, "FACTOR", "1", "Multiply what is read by this factor"},
+    {"--rotate", "", "Units", Vector, "X Y Z", "", "Turn the mesh by these degrees about x, then y, then z"},
+    {"--translate", "", "Units", Vector, "X Y Z", "", "Move what is read by these lengths, after all else"},
+    {"--up", "", "Units", Direction, "DIRECTION", "",
+     "Direction that is up in what is read: x, y, z, -x, -y, -z or three numbers. A mesh to write is turned "
+     "to z up, "
+     "a .glb to y up; without this option it is not turned. A picture shows it upright; without this option "
+     "z is up "
+     "in a .stl or .3mf, y in all else"},
+    {"--recenter", "--recentre,--center,--centre", "Units", Nothing, "", "",
+     "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; the offset is "
+     "printed, "
+     "and noted in the file"},
+
+    {"--resolution", "-r,--res", "Grid", Natural, "N",
+     "128; 256 in repair and render, whose results people look at", "Samples along the longest side"},
+    {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
+     "Distance between samples, instead of --resolution"},
+    {"--bounds", "--bbox,--box", "Grid", Box, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
+     "Box to cover"},
+    {"--padding", "--pad,--margin", "Grid", FromZero, "SHARE", "0.1",
+     "Padding of the mesh's bounds on every side, as a share of their longest side"},
+
+    {"--distance", "", "Method", Choice, "MODE", "exact",
+     "Distance to the closest triangle: exact, or a faster approximation, neighbours, cell or raster",
+     namesOf<DistanceMode>},
+    {"--sign", "", "Method", Choice, "MODE", "harmonic",
+     "Method that decides inside and outside: harmonic, paths, evolution, rays, ray or none",
+     namesOf<SignMode>},
+    {"--orientation", "", "Method", Choice, "MODE", "auto",
+     "Reverse faces that point the wrong way: auto, if the field then fits clearly better; keep, never; "
+     "repair, "
+     "whenever it fits no worse",
+     namesOf<Orientation>},
+    {"--passes", "", "Method", Natural, "N", "5", "Passes of --sign paths, steps of --sign evolution"},
+    {"--sampling", "", "Method", Choice, "MODE", "raymap",
+     "Sampling of --sign paths and evolution: raymap, or paper, the paper's own", namesOf<Sampling>},
+    {"--offsets", "", "Method", File, "FILE", "",
+     "Text file of offset points for --sign paths and evolution, a line x y z each, in samples"},
+    {"--threshold", "", "Method", AboveZero, "W", "0.5",
+     "A point is inside if |winding number| exceeds this"},
+    {"--band", "", "Method", FromZero, "SAMPLES", "0",
+     "Clamp distances to this many samples; 0 does not clamp"},
+    {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Nothing, "",
+     "yes in mesh and repair, which make solids; no in generate, which measures the mesh as it is",
+     "Also measure distances to the surface missing in holes, placed where the winding number crosses the "
+     "threshold. "
+     "A mesh that is made without it is closed in steps as large as samples"},
+    {"--thickness", "", "Method", AboveZero, "LENGTH", "",
+     "Make a solid of this thickness around the surface instead of a sign: for sheets"},
+    {"--invert", "", "Method", Nothing, "", "", "Make inside positive and outside negative"},
+    {"--unsigned", "", "Method", Nothing, "", "", "Compute no sign: faster, for surfaces without an inside"},
+    {"--iso", "", "Method", Number, "LENGTH", "0", "Distance at which the surface lies"},
+
+    {"--tolerance", "", "Shape", FromZero, "LENGTH", "a tenth of the distance between samples",
+     "Largest deviation from the isosurface, to write fewer triangles; 0: all of them"},
+    {"--offset", "", "Shape", Number, "LENGTH", "0",
+     "Distance to move the surface outwards; negative: inwards"},
+    {"--shell", "--hollow,--wall", "Shape", AboveZero, "LENGTH", "",
+     "Hollow the solid out, leaving walls this thick"},
+    {"--min-thickness", "", "Shape", AboveZero, "LENGTH", "",
+     "Make walls, fins and sheets that are thinner this thick; at least two samples"},
+    {"--drain-hole", "", "Shape", AboveZero, "LENGTH", "",
+     "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too small "
+     "for it stay "
+     "solid"},
+    {"--drain-holes", "", "Shape", Natural, "N", "1",
+     "Number of holes of each hollow: the second is a vent up from the highest point, more go down from "
+     "level floors"},
+    {"--down", "", "Shape", Direction, "DIRECTION", "-z; with --up in a .glb, -y", "Direction of down"},
+    {"--drop-smaller", "", "Parts", FromZero, "VOLUME", "a thousandth of the largest part's volume",
+     "Drop parts that enclose less than this volume, in the mesh's units cubed; 0 keeps all"},
+    {"--keep-cavities", "", "Parts", Nothing, "", "", "Do not fill sealed cavities"},
+    {"--remesh", "", "Parts", Nothing, "", "",
+     "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but small holes"},
+
+    {"--arrays", "", "Results", List, "NAME,...", "distance", "Arrays to compute", queryArrayNames},
+    {"--max-distance", "", "Results", AboveZero, "LENGTH", "",
+     "Farther points get this distance and no closest point"},
+    {"--colour", "--color", "Results", Nothing, "", "",
+     "Colour the points of a .ply by distance, as slices are"},
+    {"-n,--count", "", "Points", Whole, "N", "500000", "Number of points"},
+    {"--near", "", "Points", Number, "SHARE", "0.94",
+     "Share of the points that are near the surface, 0 to 1"},
+    {"--sigma", "", "Points", List, "SHARE,...", "0.0025,0.00025",
+     "Standard deviations of their offsets, as shares of the bounding sphere's radius; each gets as many "
+     "points"},
+    {"--surface", "", "Points", Number, "SHARE", "0",
+     "Share of the points that are on the surface, 0 to 1; the rest lies in the bounding sphere"},
+    {"--seed", "", "Points", Whole, "N", "0", "Another whole number gives other points"},
+    {"--normalize", "--normalise", "Points", Nothing, "", "",
+     "Move and scale all so that the bounding sphere is the unit sphere about 0"},
+
+    {"--size", "", "Picture", Pair, "WIDTH HEIGHT", "1024 768", "Size of the picture in pixels"},
+    {"--direction", "", "Picture", Direction, "DIRECTION", "-0.6 -0.45 -1; where z is up, -0.6 1 -0.45",
+     "Direction in which the camera looks"},
+    {"--cut", "", "Picture", Nothing, "", "", "Cut the shape open and show half of it"},
+    {"--slice", "", "Picture", Choice, "AXIS", "",
+     "Draw a map of the slice across this axis, x, y or z, instead of the surface", axes},
+    {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
+    {"--as", "", "Picture", Choice, "ARRAY", "what the file says it holds; a .npy of floats holds distances",
+     "Array to show: distance, winding, confidence or triangle", namesOf<FieldArray>},
+
+    {"--fast", "", "Method", Nothing, "", "",
+     "Do not count crossing pairs of faces, nor measure the thickness: takes less than half of the time"},
+    {"--holes", "", "Method", Nothing, "", "", "Tear holes into the mesh"},
+    {"--test", "", "Method", Text, "[vulkan:K]", "",
+     "Test this GPU, or every one: compare every stage and whole fields with the CPU"},
+
+    {"--table", "", "Results", Nothing, "", "", "Print all options over all commands, as a Markdown table"},
+
+    {"--device", "", "Machine", Text, "DEVICE", "auto",
+     "Device that computes: cpu, vulkan, vulkan:K (see raymap devices), or auto, a GPU if there is one, else "
+     "the CPU"},
+    {"--threads", "-j,--jobs", "Machine", Count, "N", "0",
+     "Number of CPU threads; 0 takes RAYMAP_THREADS, or else all"},
+    {"--memory-limit", "--memory", "Machine", Bytes, "SIZE", "all that is available",
+     "Most memory to use, e.g. 2GB"},
+    {"-q,--quiet", "", "Text", Nothing, "", "", "Print no text but warnings and errors"},
+    {"-v,--verbose", "", "Text", Nothing, "", "",
+     "Print each stage on stderr as it begins, with the seconds so far"},
+};
+
+/// Other spellings of choices.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kSpellings{
+    {{"neighbors", "neighbours"},
+     {"micron", "um"},
+     {"microns", "um"},
+     {"millimetre", "mm"},
+     {"millimetres", "mm"},
+     {"millimeter", "mm"},
+     {"millimeters", "mm"},
+     {"centimetre", "cm"},
+     {"centimetres", "cm"},
+     {"centimeter", "cm"},
+     {"centimeters", "cm"},
+     {"metre", "m"},
+     {"metres", "m"},
+     {"meter", "m"},
+     {"meters", "m"},
+     {"inch", "in"},
+     {"inches", "in"},
+     {"\"", "in"},
+     {"foot", "ft"},
+     {"feet", "ft"},
+     {"'", "ft"},
+     {"triangles", "triangle"}}};
+
+bool hasSpelling(std::string_view list, std::string_view spelling) {
+  for (const std::string& each : CLI::detail::split(std::string(list), ','))
+    if (each == spelling || each == "!" + std::string(spelling)) return true;
+  return false;
+}
+
+/// Returns the check of one value.
+std::optional<CLI::Validator> checkOf(const OptionRow& row) {
+  if (row.choices != nullptr) return oneOf(row.choices());
+  switch (row.takes) {
+    case Bytes:
+      return sizeInBytes();
+    case Count:
+      return wholeNumberFrom(0);
+    case Natural:
+      return wholeNumberFrom(1);
+    case Whole:
+      return wholeNumber();
+    case Pair:
+      return wholeNumberFrom(1);
+    case FromZero:
+      return numberFrom(0);
+    case AboveZero:
+      return numberFrom(0, true);
+    case Number:
+    case Vector:
+    case Direction:
+    case Box:
+    case List:
+      return anyNumber();
+    default:
+      return std::nullopt;
+  }
+}
+
+/// Returns the direction of an axis such as "z" or "-X".
+std::optional<std::array<const char*, 3>> directionOf(std::string_view text) {
+  const bool isSigned = text.size() == 2 && (text[0] == '-' || text[0] == '+');
+  if (isSigned) text.remove_prefix(1);
+  const char axis = text.size() == 1 ? char(std::tolower(static_cast<unsigned char>(text[0]))) : ' ';
+  if (axis < 'x' || axis > 'z') return std::nullopt;
+  std::array<const char*, 3> direction{"0", "0", "0"};
+  direction[size_t(axis - 'x')] = isSigned && text.data()[-1] == '-' ? "-1" : "1";
+  return direction;
+}
+
+bool isNumber(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value);
+}
+
+/// Moves the numbers that follow an option from `rest` to `result`.
+void takeNumbers(const OptionRow& row, std::span<const std::string>& rest, std::vector<std::string>& result) {
+  const int wanted = valueCount(row.takes);
+  int taken = 0;
+  while (taken < wanted && !rest.empty()) {
+    std::string text = rest.front();
+    std::ranges::replace(text, ',', ' ');
+    std::vector<std::string> parts = CLI::detail::split_up(text);
+    if (row.takes == Direction && taken == 0 && parts.size() == 1)
+      if (const auto direction = directionOf(parts[0])) parts.assign(direction->begin(), direction->end());
+    if (!std::ranges::all_of(parts, isNumber)) break;
+    for (const std::string& part : parts)
+      result.push_back(part.starts_with("-.") ? "-0" + part.substr(1) : part);
+    taken += int(parts.size());
+    rest = rest.subspan(1);
+  }
+  if (taken == wanted) return;
+  const std::string next = taken < wanted && !rest.empty() ? " before " + rest.front() : "";
+  throw Error(ErrorCode::Usage, shownNames(row) + " takes " + std::to_string(wanted) + " numbers" +
+                                    (row.takes == Direction ? ", or an axis such as z or -y" : "") +
+                                    ", and here are " + std::to_string(taken) + next);
+}
+
+}  // namespace
+
+namespace detail {
+
+std::string allNames(const OptionRow& row) {
+  return std::string(row.name) + (row.others[0] == '\0' ? "" : ",") + row.others;
+}
+
+const OptionRow& rowNamed(const char* name) {
+  const OptionRow* row = findRow(name);
+  if (row == nullptr) throw std::logic_error(std::string(name) + ": options.cpp has no such row");
+  return *row;
+}
+
+void checkDefault(const OptionRow& row, double value) {
+  double told = 0.0;
+  if (CLI::detail::lexical_cast(row.fallback, told) && told != value)
+    throw std::logic_error(std::string(row.name) + ": the default is not " + row.fallback);
+}
+
+void checkDefault(const OptionRow& row, const std::string& value) {
+  if (!value.empty() && value != row.fallback)
+    throw std::logic_error(std::string(row.name) + ": the default is not " + row.fallback);
+}
+
+CLI::Option* describe(CLI::Option* option, const OptionRow& row) {
+  option->description(helpOf(row))->group(row.group);
+  if (row.takes == Nothing) return option->disable_flag_override();
+  option->option_text(row.value);
+  if (valueCount(row.takes) > 1) option->expected(valueCount(row.takes));
+  if (row.takes == List) option->delimiter(',');
+  if (const std::optional<CLI::Validator> check = checkOf(row)) option->transform(*check);
+  return option;
+}
+
+}  // namespace detail
+
+std::span<const OptionRow> optionRows() {
+  return kRows;
+}
+
+const OptionRow* findRow(std::string_view spelling) {
+  const auto* row = std::ranges::find_if(kRows, [&](const OptionRow& each) {
+    return hasSpelling(each.name, spelling) || hasSpelling(each.others, spelling);
+  });
+  return row == std::end(kRows) ? nullptr : row;
+}
+
+int valueCount(Takes takes) {
+  switch (takes) {
+    case Nothing:
+      return 0;
+    case Pair:
+      return 2;
+    case Vector:
+    case Direction:
+      return 3;
+    case Takes::Box:
+      return 6;
+    default:
+      return 1;
+  }
+}
+
+std::string shownNames(const OptionRow& row) {
+  std::string shown = row.name;
+  for (const std::string& other : CLI::detail::split(row.others, ','))
+    if (other.starts_with('!') && shown.find("--no-") == std::string::npos) shown += "," + other.substr(1);
+  return CLI::detail::find_and_replace(shown, ",", ", ");
+}
+
+std::string helpOf(const OptionRow& row) {
+  return std::string(row.help) +
+         (row.fallback[0] == '\0' ? "" : std::string(" (default ") + row.fallback + ")");
+}
+
+std::string canonical(std::string_view choice) {
+  const std::string name = CLI::detail::to_lower(std::string(choice));
+  for (const auto& [other, known] : kSpellings)
+    if (name == other) return std::string(known);
+  return name;
+}
+
+CLI::Validator oneOf(std::vector<std::string> choices) {
+  return {[choices = std::move(choices)](std::string& text) -> std::string {
+            const std::string known = canonical(text);
+            if (std::ranges::count(choices, known) == 0)
+              return "must be one of " + CLI::detail::join(choices, ", ") + ", not " + text;
+            text = known;
+            return {};
+          },
+          ""};
+}
+
+void addTextOptions(CLI::App& command) {
+  const auto add = [&](const char* name, TextLevel level) {
+    const OptionRow& row = detail::rowNamed(name);
+    return detail::describe(command.add_flag_callback(row.name, [level] { setTextLevel(level); }), row);
+  };
+  add("--verbose", TextLevel::Verbose)->excludes(add("--quiet", TextLevel::Quiet));
+}
+
+void addFigureOptions(CLI::App& command, std::filesystem::path& stats) {
+  const OptionRow& row = detail::rowNamed("--json");
+  CLI::Option* json = detail::describe(command.add_flag_callback(row.name, [&stats] { stats = "-"; }), row);
+  addOption(command, "--stats", stats)->excludes(json);
+}
+
+void addJsonOption(CLI::App& command, bool& isJson) {
+  addOption(command, "--json", isJson)->each([](const std::string&) { keepText(); });
+}
+
+std::vector<std::string> normalized(std::span<const std::string> arguments) {
+  std::vector<std::string> result;
+  while (!arguments.empty()) {
+    std::string argument = arguments.front();
+    arguments = arguments.subspan(1);
+    if (argument == "--") {
+      result.push_back(argument);
+      result.insert(result.end(), arguments.begin(), arguments.end());
+      break;
+    }
+    const size_t equals = argument.starts_with("--") ? argument.find('=') : std::string::npos;
+    std::string name = argument.substr(0, equals);
+    if (name.starts_with("--")) name = CLI::detail::to_lower(name);
+    const OptionRow* row = name.starts_with('-') ? findRow(name) : nullptr;
+    const bool hasNumbers = row != nullptr && row->takes != Pair && valueCount(row->takes) > 1;
+    // CLI11 would take -.5 for an option.
+    if (argument.size() > 2 && argument.starts_with("-.") &&
+        std::isdigit(static_cast<unsigned char>(argument[2])))
+      argument.insert(1, "0");
+    if (!hasNumbers) {
+      result.push_back(name.starts_with("--") ? name + argument.substr(name.size()) : argument);
+      continue;
+    }
+    result.push_back(name);
+    std::vector<std::string> rest;
+    if (equals != std::string::npos) rest.push_back(argument.substr(equals + 1));
+    rest.insert(rest.end(), arguments.begin(), arguments.end());
+    std::span<const std::string> left = rest;
+    takeNumbers(*row, left, result);
+    arguments = arguments.last(left.size());
+  }
+  return result;
+}
+
+}  // namespace raymap

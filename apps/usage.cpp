@@ -1,0 +1,305 @@
+#include "usage.h"
+
+#include <raymap/io.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <numeric>
+#include <vector>
+
+#include "checks.h"
+#include "options.h"
+
+namespace raymap {
+
+namespace {
+
+/// What people write, and what helps instead. An empty command: in any.
+struct Guess {
+  std::string_view words, command, advice;
+};
+
+constexpr Guess kGuesses[] = {
+    {"--thickness", "repair",
+     "--min-thickness T makes thin parts T thick, --shell T hollows out and leaves walls of T"},
+    {"--simplify,--decimate,--reduce,--quality,--ratio,--max-triangles,--triangles,--faces,--max-faces", "",
+     "--tolerance T of repair and mesh writes fewer triangles"},
+    {"--dry-run", "", "raymap info MESH says what is wrong and what to do, and writes nothing"},
+    {"--input,-i,--in,--file,--mesh", "",
+     "files that are read are named without an option: raymap COMMAND FILE"},
+    {"--gpu,--cuda,--vulkan", "", "--device vulkan computes on a GPU"},
+    {"--cpu,--no-gpu", "", "--device cpu computes on the CPU"},
+    {"--width,--height,--image-size", "", "--size WIDTH HEIGHT of render"},
+    {"--camera,--view,--angle,--eye", "", "--direction X Y Z of render is where the camera looks"},
+    {"--ascii,--binary", "", "the format decides; binary is written where there is a choice"},
+    {"--fix,--heal,--watertight,--make-manifold", "",
+     "raymap repair MESH -o RESULT makes a watertight solid"},
+    {"--sdf,--level-set", "", "raymap generate MESH -o FIELD makes a signed distance field"},
+    {"--smooth,--smoothing", "", "there is no smoothing; a larger --voxel-size leaves out details"},
+    {"--support,--supports", "", "a slicer makes supports; --drain-hole empties what --shell hollows out"},
+    {"--y-up", "", "--up y"},
+    {"--z-up", "", "--up z"},
+    {"--mm,--inch,--inches,--cm", "", "--from in --to mm converts, for example"},
+    {"simplify,decimate,reduce", "", "raymap repair MESH -o RESULT --tolerance T"},
+    {"fix,heal,clean,watertight,solidify,print", "", "raymap repair MESH -o RESULT"},
+    {"sdf,voxelize,voxelise,voxelizer,levelset,field,gen", "", "raymap generate MESH -o FIELD"},
+    {"view,show,draw,preview,picture,slice", "", "raymap render MESH -o PICTURE"},
+    {"diff", "", "raymap compare FIELD FIELD"},
+    {"help,man", "", "raymap help COMMAND, or raymap manual COMMAND"},
+    {"check,inspect,analyze,analyse,stats,validate,diagnose,thickness", "", "raymap info MESH"},
+    {"export,import,save", "", "raymap convert INPUT OUTPUT"},
+    {"isosurface,contour,marching-cubes,remesh,polygonize", "", "raymap mesh FIELD -o MESH"},
+    {"hollow,shell", "", "raymap repair MESH -o RESULT --shell T"},
+    {"distance,measure", "", "raymap query MESH POINTS -o RESULTS"},
+    {"gpu,gpus,device", "", "raymap devices"},
+};
+
+std::string adviceOn(std::string_view word, std::string_view command) {
+  for (const Guess& guess : kGuesses) {
+    const std::vector<std::string> words = CLI::detail::split(std::string(guess.words), ',');
+    const bool isMeant = guess.command.empty() || guess.command == command;
+    if (isMeant && std::ranges::count(words, word) > 0) return std::string(guess.advice);
+  }
+  return {};
+}
+
+/// Returns the number of letters to insert, drop, replace or swap to make one word of the other.
+size_t editDistance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<size_t>> cost(a.size() + 1, std::vector<size_t>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i)
+    for (size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      cost[i][j] = std::min(
+          {cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return cost[a.size()][b.size()];
+}
+
+/// Returns the name that was most likely meant; empty if none is near.
+std::string closest(std::string_view word, const std::vector<std::string>& names) {
+  std::string best;
+  size_t least = 1 + word.size() / 4;
+  for (const std::string& name : names) {
+    const bool isStart = word.size() > 4 && name.starts_with(word);
+    const size_t distance = isStart ? 0 : editDistance(word, name);
+    if (distance <= least && (best.empty() || distance < least)) {
+      least = distance;
+      best = name;
+    }
+  }
+  return best;
+}
+
+std::vector<std::string> longNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// Returns "generate, mesh and render": the commands that have an option.
+std::string commandsWith(const CLI::App& app, const std::string& name) {
+  std::vector<std::string> found;
+  for (const CLI::App* command : commandsOf(app))
+    if (command->get_option_no_throw(name) != nullptr) found.push_back(command->get_name());
+  std::string list;
+  for (size_t i = 0; i < found.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < found.size() ? ", " : " and ") + found[i];
+  return list;
+}
+
+/// Returns what was meant by an option that a command does not have; empty if nothing is near.
+std::string meantBy(const CLI::App& app, const CLI::App& command, const std::string& argument) {
+  const std::string name = argument.substr(0, argument.find('='));
+  if (const std::string advice = adviceOn(name, command.get_name()); !advice.empty()) return advice;
+  const bool isFile = hasExtension(argument, meshExtensions()) || hasExtension(argument, fieldExtensions()) ||
+                      hasExtension(argument, writableMeshExtensions()) ||
+                      hasExtension(argument, {".png", ".json", ".csv"});
+  if (isFile) return "it begins like an option; a file of this name is ./" + argument;
+  if (const OptionRow* row = findRow(name)) {
+    const std::string known = CLI::detail::split(row->name, ',').back(), others = commandsWith(app, known);
+    if (!others.empty()) return (known == name ? "it" : known) + " is an option of " + others;
+  }
+  std::string near = closest(name, longNames(command));
+  return near.empty() ? near : "did you mean " + near + "?";
+}
+
+std::string describeUnknown(const CLI::App& app, const CLI::App& command,
+                            const std::vector<std::string>& unknown) {
+  const bool hasOptions =
+      std::ranges::any_of(unknown, [](const std::string& a) { return a.starts_with('-'); });
+  if (!hasOptions) {
+    std::string text = "there are more files than the command takes:";
+    for (const std::string& argument : unknown) text += " " + argument;
+    return text;
+  }
+  std::string text;
+  for (const std::string& argument : unknown) {
+    if (!argument.starts_with('-') || argument == "-") continue;
+    const std::string meant = meantBy(app, command, argument);
+    text += (text.empty() ? "" : "; ") + std::string("not understood: ") + argument +
+            (meant.empty() ? "" : "; " + meant);
+  }
+  return text;
+}
+
+std::string describeNoCommand(const CLI::App& app, const std::vector<std::string>& unknown) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commandsOf(app)) names.push_back(command->get_name());
+  const std::string all = CLI::detail::join(names, " ");
+  if (unknown.empty()) return "name a command: " + all;
+  const std::string& word = unknown.front();
+  std::string meant = adviceOn(CLI::detail::to_lower(word), "");
+  if (meant.empty() && word.starts_with('-')) meant = meantBy(app, app, word);
+  if (meant.empty()) {
+    const std::string near = closest(CLI::detail::to_lower(word), names);
+    meant = near.empty() ? "use one of: " + all : "did you mean " + near + "?";
+  }
+  return "unknown command '" + word + "'; " + meant;
+}
+
+/// Returns an option with its value, as help shows it: "--output FILE".
+std::string shown(const CLI::Option& option) {
+  const std::string value =
+      option.get_option_text().empty() ? option.get_type_name() : option.get_option_text();
+  if (option.get_positional()) return value;
+  return option.get_name() + (value.empty() ? "" : " " + value);
+}
+
+/// Returns the option that CLI11's words name first, or second. They name a flag with a value without dashes.
+const CLI::Option* named(const CLI::App& command, const std::string& words, int place) {
+  for (const std::string& word : CLI::detail::split_up(CLI::detail::find_and_replace(words, ":", " ")))
+    for (const std::string& name : {word, "--" + word})
+      if (const CLI::Option* option = command.get_option_no_throw(name); option != nullptr && place-- == 0)
+        return option;
+  return nullptr;
+}
+
+std::string describeOption(const CLI::ParseError& error, const CLI::Option* option,
+                           const CLI::Option* other) {
+  const auto is = [&](const char* kind) { return error.get_name() == kind; };
+  if (option == nullptr) return error.what();
+  if (is("RequiredError")) return shown(*option) + " is required";
+  if (is("ExcludesError") && other != nullptr)
+    return option->get_name() + " and " + other->get_name() +
+           " cannot be used together; leave one of them out";
+  if (is("RequiresError") && other != nullptr)
+    return option->get_name() + " needs " + shown(*other) + "; add it";
+  if (option->get_expected_max() == 0) return option->get_name() + " takes no value";
+  if (is("ArgumentMismatch") && option->count() > 1)
+    return option->get_name() + " is given more than once; leave all but one out";
+  if (is("ArgumentMismatch")) return option->get_name() + " needs a value: " + shown(*option);
+  return error.what();
+}
+
+// ---- Help ----------------------------------------------------------------------------------------------
+
+size_t terminalWidth() {
+  constexpr size_t kLeast = 40, kUsual = 100;
+  size_t width = 0;
+  if (const char* columns = std::getenv("COLUMNS"))
+    std::from_chars(columns, columns + std::string_view(columns).size(), width);
+  winsize size{};
+  if (width == 0 && isatty(STDOUT_FILENO) == 1 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0)
+    width = size.ws_col;
+  return width == 0 ? kUsual : std::max(width, kLeast);
+}
+
+/// Returns a text in lines that are at most as wide as the terminal. All but the first begin with `indent`
+/// blanks; the first has `used` letters already.
+std::string wrapped(const std::string& text, size_t indent, size_t used) {
+  const size_t width = terminalWidth();
+  std::string result;
+  bool isFirst = true;
+  for (const std::string& word : CLI::detail::split(text, ' ')) {
+    if (!isFirst && used + 1 + word.size() > width) {
+      result += "\n" + std::string(indent, ' ');
+      used = indent;
+      isFirst = true;
+    }
+    result += (isFirst ? "" : " ") + word;
+    used += word.size() + (isFirst ? 0 : 1);
+    isFirst = false;
+  }
+  return result + "\n";
+}
+
+/// Returns an entry of a list: its name, then what it means in a column of its own.
+std::string entry(const std::string& name, const std::string& meaning) {
+  const size_t column = terminalWidth() < 70 ? 8 : 30;
+  std::string line = "  " + name;
+  line += line.size() + 2 > column ? "\n" + std::string(column, ' ') : std::string(column - line.size(), ' ');
+  return line + wrapped(meaning, column, column);
+}
+
+}  // namespace
+
+std::string describeUsageError(const CLI::App& app, const CLI::ParseError& error,
+                               std::span<const std::string> arguments) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  const auto commands = app.get_subcommands();
+  if (commands.empty()) return describeNoCommand(app, unknown);
+  const CLI::App& command = *commands.front();
+  // Arguments in their order: CLI11 lists unknown ones last first.
+  std::vector<std::string> ordered;
+  for (const std::string& argument : arguments)
+    if (std::ranges::count(unknown, argument) > 0) ordered.push_back(argument);
+  const bool hasOptions =
+      std::ranges::any_of(ordered, [](const std::string& a) { return a.starts_with('-'); });
+  if (hasOptions || dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
+    return describeUnknown(app, command, ordered);
+  return describeOption(error, named(command, error.what(), 0), named(command, error.what(), 1));
+}
+
+std::string HelpFormatter::make_option(const CLI::Option* option, bool isPositional) const {
+  std::string name = isPositional ? shown(*option) : option->get_name(false, true);
+  if (const OptionRow* row = isPositional ? nullptr : findRow(option->get_name())) {
+    name = shownNames(*row) + (*row->value == '\0' ? "" : " " + std::string(row->value));
+  } else {
+    name = CLI::detail::find_and_replace(name, ",", ", ");
+  }
+  return entry(name,
+               option->get_description() + (option->get_required() && !isPositional ? " (required)" : ""));
+}
+
+std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
+  return option->get_required() ? shown(*option) : "[" + shown(*option) + "]";
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  return CLI::detail::find_and_replace(CLI::Formatter::make_help(app, std::move(name), mode), "\n\n\n",
+                                       "\n\n");
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  return entry(command->get_name(), command->get_description());
+}
+
+std::string HelpFormatter::make_description(const CLI::App* app) const {
+  return wrapped(app->get_description(), 0, 0);
+}
+
+std::string HelpFormatter::make_footer(const CLI::App* app) const {
+  std::string result;
+  for (const std::string& line : CLI::detail::split(app->get_footer(), '\n')) {
+    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    result += line.substr(0, indent) + wrapped(line.substr(indent), indent + (indent > 0 ? 4 : 0), indent);
+  }
+  return result;
+}
+
+}  // namespace raymap
