@@ -62,7 +62,7 @@ void run(RepairArguments& arguments) {
   Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
   convertUnits(mesh, arguments.units, input, output);
   testBeforeFirstUse(arguments.machine.device);
-  const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
+  const RepairGrid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, arguments.machine);
   StoredMesh stored;
   const RepairReport report = makeSolid(mesh, grid, arguments, stored);
   checkCrossing(stored, report.crossingAfter.pairs);
@@ -93,9 +93,11 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
       command.add_option("--shell", repair.shell, "Hollow the solid out, leaving walls this thick");
   shell->check(numberFrom(0, true))->group("Shape");
   command
-      .add_option("--min-thickness", repair.minThickness,
-                  "Make walls, fins and sheets that are thinner this thick; at least two samples")
-      ->check(numberFrom(0, true))
+      .add_option(
+          "--min-thickness", repair.minThickness,
+          "Make walls, fins and sheets that are thinner this thick; at least two samples (default 1.75 "
+          "samples, the least that none is lost), or 0: lose what the samples miss")
+      ->check(numberFrom(0))
       ->group("Shape");
   CLI::Option* hole = command.add_option(
       "--drain-hole", repair.drainHole,
