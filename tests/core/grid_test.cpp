@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include <algorithm>
+
 #include "shapes.h"
 
 namespace raymap {
@@ -52,6 +54,11 @@ TEST(Grid, OfARepairIsAsDenseAsTheThinnestPartNeeds) {
   // What was asked for rules.
   EXPECT_EQ(fitRepairGrid(plate(0.012), {.resolution = 40}).dims.x, 40);
   EXPECT_FALSE(fitRepairGrid(plate(0.012), {.voxelSize = 0.01}).thinnest);
+}
+
+TEST(Grid, OfASoupNeedsFewerSamples) {
+  const Grid grid = fitRepairGrid(shapes::soup(100, 1));
+  EXPECT_EQ(std::max({grid.dims.x, grid.dims.y, grid.dims.z}), 128);
 }
 
 TEST(Grid, HoldsTheWallAroundASheet) {

@@ -162,6 +162,25 @@ TEST(ThinParts, AreKeptByDefault) {
   }
 }
 
+TEST(ThinParts, OfADoubleSidedChairStayOnAnyGrid) {
+  Mesh chair = shapes::box({0, 0, 4}, {4, 4, 4.4});
+  for (const double x : {0.2, 3.6})
+    for (const double y : {0.2, 3.6})
+      chair = shapes::joined(chair, shapes::box({x, y, 0}, {x + 0.2, y + 0.2, 4.2}));
+  chair = shapes::rotated(chair);
+  const Mesh mesh = shapes::joined(chair, shapes::inverted(chair));
+  for (const double voxel : {0.055, 0.08, 0.11, 0.15, 0.2, 0.3}) {
+    SCOPED_TRACE(voxel);
+    const Grid grid = fitRepairGrid(mesh, {.voxelSize = voxel});
+    const Repaired kept = repair(mesh, grid, {}, {}, {.device = "cpu"});
+    expectSound(kept);
+    EXPECT_EQ(kept.report.after.components, 1u);
+    EXPECT_LT(kept.report.lostShare, 1e-3);
+    EXPECT_LT(glm::length(kept.report.before.bounds.min - kept.report.after.bounds.min), 2.0 * voxel);
+    EXPECT_LT(glm::length(kept.report.before.bounds.max - kept.report.after.bounds.max), 2.0 * voxel);
+  }
+}
+
 TEST(ThinParts, OfASolidAreNotThere) {
   for (const Mesh& mesh : {shapes::rotated(shapes::box({0, 0, 0}, {4, 3, 2})), shapes::sphere(2.0, 4)}) {
     const Repaired kept = solidOf(mesh, {}), plain = solidOf(mesh, {.minThickness = 0.0});

@@ -27,9 +27,10 @@ constexpr double kBand = 3.0;         // Samples around the plates that the isos
 // Least thickness that no samples miss, in samples. A ball of diameter 1.732 holds a sample wherever it lies.
 constexpr double kSurvives = 1.75;
 constexpr double kSlack = 0.05;  // What interpolation may lack of the depth of a ball that fits, in samples.
-// Farthest sample inside from a point that the isosurface shows, in samples: of a sheet, so that its plate
-// joins what is beside it, and of a corner, into which samples do not reach.
-constexpr double kSheetSeen = 1.0, kCornerSeen = 1.5;
+// Farthest sample inside from a point that the isosurface shows, in samples. No samples reach into corners.
+constexpr double kSeen = 1.5;
+// Largest value of the field at a point of a sheet that the isosurface passes, in samples.
+constexpr double kPassed = 0.15;
 
 /// Finds the thin parts of a mesh, and the surface in their middle.
 class ThinParts {
@@ -102,22 +103,23 @@ class ThinParts {
     return (found.part == Part::Wall || found.part == Part::Edge) && !isThick(found);
   }
 
-  /// Returns whether the field has nothing inside near a point of the mesh, such as a rod of three sides.
+  /// Returns whether the isosurface does not show a point of the mesh: nothing is inside near it, such as at
+  /// a rod of three sides, or the field only touches zero at a sheet.
   bool isMissed(const FacePoint& point, const Thickness& found) const {
-    return offset_ >= 0.0 && found.part != Part::Buried &&
-           !isSeen(point.position, found.part == Part::Sheet ? kSheetSeen : kCornerSeen);
+    if (offset_ < 0.0 || found.part == Part::Buried) return false;
+    const glm::dvec3 at = (point.position - solid_.grid.origin) / solid_.grid.spacing;
+    return !isSeen(at) || (found.part == Part::Sheet && sampler_.value(at) > kPassed);
   }
 
-  bool isSeen(const glm::dvec3& p, double reach) const {
+  bool isSeen(const glm::dvec3& at) const {
     const Grid& grid = solid_.grid;
-    const glm::dvec3 at = (p - grid.origin) / grid.spacing;
-    const glm::ivec3 low = glm::max(glm::ivec3(glm::ceil(at - reach)), 0);
-    const glm::ivec3 high = glm::min(glm::ivec3(glm::floor(at + reach)), grid.dims - 1);
+    const glm::ivec3 low = glm::max(glm::ivec3(glm::ceil(at - kSeen)), 0);
+    const glm::ivec3 high = glm::min(glm::ivec3(glm::floor(at + kSeen)), grid.dims - 1);
     for (int k = low.z; k <= high.z; ++k)
       for (int j = low.y; j <= high.y; ++j)
         for (int i = low.x; i <= high.x; ++i)
           if (solid_.distance[grid.index({i, j, k})] < 0.0f &&
-              glm::distance(at, glm::dvec3(i, j, k)) <= reach)
+              glm::distance(at, glm::dvec3(i, j, k)) <= kSeen)
             return true;
     return false;
   }
