@@ -63,7 +63,7 @@ void run(RepairArguments& arguments) {
   Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
   convertUnits(mesh, arguments.units, input, output);
   testBeforeFirstUse(arguments.machine.device);
-  const Grid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair);
+  const RepairGrid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, arguments.machine);
   StoredMesh stored;
   const RepairReport report = makeSolid(mesh, grid, arguments, stored);
   checkCrossing(stored, report.crossingAfter.pairs);

@@ -46,6 +46,17 @@ void printRemoved(const RepairReport& report) {
   print("buried", counted(report.buried.count, "part"), report.buried, "they were in what was filled");
 }
 
+/// Returns what chose the distance between samples, if it was the program.
+std::string reasonFor(const RepairGrid& grid) {
+  if (!grid.thinnest) return {};
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(),
+                grid.keepsThinnest() ? ", chosen for the thinnest part, %.3g thick"
+                                     : "; the thinnest part, %.3g thick, would take too many samples",
+                *grid.thinnest);
+  return text.data();
+}
+
 void printKept(const RepairReport& report) {
   if (report.closedHoles == 0)
     std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
@@ -75,7 +86,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"drain_hole", arguments.repair.drainHole},
               {"drain_holes", arguments.repair.drainHoles},
               {"keep_cavities", arguments.repair.keepCavities},
-              {"min_thickness", arguments.repair.minThickness},
+              {"min_thickness", report.leastThickness},
               {"tolerance", report.simplified.tolerance},
               {"remesh", arguments.repair.remesh},
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
@@ -86,7 +97,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
   return json;
 }
 
-void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report) {
+void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report) {
   std::printf("%s: %s, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.before.triangles, "triangle").c_str(),
               describeDefects(report.before, report.crossingBefore).c_str());
@@ -95,7 +106,8 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   if (report.kept)
     printKept(report);
   else
-    std::printf("grid: %d x %d x %d, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing);
+    std::printf("grid: %d x %d x %d, spacing %g%s\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing,
+                reasonFor(grid).c_str());
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
               isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT sound");
@@ -121,7 +133,7 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
   printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");
-  printShare(report.loss.droppedShare, "of the mesh is lost with the small parts that were dropped");
+  printShare(report.loss.droppedShare, "of the mesh is lost with the parts that --drop-smaller drops");
   printShare(report.trimmedShare, "of the mesh is removed by the offset: other parts are closer");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
@@ -129,9 +141,9 @@ void print(const RepairArguments& arguments, const Grid& grid, const RepairRepor
   for (const auto& [p, d] : report.holePlaces)
     std::printf("  %-22s at %.5g %.5g %.5g, direction %.3g %.3g %.3g\n", "drain hole", p.x, p.y, p.z, d.x,
                 d.y, d.z);
-  if (arguments.repair.minThickness > 0.0)
-    std::printf("  %.3g %% of the mesh's area was thinner than %g, and is that thick now\n",
-                100.0 * report.thickenedShare, arguments.repair.minThickness);
+  if (report.thickenedShare > 0.0)
+    std::printf("  %.3g %% of the mesh's area was thinner than %.4g, and is that thick now\n",
+                100.0 * report.thickenedShare, report.leastThickness);
   if (const SimplifyReport& simplified = report.simplified; simplified.tolerance > 0.0)
     std::printf("  %-22s from %s, at most %.3g (%.2g samples) off the isosurface\n", "simplified",
                 counted(simplified.trianglesBefore, "triangle").c_str(), simplified.deviation,

@@ -29,6 +29,6 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               const MeshWriteOptions& written);
 
 /// Prints what a repair did, for people.
-void print(const RepairArguments& arguments, const Grid& grid, const RepairReport& report);
+void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report);
 
 }  // namespace raymap

@@ -175,11 +175,10 @@ glm::dvec3 samplesFor(const Diagnostics& found, double spacing) {
 enum class Keeps : uint8_t { Unknown, ByDefault, WithVoxelSize, TooMany };
 
 Keeps keeps(const Verdict& verdict, const Diagnostics& found) {
-  constexpr double kMostSamples = 1e9;  // Their distances take 4 GB.
   if (!verdict.voxelSize) return Keeps::Unknown;
   if (*verdict.voxelSize >= defaultSpacing(found)) return Keeps::ByDefault;
   const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
-  return n.x * n.y * n.z > kMostSamples ? Keeps::TooMany : Keeps::WithVoxelSize;
+  return n.x * n.y * n.z > double(kMostRepairSamples) ? Keeps::TooMany : Keeps::WithVoxelSize;
 }
 
 std::string describeThickness(const Verdict& verdict, const Diagnostics& found, bool isFast) {
@@ -198,10 +197,10 @@ std::string describeThickness(const Verdict& verdict, const Diagnostics& found, 
     case Keeps::ByDefault:
       return part + "A repair with " + defaultSamples() + " keeps it; so does " + voxels + ".\n";
     case Keeps::TooMany:
-      return part + "To keep it would take " + grid + ", which is too many; " + defaultSamples() +
-             " keep parts from " + text(2.0 * defaultSpacing(found)) + " on.\n";
+      return part + "To keep it as it is would take " + grid + ". A repair takes " + defaultSamples() +
+             ", and makes what is thinner " + text(1.75 * defaultSpacing(found)) + " thick.\n";
     default:
-      return part + "To keep it takes " + grid + ".\n";
+      return part + "A repair chooses what keeps it, " + grid + ".\n";
   }
 }
 
@@ -213,8 +212,7 @@ std::string commandFor(const Verdict& verdict, const Diagnostics& found, const s
     return "raymap mesh " + files + " --thickness " + plain(thickness) + " --voxel-size " +
            plain(thickness / 4.0);
   }
-  const bool needsVoxelSize = keeps(verdict, found) == Keeps::WithVoxelSize;
-  return "raymap repair " + files + (needsVoxelSize ? " --voxel-size " + plain(*verdict.voxelSize) : "");
+  return "raymap repair " + files;
 }
 
 }  // namespace

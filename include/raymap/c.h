@@ -465,11 +465,13 @@ typedef struct raymap_repair_options {
   int32_t drain_holes;   /* Number of drain holes of each hollow; 0 = 1. */
   double offset;         /* Distance to move the surface outwards; negative: inwards. */
   double shell;          /* Thickness of the walls of a hollow solid; 0 = not hollow. */
-  double min_thickness;  /* Least thickness of walls, fins and sheets; 0 = none. At least two samples. */
+  double min_thickness;  /* Least thickness of walls, fins and sheets, at least two samples; 0 = 1.75 samples,
+                            the least that no samples miss. */
   double drain_hole;     /* Diameter of the drain holes; 0 = none. */
   double drop_smaller;   /* Volume, in the mesh's units cubed, below which parts are dropped. */
   double tolerance;      /* Largest deviation from the isosurface, to have fewer faces; 0 = all faces. */
   double down[3];        /* Direction of the drain holes, of any length; 0 = (0, 0, -1). */
+  bool loses_thin_parts; /* Whether a `min_thickness` of 0 is none: what samples miss is lost. */
 } raymap_repair_options;
 
 /* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box and the

@@ -128,6 +128,7 @@ void forEachMember(const Loss& loss, auto&& use) {
   use("kept_share", loss.keptShare);
   use("kept_thickness", loss.keptThickness);
   use("dropped_share", loss.droppedShare);
+  use("dropped_bounds", loss.droppedBounds);
   use("open_share", loss.openShare);
   use("open_bounds", loss.openBounds);
 }
@@ -179,6 +180,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("kept", report.kept);
   use("closed_holes", report.closedHoles);
   use("closing_faces", report.closingFaces);
+  use("least_thickness", report.leastThickness);
   use("thickened_share", report.thickenedShare);
   use("simplified", report.simplified);
   use("warnings", report.warnings);

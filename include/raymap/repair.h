@@ -14,6 +14,8 @@
 namespace raymap {
 
 inline constexpr int kRepairResolution = 256;
+/// Most samples that `fitRepairGrid` chooses by itself: they take a few gigabytes.
+inline constexpr size_t kMostRepairSamples = size_t{1} << 26;
 
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
 struct RepairOptions {
@@ -21,16 +23,17 @@ struct RepairOptions {
       true;             ///< Whether distances count the surface that closes holes; else they close in steps.
   double offset = 0.0;  ///< Distance to move the surface outwards; negative: inwards.
   double shell = 0.0;   ///< Thickness of the walls of a hollow solid; 0 = not hollow.
-  /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. 0 =
-  /// none. At least two samples.
-  double minThickness = 0.0;
+  /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. At
+  /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the least that no
+  /// samples miss. What a negative offset takes away then stays away.
+  std::optional<double> minThickness = {};
   double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
   /// one, then down from level floors as far from the others as there are.
   int drainHoles = 1;
   glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
   /// Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. Unset: a thousandth
-  /// of what the largest part encloses.
+  /// of what the largest part encloses, but none that shows surface of the mesh that no other part shows.
   std::optional<double> dropSmaller = {};
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
   bool remesh = false;        ///< Whether to make a mesh anew whose faces could be kept.
@@ -79,8 +82,9 @@ struct Loss {
   bool kept = false;           ///< Whether `voxelSize` keeps the parts: all but 0.5 % of the area.
   double keptShare = 0.0;      ///< Share of the lost area that `voxelSize` keeps.
   double keptThickness = 0.0;  ///< Median thickness of the parts that it does not keep.
-  /// Share of the mesh's area that is lost with the small parts that were dropped.
+  /// Share of the mesh's area that is lost with parts below `RepairOptions::dropSmaller`.
   double droppedShare = 0.0;
+  Box droppedBounds = {};  ///< Bounds of this area. Empty if there is none.
   /// Share of the mesh's area that is lost and bounds nothing: sheets, open surface.
   double openShare = 0.0;
   Box openBounds = {};  ///< Bounds of this area. Empty if there is none.
@@ -130,7 +134,8 @@ struct RepairReport {
   bool kept = false;
   size_t closedHoles = 0;              ///< Number of holes that were closed beside the faces that were kept.
   size_t closingFaces = 0;             ///< Number of faces that close these holes.
-  double thickenedShare = 0.0;         ///< Share of the mesh's area that was thinner than `minThickness`.
+  double leastThickness = 0.0;         ///< Thickness of the plates in place of thinner parts; 0 = none made.
+  double thickenedShare = 0.0;         ///< Share of the mesh's area that was thinner, and is on plates.
   std::vector<Warning> warnings = {};  ///< What is odd, in the order in which it was found.
   SimplifyReport simplified = {};      ///< All 0 if the mesh's own faces were kept.
 };
@@ -141,11 +146,26 @@ struct Repaired {
   RepairReport report = {};
 };
 
+/// A grid for a repair, and the thickness that chose the distance between its samples.
+struct RepairGrid : Grid {
+  /// Thickness of the mesh's thinnest part (`Verdict::thinnest`). Nothing if it is at least two samples of
+  /// `kRepairResolution`, or was not measured.
+  std::optional<double> thinnest = {};
+
+  /// Returns whether the samples are dense enough for that part: without plates in its place.
+  bool keepsThinnest() const { return !thinnest || spacing <= 0.5 * *thinnest; }
+};
+
 /// Returns a grid that holds the result: it covers the mesh's bounds, padded by `GridOptions::padding` and by
 /// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box` and
-/// `thickness`. Throws `Error(Usage)` as `fitGrid` does.
-RAYMAP_API Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
-                              const RepairOptions& repair = {});
+/// `thickness`.
+///
+/// Without a resolution or a voxel size, it has `kRepairResolution` samples along its longest side. They are
+/// as dense as two to the thinnest part if that takes at most `kMostRepairSamples`, and memory for them is
+/// within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples along its longest side.
+/// Uses `machine` and throws `Error` as `fitGrid` and `judge` do.
+RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
+                                    const RepairOptions& repair = {}, const MachineOptions& machine = {});
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of

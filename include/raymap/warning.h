@@ -15,9 +15,9 @@ enum class WarningCode {
   OrientationMisfit,  ///< No directions of the faces fit the crossings, so signs may be wrong. `share` is the
                       ///< misfit, which may exceed 1.
   BoxReached,         ///< The solid reaches the grid's box, and was closed there.
-  SolidLost,     ///< Parts of the solid are lost, `share` of the mesh's area. `voxelSize` keeps them, or most
-                 ///< of them; 0 = none does.
-  SurfaceLost,   ///< Sheets and open surface are lost, `share` of the mesh's area.
+  SolidLost,    ///< `share` of the mesh's area is lost, and most of it bounds parts of the solid. `voxelSize`
+                ///< keeps them, or most of them; 0 = none does.
+  SurfaceLost,  ///< `share` of the mesh's area is lost, and most of it is sheets or dropped parts.
   PartsDropped,  ///< `count` small parts were dropped, the largest of `volume`, nearly as large as one that
                  ///< stays.
   PartsKept,  ///< `count` parts stay that are small, the largest of `volume`: nothing is wrong with the mesh.

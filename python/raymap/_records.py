@@ -305,7 +305,9 @@ class Loss(TypedDict):
     kept_thickness: float
     """Median thickness of the parts that it does not keep."""
     dropped_share: float
-    """Share of the mesh's area that is lost with the small parts that were dropped."""
+    """Share of the mesh's area that is lost with parts below ``drop_smaller``."""
+    dropped_bounds: list[list[float]]
+    """Bounds of this area. Empty if there is none."""
     open_share: float
     """Share of the mesh's area that is lost and bounds nothing: sheets, open surface."""
     open_bounds: list[list[float]]
@@ -405,8 +407,10 @@ class RepairReport(TypedDict):
     """Number of holes that were closed beside the faces that were kept."""
     closing_faces: int
     """Number of faces that close these holes."""
+    least_thickness: float
+    """Thickness of the plates in place of thinner parts; 0 = none made."""
     thickened_share: float
-    """Share of the mesh's area that was thinner than ``min_thickness``."""
+    """Share of the mesh's area that was thinner, and is on plates."""
     simplified: SimplifyReport
     """All 0 if the mesh's own faces were kept."""
     warnings: list[Warning]

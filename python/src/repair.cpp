@@ -10,17 +10,17 @@ namespace raymap::python {
 namespace {
 
 /// Returns the mesh and the report.
-std::pair<std::shared_ptr<MeshHandle>, nb::dict> repairMesh(const MeshHandle& mesh, int resolution,
-                                                            double voxelSize, const FieldOptions& options,
-                                                            const RepairOptions& how,
-                                                            const MachineOptions& machine,
-                                                            nb::object progress) {
+std::pair<std::shared_ptr<MeshHandle>, nb::dict> repairMesh(
+    const MeshHandle& mesh, std::optional<int> resolution, double voxelSize, const FieldOptions& options,
+    const RepairOptions& how, const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   Repaired result;
   call.run([&] {
     validate(mesh.view);
-    const Grid grid = fitRepairGrid(mesh.view, {.resolution = resolution, .voxelSize = voxelSize}, how);
-    result = repair(mesh.view, grid, options, how, call.on(machine));
+    const MachineOptions running = call.on(machine);
+    const Grid grid =
+        fitRepairGrid(mesh.view, {.resolution = resolution, .voxelSize = voxelSize}, how, running);
+    result = repair(mesh.view, grid, options, how, running);
   });
   return {own(std::move(result.mesh)), toPython(result.report)};
 }
@@ -38,15 +38,16 @@ void bindRepair(nb::module_& module) {
       .def_rw("drop_smaller", &RepairOptions::dropSmaller)
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
       .def_rw("remesh", &RepairOptions::remesh)
-      .def_rw("min_thickness", &RepairOptions::minThickness)
+      .def_prop_rw(
+          "min_thickness", [](const RepairOptions& self) { return self.minThickness.value_or(-1.0); },
+          [](RepairOptions& self, double thickness) { self.minThickness = thickness; })
       .def_prop_rw(
           "tolerance", [](const RepairOptions& self) { return self.tolerance.value_or(-1.0); },
           [](RepairOptions& self, double tolerance) { self.tolerance = tolerance; })
       .def_prop_rw(
           "down", [](const RepairOptions& self) { return toTriple(self.down); },
           [](RepairOptions& self, const Triple& down) { self.down = toVector(down); });
-  module.attr("repair_resolution") = kRepairResolution;
-  module.def("repair", &repairMesh, "mesh"_a, "resolution"_a, "voxel_size"_a, "options"_a, "repair"_a,
+  module.def("repair", &repairMesh, "mesh"_a, "resolution"_a.none(), "voxel_size"_a, "options"_a, "repair"_a,
              "machine"_a, "progress"_a.none());
 }
 

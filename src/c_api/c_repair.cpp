@@ -60,13 +60,13 @@ RepairOptions repairOptions(const raymap_repair_options* options) {
   RepairOptions wanted{.closeHoles = !given.close_holes_in_steps,
                        .offset = given.offset,
                        .shell = given.shell,
-                       .minThickness = given.min_thickness,
                        .drainHole = given.drain_hole,
                        .keepCavities = given.keep_cavities,
                        .remesh = given.remesh,
                        .measure = !given.is_brief};
   if (given.drain_holes != 0) wanted.drainHoles = given.drain_holes;
   if (given.has_drop_smaller) wanted.dropSmaller = given.drop_smaller;
+  if (given.min_thickness != 0.0 || given.loses_thin_parts) wanted.minThickness = given.min_thickness;
   if (given.has_tolerance) wanted.tolerance = given.tolerance;
   if (const glm::dvec3 down = c::vectorOf(given.down); down != glm::dvec3(0.0)) wanted.down = down;
   return wanted;

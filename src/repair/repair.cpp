@@ -2,6 +2,7 @@
 #include <raymap/isosurface.h>
 #include <raymap/repair.h>
 #include <raymap/simplify.h>
+#include <raymap/thickness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "base/progress.h"
 #include "base/require.h"
 #include "base/text.h"
+#include "cpu/points/close_distances.h"
 #include "mesh/compact.h"
 #include "method/check_options.h"
 #include "method/stage_times.h"
@@ -29,6 +31,10 @@
 namespace raymap {
 
 namespace {
+
+// Samples along the longest side of a soup of faces. Its surface is mostly what closes the gaps.
+constexpr int kSoupResolution = 128;
+constexpr size_t kBytesPerSample = 64;  // Memory of a repair, which is at most about this much.
 
 /// Refuses options of a field that a solid leaves no place for.
 void check(const FieldOptions& options) {
@@ -63,11 +69,11 @@ void check(const Grid& grid, const RepairOptions& repair) {
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
-  require(repair.minThickness >= 0.0, "the least thickness must not be negative");
-  require(repair.minThickness == 0.0 || repair.minThickness >= 2.0 * grid.spacing,
-          "a least thickness of " + numberText(repair.minThickness) + " is less than two samples (" +
-              numberText(2.0 * grid.spacing) + "); use a voxel size of at most " +
-              numberText(0.5 * repair.minThickness));
+  const double least = repair.minThickness.value_or(0.0);
+  require(least >= 0.0, "the least thickness must not be negative");
+  require(least == 0.0 || least >= 2.0 * grid.spacing,
+          "a least thickness of " + numberText(least) + " is less than two samples (" +
+              numberText(2.0 * grid.spacing) + "); use a voxel size of at most " + numberText(0.5 * least));
 }
 
 /// Returns the solid with its surface moved by the offset.
@@ -92,7 +98,8 @@ void requireParts(const Mesh& surface) {
 }
 
 bool asksForChange(const RepairOptions& repair) {
-  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0 || repair.minThickness > 0.0;
+  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0 ||
+         repair.minThickness.value_or(0.0) > 0.0;
 }
 
 bool crossesNowhere(const SelfIntersections& crossing) {
@@ -142,26 +149,63 @@ bool isChanged(const RepairReport& report) {
   return report.dropped.count > 0 || report.filled.count > 0;
 }
 
-/// Drops crumbs and bubbles from a solid and its surface. Returns their surface.
-Mesh dropPieces(Field& solid, Mesh& surface, const RepairOptions& repair, const WarningCallback& warn,
-                RepairReport& report) {
+/// Finds the pieces of a surface that a choice drops, but that show surface of the mesh that no other piece
+/// shows. Both are moved by the offset from each other.
+std::vector<bool> findNeeded(const PackedMesh& mesh, const Mesh& surface, const Pieces& found,
+                             const Choice& choice, const Grid& grid, double offset, Progress& progress) {
+  const double reach = 1.0 + std::abs(offset) / grid.spacing;
+  Mesh dropped = surface, rest = surface;
+  dropFrom(dropped, found, opposite(choice));
+  dropFrom(rest, found, choice);
+  std::vector<uint32_t> pieces;  // Of the faces of `dropped`.
+  for (const uint32_t p : found.ids)
+    if (choice.isDropped[p]) pieces.push_back(p);
+  const cpu::CloseDistances close(dropped, grid, reach * grid.spacing);
+  std::vector<glm::vec3> points;
+  std::vector<uint32_t> pointPieces;
+  const SurfacePoints all = surfacePoints(mesh, grid, kPointStep);
+  forEachPart(all.positions, grid, [&](std::span<const glm::vec3> cells, std::span<const glm::dvec3> part) {
+    const QueryResult near = close.measure(part);
+    for (size_t i = 0; i < part.size(); ++i)
+      if (near.triangle[i] != kNoTriangle) {
+        points.push_back(cells[i]);
+        pointPieces.push_back(pieces[near.triangle[i]]);
+      }
+  });
+  std::vector<bool> needed(found.pieces.size());
+  const std::vector<float> distances = distancesTo(rest, grid, points, progress);
+  for (size_t i = 0; i < points.size(); ++i)
+    if (distances[i] > reach) needed[pointPieces[i]] = true;
+  return needed;
+}
+
+/// Drops crumbs and bubbles from a solid and its surface. Returns the surface of parts that were dropped on
+/// request.
+Mesh dropPieces(const Given& given, Field& solid, Mesh& surface, Progress& progress, RepairReport& report) {
+  const RepairOptions& repair = given.repair;
   Pieces found = findPieces(surface);
   nestPieces(surface, 1, found);
-  const Choice choice = choosePieces(found, repair, repair.keepCavities, report);
-  warnOfRemoved(found, choice, report, warn);
+  Choice choice = choosePieces(found, repair, repair.keepCavities, report);
+  if (!repair.dropSmaller && report.dropped.count > 0)
+    choice =
+        choosePieces(found, repair, repair.keepCavities, report,
+                     findNeeded(given.mesh, surface, found, choice, solid.grid, repair.offset, progress));
+  warnOfRemoved(found, choice, report, [&](const Warning& warning) {
+    if (repair.dropSmaller || warning.code != WarningCode::PartsDropped) given.machine.warn(warning);
+  });
   if (choice.count == 0) return {};
   dropFrom(solid, surface, found, choice);
   Mesh dropped = surface;
   dropFrom(dropped, found, opposite(choice));
   dropFrom(surface, found, choice);
   requireParts(surface);
-  return dropped;
+  return repair.dropSmaller ? std::move(dropped) : Mesh{};
 }
 
-/// Leaves out the lost points of parts that were dropped: no samples would keep them. Returns the share of
-/// the lost area that is left.
+/// Leaves out the lost points of parts that were dropped: no samples would keep them. Extends `bounds` by
+/// them. Returns the share of the lost area that is left.
 double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Progress& progress,
-                       std::vector<FacePoint>& lost) {
+                       std::vector<FacePoint>& lost, Box& bounds) {
   if (lost.empty()) return 1.0;
   const auto area = [&] {
     return std::accumulate(lost.begin(), lost.end(), 0.0,
@@ -173,7 +217,11 @@ double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Pro
   const std::vector<float> distances = distancesTo(dropped, grid, points, progress);
   const double reach = 1.0 + std::abs(offset) / grid.spacing;
   size_t k = 0;
-  std::erase_if(lost, [&](const FacePoint&) { return distances[k++] <= reach; });
+  std::erase_if(lost, [&](const FacePoint& p) {
+    if (distances[k++] > reach) return false;
+    bounds.min = glm::min(bounds.min, p.position), bounds.max = glm::max(bounds.max, p.position);
+    return true;
+  });
   return before > 0.0 ? area() / before : 1.0;
 }
 
@@ -233,12 +281,27 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
 
 }  // namespace
 
-Grid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair) {
+RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair,
+                         const MachineOptions& machine) {
   GridOptions covering = options;
   covering.resolution = options.resolution.value_or(kRepairResolution);
   covering.box.reset();
-  covering.thickness = std::max({2.0 * repair.offset, repair.minThickness, 0.0});
-  return fitGrid(mesh, covering);
+  covering.thickness = std::max({2.0 * repair.offset, repair.minThickness.value_or(0.0), 0.0});
+  RepairGrid grid{fitGrid(mesh, covering)};
+  if (options.resolution || options.voxelSize > 0.0) return grid;
+  const Verdict verdict = judge(mesh, diagnose(mesh, {}, machine), {}, machine);
+  if (verdict.kind == MeshKind::Soup) {
+    covering.resolution = kSoupResolution;
+    return {fitGrid(mesh, covering)};
+  }
+  if (!verdict.voxelSize || *verdict.voxelSize >= grid.spacing) return grid;
+  grid.thinnest = verdict.thinnest;
+  covering.voxelSize = *verdict.voxelSize;
+  const glm::dvec3 dims = grid.spacing / covering.voxelSize * glm::dvec3(grid.dims);
+  const size_t memory = machine.memoryLimit > 0 ? machine.memoryLimit : SIZE_MAX;
+  if (dims.x * dims.y * dims.z <= double(std::min(memory / kBytesPerSample, kMostRepairSamples)))
+    static_cast<Grid&>(grid) = fitGrid(mesh, covering);
+  return grid;
 }
 
 Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& options,
@@ -268,7 +331,8 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   stage("inspect", [&] { inspectGiven(mesh, repair, machine.warn, repaired); });
   if (report.kept) return finish();
   Field solid = makeSolid(given, report.stats);
-  if (repair.minThickness > 0.0) {
+  report.leastThickness = leastThickness(repair, grid);
+  if (report.leastThickness > 0.0) {
     stage("surface", [&] { given.surface(); });
     stage("thicken", [&] { report.thickenedShare = thickenThinParts(given, solid, progress); });
   }
@@ -279,7 +343,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
                 "use more samples, or for a sheet a least thickness");
   stage("isosurface", [&] { result = isosurface(solid, {}, machine); });
   Mesh dropped;
-  stage("pieces", [&] { dropped = dropPieces(solid, result, repair, machine.warn, report); });
+  stage("pieces", [&] { dropped = dropPieces(given, solid, result, progress, report); });
   ExpectedPoints expected;
   if (repair.measure) stage("points", [&] { expected = expectedPoints(mesh, solid, repair, report); });
   std::vector<DrainHole> holes;
@@ -299,14 +363,17 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   stage("measure",
         [&] { lost = measure(mesh, result, grid, repair, holes, std::move(expected), progress, report); });
   double share = report.lostShare;
+  Box droppedBounds;
   if (!dropped.triangles.empty())
-    stage("dropped", [&] { share *= leaveOutDropped(dropped, grid, repair.offset, progress, lost); });
-  if (!lost.empty() && repair.minThickness == 0.0) stage("surface", [&] { given.surface(); });
+    stage("dropped",
+          [&] { share *= leaveOutDropped(dropped, grid, repair.offset, progress, lost, droppedBounds); });
+  if (!lost.empty() && report.leastThickness == 0.0) stage("surface", [&] { given.surface(); });
   stage("loss", [&] {
     report.loss = inspectLoss(given, lost, share, progress);
     report.loss.droppedShare = report.lostShare - share;
+    report.loss.droppedBounds = droppedBounds;
   });
-  warnOfLoss(report.loss, machine.warn);
+  warnOfLoss(report.loss, repair, machine.warn);
   return finish();
 }
 

@@ -58,14 +58,13 @@ TEST_F(CliInfo, EndsInformationWithAVerdict) {
   EXPECT_EQ(slab(0.2),
             "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.2 thick. A repair "
             "with 256 samples keeps it; so does --voxel-size 0.1.\n");
-  EXPECT_EQ(slab(0.03),
-            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.03 thick. To keep "
-            "it takes --voxel-size 0.015: 800 x 800 x 136 samples.\n");
+  EXPECT_EQ(slab(0.04),
+            "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.04 thick. A repair "
+            "chooses what keeps it, --voxel-size 0.02: 600 x 600 x 102 samples.\n");
   EXPECT_EQ(slab(0.001),
             "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.001 thick. To "
-            "keep it would take --voxel-size 0.0005: 24,000 x 24,000 x 4,003 samples, which is too many; 256 "
-            "samples "
-            "keep parts from 0.0938 on.\n");
+            "keep it as it is would take --voxel-size 0.0005: 24,000 x 24,000 x 4,003 samples. A repair "
+            "takes 256 samples, and makes what is thinner 0.082 thick.\n");
   EXPECT_EQ(verdict(two, " --fast"),
             "This is 2 clean, separate solids, with nothing wrong. Faces that cross were not counted "
             "(--fast).\n");

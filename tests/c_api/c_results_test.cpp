@@ -226,7 +226,7 @@ TEST_F(CResults, OtherOptionsOfRepairAreThoseOfCpp) {
       .closeHoles = false, .minThickness = 0.4, .dropSmaller = 0.0, .keepCavities = true, .measure = false};
   auto cHow = RAYMAP_INIT(raymap_repair_options);
   cHow.close_holes_in_steps = true;
-  cHow.min_thickness = how.minThickness;
+  cHow.min_thickness = *how.minThickness;
   cHow.has_drop_smaller = true;
   cHow.keep_cavities = true;
   cHow.is_brief = true;

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include <algorithm>
+
 #include "shapes.h"
 
 namespace raymap {
@@ -28,6 +30,35 @@ TEST(Grid, OfARepairHasMoreSamples) {
   EXPECT_EQ(fitGrid(mesh).dims.x, 128);
   EXPECT_EQ(fitRepairGrid(mesh).dims.x, 256);
   EXPECT_EQ(fitRepairGrid(mesh, {.resolution = 30}).dims.x, 30);
+}
+
+TEST(Grid, OfARepairIsAsDenseAsTheThinnestPartNeeds) {
+  const auto plate = [](double thickness) { return shapes::box({0, 0, 0}, {2, 1, thickness}); };
+  const RepairGrid usual = fitRepairGrid(plate(0.1));
+  EXPECT_EQ(usual.dims.x, 256);
+  EXPECT_FALSE(usual.thinnest);
+  const RepairGrid dense = fitRepairGrid(plate(0.012));
+  ASSERT_TRUE(dense.thinnest);
+  EXPECT_NEAR(*dense.thinnest, 0.012, 1e-6);
+  EXPECT_LE(dense.spacing, 0.006);
+  EXPECT_GE(dense.spacing, 0.0057);
+  EXPECT_TRUE(dense.keepsThinnest());
+  // It is within the memory, and within the most samples.
+  const RepairGrid limited = fitRepairGrid(plate(0.012), {}, {}, {.memoryLimit = 100'000'000});
+  EXPECT_EQ(limited.dims.x, 256);
+  EXPECT_FALSE(limited.keepsThinnest());
+  const RepairGrid thin = fitRepairGrid(plate(0.0005));
+  EXPECT_EQ(thin.dims.x, 256);
+  EXPECT_NEAR(*thin.thinnest, 0.0005, 1e-6);
+  EXPECT_FALSE(thin.keepsThinnest());
+  // What was asked for rules.
+  EXPECT_EQ(fitRepairGrid(plate(0.012), {.resolution = 40}).dims.x, 40);
+  EXPECT_FALSE(fitRepairGrid(plate(0.012), {.voxelSize = 0.01}).thinnest);
+}
+
+TEST(Grid, OfASoupNeedsFewerSamples) {
+  const Grid grid = fitRepairGrid(shapes::soup(100, 1));
+  EXPECT_EQ(std::max({grid.dims.x, grid.dims.y, grid.dims.z}), 128);
 }
 
 TEST(Grid, HoldsTheWallAroundASheet) {

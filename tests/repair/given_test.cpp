@@ -24,6 +24,7 @@ TEST(Given, KnowsTheFieldAsFarAsTheIsosurfaceReads) {
     for (const double samples : {-3.0, 0.0, 9.0}) {
       const Grid coarse = fitGrid(mesh, {.resolution = 40});
       const RepairOptions changes{.offset = samples * coarse.spacing,
+                                  .minThickness = 0.0,
                                   .dropSmaller = 0.0,
                                   .keepCavities = true,
                                   .remesh = true,

@@ -215,6 +215,20 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   EXPECT_LT(report.ofKept.max, 0.5 * kOddSpacing);
 }
 
+TEST(Repair, DropsByDefaultOnlyWhatShowsNothingOfTheMesh) {
+  // The ball encloses less than a thousandth of the cube, but nothing else shows it.
+  const Mesh mesh = joined(box(glm::dvec3(0), glm::dvec3(4)), shapes::sphere(0.2, 3, {6, 2, 2}));
+  const Repaired made = repaired(mesh, {.remesh = true});
+  EXPECT_EQ(made.report.solids, 2u);
+  EXPECT_EQ(made.report.dropped.count, 0u);
+  EXPECT_EQ(made.report.lostShare, 0.0);
+  EXPECT_TRUE(made.report.warnings.empty());
+  const Repaired asked = repaired(mesh, {.dropSmaller = 0.05, .remesh = true});
+  EXPECT_EQ(asked.report.solids, 1u);
+  EXPECT_EQ(asked.report.dropped.count, 1u);
+  EXPECT_GT(asked.report.loss.droppedShare, 1e-3);
+}
+
 TEST(Repair, NeedsAWayDown) {
   EXPECT_THROW(repaired(ball(), {.down = glm::dvec3(0.0), .remesh = true}), Error);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "repair/solid/loss.h"
@@ -17,8 +18,10 @@ struct Outcome {
   std::string warnings;
 };
 
+/// Repairs without plates in place of what the samples miss.
 Outcome runAt(const Mesh& mesh, double spacing, RepairOptions how = {}) {
   how.remesh = true;
+  how.minThickness = 0.0;
   Outcome outcome;
   outcome.grid = fitRepairGrid(mesh, {.voxelSize = spacing}, how);
   MachineOptions machine{.device = "cpu"};
@@ -87,14 +90,15 @@ TEST(Loss, OfAPlateIsToldAndTheVoxelSizeKeepsIt) {
   EXPECT_TRUE(loss.kept);
   EXPECT_NE(coarse.warnings.find("x from 1 to 9, y from 4.03 to 4.33, z from 1"), std::string::npos)
       << coarse.warnings;
-  EXPECT_NE(coarse.warnings.find("they are 0.3 thick at the thinnest, 0.3 in the median; a voxel size of"),
+  EXPECT_NE(coarse.warnings.find(
+                "bounds parts of the solid, 0.3 thick at the thinnest, 0.3 in the median: a voxel size of"),
             std::string::npos);
   EXPECT_NE(coarse.warnings.find(" keeps them"), std::string::npos) << coarse.warnings;
   ASSERT_EQ(coarse.report.warnings.size(), 1u);
   const Warning& warning = coarse.report.warnings[0];
   EXPECT_EQ(warning.message + "\n", coarse.warnings);
   EXPECT_EQ(warning.code, WarningCode::SolidLost);
-  EXPECT_EQ(warning.fields.share, loss.solidShare);
+  EXPECT_EQ(warning.fields.share, loss.solidShare + loss.openShare);
   EXPECT_EQ(warning.fields.voxelSize, loss.voxelSize);
   const Outcome fine = runAt(mesh, loss.voxelSize);
   EXPECT_LT(boundsOff(fine), 1.0);
@@ -161,12 +165,30 @@ TEST(Loss, TellsSheetsFromPartsOfTheSolid) {
   EXPECT_EQ(sheet.report.loss.openShare, sheet.report.lostShare);
   EXPECT_NEAR(sheet.report.loss.openBounds.min.x, 15.0, 1e-5);
   EXPECT_LT(glm::distance(sheet.report.loss.openBounds.max, glm::dvec3(15, 8, 8)), 0.3);
-  EXPECT_NE(sheet.warnings.find("sheets and open surface are lost, 9."), std::string::npos) << sheet.warnings;
-  EXPECT_NE(sheet.warnings.find("a least thickness makes plates of them"), std::string::npos)
-      << sheet.warnings;
+  EXPECT_TRUE(sheet.warnings.starts_with("9.")) << sheet.warnings;
+  for (const char* part : {"of the mesh's surface is lost: x from 15 to 15", "is sheets and open surface",
+                           "without a least thickness of 0, plates keep what is thin"})
+    EXPECT_NE(sheet.warnings.find(part), std::string::npos) << sheet.warnings;
   ASSERT_EQ(sheet.report.warnings.size(), 1u);
   EXPECT_EQ(sheet.report.warnings[0].code, WarningCode::SurfaceLost);
   EXPECT_EQ(sheet.report.warnings[0].fields.share, sheet.report.loss.openShare);
+}
+
+TEST(Loss, IsOneWarningWithTheWholeShare) {
+  // A cube, a plate that the samples miss, and balls that are dropped on request.
+  const Mesh cube = shapes::box({0, 0, 0}, {10, 10, 10}), plate = shapes::box({12, 1.1, 0}, {18, 1.4, 8});
+  Mesh mesh = shapes::joined(cube, plate);
+  for (int k = 0; k < 4; ++k) mesh = shapes::joined(mesh, shapes::sphere(1.5, 3, {5.0 * k, 5, -5}));
+  const Outcome outcome = runAt(mesh, 1.0, {.dropSmaller = 14.2});
+  ASSERT_EQ(outcome.report.warnings.size(), 1u) << outcome.warnings;
+  const Warning& warning = outcome.report.warnings[0];
+  const double balls = 4 * 4 * std::numbers::pi * 2.25, plateArea = 2 * (6 * 8 + 6 * 0.3 + 8 * 0.3);
+  const double share = (balls + plateArea) / (600 + balls + plateArea);
+  EXPECT_NEAR(warning.fields.share, share, 0.02);
+  EXPECT_NEAR(outcome.report.loss.droppedShare, balls / (600 + balls + plateArea), 0.01);
+  EXPECT_EQ(outcome.report.loss.droppedBounds.min.z, outcome.report.before.bounds.min.z);
+  EXPECT_NE(warning.message.find("x from -1.5 to 18"), std::string::npos) << warning.message;
+  EXPECT_NE(warning.message.find("a smaller volume keeps them"), std::string::npos) << warning.message;
 }
 
 TEST(Loss, TellsOfHollowsThatWereNotMade) {

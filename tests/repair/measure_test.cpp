@@ -10,9 +10,10 @@
 namespace raymap {
 namespace {
 
-/// Returns the report of a repair with samples `spacing` apart.
+/// Returns the report of a repair with samples `spacing` apart, and no plates in place of what they miss.
 RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {}) {
   repair.closeHoles = false;
+  repair.minThickness = 0.0;
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = spacing}, repair);
   return raymap::repair(mesh, grid, {}, repair, {.device = "cpu"}).report;
 }

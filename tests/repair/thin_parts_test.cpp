@@ -90,12 +90,13 @@ TEST(ThinParts, AreTheEdgesOfWedges) {
 
 TEST(ThinParts, LeaveThickOnesAsTheyAre) {
   const Mesh mesh = shapes::rotated(shapes::box({0, 0, 0}, {8, 6, 0.7}));
-  const Repaired plain = solidOf(mesh, {}), thick = solidOf(mesh, {.minThickness = kLeast});
+  const Repaired plain = solidOf(mesh, {.minThickness = 0.0}),
+                 thick = solidOf(mesh, {.minThickness = kLeast});
   EXPECT_EQ(thick.report.thickenedShare, 0.0);
   // The grids differ in their padding.
   const Grid grid = fitRepairGrid(mesh, {.voxelSize = kVoxel}, {.minThickness = kLeast});
   const MachineOptions machine{.device = "cpu"};
-  EXPECT_EQ(repair(mesh, grid, {}, {.remesh = true}, machine).mesh.vertices,
+  EXPECT_EQ(repair(mesh, grid, {}, {.minThickness = 0.0, .remesh = true}, machine).mesh.vertices,
             repair(mesh, grid, {}, {.minThickness = kLeast}, machine).mesh.vertices);
   EXPECT_NEAR(thick.report.after.signedVolume, plain.report.after.signedVolume, 0.1);
 }
@@ -104,7 +105,7 @@ TEST(ThinParts, AreFinsOfABodyThatStaysAsItIs) {
   // A fin of 0.1 on top of a cube.
   const Mesh cube = shapes::box({0, 0, 0}, {4, 4, 4}), fin = shapes::box({1, 1.95, 3.5}, {3, 2.05, 6});
   const Mesh mesh = shapes::rotated(shapes::joined(cube, fin));
-  const Repaired lost = solidOf(mesh, {}), solid = solidOf(mesh, {.minThickness = kLeast});
+  const Repaired lost = solidOf(mesh, {.minThickness = 0.0}), solid = solidOf(mesh, {.minThickness = kLeast});
   expectSound(solid);
   EXPECT_EQ(solid.report.after.components, 1u);
   EXPECT_LT(lost.report.after.signedVolume, 64.5);
@@ -149,7 +150,67 @@ TEST(ThinParts, AreSheetsAlone) {
   expectSound(solid);
   EXPECT_EQ(solid.report.thickenedShare, 1.0);
   EXPECT_NEAR(solid.report.after.signedVolume, 36.0 * kLeast + 0.5 * std::numbers::pi * 0.09 * 24.0, 0.5);
-  EXPECT_THROW(solidOf(sheet({0, 0}, {6, 6}), {}), Error);
+  EXPECT_THROW(solidOf(sheet({0, 0}, {6, 6}), {.minThickness = 0.0}), Error);
+}
+
+TEST(ThinParts, AreKeptByDefault) {
+  // A plate, a rod of three sides and a sheet, all thinner than a sample, on a cube.
+  const Mesh cube = shapes::box({0, 0, 0}, {4, 4, 4}), plate = shapes::box({1, 1.93, 3.5}, {3, 1.99, 7});
+  const Mesh rod = makeMesh(
+      std::vector<glm::dvec3>{
+          {3.5, 1, 2}, {3.5, 1.1, 2}, {3.5, 1.05, 2.1}, {8, 1, 2}, {8, 1.1, 2}, {8, 1.05, 2.1}},
+      {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}});
+  for (const bool isTurned : {false, true}) {
+    Mesh mesh = shapes::joined(shapes::joined(shapes::joined(cube, plate), rod), sheet({-4, 2}, {2, 3}));
+    if (isTurned) mesh = shapes::rotated(mesh);
+    const Repaired kept = solidOf(mesh, {}), lost = solidOf(mesh, {.minThickness = 0.0});
+    expectSound(kept);
+    EXPECT_GT(lost.report.lostShare, 0.05);
+    EXPECT_LT(kept.report.lostShare, 1e-3);
+    EXPECT_TRUE(kept.report.warnings.empty());
+    EXPECT_LE(kept.report.after.components, 2u);  // There may be a gap between the rod and the cube.
+    EXPECT_DOUBLE_EQ(kept.report.leastThickness, 1.75 * kVoxel);
+    EXPECT_GT(kept.report.thickenedShare, 0.1);
+    const Box before = kept.report.before.bounds, after = kept.report.after.bounds;
+    EXPECT_LT(glm::length(before.min - after.min), 2.0 * kVoxel);
+    EXPECT_LT(glm::length(before.max - after.max), 2.0 * kVoxel);
+    // What it gains is hardly farther from the mesh than half a plate.
+    EXPECT_LT(kept.report.ofResult.max, 1.5 * kVoxel);
+  }
+}
+
+TEST(ThinParts, OfADoubleSidedChairStayOnAnyGrid) {
+  Mesh chair = shapes::box({0, 0, 4}, {4, 4, 4.4});
+  for (const double x : {0.2, 3.6})
+    for (const double y : {0.2, 3.6})
+      chair = shapes::joined(chair, shapes::box({x, y, 0}, {x + 0.2, y + 0.2, 4.2}));
+  chair = shapes::rotated(chair);
+  const Mesh mesh = shapes::joined(chair, shapes::inverted(chair));
+  for (const double voxel : {0.055, 0.08, 0.11, 0.15, 0.2, 0.3}) {
+    SCOPED_TRACE(voxel);
+    const Grid grid = fitRepairGrid(mesh, {.voxelSize = voxel});
+    const Repaired kept = repair(mesh, grid, {}, {}, {.device = "cpu"});
+    expectSound(kept);
+    EXPECT_EQ(kept.report.after.components, 1u);
+    EXPECT_LT(kept.report.lostShare, 1e-3);
+    EXPECT_LT(glm::length(kept.report.before.bounds.min - kept.report.after.bounds.min), 2.0 * voxel);
+    EXPECT_LT(glm::length(kept.report.before.bounds.max - kept.report.after.bounds.max), 2.0 * voxel);
+  }
+}
+
+TEST(ThinParts, OfASolidAreNotThere) {
+  for (const Mesh& mesh : {shapes::rotated(shapes::box({0, 0, 0}, {4, 3, 2})), shapes::sphere(2.0, 4)}) {
+    const Repaired kept = solidOf(mesh, {}), plain = solidOf(mesh, {.minThickness = 0.0});
+    EXPECT_EQ(kept.report.thickenedShare, 0.0);
+    EXPECT_EQ(kept.mesh.vertices, plain.mesh.vertices);
+  }
+}
+
+TEST(ThinParts, ThatTheOffsetTakesAwayStayAwayByDefault) {
+  const Mesh mesh = shapes::joined(shapes::box({0, 0, 0}, {4, 4, 4}), shapes::box({6, 0, 0}, {10, 4, 0.3}));
+  const Repaired solid = solidOf(mesh, {.offset = -0.25});
+  EXPECT_EQ(solid.report.after.components, 1u);
+  EXPECT_NEAR(solid.report.after.signedVolume, 3.5 * 3.5 * 3.5, 0.5);
 }
 
 TEST(ThinParts, AreRefusedWithLengthsThatSaySomething) {

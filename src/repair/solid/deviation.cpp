@@ -13,7 +13,6 @@ namespace raymap {
 namespace {
 
 constexpr double kMostPoints = 2e7;
-constexpr size_t kPointsPerReport = size_t{1} << 18;
 
 /// Returns about how many points the triangles have in rows: at most half as many more.
 double countPoints(const CellMesh& mesh, double step) {
@@ -63,17 +62,13 @@ std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& p
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,
                                Progress& progress) {
   const cpu::CloseDistances search(mesh, grid, INFINITY);
-  std::vector<float> distances(points.size());
-  std::vector<glm::dvec3> part;
-  for (size_t begin = 0; begin < points.size(); begin += kPointsPerReport) {
-    progress.report(double(begin) / double(points.size()));
-    const size_t count = std::min(kPointsPerReport, points.size() - begin);
-    part.clear();
-    for (size_t i = 0; i < count; ++i) part.push_back(grid.position(points[begin + i]));
+  std::vector<float> distances;
+  distances.reserve(points.size());
+  forEachPart(points, grid, [&](std::span<const glm::vec3>, std::span<const glm::dvec3> part) {
+    progress.report(double(distances.size()) / double(points.size()));
     const QueryResult found = search.measure(part);
-    for (size_t i = 0; i < count; ++i)
-      distances[begin + i] = static_cast<float>(found.distance[i] / grid.spacing);
-  }
+    for (const double d : found.distance) distances.push_back(static_cast<float>(d / grid.spacing));
+  });
   return distances;
 }
 

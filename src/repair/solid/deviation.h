@@ -3,6 +3,7 @@
 #include <raymap/grid.h>
 #include <raymap/repair.h>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,22 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
 
 /// Returns for each face of a mesh the area that one of its points stands for.
 std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points);
+
+/// Distance between points that are measured, in samples.
+inline constexpr double kPointStep = 0.5;
+
+/// Visits many points at a time, in samples of the grid and in the mesh's units.
+template <class Visit>
+void forEachPart(std::span<const glm::vec3> points, const Grid& grid, Visit&& visit) {
+  constexpr size_t kPart = size_t{1} << 18;
+  std::vector<glm::dvec3> positions;
+  for (size_t begin = 0; begin < points.size(); begin += kPart) {
+    const std::span<const glm::vec3> part = points.subspan(begin, std::min(kPart, points.size() - begin));
+    positions.clear();
+    for (const glm::vec3& p : part) positions.push_back(grid.position(p));
+    visit(part, std::span<const glm::dvec3>(positions));
+  }
+}
 
 /// Returns the exact distances of points to a mesh, all in samples of the grid.
 std::vector<float> distancesTo(const PackedMesh& mesh, const Grid& grid, std::span<const glm::vec3> points,

@@ -11,9 +11,7 @@ namespace raymap {
 
 namespace {
 
-// Losses of smaller shares of the mesh's area are not worth a warning. Open surface is often lost at the rims
-// of holes.
-constexpr double kNotableShare = 1e-3, kNotableOpenShare = 1e-2;
+constexpr double kNotableShare = 1e-3;  // Losses of a smaller share of the mesh's area need no warning.
 // Share of the lost points that a distance between samples must keep.
 constexpr double kKeptShare = 0.995;
 // Largest distance from a kept point to a sample inside, in samples.
@@ -217,35 +215,50 @@ Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Pr
 
 namespace {
 
-/// Returns what was lost, where, how thin it is and what keeps it.
-std::string describeLoss(const Loss& loss) {
-  std::string message = "parts of the solid are lost, " + numberText(100.0 * loss.solidShare, 3) +
-                        " % of the mesh's surface: " + boxText(loss.bounds);
+std::string percentText(double share) {
+  return numberText(100.0 * share, 3) + " %";
+}
+
+/// Returns how thin the lost parts of the solid are, and what keeps them.
+std::string describeSolid(const Loss& loss) {
+  std::string message = percentText(loss.solidShare) + " bounds parts of the solid";
   if (loss.medianThickness > 0.0)
-    message += "; they are " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
+    message += ", " + numberText(loss.thinnest, 3) + " thick at the thinnest, " +
                numberText(loss.medianThickness, 3) + " in the median";
   const std::string size = numberText(loss.voxelSize, 3);
-  if (loss.kept) return message + "; a voxel size of " + size + " keeps them";
+  if (loss.kept) return message + ": a voxel size of " + size + " keeps them";
   if (loss.keptShare > 0.0)
-    return message + "; no voxel size that fits into memory keeps all, " + size + " keeps " +
-           numberText(100.0 * loss.keptShare, 3) + " % of them, and half of the rest is thinner than " +
+    return message + ": no voxel size that fits into memory keeps all, " + size + " keeps " +
+           percentText(loss.keptShare) + " of them, and half of the rest is thinner than " +
            numberText(loss.keptThickness, 3);
-  return message + "; no voxel size that fits into memory keeps them";
+  return message + ": no voxel size that fits into memory keeps them";
+}
+
+Box boundsOf(const Loss& loss) {
+  Box box;
+  for (const Box& part : {loss.bounds, loss.openBounds, loss.droppedBounds})
+    box.min = glm::min(box.min, part.min), box.max = glm::max(box.max, part.max);
+  return box;
 }
 
 }  // namespace
 
-void warnOfLoss(const Loss& loss, const WarningCallback& warn) {
-  if (loss.solidShare >= kNotableShare)
-    warn({WarningCode::SolidLost,
-          describeLoss(loss),
-          {.share = loss.solidShare, .voxelSize = loss.voxelSize}});
-  if (loss.openShare >= kNotableOpenShare)
-    warn({WarningCode::SurfaceLost,
-          "sheets and open surface are lost, " + numberText(100.0 * loss.openShare, 3) +
-              " % of the mesh's surface: " + boxText(loss.openBounds) +
-              "; they bound no solid, but a least thickness makes plates of them",
-          {.share = loss.openShare}});
+void warnOfLoss(const Loss& loss, const RepairOptions& repair, const WarningCallback& warn) {
+  const double share = loss.solidShare + loss.openShare + loss.droppedShare;
+  if (share < kNotableShare) return;
+  std::string message = percentText(share) + " of the mesh's surface is lost: " + boxText(boundsOf(loss));
+  if (loss.solidShare > 0.0) message += "; " + describeSolid(loss);
+  if (loss.openShare > 0.0)
+    message += "; " + percentText(loss.openShare) + " is sheets and open surface, which bound no solid";
+  if (loss.droppedShare > 0.0)
+    message += "; " + percentText(loss.droppedShare) +
+               " is parts below the volume to drop: a smaller volume keeps them";
+  if (repair.minThickness == 0.0 && (loss.openShare > 0.0 || !loss.kept))
+    message += "; without a least thickness of 0, plates keep what is thin";
+  const bool isSolid = loss.solidShare > std::max(loss.openShare, loss.droppedShare);
+  warn({isSolid ? WarningCode::SolidLost : WarningCode::SurfaceLost,
+        message,
+        {.share = share, .voxelSize = isSolid ? loss.voxelSize : 0.0}});
 }
 
 }  // namespace raymap

@@ -13,7 +13,7 @@ namespace raymap {
 /// the share of the mesh's points that `lost` stands for.
 Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Progress& progress);
 
-/// Warns of parts of the solid and of surface that were lost, unless they are too small to mention.
-void warnOfLoss(const Loss& loss, const WarningCallback& warn);
+/// Warns of all that was lost, unless it is too small to mention.
+void warnOfLoss(const Loss& loss, const RepairOptions& repair, const WarningCallback& warn);
 
 }  // namespace raymap

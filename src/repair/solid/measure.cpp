@@ -11,7 +11,6 @@ namespace raymap {
 
 namespace {
 
-constexpr double kPointStep = 0.5;  // Of the points that are measured, in samples.
 // Farther from the result than this, in samples, a point of the mesh is no surface of it. What a tolerance
 // above the default allows comes on top.
 constexpr double kFar = 1.0;

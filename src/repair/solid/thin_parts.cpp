@@ -2,6 +2,9 @@
 //
 // A plate of thickness T takes the place of a thin part. It surrounds the middle of the part, so a wall of
 // thickness t grows by (T - t) / 2 to each side, and what is thicker than T stays as it is.
+//
+// Only points where no ball of diameter T fits into the field can be thin. Most points of a body are not, and
+// are not measured.
 
 #include "repair/solid/thin_parts.h"
 
@@ -13,6 +16,7 @@
 #include "cpu/points/local_thickness.h"
 #include "field/field_sampler.h"
 #include "mesh/face_points.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -20,44 +24,124 @@ namespace {
 
 constexpr double kLongestSide = 1.0;  // Longest side of the parts of faces, in samples.
 constexpr double kBand = 3.0;         // Samples around the plates that the isosurface may read.
+// Least thickness that no samples miss, in samples. A ball of diameter 1.732 holds a sample wherever it lies.
+constexpr double kSurvives = 1.75;
+constexpr double kSlack = 0.05;  // What interpolation may lack of the depth of a ball that fits, in samples.
+// Farthest sample inside from a point that the isosurface shows, in samples. No samples reach into corners.
+constexpr double kSeen = 1.5;
+// Largest value of the field at a point of a sheet that the isosurface passes, in samples.
+constexpr double kPassed = 0.15;
 
-/// Finds the thin parts of a mesh, and makes the surface in their middle.
+/// Finds the thin parts of a mesh, and the surface in their middle.
 class ThinParts {
  public:
-  /// `limit` is the thickness below which the mesh is thin.
-  ThinParts(const Field& solid, double offset, double limit)
-      : solid_(solid), sampler_(solid), offset_(offset), limit_(limit) {}
+  ThinParts(const Field& solid, const RepairOptions& repair)
+      : solid_(solid),
+        sampler_(solid),
+        offset_(repair.offset),
+        least_(leastThickness(repair, solid.grid)),
+        isAsked_(repair.minThickness.has_value()) {}
 
-  void find(const cpu::PreparedSurface& surface, Progress& progress) {
-    const double step = kLongestSide * solid_.grid.spacing;
+  /// Measures the mesh where it may be thin.
+  void measure(const cpu::PreparedSurface& surface, Progress& progress) {
     const PackedMesh& mesh = surface.mesh;
-    points_ = sampleFaces(mesh, step);
-    thickness_.resize(points_.size());
-    cpu::measureThickness(surface, points_, limit_, progress, thickness_);
+    points_ = sampleFaces(mesh, step());
+    for (const FacePoint& p : points_) area_ += p.area;
+    findDoubtful(mesh);
+    thickness_.resize(doubtful_.size());
+    cpu::measureThickness(surface, doubtful_, limit(), progress, thickness_);
     findOpenParts(surface, progress);
-    middle_.origin = mesh.origin;
-    size_t next = 0;
-    for (const glm::uvec3& t : mesh.triangles)
-      forEachFacePart(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step,
-                      [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-                        const double area = points_[next].area;
-                        const Thickness& found = thickness_[next++];
-                        area_ += area;
-                        if (!isThin(found)) return;
-                        thinArea_ += area;
-                        add(0.5f * found.diameter * found.inward, a, b, c);
-                      });
   }
 
-  /// Returns the middle between the two sides of each thin part.
-  const Mesh& middle() const { return middle_; }
+  /// Returns the surface in the middle of thin walls and edges, and sheets.
+  Mesh middleOfThin(const PackedMesh& mesh) {
+    return middleOf(mesh, [&](size_t i) { return isThin(thickness_[i]); });
+  }
+  /// Returns the surface that the field shows nowhere near. It may have plates by now.
+  Mesh missed(const PackedMesh& mesh) {
+    return middleOf(mesh, [&](size_t i) { return isMissed(doubtful_[i], thickness_[i]); });
+  }
+
   /// Returns the share of the mesh's area that is thin.
   double share() const { return area_ > 0.0 ? thinArea_ / area_ : 0.0; }
+  /// Returns the thickness below which the mesh is thin. The offset moves both sides.
+  double limit() const { return least_ - 2.0 * offset_; }
 
  private:
+  double step() const { return kLongestSide * solid_.grid.spacing; }
+
+  /// Returns the middle of the doubtful parts that `isWanted` names by their numbers.
+  template <class IsWanted>
+  Mesh middleOf(const PackedMesh& mesh, IsWanted&& isWanted) {
+    Mesh middle;
+    middle.origin = mesh.origin;
+    size_t next = 0, nextDoubtful = 0;
+    for (const glm::uvec3& t : mesh.triangles)
+      forEachFacePart(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step(),
+                      [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+                        if (!isDoubtful_[next++]) return;
+                        const size_t i = nextDoubtful++;
+                        if (!isWanted(i)) return;
+                        thinArea_ += doubtful_[i].area;
+                        const glm::vec3 move = isThick(thickness_[i])
+                                                   ? glm::vec3(0.0f)
+                                                   : 0.5f * thickness_[i].diameter * thickness_[i].inward;
+                        const auto first = static_cast<uint32_t>(middle.vertices.size());
+                        middle.vertices.insert(middle.vertices.end(), {a + move, b + move, c + move});
+                        middle.triangles.emplace_back(first, first + 1, first + 2);
+                      });
+    return middle;
+  }
+
+  bool isThick(const Thickness& found) const { return double(found.diameter) >= limit(); }
+
+  /// If no least thickness was asked for, what the offset takes away does not come back, and sheets count
+  /// only where they are missed: the rims of holes are sheets that the solid shows well enough.
   bool isThin(const Thickness& found) const {
-    if (found.part == Part::Sheet) return true;
-    return (found.part == Part::Wall || found.part == Part::Edge) && double(found.diameter) < limit_;
+    if (found.part == Part::Sheet) return isAsked_;
+    if (!isAsked_ && double(found.diameter) + 2.0 * offset_ < 0.0) return false;
+    return (found.part == Part::Wall || found.part == Part::Edge) && !isThick(found);
+  }
+
+  /// Returns whether the isosurface does not show a point of the mesh: nothing is inside near it, such as at
+  /// a rod of three sides, or the field only touches zero at a sheet.
+  bool isMissed(const FacePoint& point, const Thickness& found) const {
+    if (offset_ < 0.0 || found.part == Part::Buried) return false;
+    const glm::dvec3 at = (point.position - solid_.grid.origin) / solid_.grid.spacing;
+    return !isSeen(at) || (found.part == Part::Sheet && sampler_.value(at) > kPassed);
+  }
+
+  bool isSeen(const glm::dvec3& at) const {
+    const Grid& grid = solid_.grid;
+    const glm::ivec3 low = glm::max(glm::ivec3(glm::ceil(at - kSeen)), 0);
+    const glm::ivec3 high = glm::min(glm::ivec3(glm::floor(at + kSeen)), grid.dims - 1);
+    for (int k = low.z; k <= high.z; ++k)
+      for (int j = low.y; j <= high.y; ++j)
+        for (int i = low.x; i <= high.x; ++i)
+          if (solid_.distance[grid.index({i, j, k})] < 0.0f &&
+              glm::distance(at, glm::dvec3(i, j, k)) <= kSeen)
+            return true;
+    return false;
+  }
+
+  /// Returns the solid's distance below a point at the depth of the limit's ball, on the deeper side.
+  double depthBelow(const PackedMesh& mesh, const FacePoint& point) const {
+    const auto [a, b, c] = mesh.corners(mesh.triangles[point.triangle]);
+    const Grid& grid = solid_.grid;
+    const glm::dvec3 at = (point.position - grid.origin) / grid.spacing;
+    const glm::dvec3 way = 0.5 * limit() / grid.spacing * unitNormal(a, b, c);
+    return grid.spacing * std::min(sampler_.value(at + way), sampler_.value(at - way));
+  }
+
+  void findDoubtful(const PackedMesh& mesh) {
+    const double deepest = -0.5 * least_ + kSlack * solid_.grid.spacing;
+    isDoubtful_.resizeUninitialized(points_.size());
+    parallelFor(points_.size(), kCheapGrain, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) isDoubtful_[i] = depthBelow(mesh, points_[i]) > deepest;
+    });
+    for (size_t i = 0; i < points_.size(); ++i)
+      if (isDoubtful_[i]) doubtful_.push_back(points_[i]);
+    points_ = {};
   }
 
   /// Treats a part as a sheet if the solid behind it ends where there is no face, such as under a shallow
@@ -66,9 +150,9 @@ class ThinParts {
     const Grid& grid = solid_.grid;
     std::vector<size_t> asked;
     std::vector<glm::dvec3> places;
-    for (size_t i = 0; i < points_.size(); ++i) {
+    for (size_t i = 0; i < doubtful_.size(); ++i) {
       if (thickness_[i].part != Part::Solid) continue;
-      const glm::dvec3 p = points_[i].position + 0.5 * limit_ * glm::dvec3(thickness_[i].inward);
+      const glm::dvec3 p = doubtful_[i].position + 0.5 * limit() * glm::dvec3(thickness_[i].inward);
       if (sampler_.value((p - grid.origin) / grid.spacing) * grid.spacing + offset_ < 0.0) continue;
       asked.push_back(i);
       places.push_back(p);
@@ -79,23 +163,20 @@ class ThinParts {
       if (found.distance[k] >= 0.0) thickness_[asked[k]] = {Part::Sheet, 0.0f, glm::vec3(0.0f)};
   }
 
-  void add(const glm::vec3& move, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const auto first = static_cast<uint32_t>(middle_.vertices.size());
-    middle_.vertices.insert(middle_.vertices.end(), {a + move, b + move, c + move});
-    middle_.triangles.emplace_back(first, first + 1, first + 2);
-  }
-
   const Field& solid_;
   FieldSampler sampler_;
-  double offset_, limit_;
-  std::vector<FacePoint> points_;
+  double offset_, least_;
+  bool isAsked_;
+  std::vector<FacePoint> points_;    // Of all parts of faces.
+  Buffer<uint8_t> isDoubtful_;       // Whether each may be thin.
+  std::vector<FacePoint> doubtful_;  // Those that may be.
   std::vector<Thickness> thickness_;
-  Mesh middle_;
   double area_ = 0.0, thinArea_ = 0.0;
 };
 
 /// Unites a solid with all points that are less than half of `thickness` from a surface.
 void uniteWithPlates(const Mesh& middle, double thickness, Given& given, Field& solid) {
+  if (middle.triangles.empty()) return;
   const Field plates =
       given.generateOther(middle, {.sign = SignMode::None, .band = kBand, .thickness = thickness});
   const auto far = static_cast<float>(kBand * solid.grid.spacing);
@@ -107,14 +188,17 @@ void uniteWithPlates(const Mesh& middle, double thickness, Given& given, Field& 
 
 }  // namespace
 
+double leastThickness(const RepairOptions& repair, const Grid& grid) {
+  return repair.minThickness.value_or(kSurvives * grid.spacing);
+}
+
 double thickenThinParts(Given& given, Field& solid, Progress& progress) {
-  const RepairOptions& repair = given.repair;
-  // The offset moves both sides.
-  const double limit = repair.minThickness - 2.0 * repair.offset;
-  if (limit <= 0.0) return 0.0;
-  ThinParts parts(solid, repair.offset, limit);
-  parts.find(given.surface(), progress);
-  if (!parts.middle().triangles.empty()) uniteWithPlates(parts.middle(), repair.minThickness, given, solid);
+  ThinParts parts(solid, given.repair);
+  if (parts.limit() <= 0.0) return 0.0;
+  parts.measure(given.surface(), progress);
+  const double thickness = leastThickness(given.repair, given.grid);
+  uniteWithPlates(parts.middleOfThin(given.mesh), thickness, given, solid);
+  uniteWithPlates(parts.missed(given.mesh), thickness, given, solid);
   return parts.share();
 }
 

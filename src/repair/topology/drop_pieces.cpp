@@ -29,15 +29,16 @@ double leastVolume(const Pieces& found, const RepairOptions& repair) {
 }
 
 /// Returns what becomes of a piece; `around` is the fate of the piece around it.
-Fate fateOf(const Piece& piece, Fate around, double least, bool keepsCavities) {
+Fate fateOf(const Piece& piece, Fate around, bool isSmall, bool keepsCavities) {
   if (around == Fate::Filled || around == Fate::Buried) return Fate::Buried;
   if (around == Fate::Dropped) return Fate::Dropped;
   if (piece.isCavity()) return keepsCavities ? Fate::Kept : Fate::Filled;
-  return piece.volume < least ? Fate::Dropped : Fate::Kept;
+  return isSmall ? Fate::Dropped : Fate::Kept;
 }
 
 /// Returns the fates of all pieces. Pieces around others are decided first: they are larger.
-std::vector<Fate> decide(const Pieces& found, double least, bool keepsCavities) {
+std::vector<Fate> decide(const Pieces& found, double least, bool keepsCavities,
+                         const std::vector<bool>& needed) {
   std::vector<uint32_t> order(found.pieces.size());
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::stable_sort(order, std::greater(),
@@ -46,7 +47,8 @@ std::vector<Fate> decide(const Pieces& found, double least, bool keepsCavities) 
   for (const uint32_t p : order) {
     const Piece& piece = found.pieces[p];
     const Fate around = piece.around == Piece::kNone ? Fate::Kept : fates[piece.around];
-    fates[p] = fateOf(piece, around, least, keepsCavities);
+    const bool isSmall = piece.volume < least && (needed.empty() || !needed[p]);
+    fates[p] = fateOf(piece, around, isSmall, keepsCavities);
   }
   return fates;
 }
@@ -97,9 +99,10 @@ void findPassages(const Grid& grid, const Mesh& surface, const glm::uvec3& trian
 }  // namespace
 
 Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keepsCavities,
-                    RepairReport& report) {
+                    RepairReport& report, const std::vector<bool>& needed) {
   report.dropSmaller = leastVolume(found, repair);
-  const std::vector<Fate> fates = decide(found, report.dropSmaller, keepsCavities);
+  report.dropped = report.filled = report.buried = {};
+  const std::vector<Fate> fates = decide(found, report.dropSmaller, keepsCavities, needed);
   Choice choice{.isDropped = std::vector<bool>(fates.size())};
   for (size_t p = 0; p < fates.size(); ++p) {
     choice.isDropped[p] = fates[p] != Fate::Kept;

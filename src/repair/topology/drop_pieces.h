@@ -13,10 +13,10 @@ struct Choice {
   size_t count = 0;             ///< Number of dropped pieces.
 };
 
-/// Chooses small parts, sealed cavities unless `keepsCavities`, and what lies in those. Fills in the report's
-/// figures of them.
+/// Chooses small parts but for the `needed` ones, sealed cavities unless `keepsCavities`, and what lies in
+/// those. `needed` may be empty. Sets the report's figures of them.
 Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keepsCavities,
-                    RepairReport& report);
+                    RepairReport& report, const std::vector<bool>& needed = {});
 
 /// Returns the choice of all pieces that a choice keeps.
 Choice opposite(const Choice& choice);
