@@ -221,9 +221,15 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kSpellin
      {"'", "ft"},
      {"triangles", "triangle"}}};
 
+/// Returns whether a list with commas has this spelling. Allocates nothing: each start asks for all options.
 bool hasSpelling(std::string_view list, std::string_view spelling) {
-  for (const std::string& each : CLI::detail::split(std::string(list), ','))
-    if (each == spelling || each == "!" + std::string(spelling)) return true;
+  for (size_t start = 0; start < list.size();) {
+    const size_t end = std::min(list.find(',', start), list.size());
+    std::string_view each = list.substr(start, end - start);
+    if (each.starts_with('!')) each.remove_prefix(1);
+    if (each == spelling) return true;
+    start = end + 1;
+  }
   return false;
 }
 
