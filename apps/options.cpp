@@ -87,7 +87,8 @@ constexpr OptionRow kRows[] = {
      "and noted in the file"},
 
     {"--resolution", "-r,--res", "Grid", Natural, "N",
-     "128; 256 in render, whose results people look at; in repair chosen by the thinnest part", "Samples along the longest side"},
+     "128; 256 in render, whose results people look at; in repair chosen by the thinnest part",
+     "Samples along the longest side"},
     {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
      "Distance between samples, instead of --resolution"},
     {"--bounds", "--bbox,--box", "Grid", Box, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
@@ -133,7 +134,8 @@ constexpr OptionRow kRows[] = {
     {"--shell", "--hollow,--wall", "Shape", AboveZero, "LENGTH", "",
      "Hollow the solid out, leaving walls this thick"},
     {"--min-thickness", "", "Shape", FromZero, "LENGTH", "1.75 samples, the least that none is lost",
-     "Make walls, fins and sheets that are thinner this thick, at least two samples; 0: lose what the samples "
+     "Make walls, fins and sheets that are thinner this thick, at least two samples; 0: lose what the "
+     "samples "
      "miss"},
     {"--drain-hole", "", "Shape", AboveZero, "LENGTH", "",
      "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too small "

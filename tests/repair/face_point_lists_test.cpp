@@ -17,8 +17,8 @@ TEST(FacePointLists, HoldPointsAlongSharpEdges) {
     // In the middles of parts as long as a step.
     for (double x = 0.5 * step; x < 8.0; x += step) {
       const glm::vec3 expected(glm::dvec3(x, 0, 0) - box.origin);
-      EXPECT_TRUE(std::ranges::any_of(
-          lists.points(), [&](const glm::vec3& p) { return glm::distance(p, expected) < 1e-5f; }))
+      EXPECT_TRUE(std::ranges::any_of(lists.points(),
+                                      [&](const glm::vec3& p) { return glm::distance(p, expected) < 1e-5f; }))
           << step << " " << x;
     }
   }
