@@ -29,7 +29,8 @@ def test_a_loss_names_the_voxel_size_that_keeps_it():
     size = report["loss"]["voxel_size"]
     assert (warning.code, warning.fields["voxel_size"]) == ("solid_lost", size)
     assert warning.fields["share"] == report["loss"]["solid_share"] + report["loss"]["open_share"] > 0
-    assert str(warning).endswith(f"a voxel size of {size:g} keeps them (voxel_size={size:g})")
+    assert f"a voxel size of {size:g} keeps them" in str(warning)
+    assert str(warning).endswith(f"plates keep what is thin (voxel_size={size:g})")
     (told,) = report["warnings"]
     assert told["code"] == "solid_lost" and str(warning) == f"{told['message']} (voxel_size={size:g})"
 
