@@ -159,8 +159,10 @@ std::string tableOf(const CLI::App& app) {
       ++count;
     }
     if (count == commandsIn(app).size()) commands = "all";
-    text += "| `" + CLI::detail::find_and_replace(shownNames(row), ", ", "`, `") + "` | " + also + " | " +
-            row.value + " | " + row.fallback + " | " + commands + " |\n";
+    text += "| `" + CLI::detail::find_and_replace(shownNames(row), ", ", "`, `") + "`";
+    for (const std::string& cell : {also, std::string(row.value), std::string(row.fallback), commands})
+      text.append(" | ").append(cell);
+    text += " |\n";
   }
   return text;
 }

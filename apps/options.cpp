@@ -380,7 +380,7 @@ std::string helpOf(const OptionRow& row) {
 }
 
 std::string canonical(std::string_view choice) {
-  const std::string name = CLI::detail::to_lower(std::string(choice));
+  std::string name = CLI::detail::to_lower(std::string(choice));
   for (const auto& [other, known] : kSpellings)
     if (name == other) return std::string(known);
   return name;

@@ -55,7 +55,7 @@ std::string dataPath;  // Path of stdout, if that is kept for data.
 
 TextLevel textLevel = TextLevel::Normal;
 bool isTextKept = false;
-const auto startTime = std::chrono::steady_clock::now();
+const auto kStartTime = std::chrono::steady_clock::now();
 
 /// Returns whether to show progress.
 bool showsProgress() {
@@ -133,7 +133,7 @@ void ProgressLine::clear() {
 void ProgressLine::nameStage(std::string_view stage) {
   if (stage == stage_) return;
   stage_ = stage;
-  const std::chrono::duration<double> elapsed = Clock::now() - startTime;
+  const std::chrono::duration<double> elapsed = Clock::now() - kStartTime;
   std::fprintf(stderr, "raymap: %.2f s: %s\n", elapsed.count(), stage_.c_str());
 }
 

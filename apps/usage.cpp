@@ -174,8 +174,7 @@ std::string describeNoCommand(const CLI::App& app, const std::vector<std::string
 
 /// Returns an option with its value, as help shows it: "--output FILE".
 std::string shown(const CLI::Option& option) {
-  const std::string value =
-      option.get_option_text().empty() ? option.get_type_name() : option.get_option_text();
+  std::string value = option.get_option_text().empty() ? option.get_type_name() : option.get_option_text();
   if (option.get_positional()) return value;
   return option.get_name() + (value.empty() ? "" : " " + value);
 }

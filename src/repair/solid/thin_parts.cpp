@@ -82,7 +82,8 @@ class ThinParts {
                         if (!isDoubtful_[next++]) return;
                         const size_t i = nextDoubtful++;
                         if (!isWanted(i)) return;
-                        thinArea_ += doubtful_[i].area;
+                        if (!isCounted_[i]) thinArea_ += doubtful_[i].area;
+                        isCounted_[i] = 1;
                         const glm::vec3 move = isThick(thickness_[i])
                                                    ? glm::vec3(0.0f)
                                                    : 0.5f * thickness_[i].diameter * thickness_[i].inward;
@@ -142,6 +143,7 @@ class ThinParts {
     for (size_t i = 0; i < points_.size(); ++i)
       if (isDoubtful_[i]) doubtful_.push_back(points_[i]);
     points_ = {};
+    isCounted_.assign(doubtful_.size(), 0);
   }
 
   /// Treats a part as a sheet if the solid behind it ends where there is no face, such as under a shallow
@@ -170,6 +172,7 @@ class ThinParts {
   std::vector<FacePoint> points_;    // Of all parts of faces.
   Buffer<uint8_t> isDoubtful_;       // Whether each may be thin.
   std::vector<FacePoint> doubtful_;  // Those that may be.
+  std::vector<uint8_t> isCounted_;   // Whether the area of each counts as thin already.
   std::vector<Thickness> thickness_;
   double area_ = 0.0, thinArea_ = 0.0;
 };
