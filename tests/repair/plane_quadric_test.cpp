@@ -21,7 +21,7 @@ TEST(PlaneQuadric, GivesTheMeanSquareOfTheDistancesToItsPlanes) {
   for (int part = 0; part < 4; ++part) {
     PlaneQuadric some;
     for (int k = 0; k < 3; ++k) {
-      const Plane& plane = planes.emplace_back(glm::normalize(vector()), vector(), weight(random));
+      const Plane& plane = planes.emplace_back(Plane{glm::normalize(vector()), vector(), weight(random)});
       some.addPlane(plane.normal, plane.point, plane.weight);
     }
     all.add(some);
