@@ -34,10 +34,11 @@ TEST(GivenSurface, KnowsWhichEdgesAreNear) {
 }
 
 TEST(GivenSurface, EndsAtTheTolerance) {
-  // The middle of the edge from 3 to 4 is above a face; all other faces are farther away.
+  // The middle of the edge from 3 to 4 is above a face; all other faces are farther away. Each has a back,
+  // which closes the mesh.
   const auto isNear = [](float height) {
     const Mesh mesh{{{-10, -10, 0}, {10, -10, 0}, {0, 10, 0}, {-3, 0, height}, {3, 0, height}},
-                    {{0, 1, 2}, {3, 0, 1}, {4, 0, 1}}};
+                    {{0, 1, 2}, {0, 2, 1}, {3, 0, 1}, {3, 1, 0}, {4, 0, 1}, {4, 1, 0}}};
     return GivenSurface(mesh, 1.0).isNearEdge(3, 4, 1);
   };
   EXPECT_TRUE(isNear(1.0f));
