@@ -57,7 +57,7 @@ class Records(unittest.TestCase):
         self.assert_found("2 files differ")
 
     def test_a_warning_code_is_explained(self):
-        self.edit("include/raymap/warning.h", "Sheets and open surface are lost", "Sheets are lost")
+        self.edit("include/raymap/warning.h", "is sheets or dropped parts", "is sheets")
         self.assert_found("report.md is not what", "1 files differ")
 
     def test_a_warning_code_has_no_comment(self):
