@@ -48,10 +48,11 @@ def steps_of(device, is_quick):
 
     largest = "bunny" if is_quick else "million"
     vulkan = QUICK_TESTS if is_quick else ("*",)
+    parts = 8 if is_quick else 1
     return [
         Step("devices", "raymap devices --test: small versions of all stages, compared with the CPU",
              [BUNDLE / "bin/raymap", "devices", "--test", *([device] if device else [])]),
-        tests("stages_tests", "tests that compare single stages with the CPU", "stages_tests", ("*Vulkan*",)),
+        tests("stages_tests", "tests that compare single stages with the CPU", "stages_tests", ("*Vulkan*",), 1, parts),
         tests("vulkan_tests_1", "one half of all other tests of the GPU", "vulkan_tests", vulkan, 1, 2),
         tests("vulkan_tests_2", "the other half", "vulkan_tests", vulkan, 2, 2),
         tables("fields", "tables of whole fields, stages and the harmonic solve", "fields", "stages", "solve", "coarse"),
