@@ -196,6 +196,8 @@ constexpr OptionRow kRows[] = {
     {"-q,--quiet", "", "Text", Nothing, "", "", "Print no text but warnings and errors"},
     {"-v,--verbose", "", "Text", Nothing, "", "",
      "Print each stage on stderr as it begins, with the seconds so far"},
+    {"--progress", "", "Text", Choice, "STYLE", "a moving line on a terminal, else a line a minute",
+     "Progress on stderr: plain, a line a minute; json, an object a line; or off", progressStyleNames},
 };
 
 /// Other spellings of choices.
@@ -403,6 +405,8 @@ void addTextOptions(CLI::App& command) {
     return detail::describe(command.add_flag_callback(row.name, [level] { setTextLevel(level); }), row);
   };
   add("--verbose", TextLevel::Verbose)->excludes(add("--quiet", TextLevel::Quiet));
+  const OptionRow& row = detail::rowNamed("--progress");
+  detail::describe(command.add_option_function<std::string>(row.name, setProgressStyle), row);
 }
 
 void addFigureOptions(CLI::App& command, std::filesystem::path& stats) {
