@@ -81,8 +81,8 @@ Stats::Stage slowestStep(const std::vector<Stats::Stage>& steps) {
 }
 
 std::string whyItTakesLong(const RepairGrid& grid) {
-  constexpr size_t kMany = 10'000'000;  // About ten seconds on two cores.
-  if (!grid.thinnest || !grid.keepsThinnest() || grid.sampleCount() < kMany) return {};
+  constexpr size_t kMost = size_t{kRepairResolution} * kRepairResolution * kRepairResolution;  // By default.
+  if (!grid.thinnest || !grid.keepsThinnest() || grid.sampleCount() <= kMost) return {};
   const double shrink = double(kRepairResolution) / double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   std::array<char, 256> text{};
   std::snprintf(

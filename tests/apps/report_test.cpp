@@ -22,15 +22,15 @@ TEST(Report, ShowsTheTimeThatHasElapsedWhereStepsOverlap) {
 }
 
 TEST(RepairNotice, IsForFineGridsThatTheThinnestPartChose) {
-  RepairGrid grid{{{200, 250, 200}, glm::dvec3(0.0), 1.0}};
+  RepairGrid grid{{{256, 256, 257}, glm::dvec3(0.0), 1.0}};
   EXPECT_EQ(whyItTakesLong(grid), "");
   grid.thinnest = 2.0;
-  EXPECT_NE(whyItTakesLong(grid).find("10,000,000 samples, because the thinnest part is 2 thick"),
+  EXPECT_NE(whyItTakesLong(grid).find("16,842,752 samples, because the thinnest part is 2 thick"),
             std::string::npos);
   grid.thinnest = 1.9;  // Too thin for these samples.
   EXPECT_EQ(whyItTakesLong(grid), "");
   grid.thinnest = 2.0;
-  grid.dims.y = 249;
+  grid.dims.z = 256;
   EXPECT_EQ(whyItTakesLong(grid), "");
 }
 
