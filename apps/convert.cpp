@@ -16,7 +16,7 @@ namespace {
 
 struct Arguments {
   StreamFormat format;
-  std::filesystem::path input, output;
+  std::filesystem::path input, output, second;  ///< `second`: the output without -o.
   bool mayOverwrite = false;
   MeshUnits units;
 };
@@ -49,7 +49,10 @@ void writeConverted(const Arguments& arguments, Field& field) {
 }
 
 void run(Arguments& arguments) {
-  const std::vector<Output> outputs{{"output", arguments.output, outputExtensions(arguments)}};
+  if (arguments.output.empty()) arguments.output = arguments.second;
+  if (arguments.output.empty())
+    throw Error(ErrorCode::Usage, "--output is required; see raymap convert --help");
+  const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
@@ -67,17 +70,14 @@ void addConvert(CLI::App& app) {
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
-  command
-      ->add_option("output", arguments->output,
-                   "File to write; a field as .vdb, .nrrd, .npz, .vti or .npy (without its grid), a mesh as "
-                   ".ply, .obj, .stl, .glb or .3mf")
+  command->add_option("file", arguments->second, "File to write, in place of --output")
       ->type_name("FILE")
-      ->required();
+      ->excludes(addOption(*command, "--output", arguments->output));
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   command->footer(
-      "Examples:\n  raymap convert bunny.vdb bunny.nrrd\n  raymap convert bunny.3mf bunny.ply\n"
-      "  raymap convert car.glb car.3mf --unit mm --up y");
+      "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.3mf -o bunny.ply\n"
+      "  raymap convert car.glb -o car.3mf --unit mm --up y");
   addMeshOutputOptions(*command, arguments->units);
   command->callback([arguments] { run(*arguments); });
 }

@@ -68,9 +68,11 @@ int exitCode(ErrorCode code) {
 /// `help COMMAND` stands for `COMMAND --help`.
 std::vector<std::string> readArguments(int argc, char** argv) {
   std::vector<std::string> arguments = normalized(std::vector<std::string>(argv + 1, argv + argc));
-  constexpr std::array kAnywhere{"-q", "--quiet", "-v", "--verbose"};
-  const auto command = std::ranges::find_if(
-      arguments, [&](const std::string& argument) { return std::ranges::count(kAnywhere, argument) == 0; });
+  constexpr std::array kAnywhere{"-q", "--quiet", "-v", "--verbose", "--progress"};
+  auto command = arguments.begin();
+  while (command != arguments.end() &&
+         std::ranges::count(kAnywhere, command->substr(0, command->find('='))) > 0)
+    command += *command == "--progress" && command + 1 != arguments.end() ? 2 : 1;
   std::rotate(arguments.begin(), command, arguments.end());
   if (!arguments.empty() && CLI::detail::to_lower(arguments.front()) == "help") {
     arguments.erase(arguments.begin());

@@ -41,12 +41,10 @@ using enum Takes;
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
      "File to write; its name ends in the format. A field: .vdb, .nrrd, .npz, .vti or .npy (without its "
-     "grid). A "
-     "mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png"},
+     "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png"},
     {"--format", "", "Files", Text, "FORMAT", "",
-     "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such a "
-     "file. An "
-     "input without it is recognised by its first bytes"},
+     "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "
+     "a file. An input without it is recognised by its first bytes"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
     {"--triangle-ids", "", "Files", File, "FILE", "",
      "Also write the index of each sample's closest triangle"},
@@ -60,13 +58,11 @@ constexpr OptionRow kRows[] = {
      "Also draw the mesh with its defects in colour, as .png"},
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
-     "others "
-     "orange, flipped faces blue, duplicates yellow, double-sided ones green"},
+     "others orange, flipped faces blue, duplicates yellow, double-sided ones green"},
 
     {"--unit", "--units", "Units", Choice, "UNIT", "",
-     "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is converted "
-     "to it; "
-     "the numbers of other files are taken to be in it, without --from. A .3mf states it",
+     "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is "
+     "converted to it; the numbers of other files are taken to be in it, without --from. A .3mf states it",
      unitNames},
     {"--from", "", "Units", Choice, "UNIT", "the one that the file's format has",
      "Unit of the numbers in the file that is read", unitNames},
@@ -76,15 +72,12 @@ constexpr OptionRow kRows[] = {
     {"--rotate", "", "Units", Vector, "X Y Z", "", "Turn the mesh by these degrees about x, then y, then z"},
     {"--translate", "", "Units", Vector, "X Y Z", "", "Move what is read by these lengths, after all else"},
     {"--up", "", "Units", Direction, "DIRECTION", "",
-     "Direction that is up in what is read: x, y, z, -x, -y, -z or three numbers. A mesh to write is turned "
-     "to z up, "
-     "a .glb to y up; without this option it is not turned. A picture shows it upright; without this option "
-     "z is up "
-     "in a .stl or .3mf, y in all else"},
+     "Direction that is up in what is read: x, y, z, -x, -y, -z or three numbers. A mesh to write is "
+     "turned to z up, a .glb to y up; without this option it is not turned. A picture shows it upright; "
+     "without this option z is up in a .stl or .3mf, y in all else"},
     {"--recenter", "--recentre,--center,--centre", "Units", Nothing, "", "",
-     "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; the offset is "
-     "printed, "
-     "and noted in the file"},
+     "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; the offset "
+     "is printed, and noted in the file"},
 
     {"--resolution", "-r,--res", "Grid", Natural, "N",
      "128; 256 in render, whose results people look at; in repair chosen by the thinnest part",
@@ -104,8 +97,7 @@ constexpr OptionRow kRows[] = {
      namesOf<SignMode>},
     {"--orientation", "", "Method", Choice, "MODE", "auto",
      "Reverse faces that point the wrong way: auto, if the field then fits clearly better; keep, never; "
-     "repair, "
-     "whenever it fits no worse",
+     "repair, whenever it fits no worse",
      namesOf<Orientation>},
     {"--passes", "", "Method", Natural, "N", "5", "Passes of --sign paths, steps of --sign evolution"},
     {"--sampling", "", "Method", Choice, "MODE", "raymap",
@@ -119,8 +111,7 @@ constexpr OptionRow kRows[] = {
     {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Nothing, "",
      "yes in mesh and repair, which make solids; no in generate, which measures the mesh as it is",
      "Also measure distances to the surface missing in holes, placed where the winding number crosses the "
-     "threshold. "
-     "A mesh that is made without it is closed in steps as large as samples"},
+     "threshold. A mesh that is made without it is closed in steps as large as samples"},
     {"--thickness", "", "Method", AboveZero, "LENGTH", "",
      "Make a solid of this thickness around the surface instead of a sign: for sheets"},
     {"--invert", "", "Method", Nothing, "", "", "Make inside positive and outside negative"},
@@ -135,12 +126,10 @@ constexpr OptionRow kRows[] = {
      "Hollow the solid out, leaving walls this thick"},
     {"--min-thickness", "", "Shape", FromZero, "LENGTH", "1.75 samples, the least that none is lost",
      "Make walls, fins and sheets that are thinner this thick, at least two samples; 0: lose what the "
-     "samples "
-     "miss"},
+     "samples miss"},
     {"--drain-hole", "", "Shape", AboveZero, "LENGTH", "",
      "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too small "
-     "for it stay "
-     "solid"},
+     "for it stay solid"},
     {"--drain-holes", "", "Shape", Natural, "N", "1",
      "Number of holes of each hollow: the second is a vent up from the highest point, more go down from "
      "level floors"},
@@ -187,8 +176,8 @@ constexpr OptionRow kRows[] = {
     {"--table", "", "Results", Nothing, "", "", "Print all options over all commands, as a Markdown table"},
 
     {"--device", "", "Machine", Text, "DEVICE", "auto",
-     "Device that computes: cpu, vulkan, vulkan:K (see raymap devices), or auto, a GPU if there is one, else "
-     "the CPU"},
+     "Device that computes: cpu, vulkan, vulkan:K (see raymap devices), or auto, a GPU if there is one, "
+     "else the CPU"},
     {"--threads", "-j,--jobs", "Machine", Count, "N", "0",
      "Number of CPU threads; 0 takes RAYMAP_THREADS, or else all"},
     {"--memory-limit", "--memory", "Machine", Bytes, "SIZE", "all that is available",
@@ -196,6 +185,8 @@ constexpr OptionRow kRows[] = {
     {"-q,--quiet", "", "Text", Nothing, "", "", "Print no text but warnings and errors"},
     {"-v,--verbose", "", "Text", Nothing, "", "",
      "Print each stage on stderr as it begins, with the seconds so far"},
+    {"--progress", "", "Text", Choice, "STYLE", "a moving line on a terminal, else a line a minute",
+     "Progress on stderr: plain, a line a minute; json, an object a line; or off", progressStyleNames},
 };
 
 /// Other spellings of choices.
@@ -403,6 +394,8 @@ void addTextOptions(CLI::App& command) {
     return detail::describe(command.add_flag_callback(row.name, [level] { setTextLevel(level); }), row);
   };
   add("--verbose", TextLevel::Verbose)->excludes(add("--quiet", TextLevel::Quiet));
+  const OptionRow& row = detail::rowNamed("--progress");
+  detail::describe(command.add_option_function<std::string>(row.name, setProgressStyle), row);
 }
 
 void addFigureOptions(CLI::App& command, std::filesystem::path& stats) {

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <ostream>
+#include <utility>
 
 #include "checks.h"
 #include "commands.h"
@@ -30,10 +31,16 @@ constexpr const char* kFooter = R"(Examples:
 All lengths are in the mesh's units, or in those that --unit names. The program measures and prints how far the
 result deviates from the mesh.)";
 
+/// Prints a text before the work goes on.
+void printNow(const std::string& text, ProgressLine& line) {
+  line.clear();
+  std::printf("%s\n", text.c_str());
+  std::fflush(stdout);
+}
+
 /// Repairs with progress and warnings on stderr.
-RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments& arguments,
-                       StoredMesh& stored) {
-  ProgressLine line;
+RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArguments& arguments,
+                       ProgressLine& line, StoredMesh& stored) {
   RepairOptions how = arguments.repair;
   how.finish = [&](Mesh& result) {
     stored = storeMesh(arguments.result, std::move(result),
@@ -43,12 +50,20 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
     checkStored(stored);
     result = std::move(stored.stored);
   };
-  Repaired repaired = repair(mesh, grid, arguments.options, how, withProgress(arguments.machine, line));
+  MachineOptions machine = withProgress(arguments.machine, line);
+  std::string notice = whyItTakesLong(grid);
+  machine.progress = [&, report = machine.progress](std::string_view stage, double done) {
+    // A mesh that only the first stage sees is kept as it is.
+    if (stage != "inspect" && !notice.empty()) printNow(std::exchange(notice, ""), line);
+    return report(stage, done);
+  };
+  Repaired repaired = repair(mesh, grid, arguments.options, how, machine);
   stored.stored = std::move(repaired.mesh);
   return std::move(repaired.report);
 }
 
 void run(RepairArguments& arguments) {
+  const Clock::time_point start = Clock::now();
   finishFieldArguments(arguments);
   if (!arguments.units.up.empty())
     arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
@@ -60,19 +75,32 @@ void run(RepairArguments& arguments) {
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
-  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
+  std::vector<Stats::Stage> steps;
+  Mesh mesh;
+  timeStep(steps, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
   convertUnits(mesh, arguments.units, input, output);
   testBeforeFirstUse(arguments.machine.device);
-  const RepairGrid grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, arguments.machine);
+  RepairGrid grid;
   StoredMesh stored;
-  const RepairReport report = makeSolid(mesh, grid, arguments, stored);
+  RepairReport report;
+  {
+    ProgressLine line;
+    const MachineOptions machine = withProgress(arguments.machine, line);
+    timeStep(steps, "fit", [&] { grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, machine); });
+    report = makeSolid(mesh, grid, arguments, line, stored);
+  }
+  steps.insert(steps.end(), report.stats.stages.begin(), report.stats.stages.end());
   checkCrossing(stored, report.crossingAfter.pairs);
   if (!isSound(report.after))
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
-  writeMesh(stored.path, stored.exact, stored.options);
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, grid, report, stored.options));
+  timeStep(steps, "write", [&] { writeMesh(stored.path, stored.exact, stored.options); });
+  if (!arguments.stats.empty())
+    writeJson(arguments.stats, describe(arguments, grid, report, steps, stored.options));
   print(arguments, grid, report);
+  const Stats::Stage slowest = slowestStep(steps);
+  std::printf("time: %.1f s; the longest step, %s, took %.1f s\n", millisecondsSince(start) / 1000.0,
+              slowest.name.c_str(), slowest.milliseconds / 1000.0);
   printWritten(stored.path, stored.options);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }

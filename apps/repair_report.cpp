@@ -72,7 +72,7 @@ bool isSound(const Diagnostics& found) {
 }
 
 Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report,
-              const MeshWriteOptions& written) {
+              const std::vector<Stats::Stage>& steps, const MeshWriteOptions& written) {
   const std::optional<LengthUnit> unit =
       unitOf(arguments.units, named(arguments.mesh, arguments.format.input));
   Json json{{"raymap", version().text},
@@ -92,7 +92,9 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
               {"scale", arguments.units.scale},
               {"up", arguments.units.up.empty() ? Json() : Json(arguments.units.up)}}},
-            {"file_offset", toJson(written.offset)}};
+            {"file_offset", toJson(written.offset)},
+            {"steps", toJson(steps)},
+            {"slowest_step", slowestStep(steps).name}};
   json.update(toJson(report));
   return json;
 }

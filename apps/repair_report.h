@@ -26,7 +26,7 @@ bool isSound(const Diagnostics& found);
 
 /// Returns all figures of a repair, as `--stats` writes them.
 Json describe(const RepairArguments& arguments, const Grid& grid, const RepairReport& report,
-              const MeshWriteOptions& written);
+              const std::vector<Stats::Stage>& steps, const MeshWriteOptions& written);
 
 /// Prints what a repair did, for people.
 void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <map>
 #include <ostream>
 #include <utility>
 
@@ -70,6 +71,27 @@ std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsed
   addLine("other", std::max(elapsedMilliseconds - sum, 0.0));
   addLine("elapsed", elapsedMilliseconds);
   return text;
+}
+
+Stats::Stage slowestStep(const std::vector<Stats::Stage>& steps) {
+  std::map<std::string, double> sums;
+  for (const Stats::Stage& step : steps) sums[step.name] += step.milliseconds;
+  const auto slowest = std::ranges::max_element(sums, {}, [](const auto& sum) { return sum.second; });
+  return {slowest->first, slowest->second};
+}
+
+std::string whyItTakesLong(const RepairGrid& grid) {
+  constexpr size_t kMost = size_t{kRepairResolution} * kRepairResolution * kRepairResolution;  // By default.
+  if (!grid.thinnest || !grid.keepsThinnest() || grid.sampleCount() <= kMost) return {};
+  const double shrink = double(kRepairResolution) / double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
+  std::array<char, 256> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "this takes a while: %s, because the thinnest part is %.3g thick; --resolution %d takes %.2g %% "
+      "of them, but is too coarse for that part",
+      counted(grid.sampleCount(), "sample").c_str(), *grid.thinnest, kRepairResolution,
+      100.0 * shrink * shrink * shrink);
+  return text.data();
 }
 
 void printOrientation(const Stats& stats) {

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <raymap/json.h>
+#include <raymap/repair.h>
 
 #include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "terminal.h"
 
 namespace raymap {
 
@@ -23,8 +26,6 @@ std::string counted(size_t number, const std::string& thing);
 /// Returns a number of bytes as "1.23 GB".
 std::string sizeText(size_t bytes);
 
-using Clock = std::chrono::steady_clock;
-
 inline double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
@@ -40,6 +41,12 @@ void timeStep(std::vector<Stats::Stage>& steps, const char* name, Work&& work) {
 /// Returns a line for each step, one for the rest of the time that has elapsed, and one for all of it. The
 /// rest lies between the steps: checks of the mesh, and freeing memory.
 std::string describeTimes(const std::vector<Stats::Stage>& steps, double elapsedMilliseconds);
+
+/// Returns the step that took the longest, with all steps of its name taken together.
+Stats::Stage slowestStep(const std::vector<Stats::Stage>& steps);
+
+/// Returns why a repair on this grid takes long, and what to do about it; empty if it does not.
+std::string whyItTakesLong(const RepairGrid& grid);
 
 /// Prints which faces were reversed and left out, if any.
 void printOrientation(const Stats& stats);

@@ -6,12 +6,15 @@
 #include <raymap/io.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "warnings.h"
@@ -21,7 +24,6 @@ namespace raymap {
 namespace {
 
 constexpr auto kQuietTime = std::chrono::seconds(1);
-constexpr auto kRefreshTime = std::chrono::milliseconds(100);
 
 std::atomic<int> caught{0};
 std::atomic<bool> isCancellable{false};
@@ -55,19 +57,30 @@ std::string dataPath;  // Path of stdout, if that is kept for data.
 
 TextLevel textLevel = TextLevel::Normal;
 bool isTextKept = false;
-const auto kStartTime = std::chrono::steady_clock::now();
+std::optional<ProgressStyle> askedStyle;
+const auto kStartTime = Clock::now();
 
-/// Returns whether to show progress.
-bool showsProgress() {
-  return textLevel == TextLevel::Normal && isatty(STDERR_FILENO) == 1;
+/// Returns the one printer of the program.
+ProgressPrinter& printer() {
+  static ProgressPrinter only(
+      stderr, askedStyle.value_or(defaultProgressStyle(textLevel, isatty(STDERR_FILENO) == 1)), kStartTime);
+  return only;
 }
 
-std::mutex waitingMutex;
-bool isWaitingShown = false;
+/// Returns how long to wait after a line of progress.
+Clock::duration pauseOf(ProgressStyle style) {
+  switch (style) {
+    case ProgressStyle::Moving:
+      return std::chrono::milliseconds(100);
+    case ProgressStyle::Plain:
+      return std::chrono::minutes(1);
+    default:
+      return std::chrono::seconds(1);
+  }
+}
 
-void clearWaiting() {
-  if (isWaitingShown) std::fputs("\r\033[K", stderr);
-  isWaitingShown = false;
+double secondsBetween(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
 }
 
 /// Returns whether the character at `i` is a control character: one of ASCII, or of U+0080 to U+009F in
@@ -100,9 +113,7 @@ std::string printable(std::string_view text) {
 }
 
 void printWarning(std::string_view message) {
-  const std::lock_guard lock(waitingMutex);
-  clearWaiting();
-  std::fprintf(stderr, "raymap: warning: %s\n", printable(message).c_str());
+  printer().interrupt("raymap: warning: " + printable(message));
 }
 
 void catchSignals() {
@@ -116,8 +127,80 @@ int caughtSignal() {
   return caught;
 }
 
-ProgressLine::ProgressLine() : next_(Clock::now() + kQuietTime), isTerminal_(showsProgress()) {
+std::vector<std::string> progressStyleNames() {
+  return {"plain", "json", "off"};
+}
+
+void setProgressStyle(const std::string& name) {
+  askedStyle = name == "plain"  ? ProgressStyle::Plain
+               : name == "json" ? ProgressStyle::Json
+                                : ProgressStyle::Off;
+}
+
+ProgressStyle defaultProgressStyle(TextLevel level, bool isTerminal) {
+  if (level == TextLevel::Quiet) return ProgressStyle::Off;
+  return level == TextLevel::Normal && isTerminal ? ProgressStyle::Moving : ProgressStyle::Plain;
+}
+
+ProgressPrinter::ProgressPrinter(std::FILE* file, ProgressStyle style, Clock::time_point start)
+    : file_(file), style_(style), start_(start), begun_(start), next_(start + pauseOf(style)) {}
+
+void ProgressPrinter::begin(Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  begun_ = now;
+  stage_.clear();
+  if (style_ == ProgressStyle::Moving) next_ = now + kQuietTime;
+}
+
+void ProgressPrinter::show(std::string_view stage, std::optional<double> done, Clock::time_point now) {
+  const std::lock_guard lock(mutex_);
+  const bool isNew = style_ == ProgressStyle::Json && stage != stage_;
+  if (style_ == ProgressStyle::Off || (now < next_ && !isNew)) return;
+  stage_ = stage;
+  next_ = now + pauseOf(style_);
+  print(stage, done, now);
+}
+
+void ProgressPrinter::print(std::string_view stage, std::optional<double> done, Clock::time_point now) {
+  const std::string name(stage);
+  const double seconds = secondsBetween(start_, now);
+  const int percent = int(std::lround(100.0 * done.value_or(0.0)));
+  if (style_ == ProgressStyle::Json) {
+    nlohmann::ordered_json json{
+        {"stage", name}, {"done", nullptr}, {"seconds", std::round(100.0 * seconds) / 100.0}};
+    if (done) json["done"] = std::round(1000.0 * *done) / 1000.0;
+    const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+    std::fprintf(file_, "%s\n", json.dump(-1, ' ', false, replace).c_str());
+  } else if (style_ == ProgressStyle::Plain && done)
+    std::fprintf(file_, "raymap: %.0f s: %s %d %%\n", seconds, name.c_str(), percent);
+  else if (style_ == ProgressStyle::Plain)
+    std::fprintf(file_, "raymap: %.0f s: %s\n", seconds, name.c_str());
+  else if (done)
+    std::fprintf(file_, "\r\033[K  %s %3d %%", name.c_str(), percent);
+  else
+    std::fprintf(file_, "\r\033[K  %s, %.0f s", name.c_str(), secondsBetween(begun_, now));
+  isShown_ = style_ == ProgressStyle::Moving;
+}
+
+void ProgressPrinter::interrupt(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  removeMovingLine();
+  std::fprintf(file_, "%s\n", line.c_str());
+}
+
+void ProgressPrinter::clear() {
+  const std::lock_guard lock(mutex_);
+  removeMovingLine();
+}
+
+void ProgressPrinter::removeMovingLine() {
+  if (isShown_) std::fputs("\r\033[K", file_);
+  isShown_ = false;
+}
+
+ProgressLine::ProgressLine() {
   isCancellable = true;
+  printer().begin(Clock::now());
 }
 
 ProgressLine::~ProgressLine() {
@@ -126,30 +209,27 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::clear() {
-  if (isShown_) std::fputs("\r\033[K", stderr);
-  isShown_ = false;
+  printer().clear();
 }
 
 void ProgressLine::nameStage(std::string_view stage) {
   if (stage == stage_) return;
   stage_ = stage;
-  const std::chrono::duration<double> elapsed = Clock::now() - kStartTime;
-  std::fprintf(stderr, "raymap: %.2f s: %s\n", elapsed.count(), stage_.c_str());
+  std::array<char, 32> seconds{};
+  std::snprintf(seconds.data(), seconds.size(), "%.2f", secondsBetween(kStartTime, Clock::now()));
+  printer().interrupt("raymap: " + std::string(seconds.data()) + " s: " + stage_);
 }
 
 bool ProgressLine::report(std::string_view stage, double done) {
   if (textLevel == TextLevel::Verbose) nameStage(stage);
-  if (isTerminal_ && Clock::now() >= next_) {
-    std::fprintf(stderr, "\r\033[K  %s %3.0f %%", std::string(stage).c_str(), 100.0 * done);
-    next_ = Clock::now() + kRefreshTime;
-    isShown_ = true;
-  }
+  printer().show(stage, done, Clock::now());
   return caught == 0;
 }
 
 WaitingLine::WaitingLine(const std::string& task) {
-  if (textLevel == TextLevel::Verbose) std::fprintf(stderr, "raymap: %s\n", task.c_str());
-  if (showsProgress()) thread_ = std::thread([this, task] { show(task); });
+  if (textLevel == TextLevel::Verbose) printer().interrupt("raymap: " + task);
+  printer().begin(Clock::now());
+  if (printer().style() != ProgressStyle::Off) thread_ = std::thread([this, task] { show(task); });
 }
 
 WaitingLine::~WaitingLine() {
@@ -160,17 +240,13 @@ WaitingLine::~WaitingLine() {
   }
   end_.notify_one();
   thread_.join();
-  const std::lock_guard lock(waitingMutex);
-  clearWaiting();
+  printer().clear();
 }
 
 void WaitingLine::show(const std::string& task) {
   std::unique_lock lock(mutex_);
-  for (int seconds = 1; !end_.wait_for(lock, kQuietTime, [this] { return isOver_; }); ++seconds) {
-    const std::lock_guard waiting(waitingMutex);
-    std::fprintf(stderr, "\r\033[K  %s, %d s", task.c_str(), seconds);
-    isWaitingShown = true;
-  }
+  while (!end_.wait_for(lock, kQuietTime, [this] { return isOver_; }))
+    printer().show(task, std::nullopt, Clock::now());
 }
 
 void setTextLevel(TextLevel level) {

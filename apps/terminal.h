@@ -7,12 +7,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <variant>
+#include <vector>
 
 namespace raymap {
 
@@ -43,8 +46,56 @@ void catchSignals();
 /// Returns the signal that cancelled the work, or 0.
 int caughtSignal();
 
-/// A line on stderr that shows the progress: only on a terminal, and only after a second. With
-/// `TextLevel::Verbose`, lines that name each stage as it begins.
+/// How progress is shown.
+enum class ProgressStyle : uint8_t {
+  Moving,  ///< One line that changes, after the first second of each piece of work.
+  Plain,   ///< A line a minute, without control characters.
+  Json,    ///< An object a line: as each stage begins, and every second.
+  Off,
+};
+
+/// Returns the names of the styles that can be asked for.
+std::vector<std::string> progressStyleNames();
+
+/// Sets the style by its name, before any work begins.
+void setProgressStyle(const std::string& name);
+
+/// Returns the style unless one was asked for. The lines of `TextLevel::Verbose` leave no place for a moving
+/// one.
+ProgressStyle defaultProgressStyle(TextLevel level, bool isTerminal);
+
+using Clock = std::chrono::steady_clock;
+
+/// Prints where the work is, as often as the style asks for. Any thread may call it.
+class ProgressPrinter {
+ public:
+  /// `start` is when the program began.
+  ProgressPrinter(std::FILE* file, ProgressStyle style, Clock::time_point start);
+
+  ProgressStyle style() const { return style_; }
+  /// Begins a piece of work.
+  void begin(Clock::time_point now);
+  /// Prints the stage if it is time to. `done` is its share, 0 to 1, if that is known.
+  void show(std::string_view stage, std::optional<double> done, Clock::time_point now);
+  /// Prints another line, and removes the moving one.
+  void interrupt(const std::string& line);
+  /// Removes the moving line.
+  void clear();
+
+ private:
+  void print(std::string_view stage, std::optional<double> done, Clock::time_point now);
+  void removeMovingLine();
+
+  std::FILE* file_;
+  ProgressStyle style_;
+  Clock::time_point start_, begun_, next_;
+  std::mutex mutex_;
+  std::string stage_;
+  bool isShown_ = false;
+};
+
+/// Shows the progress on stderr, and lets signals cancel the work. With `TextLevel::Verbose`, also names each
+/// stage as it begins.
 class ProgressLine {
  public:
   ProgressLine();
@@ -56,21 +107,17 @@ class ProgressLine {
   ProgressCallback callback() {
     return [this](std::string_view stage, double done) { return report(stage, done); };
   }
+  /// Removes the moving line.
   void clear();
 
  private:
   bool report(std::string_view stage, double done);
   void nameStage(std::string_view stage);
 
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point next_;
-  bool isTerminal_;
-  bool isShown_ = false;
   std::string stage_;
 };
 
-/// A line on stderr that shows how long a task has taken that cannot tell its progress: only on a terminal,
-/// and only after a second.
+/// Shows on stderr how long a task has taken that cannot tell its progress.
 class WaitingLine {
  public:
   explicit WaitingLine(const std::string& task);

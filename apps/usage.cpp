@@ -52,7 +52,7 @@ constexpr Guess kGuesses[] = {
     {"diff", "", "raymap compare FIELD FIELD"},
     {"help,man", "", "raymap help COMMAND, or raymap manual COMMAND"},
     {"check,inspect,analyze,analyse,stats,validate,diagnose,thickness", "", "raymap info MESH"},
-    {"export,import,save", "", "raymap convert INPUT OUTPUT"},
+    {"export,import,save", "", "raymap convert INPUT -o OUTPUT"},
     {"isosurface,contour,marching-cubes,remesh,polygonize", "", "raymap mesh FIELD -o MESH"},
     {"hollow,shell", "", "raymap repair MESH -o RESULT --shell T"},
     {"distance,measure", "", "raymap query MESH POINTS -o RESULTS"},

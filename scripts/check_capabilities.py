@@ -6,7 +6,7 @@ Each row of the page's tables is a feature. Its cells name, in `backticks`, what
 - C++: a name of include/raymap in the namespace raymap, such as `readMesh`, `Surface::query` or `Options::band`.
 - C: a name of raymap/c.h, such as `raymap_repair` or `raymap_view::cut`, or an option that is set by its name: `"band"`.
 - Python: a name of the package raymap: `load_mesh`, `Field.sample`, `torch.signed_distance`, or an argument: `info(fast)`.
-- Command line: `raymap info`, with an option: `raymap info --fast`.
+- Command line: `raymap info`, with an option that this command has: `raymap info --fast`.
 
 A cell without any is a dash and the number of a reason in the list at the end of the page: `- (2)`.
 
@@ -23,6 +23,7 @@ import sys
 from pathlib import Path
 
 PAGE = "docs/capabilities.md"
+OPTIONS_PAGE, OPTIONS_COLUMNS = "docs/cli.md", 5
 COLUMNS = ("C++", "C", "Python", "Command line")
 FIELD_OPTIONS = ("Options", "FieldOptions", "MachineOptions")  # Structs with a row for each member.
 COMMENT_OR_DIRECTIVE = re.compile(r"//[^\n]*|/\*.*?\*/|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
@@ -166,16 +167,22 @@ class Package:
 
 
 class Program:
-    """The commands and options of the program."""
+    """The commands of the program, by its source, and their options, by the table of docs/cli.md. A test compares that
+    table with the program."""
 
-    def __init__(self, folder):
-        text = "\n".join(path.read_text() for path in sorted(folder.glob("*.cpp")))
+    def __init__(self, root):
+        text = "\n".join(path.read_text() for path in sorted((root / "apps").glob("*.cpp")))
         self.wanted = {f"raymap {name}" for name in re.findall(r'add_subcommand\(\s*"(\w+)"', text)}
-        self.options = {option for names in re.findall(r'"((?:-\w,)?--[\w-]+)"', text) for option in names.split(",")}
+        flags = re.findall(r'set_(?:version|help)_flag\("([^"]+)"', text)
+        self.commands = {flag: {"raymap"} for names in flags for flag in names.split(",")}  # "all" stands for all.
+        for _, cells in rows((root / OPTIONS_PAGE).read_text()):
+            for option in re.findall(r"`(-[\w-]+)`", " ".join(cells[:2])) if len(cells) == OPTIONS_COLUMNS else ():
+                self.commands[option] = set(cells[-1].split(", "))
 
     def has(self, name):
         command, *options = re.split(r" (?=-)", name)
-        return (command in self.wanted or command == "raymap") and set(options) <= self.options
+        users = {"all" if command in self.wanted else "raymap", command.removeprefix("raymap ")}
+        return command in self.wanted | {"raymap"} and all(users & self.commands.get(option, set()) for option in options)
 
 
 def named_options(root):
@@ -197,7 +204,7 @@ def check(root):
     public = root / "include/raymap"
     headers = Headers((path for path in sorted(public.glob("*.h")) if path.name != "c.h"), is_c=False)
     c = Headers([public / "c.h"] if (public / "c.h").exists() else [], is_c=True)
-    package, program, options = Package(root / "python/raymap"), Program(root / "apps"), named_options(root)
+    package, program, options = Package(root / "python/raymap"), Program(root), named_options(root)
     exists = (headers.all.__contains__, lambda name: name in c.all or name in options, package.has, program.has)
     wanted = (headers.wanted, c.wanted | options, package.wanted, program.wanted)
     reasons = set(re.findall(r"^(\d+)\. ", page, re.M))

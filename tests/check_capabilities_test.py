@@ -86,14 +86,17 @@ class Field:
     def sample(self, points, *, outside="bound"): ...
 def load(path, **options: Unpack[Options]): ...
 """)
-        self.put("apps/info.cpp", 'app.add_subcommand(\n      "info", "Reports");\ncommand->add_flag("-j,--json", isJson);\n')
+        self.put("apps/info.cpp", 'app.add_subcommand(\n      "info", "Reports");\napp.set_help_flag("-h,--help", "Help");\n')
+        self.put("docs/cli.md", "| option | also written | value | default | commands |\n|---|---|---|---|---|\n"
+                                "| `--json` | `-j` |  |  | info |\n| `-o`, `--output` |  | FILE |  | mesh |\n"
+                                "| `--quiet` |  |  |  | all |\n")
 
     def rows(self, **changes):
         """Returns the table of the small tree, with cells changed by the names of their features and columns."""
         table = {
             "read": ["`readMesh`, `Mesh::vertices`", "`raymap_mesh_load`", "`load`", "– (1)"],
             "inspect": ["`count`, `Kind::Closed`, `vulkan::record`", "`raymap_view::up`", "`Field.distance`",
-                        "`raymap info --json`, `raymap info -j`"],
+                        "`raymap info --json`, `raymap info -j --quiet`, `raymap --help`"],
             "band": ["`Options::band`", '`"band"`', "`load(band)`", "– (1)"],
             "sample": ["`Surface::distance`, `Options::most`", "– (1)", "`Field.sample(outside)`, `load(threads)`", "– (1)"],
         }
@@ -138,7 +141,8 @@ def load(path, **options: Unpack[Options]): ...
                 ("inspect_c", 4, "raymap_view::down"), ("read_python", 3, "load`, `save"), ("read_python", 3, "load`, `Options"),
                 ("sample_python", 6, "Field.sample(inside)"), ("sample_python", 6, "Field.save"),
                 ("band_python", 5, "load(bend)"), ("read_cli", 3, "raymap read"),
-                ("inspect_cli", 4, "raymap info --fast")):
+                ("inspect_cli", 4, "raymap info --fast"), ("inspect_cli", 4, "raymap info --output"),
+                ("inspect_cli", 4, "raymap info --json --output"), ("inspect_cli", 4, "raymap info`, `raymap --json"), ("inspect_cli", 4, "raymap info`, `raymap --quiet")):
             with self.subTest(name):
                 feature, column = place.split("_")
                 label = {"cpp": "C++", "c": "C", "python": "Python", "cli": "Command line"}[column]
@@ -179,6 +183,7 @@ def load(path, **options: Unpack[Options]): ...
 
     def test_a_page_without_rows_is_an_error(self):
         self.put("docs/capabilities.md", "# Nothing\n")
+        self.put("docs/cli.md", "")
         code, output = self.check()
         self.assertEqual(code, 1)
         self.assertIn("0 features", output)

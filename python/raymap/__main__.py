@@ -132,6 +132,11 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
     add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
+    parser.add_argument(
+        "--progress",
+        choices=["plain", "json", "off"],
+        help="progress on stderr: a line a minute, or an object a line (a moving line on a terminal, else a line a minute)",
+    )
     parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, as tcp://host:8786, for its cluster")
 
 
@@ -142,10 +147,11 @@ def _bytes(text: str) -> int:
     return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
 
 
-def _dataset(meshes: list[str], output: str, scheduler: str | None, **options: Any) -> int:
+def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
+    options["progress"] = {None: True, "off": None}.get(progress, progress)
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
-        summary = dataset.generate(given, output, client=client, progress=True, **options)
+        summary = dataset.generate(given, output, client=client, **options)
     with _stdout_errors():
         print(
             f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "

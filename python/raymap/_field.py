@@ -230,7 +230,7 @@ class Field:
         Args:
             iso: Distance of the surface in the mesh's units; above 0 outside of the shape.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
             UsageError: There is no surface at ``iso``.
@@ -322,7 +322,7 @@ class Field:
             shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
             device: Device that draws; see ``raymap.devices``.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
             UsageError: Arguments that make no picture.

@@ -113,7 +113,9 @@ def generate(
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the work and the field may take; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
-            times a second. It cancels by returning False or by raising. True for a line on stderr.
+            times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
+            a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
+            writes an object a line.
 
     Raises:
         InputError: The mesh has no face, a vertex number out of range or a position that is not finite.

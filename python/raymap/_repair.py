@@ -43,7 +43,7 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         fast: Whether not to count faces that cross others, nor to measure the thickness. Takes less than half of the time.
             ``self_intersections`` is then None.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
@@ -124,7 +124,7 @@ def simplify(
         tolerance: Largest distance of points of either mesh to the other, in the mesh's units; 0 keeps the mesh.
         step: Distance between these points, in the mesh's units; None = ten times the tolerance.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         InputError: The mesh is not a closed manifold whose faces agree; see ``raymap.repair``.
@@ -207,7 +207,7 @@ def repair(
         device: Device that computes; see ``raymap.devices``.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the field may take; None = what is available.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         InputError: The mesh is not valid, or encloses nothing.
@@ -259,7 +259,7 @@ def isosurface(
         origin: Position of sample (0, 0, 0).
         spacing: Distance between samples.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         UsageError: There is no surface at ``iso``, or the array is not (nx, ny, nz).

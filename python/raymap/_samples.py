@@ -102,7 +102,7 @@ def sample_points(
         normalize: Whether to move and scale all results so that the bounding sphere is the unit sphere about 0.
             ``Samples.centre`` and ``Samples.scale`` say how.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         InputError: The mesh is not valid, or has no area.

@@ -109,7 +109,9 @@ class Surface:
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
-            times a second. It cancels by returning False or by raising. True for a line on stderr.
+            times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
+            a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
+            writes an object a line.
 
     Raises:
         InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
@@ -153,7 +155,7 @@ class Surface:
         Args:
             points: Positions in the mesh's units, (..., 3).
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
             InputError: Points of another shape.
@@ -223,7 +225,7 @@ class Surface:
             max_distance: Farther points get this distance, with their sign, ``raymap.NO_TRIANGLE``, and NaN for what
                 else depends on the closest point. Smaller is faster. In the mesh's units; None = no limit.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
             UsageError: An unknown name, ``"winding"`` or ``"confidence"`` of a surface without a sign, or a
@@ -303,7 +305,7 @@ class Surface:
             max_thickness: Largest thickness to find, in the mesh's units; thicker parts count as infinitely thick. The smaller,
                 the faster. None = no limit.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
             UsageError: The surface has no sign, there is no such face, or ``max_thickness`` is not above 0.
@@ -383,7 +385,7 @@ def signed_distance(
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, ``"keep"`` or ``"repair"``.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the prepared mesh may take; None = what is available.
-        progress: A callable that receives a stage and its share, 0 to 1; True for a line on stderr.
+        progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
         InputError: The mesh is not valid, or points of another shape.

@@ -566,6 +566,17 @@ def test_progress(meshes: Path) -> None:
     assert generate(meshes, "other").done == NAMES[1:]
 
 
+def test_progress_of_the_command(meshes: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["dataset", str(meshes), "-o", "out", "--workers", "1", "--resolution", "9"]
+    assert command.main([*arguments, "--progress", "json"]) == 0
+    said = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    assert [each["done"] for each in said] == [0.25, 0.5, 0.75, 1.0]
+    assert re.fullmatch(r"2 of 4 meshes, \S+ per second, [0-9.]+ (s|min|h) left", said[1]["stage"])
+    for style in (["--progress", "off"], ["--progress", "plain"], []):
+        assert command.main([*arguments, *style]) == 0
+        assert capsys.readouterr().err == ""
+
+
 def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
     with pytest.raises(raymap.UsageError, match="both results would be ball.ply"):
         raymap.dataset.generate(["ball.ply", meshes / "ball.ply"], "out")

@@ -7,7 +7,6 @@ import multiprocessing
 import os
 import pickle
 import signal
-import sys
 import threading
 from pathlib import Path
 
@@ -15,7 +14,6 @@ import numpy as np
 import pytest
 import raymap
 from helpers import interrupted, right_in_threads
-from raymap import _progress
 
 
 def generate(mesh, **options):
@@ -287,34 +285,6 @@ def test_progress_that_raises_cancels(ball):
     with pytest.raises(KeyError, match="mine"):
         generate(ball, progress=fail)
     assert len(calls) == 1
-
-
-class Terminal:
-    def __init__(self) -> None:
-        self.text = ""
-
-    def isatty(self) -> bool:
-        return True
-
-    def write(self, text: str) -> None:
-        self.text += text
-
-    def flush(self) -> None:
-        pass
-
-
-def test_a_line_of_progress_appears_on_a_terminal_only(ball, monkeypatch, capsys):
-    monkeypatch.setattr(_progress, "_QUIET_SECONDS", 0.0)
-    generate(ball, progress=True)
-    assert capsys.readouterr().err == ""
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    generate(ball, progress=True)
-    assert "exact_distance" in terminal.text and terminal.text.endswith("\r\033[K")
-    monkeypatch.setattr(_progress, "_QUIET_SECONDS", 1000.0)
-    terminal.text = ""
-    generate(ball, progress=True)
-    assert terminal.text == ""
 
 
 @pytest.mark.parametrize("call", ["field", "generator", "info", "repair", "isosurface"])

@@ -15,6 +15,12 @@ TEST_F(CliConvert, ConvertsMeshes) {
   EXPECT_EQ(before.vertices, after.vertices);
   EXPECT_EQ(before.triangles, after.triangles);
   expectFailure("convert torus.ply torus.vdb", ErrorCode::Usage, "torus.vdb");
+  succeed("convert torus.ply -o again.ply");
+  EXPECT_EQ(readBytes(path("again.ply")), readBytes(path("torus.ply")));
+  expectFailure("convert torus.ply -o torus.vdb", ErrorCode::Usage, "torus.vdb");
+  expectFailure("convert torus.ply", ErrorCode::Usage, "--output is required");
+  expectFailure("convert torus.ply a.ply -o b.ply", ErrorCode::Usage,
+                "file and --output cannot be used together");
 }
 
 TEST_F(CliConvert, ConvertsUnitsScaleAndAxis) {

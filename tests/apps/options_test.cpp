@@ -89,6 +89,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   expectIn("--close-holes", {"generate", "mesh", "repair"});
   expectIn("--quiet", {all.begin(), all.end()});
   expectIn("--verbose", {all.begin(), all.end()});
+  expectIn("--progress", {all.begin(), all.end()});
 }
 
 TEST_F(CliOptions, AreListedInTheDocs) {

@@ -21,5 +21,23 @@ TEST(Report, ShowsTheTimeThatHasElapsedWhereStepsOverlap) {
             "  elapsed                     5.0 ms\n");
 }
 
+TEST(RepairNotice, IsForFineGridsThatTheThinnestPartChose) {
+  RepairGrid grid{{{256, 256, 257}, glm::dvec3(0.0), 1.0}};
+  EXPECT_EQ(whyItTakesLong(grid), "");
+  grid.thinnest = 2.0;
+  EXPECT_NE(whyItTakesLong(grid).find("16,842,752 samples, because the thinnest part is 2 thick"),
+            std::string::npos);
+  grid.thinnest = 1.9;  // Too thin for these samples.
+  EXPECT_EQ(whyItTakesLong(grid), "");
+  grid.thinnest = 2.0;
+  grid.dims.z = 256;
+  EXPECT_EQ(whyItTakesLong(grid), "");
+}
+
+TEST(SlowestStep, TakesStepsOfANameTogether) {
+  EXPECT_EQ(slowestStep({{"a", 3.0}, {"b", 2.0}, {"c", 1.0}, {"b", 2.0}}).name, "b");
+  EXPECT_EQ(slowestStep({{"a", 3.0}, {"b", 2.0}, {"c", 1.0}, {"b", 2.0}}).milliseconds, 4.0);
+}
+
 }  // namespace
 }  // namespace raymap
