@@ -10,8 +10,8 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <cstdlib>
+#include <cstring>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -32,24 +32,26 @@ void readAll(FILE* file, Take take) {
 
 /// Starts ffmpeg, which reads pictures from its descriptor 0 and writes the movie into descriptor 3. Returns
 /// an error number.
-int start(const std::string& ffmpeg, pid_t& process, int pictures, int messages, int result, int width, int height, double fps) {
+int start(const std::string& ffmpeg, pid_t& process, int pictures, int messages, int result, int width,
+          int height, double fps) {
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   std::array<char, 32> rate{};
   std::snprintf(rate.data(), rate.size(), "%.9g", fps);
   // H.264 with this layout of pixels plays everywhere, and wants even sides.
   const std::array<const char*, 22> words{
-      "ffmpeg", "-loglevel", "error", "-f",    "rawvideo", "-pix_fmt",   "rgb24",
-      "-s",     size.data(), "-r",    rate.data(), "-i",       "pipe:0",     "-vf",
-      "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",         "-pix_fmt", "yuv420p",    "-f",
-      "mp4",    "-y",        "file:/dev/fd/3", nullptr};
+      "ffmpeg",         "-loglevel", "error",  "-f",        "rawvideo",
+      "-pix_fmt",       "rgb24",     "-s",     size.data(), "-r",
+      rate.data(),      "-i",        "pipe:0", "-vf",       "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
+      "-pix_fmt",       "yuv420p",   "-f",     "mp4",       "-y",
+      "file:/dev/fd/3", nullptr};
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, pictures, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&files, messages, STDERR_FILENO);
   posix_spawn_file_actions_adddup2(&files, result, 3);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  const int error = posix_spawn(&process, ffmpeg.c_str(), &files, nullptr,
-                                 const_cast<char* const*>(words.data()), environ);
+  const int error =
+      posix_spawn(&process, ffmpeg.c_str(), &files, nullptr, const_cast<char* const*>(words.data()), environ);
   posix_spawn_file_actions_destroy(&files);
   return error;
 }
@@ -124,8 +126,9 @@ void Movie::fail(const std::string& what) {
   readAll(messages_.get(), [&](const char* data, size_t count) { text.append(data, count); });
   while (text.ends_with('\n')) text.pop_back();
   const size_t line = text.rfind('\n');
-  throw Error(ErrorCode::File, displayName(path_) + ": ffmpeg " + what +
-                                   (text.empty() ? "" : ": " + text.substr(line == std::string::npos ? 0 : line + 1)));
+  throw Error(ErrorCode::File,
+              displayName(path_) + ": ffmpeg " + what +
+                  (text.empty() ? "" : ": " + text.substr(line == std::string::npos ? 0 : line + 1)));
 }
 
 void Movie::add(const Picture& picture) {

@@ -12,8 +12,8 @@ namespace raymap {
 /// Returns the path of ffmpeg. Throws `Error(Unsupported)` that names the movie if it is not installed.
 std::filesystem::path findFfmpeg(const std::filesystem::path& movie);
 
-/// An MP4 file of pictures. ffmpeg, a child process without a shell, gets them through a pipe. Nothing is left
-/// of a movie that is not finished.
+/// An MP4 file of pictures. ffmpeg, a child process without a shell, gets them through a pipe. Nothing is
+/// left of a movie that is not finished.
 class Movie {
  public:
   /// Throws as `findFfmpeg` does.

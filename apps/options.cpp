@@ -68,7 +68,8 @@ constexpr OptionRow kRows[] = {
      "Make one result for each of these frames, LAST included, on one grid: of an animated .gltf or .glb, or "
      "of files whose names hold the number of the frame, as %04d. The names of results hold it too"},
     {"--fps", "", "Frames", AboveZero, "N", "24", "Frames per second: frame K shows the time K / N"},
-    {"--clip", "", "Frames", Text, "NAME|INDEX", "the first", "Animation of the file to show, from 0 on"},
+    {"--clip", "", "Frames", Text, "CLIP", "the first",
+     "Animation to show: its name, or its number in the file, from 0 on"},
 
     {"--unit", "--units", "Units", Choice, "UNIT", "",
      "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is converted "

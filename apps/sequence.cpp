@@ -40,7 +40,8 @@ fs::path framePath(const fs::path& pattern, int frame) {
   const size_t start = name.find('%');
   const size_t end = start == std::string::npos ? start : name.find('d', start);
   const std::string width = end == std::string::npos ? "?" : name.substr(start + 1, end - start - 1);
-  const bool isWidth = width.empty() || (width.size() == 2 && width[0] == '0' && std::isdigit(static_cast<unsigned char>(width[1])));
+  const bool isWidth = width.empty() || (width.size() == 2 && width[0] == '0' &&
+                                         std::isdigit(static_cast<unsigned char>(width[1])));
   if (!isWidth || name.find('%', start + 1) != std::string::npos)
     throw Error(ErrorCode::Usage, displayName(pattern) + ": with --frames a name holds the number of the " +
                                       "frame once, as %d or %04d: " + pattern.stem().string() + ".%04d" +

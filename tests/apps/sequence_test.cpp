@@ -93,8 +93,7 @@ TEST_F(CliSequence, KeepsTheLastPoseAndSaysSo) {
   EXPECT_EQ(result.code, 0);
   EXPECT_NE(result.err.find("it has the animations 0 'slide', 1 'swell'; the first is taken"),
             std::string::npos);
-  EXPECT_NE(result.err.find("the clip ends with frame 24; later ones keep its last pose"),
-            std::string::npos);
+  EXPECT_NE(result.err.find("the clip ends with frame 24; later ones keep its last pose"), std::string::npos);
   EXPECT_EQ(readBytes(path("t24.npy")), readBytes(path("t30.npy")));
 }
 
@@ -112,7 +111,8 @@ TEST_F(CliSequence, ReadsNumberedMeshes) {
     EXPECT_TRUE(fs::exists(path("r0" + std::to_string(k) + ".json")));
   }
   succeed("generate t%d.ply --frames 3:5 --bounds 0 0 0 4 4 4 --resolution 8 -o b%d.nrrd");
-  EXPECT_EQ(readField(path("b4.nrrd")).grid, fitGrid(Box{{0, 0, 0}, {4, 4, 4}}, {.resolution = 8, .padding = 0}));
+  EXPECT_EQ(readField(path("b4.nrrd")).grid,
+            fitGrid(Box{{0, 0, 0}, {4, 4, 4}}, {.resolution = 8, .padding = 0}));
 }
 
 TEST_F(CliSequence, DrawsEachFrame) {
@@ -129,7 +129,8 @@ TEST_F(CliSequence, DrawsEachFrame) {
 
 TEST_F(CliSequence, GivesFfmpegThePicturesOfAMovie) {
   writeTori();
-  const std::string render = "render torus.glb --frames 0:24:12 --clip slide --resolution 16 --size 80 60 -o ";
+  const std::string render =
+      "render torus.glb --frames 0:24:12 --clip slide --resolution 16 --size 80 60 -o ";
   const Result absent = run(render + "m.mp4", "PATH=nowhere");
   EXPECT_EQ(absent.code, exitCode(ErrorCode::Unsupported));
   EXPECT_NE(absent.err.find("m.mp4: an MP4 needs ffmpeg, which no folder of PATH has"), std::string::npos);
@@ -147,7 +148,8 @@ TEST_F(CliSequence, GivesFfmpegThePicturesOfAMovie) {
   writeFfmpeg("cat > /dev/null; echo first >&2; echo 'no encoder' >&2; exit 3\n");
   const Result failed = run(render + "c.mp4", "PATH=$PWD/bin:$PATH");
   EXPECT_EQ(failed.code, exitCode(ErrorCode::File));
-  EXPECT_NE(failed.err.find("c.mp4: ffmpeg failed with the code 3: no encoder\n"), std::string::npos) << failed.err;
+  EXPECT_NE(failed.err.find("c.mp4: ffmpeg failed with the code 3: no encoder\n"), std::string::npos)
+      << failed.err;
   EXPECT_FALSE(fs::exists(path("c.mp4")));
 }
 

@@ -181,6 +181,8 @@ TEST(ReadAnimatedGltf, NamesWhatIsWrongWithMorphs) {
   EXPECT_EQ(errorOf(text, bytes, 1), "");
   EXPECT_TRUE(
       contains(with(R"("weights":[0.5,0.25])", R"("weights":[0.5])"), "'weights' is not a list of 2"));
+  EXPECT_TRUE(
+      contains(with(R"("targets":[)", R"("targets":7,"others":[)"), "'targets' of a primitive are not"));
   EXPECT_TRUE(contains(with(R"({"POSITION":2})", "7"), "a morph target is not an object"));
   EXPECT_TRUE(contains(with(R"({"POSITION":2})", R"({"POSITION":9})"), "accessors[9] does not exist"));
   EXPECT_TRUE(contains(with(R"({"POSITION":2})", R"({"POSITION":1})"),

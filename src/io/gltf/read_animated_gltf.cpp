@@ -92,9 +92,11 @@ class AnimatedReader {
       triangles_.push_back(triangle + first);
   }
 
-  static size_t targetCount(const Json& surface) {
+  size_t targetCount(const Json& surface) const {
     const auto found = surface.find("targets");
-    return found == surface.end() ? 0 : found->size();
+    if (found == surface.end()) return 0;
+    if (!found->is_array()) file_.fail("the morph 'targets' of a primitive are not a list");
+    return found->size();
   }
 
   /// Reads the morph targets of the surfaces of a node, whose vertices begin at `first`.
