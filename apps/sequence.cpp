@@ -43,9 +43,11 @@ fs::path framePath(const fs::path& pattern, int frame) {
   const bool isWidth = width.empty() || (width.size() == 2 && width[0] == '0' &&
                                          std::isdigit(static_cast<unsigned char>(width[1])));
   if (!isWidth || name.find('%', start + 1) != std::string::npos)
-    throw Error(ErrorCode::Usage, displayName(pattern) + ": with --frames a name holds the number of the " +
-                                      "frame once, as %d or %04d: " + pattern.stem().string() + ".%04d" +
-                                      pattern.extension().string());
+    throw Error(
+        ErrorCode::Usage,
+        displayName(pattern) + ": with --frames a name holds the number of the frame once, as %d or %04d" +
+            (pattern.has_extension() ? ": " + pattern.stem().string() + ".%04d" + pattern.extension().string()
+                                     : ""));
   std::string number = std::to_string(frame);
   const size_t digits = width.empty() ? 0 : size_t(width[1] - '0');
   if (number.size() < digits) number.insert(0, digits - number.size(), '0');
