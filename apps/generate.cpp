@@ -173,7 +173,15 @@ void print(const Arguments& arguments, const Report& report) {
   for (const fs::path& path : report.written) printWritten(path);
 }
 
-void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report) {
+/// Appends the figures of --stats to those of other frames, or writes them.
+void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report,
+                  Json* frames) {
+  if (!arguments.stats.empty() && frames != nullptr) {
+    frames->push_back(describe(arguments, report));
+  } else if (!arguments.stats.empty()) {
+    writeJson(arguments.stats, describe(arguments, report));
+    report.written.push_back(arguments.stats);
+  }
   if (!arguments.report.empty()) {
     writeJson(arguments.report, describeDefects(arguments, mesh, field, report));
     report.written.push_back(arguments.report);
@@ -186,7 +194,7 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
 
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
 void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
-          const std::string& title, Generator& generator, Field& field, Report& report) {
+          const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
   {
     ProgressLine line;
     const MachineOptions machine = withProgress(arguments.machine, line, title);
@@ -200,7 +208,7 @@ void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>
   }
   timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
-    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report); });
+    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report, frames); });
 }
 
 void makeOne(const Arguments& arguments) {
@@ -211,11 +219,7 @@ void makeOne(const Arguments& arguments) {
   Field field;
   timeStep(report.before, "load",
            [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
-  make(arguments, mesh, {}, "", generator, field, report);
-  if (!arguments.stats.empty()) {
-    writeJson(arguments.stats, describe(arguments, report));
-    report.written.push_back(arguments.stats);
-  }
+  make(arguments, mesh, {}, "", generator, field, report, nullptr);
   report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
 }
@@ -260,14 +264,11 @@ void makeFrames(const Arguments& arguments) {
     Report report;
     Mesh mesh;
     timeStep(report.before, "load", [&] { mesh = meshOf(sequence, i); });
-    make(one, mesh, bounds, sequence.title(i), generator, field, report);
+    make(one, mesh, bounds, sequence.title(i), generator, field, report, &frames);
     if (i == 0) printGrid(report.grid);
     for (const fs::path& path : report.written) printWritten(path);
     std::fflush(stdout);
-    if (arguments.stats.empty()) continue;
-    Json figures = describe(one, report);
-    figures["frame"] = sequence.frame(i);
-    frames.push_back(std::move(figures));
+    if (!arguments.stats.empty()) frames.back()["frame"] = sequence.frame(i);
   }
   if (!arguments.stats.empty()) {
     writeJson(arguments.stats, {{"raymap", version().text}, {"frames", std::move(frames)}});
