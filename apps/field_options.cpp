@@ -84,8 +84,10 @@ void finishFieldArguments(FieldArguments& arguments) {
   }
 }
 
-MachineOptions withProgress(MachineOptions machine, ProgressLine& line) {
-  machine.progress = line.callback();
+MachineOptions withProgress(MachineOptions machine, ProgressLine& line, const std::string& title) {
+  machine.progress = [report = line.callback(), title](std::string_view stage, double done) {
+    return title.empty() ? report(stage, done) : report(title + std::string(stage), done);
+  };
   machine.warn = warn;
   return machine;
 }

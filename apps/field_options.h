@@ -37,8 +37,9 @@ void addMachineOptions(CLI::App& command, MachineOptions& machine);
 /// other.
 void finishFieldArguments(FieldArguments& arguments);
 
-/// Returns the options with progress on `line`, which must outlive them, and warnings on stderr.
-MachineOptions withProgress(MachineOptions machine, ProgressLine& line);
+/// Returns the options with progress on `line`, which must outlive them, and warnings on stderr. `title`
+/// begins the name of each stage.
+MachineOptions withProgress(MachineOptions machine, ProgressLine& line, const std::string& title = "");
 
 /// Returns the extensions of meshes and fields that can be read.
 std::vector<std::string> meshAndFieldExtensions();

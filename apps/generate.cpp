@@ -12,6 +12,7 @@
 #include "first_use.h"
 #include "options.h"
 #include "report.h"
+#include "sequence.h"
 #include "terminal.h"
 #include "view_options.h"
 
@@ -29,10 +30,13 @@ constexpr const char* kFooter = R"(Examples:
   raymap generate car.glb -o car.vdb --resolution 256 --band 3
       distances clamped three samples from the surface, for level sets
   raymap generate scan.ply -o scan.npz --winding w.npy --confidence c.npy --stats scan.json
-      also the winding number, the confidence in the sign and figures of the mesh)";
+      also the winding number, the confidence in the sign and figures of the mesh
+  raymap generate man.glb --frames 0:59 --fps 24 -o man.%04d.vdb
+      a field for each frame of an animation, all on one grid)";
 
 struct Arguments : FieldArguments {
   StreamFormat format;
+  FrameArguments frames;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
   bool mayOverwrite = false;
 };
@@ -54,14 +58,20 @@ struct Report {
   }
 };
 
-std::vector<Output> outputs(Arguments& arguments) {
+/// Returns the files of each frame.
+std::vector<Output> frameOutputs(Arguments& arguments) {
   return {{"--output", arguments.field, fieldExtensions()},
           {"--triangle-ids", arguments.triangleIds, fieldExtensions()},
           {"--winding", arguments.winding, fieldExtensions()},
           {"--confidence", arguments.confidence, fieldExtensions()},
-          {"--stats", arguments.stats, {".json"}},
           {"--report", arguments.report, {".json"}},
           {"--report-picture", arguments.reportPicture, {".png"}}};
+}
+
+std::vector<Output> outputs(Arguments& arguments) {
+  std::vector<Output> all = frameOutputs(arguments);
+  all.push_back({"--stats", arguments.stats, {".json"}});
+  return all;
 }
 
 void finishOptions(Arguments& arguments) {
@@ -139,14 +149,17 @@ Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& 
   return json;
 }
 
+void printGrid(const Grid& grid) {
+  std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
+              counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
+}
+
 void print(const Arguments& arguments, const Report& report) {
-  const Grid& grid = report.grid;
   const glm::dvec3 size = report.found.bounds.size();
   std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
               describeDefects(report.found, std::nullopt).c_str());
-  std::printf("grid: %d x %d x %d = %s, spacing %g\n", grid.dims.x, grid.dims.y, grid.dims.z,
-              counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
+  printGrid(report.grid);
   std::printf("%s", describeTimes(report.steps(), report.elapsedMilliseconds).c_str());
   std::printf("field: %.1f ms on %s, peak memory %s", report.stats.milliseconds, report.stats.device.c_str(),
               sizeText(peakMemory()).c_str());
@@ -160,47 +173,120 @@ void print(const Arguments& arguments, const Report& report) {
   for (const fs::path& path : report.written) printWritten(path);
 }
 
-void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report) {
-  const auto write = [&](const fs::path& path, auto&& describe) {
-    if (path.empty()) return;
-    writeJson(path, describe());
-    report.written.push_back(path);
-  };
-  write(arguments.stats, [&] { return describe(arguments, report); });
-  write(arguments.report, [&] { return describeDefects(arguments, mesh, field, report); });
+/// Appends the figures of --stats to those of other frames, or writes them.
+void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report,
+                  Json* frames) {
+  if (!arguments.stats.empty() && frames != nullptr) {
+    frames->push_back(describe(arguments, report));
+  } else if (!arguments.stats.empty()) {
+    writeJson(arguments.stats, describe(arguments, report));
+    report.written.push_back(arguments.stats);
+  }
+  if (!arguments.report.empty()) {
+    writeJson(arguments.report, describeDefects(arguments, mesh, field, report));
+    report.written.push_back(arguments.report);
+  }
   if (arguments.reportPicture.empty()) return;
   const RenderOptions view = defaultView(isZUp(arguments.mesh, arguments.format.input));
   writePng(arguments.reportPicture, renderDefects(mesh, view));
   report.written.push_back(arguments.reportPicture);
 }
 
-void run(Arguments& arguments) {
+/// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
+void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
+          const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
+  {
+    ProgressLine line;
+    const MachineOptions machine = withProgress(arguments.machine, line, title);
+    // The summary line needs no more. The files list everything.
+    const bool isBrief = arguments.stats.empty() && arguments.report.empty();
+    timeStep(report.before, "diagnose", [&] { report.found = diagnose(mesh, {.brief = isBrief}, machine); });
+    timeStep(report.before, "fit", [&] {
+      report.grid = bounds ? fitGrid(*bounds, arguments.grid) : fitGrid(mesh, arguments.grid);
+    });
+    report.stats = generator.generate(mesh, report.grid, arguments.options, field, machine);
+  }
+  timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
+  if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
+    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report, frames); });
+}
+
+void makeOne(const Arguments& arguments) {
   const Clock::time_point start = Clock::now();
+  Report report;
+  Mesh mesh;
+  Generator generator;
+  Field field;
+  timeStep(report.before, "load",
+           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
+  make(arguments, mesh, {}, "", generator, field, report, nullptr);
+  report.elapsedMilliseconds = millisecondsSince(start);
+  print(arguments, report);
+}
+
+/// Returns the arguments with the files of one frame.
+Arguments argumentsOf(const Arguments& arguments, const Sequence& sequence, size_t i) {
+  Arguments one = arguments;
+  one.mesh = sequence.input(i);
+  for (const Output& output : frameOutputs(one))
+    if (!output.path.empty()) output.path = framePath(output.path, sequence.frame(i));
+  return one;
+}
+
+/// Throws `Error(Usage)` if a frame would replace a file that is read.
+void checkFrames(const Arguments& arguments, const Sequence& sequence) {
+  std::vector<fs::path> inputs{arguments.offsets};
+  for (size_t i = 0; i < sequence.size(); ++i) inputs.push_back(sequence.input(i));
+  for (size_t i = 0; i < sequence.size(); ++i) {
+    Arguments one = argumentsOf(arguments, sequence, i);
+    if (!arguments.mayOverwrite) checkInputs(outputs(one), inputs);
+  }
+}
+
+Mesh meshOf(Sequence& sequence, size_t i) {
+  std::variant<Mesh, Field> read = sequence.read(i);
+  if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
+  throw Error(ErrorCode::Usage, displayName(sequence.input(i)) +
+                                    ": is a field, and generate takes a mesh; raymap render draws fields");
+}
+
+/// Makes a field for each frame, all on one grid. Holds one at a time.
+void makeFrames(const Arguments& arguments) {
+  const Clock::time_point start = Clock::now();
+  Sequence sequence(arguments.frames, arguments.mesh, arguments.format.input, arguments.units);
+  checkFrames(arguments, sequence);
+  const Box bounds = arguments.grid.box ? *arguments.grid.box : sequence.bounds();
+  Generator generator;
+  Field field;
+  Json frames = Json::array();
+  for (size_t i = 0; i < sequence.size(); ++i) {
+    const Arguments one = argumentsOf(arguments, sequence, i);
+    Report report;
+    Mesh mesh;
+    timeStep(report.before, "load", [&] { mesh = meshOf(sequence, i); });
+    make(one, mesh, bounds, sequence.title(i), generator, field, report, &frames);
+    if (i == 0) printGrid(report.grid);
+    for (const fs::path& path : report.written) printWritten(path);
+    std::fflush(stdout);
+    if (!arguments.stats.empty()) frames.back()["frame"] = sequence.frame(i);
+  }
+  if (!arguments.stats.empty()) {
+    writeJson(arguments.stats, {{"raymap", version().text}, {"frames", std::move(frames)}});
+    printWritten(arguments.stats);
+  }
+  std::printf("%s in %.1f s, peak memory %s\n", counted(sequence.size(), "frame").c_str(),
+              millisecondsSince(start) / 1000.0, sizeText(peakMemory()).c_str());
+}
+
+void run(Arguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
-  Report report;
-  Mesh mesh;
-  Field field;
-  timeStep(report.before, "load",
-           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
-  {
-    ProgressLine line;
-    // The summary line needs no more. The files list everything.
-    const bool isBrief = arguments.stats.empty() && arguments.report.empty();
-    timeStep(report.before, "diagnose", [&] {
-      report.found = diagnose(mesh, {.brief = isBrief}, withProgress(arguments.machine, line));
-    });
-    timeStep(report.before, "fit", [&] { report.grid = fitGrid(mesh, arguments.grid); });
-    report.stats = Generator().generate(mesh, report.grid, arguments.options, field,
-                                        withProgress(arguments.machine, line));
-  }
-  timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
-  if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
-    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report); });
-  report.elapsedMilliseconds = millisecondsSince(start);
-  print(arguments, report);
+  if (arguments.frames.frames.empty())
+    makeOne(arguments);
+  else
+    makeFrames(arguments);
 }
 
 void addOutputOptions(CLI::App& command, Arguments& arguments) {
@@ -224,6 +310,7 @@ void addGenerate(CLI::App& app) {
       ->type_name("MESH")
       ->required();
   addOutputOptions(*command, *arguments);
+  addFrameOptions(*command, arguments->frames);
   addUnitOptions(*command, arguments->units);
   addFieldOptions(*command, *arguments);
   command->footer(kFooter);

@@ -41,7 +41,8 @@ using enum Takes;
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
      "File to write; its name ends in the format. A field: .vdb, .nrrd, .npz, .vti or .npy (without its "
-     "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png"},
+     "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
+     "of --frames, also .mp4"},
     {"--format", "", "Files", Text, "FORMAT", "",
      "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "
      "a file. An input without it is recognised by its first bytes"},
@@ -59,6 +60,13 @@ constexpr OptionRow kRows[] = {
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
      "others orange, flipped faces blue, duplicates yellow, double-sided ones green"},
+
+    {"--frames", "", "Frames", Text, "FIRST:LAST[:STEP]", "",
+     "Make one result for each of these frames, LAST included, on one grid: of an animated .gltf or .glb, or "
+     "of files whose names hold the number of the frame, as %04d. The names of results hold it too"},
+    {"--fps", "", "Frames", AboveZero, "N", "24", "Frames per second: frame K shows the time K / N"},
+    {"--clip", "", "Frames", Text, "CLIP", "the first",
+     "Animation to show: its name, or its number in the file, from 0 on"},
 
     {"--unit", "--units", "Units", Choice, "UNIT", "",
      "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is "

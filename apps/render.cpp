@@ -5,8 +5,10 @@
 #include "field_array.h"
 #include "field_options.h"
 #include "first_use.h"
+#include "movie.h"
 #include "options.h"
 #include "report.h"
+#include "sequence.h"
 #include "terminal.h"
 #include "view_options.h"
 #include "warnings.h"
@@ -23,10 +25,12 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
   raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
   raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
+  raymap render man.glb --frames 0:59 -o man.%04d.png      (a picture of each frame; -o man.mp4: a movie)
   raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves))";
 
 struct Arguments : FieldArguments {
   StreamFormat format;
+  FrameArguments frames;
   fs::path input, picture;
   std::string slice, as;
   int index = -1;
@@ -44,7 +48,8 @@ void finishOptions(Arguments& arguments) {
   arguments.options.triangle = arguments.as == "triangle";
 }
 
-Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
+Picture draw(const Field& field, FieldArray array, const Arguments& arguments,
+             const std::string& title = "") {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
   if (array != FieldArray::Distance)
@@ -53,19 +58,97 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   MachineOptions machine = arguments.machine;
   testBeforeFirstUse(machine.device);
   ProgressLine line;
-  return renderField(field, arguments.view, withProgress(machine, line));
+  return renderField(field, arguments.view, withProgress(machine, line, title));
 }
 
-void run(Arguments& arguments) {
-  finishOptions(arguments);
-  const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
-  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
-  setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
+/// Pictures of frames: files of their own, or one movie.
+class FrameWriter {
+ public:
+  FrameWriter(const Arguments& arguments, const Sequence& sequence)
+      : path_(arguments.picture), isMovie_(hasExtension(path_, {".mp4"})), fps_(sequence.fps()) {}
+
+  void add(const Picture& picture, int frame) {
+    if (!isMovie_) {
+      const fs::path path = framePath(path_, frame);
+      writePng(path, picture);
+      printWritten(path);
+      std::fflush(stdout);
+      return;
+    }
+    if (!movie_) movie_.emplace(path_, picture.width, picture.height, fps_);
+    movie_->add(picture);
+  }
+
+  void finish() {
+    if (!isMovie_) return;
+    movie_->finish();
+    printWritten(path_);
+  }
+
+ private:
+  fs::path path_;
+  bool isMovie_;
+  double fps_;
+  std::optional<Movie> movie_;
+};
+
+void checkFrames(const Arguments& arguments, const Sequence& sequence) {
+  const bool isMovie = hasExtension(arguments.picture, {".mp4"});
+  if (isMovie) findFfmpeg(arguments.picture);
+  std::vector<fs::path> inputs;
+  for (size_t i = 0; i < sequence.size(); ++i) inputs.push_back(sequence.input(i));
+  for (size_t i = 0; i < sequence.size(); ++i) {
+    fs::path picture = isMovie ? arguments.picture : framePath(arguments.picture, sequence.frame(i));
+    if (!arguments.mayOverwrite) checkInputs({{"--output", picture, {}}}, inputs);
+  }
+}
+
+/// Draws each frame on one grid, before one camera. Holds one at a time.
+void renderFrames(Arguments& arguments) {
+  Sequence sequence(arguments.frames, arguments.input, arguments.format.input, arguments.units);
+  checkFrames(arguments, sequence);
+  const Box bounds = sequence.bounds();
+  const double pad = 0.5 * arguments.options.thickness;
+  arguments.view.frame = Box{bounds.min - pad, bounds.max + pad};
+  testBeforeFirstUse(arguments.machine.device);
+  Generator generator;
+  Field field;
+  FrameWriter writer(arguments, sequence);
+  for (size_t i = 0; i < sequence.size(); ++i) {
+    std::variant<Mesh, Field> shape = sequence.read(i);
+    if (const Mesh* mesh = std::get_if<Mesh>(&shape)) {
+      ProgressLine line;
+      generator.generate(*mesh, fitGrid(bounds, arguments.grid), arguments.options, field,
+                         withProgress(arguments.machine, line, sequence.title(i)));
+    } else {
+      field = std::move(std::get<Field>(shape));
+    }
+    const FieldArray array = chooseArray(sequence.input(i), arguments.as, field);
+    writer.add(draw(field, array, arguments, sequence.title(i)), sequence.frame(i));
+  }
+  writer.finish();
+}
+
+void renderOne(Arguments& arguments) {
   Field field = loadField(arguments.input, arguments, arguments.format.input);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
   writePng(arguments.picture, draw(field, array, arguments));
   printWritten(arguments.picture);
+}
+
+void run(Arguments& arguments) {
+  finishOptions(arguments);
+  const bool isSequence = !arguments.frames.frames.empty();
+  std::vector<std::string> kinds{".png"};
+  if (isSequence) kinds.emplace_back(".mp4");
+  const std::vector<Output> outputs{{"--output", arguments.picture, kinds}};
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
+  if (isSequence)
+    renderFrames(arguments);
+  else
+    renderOne(arguments);
 }
 
 }  // namespace
@@ -79,6 +162,7 @@ void addRender(CLI::App& app) {
   addOption(*command, "--output", arguments->picture)->required();
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addFrameOptions(*command, arguments->frames);
   addUnitOptions(*command, arguments->units);
   addGridOptions(*command, *arguments);
   addOption(*command, "--thickness", arguments->options.thickness);

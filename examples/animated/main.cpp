@@ -172,6 +172,9 @@ void run(const Arguments& arguments) {
   AnimatedMesh mesh = arguments.mesh.empty()
                           ? bendingTube()
                           : raymap::readAnimatedMesh(arguments.mesh, arguments.animation, {.warn = warn});
+  if (!mesh.morphs.empty())
+    std::fprintf(stderr,
+                 "raymap_animated: warning: its morph targets stay at rest: the GPU moves joints only\n");
   turnWrongFaces(mesh.rest);
   std::filesystem::create_directories(arguments.folder);
   Gpu gpu(arguments.device);

@@ -17,8 +17,8 @@ static_assert(sizeof(glm::u16vec4) == 8);
 
 /// A mesh whose vertices follow joints (linear-blend skinning), and their motion, as in a glTF file.
 ///
-/// A vertex moves to the sum of weight * matrix * rest position over its four joints. A part without a skin
-/// follows one joint with weight 1. Programs may make their own.
+/// Morphs move a vertex first. It then moves to the sum of weight * matrix * position over its four joints. A
+/// part without a skin follows one joint with weight 1. Programs may make their own.
 struct AnimatedMesh {
   /// A transform that other nodes build on: the parent's, then translation * rotation * scale * matrix.
   struct Node {
@@ -32,17 +32,23 @@ struct AnimatedMesh {
     uint32_t node = 0;            ///< Index of the node that it follows.
     glm::dmat4 inverseBind{1.0};  ///< Transform from rest positions to the node's coordinates.
   };
-  /// One property of a node over time. It keeps its first value before the first time, its last value after
-  /// the last.
+  /// Offsets of consecutive vertices of `rest`, which are added times a weight (a morph target).
+  struct Morph {
+    double weight = 0.0;  ///< Weight unless a track moves it.
+    uint32_t firstVertex = 0;
+    std::vector<glm::vec3> offsets = {};
+  };
+  /// One property of a node, or the weight of a morph, over time. It keeps its first value before the first
+  /// time, its last value after the last.
   struct Track {
-    enum class Target { Translation, Rotation, Scale };
+    enum class Target { Translation, Rotation, Scale, Weight };
     enum class Interpolation { Step, Linear, CubicSpline };
-    uint32_t node = 0;  ///< Index of the node.
+    uint32_t node = 0;  ///< Index of the node; of the morph, if the target is its weight.
     Target target = Target::Translation;
     Interpolation interpolation = Interpolation::Linear;
     std::vector<double> times = {};  ///< Seconds, never descending.
     /// One value per time; for a cubic spline three: the tangent before, the value, the tangent after.
-    /// Rotations are quaternions (x, y, z, w).
+    /// Rotations are quaternions (x, y, z, w). A weight is x.
     std::vector<glm::dvec4> values = {};
   };
 
@@ -52,6 +58,7 @@ struct AnimatedMesh {
   std::vector<Node> nodes = {};
   std::vector<Joint> skeleton = {};
   std::vector<Track> tracks = {};
+  std::vector<Morph> morphs = {};
   glm::dvec3 origin{0.0};  ///< Origin of the moved mesh, at any time.
 
   /// Returns the time at which the last track ends, in seconds.
@@ -61,7 +68,11 @@ struct AnimatedMesh {
 /// Throws `Error(Input)` that names the element and the value if anything refers to what does not exist.
 RAYMAP_API void validate(const AnimatedMesh& mesh);
 
-/// Returns one matrix per joint of the skeleton. It takes vertices of `rest` to vertices about `origin`.
+/// Returns the weight of every morph.
+RAYMAP_API std::vector<double> morphWeights(const AnimatedMesh& mesh, double seconds);
+
+/// Returns one matrix per joint of the skeleton. It takes vertices of `rest`, moved by the morphs, to
+/// vertices about `origin`.
 RAYMAP_API std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds);
 
 /// Returns the mesh at a time, moved by the CPU.

@@ -40,5 +40,7 @@ struct GridOptions {
 /// Returns the smallest grid of cubic cells that covers the box. A side that is not a multiple of the spacing
 /// grows by the same length at both ends. Throws `Error(Usage)` if the options make no grid.
 RAYMAP_API Grid fitGrid(const MeshView& mesh, const GridOptions& options = {});
+/// Does the same for a shape with these bounds, such as those of a mesh in all frames of an animation.
+RAYMAP_API Grid fitGrid(const Box& bounds, const GridOptions& options = {});
 
 }  // namespace raymap

@@ -34,10 +34,14 @@ struct ReadOptions {
 /// Memory, or Input that names the file, the element and the value; Unsupported.
 RAYMAP_API Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Reads a glTF or GLB file with its skins and one of its animations; a mesh without any stands still. Keeps
-/// the four joints of a vertex that have the largest weights; morph targets stay at rest. Throws as
-/// `readMesh` does.
+/// Reads a glTF or GLB file with its skins, its morph targets and one of its animations; a mesh without any
+/// stands still. Keeps the four joints of a vertex that have the largest weights. Throws as `readMesh` does.
 RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation = 0,
+                                         const ReadOptions& options = {});
+/// Reads the animation with this name, or else with this number, from 0 on; the first if `clip` is empty,
+/// with a warning if there are several. Throws `Error`: Usage, which lists the names, if there is none such;
+/// Input if it moves nothing.
+RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, const std::string& clip,
                                          const ReadOptions& options = {});
 
 /// How to write a mesh.

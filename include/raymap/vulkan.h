@@ -145,7 +145,8 @@ struct SkinBuffers {
   uint32_t jointCount = 0;
 };
 
-/// Records skinning, as `posed` does it on the CPU. Barriers, threads and lifetime are those of `Generator`.
+/// Records skinning, as `posed` does it on the CPU; morphs are left to the caller. Barriers, threads and
+/// lifetime are those of `Generator`.
 class RAYMAP_API Skinner {
  public:
   explicit Skinner(const DeviceHandles& device);

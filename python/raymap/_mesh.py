@@ -156,8 +156,8 @@ class Animation:
 def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
     """Reads a glTF or GLB file with its skins and one of its animations.
 
-    The four joints of a vertex that have the largest weights count; morph targets stay at rest. A file without any
-    animation gives a mesh that stands still, and a warning (``RaymapWarning``).
+    Morph targets move its vertices, too. The four joints of a vertex that have the largest weights count. A file
+    without any animation gives a mesh that stands still, and a warning (``RaymapWarning``).
 
     Args:
         path: File to read.

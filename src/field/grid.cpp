@@ -13,8 +13,7 @@ namespace {
 
 constexpr int kMaxDim = 1 << 20;
 
-Box paddedBounds(const MeshView& mesh, const GridOptions& options) {
-  Box box = bounds(mesh);
+Box padded(Box box, const GridOptions& options) {
   const glm::dvec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
   const double pad = options.padding * (longest > 0.0 ? longest : 1.0) + 0.5 * options.thickness;
@@ -36,6 +35,10 @@ int samplesAlong(double length, double spacing) {
 }  // namespace
 
 Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
+  return fitGrid(options.box ? Box{} : bounds(mesh), options);
+}
+
+Grid fitGrid(const Box& bounds, const GridOptions& options) {
   const int resolution = options.resolution.value_or(kDefaultResolution);
   if (options.voxelSize == 0.0 && resolution < 1)
     throw Error(ErrorCode::Usage, "the resolution must be at least 1, not " + std::to_string(resolution));
@@ -45,7 +48,7 @@ Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
     throw Error(ErrorCode::Usage, "the padding must not be negative, not " + numberText(options.padding));
   if (!(options.thickness >= 0.0) || !std::isfinite(options.thickness))
     throw Error(ErrorCode::Usage, "the thickness must not be negative, not " + numberText(options.thickness));
-  const Box box = options.box ? *options.box : paddedBounds(mesh, options);
+  const Box box = options.box ? *options.box : padded(bounds, options);
   const glm::dvec3 size = box.size();
   for (int a = 0; a < 3; ++a)
     if (!std::isfinite(size[a]))

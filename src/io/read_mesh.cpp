@@ -69,12 +69,26 @@ std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, con
                   "known are " + listOf(known));
 }
 
-AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation,
-                              const ReadOptions& options) {
+namespace {
+
+template <class Clip>
+AnimatedMesh readAnimated(const std::filesystem::path& path, const Clip& clip, const ReadOptions& options) {
   if (const std::string extension = lowerExtension(path); extension != ".gltf" && extension != ".glb")
     throw Error(ErrorCode::Unsupported, path.string() + ": animations are read from .gltf and .glb only");
   const Buffer<std::byte> bytes = loadFile(SourceFile(path));
-  return readAnimatedGltf({bytes, path, options.warn}, animation);
+  return readAnimatedGltf({bytes, path, options.warn}, clip);
+}
+
+}  // namespace
+
+AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, size_t animation,
+                              const ReadOptions& options) {
+  return readAnimated(path, animation, options);
+}
+
+AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, const std::string& clip,
+                              const ReadOptions& options) {
+  return readAnimated(path, clip, options);
 }
 
 std::optional<LengthUnit> meshUnit(const std::filesystem::path& path) {

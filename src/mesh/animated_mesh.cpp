@@ -70,6 +70,8 @@ void move(Node& node, const Track& track, double seconds) {
     case Track::Target::Scale:
       node.scale = glm::dvec3(value);
       break;
+    case Track::Target::Weight:
+      break;
   }
 }
 
@@ -83,7 +85,8 @@ glm::dmat4 transform(const Node& node) {
 /// Returns the transform of every node to world space.
 std::vector<glm::dmat4> nodeTransforms(const AnimatedMesh& mesh, double seconds) {
   std::vector<Node> nodes = mesh.nodes;
-  for (const Track& track : mesh.tracks) move(nodes[track.node], track, seconds);
+  for (const Track& track : mesh.tracks)
+    if (track.target != Track::Target::Weight) move(nodes[track.node], track, seconds);
   std::vector<glm::dmat4> transforms;
   transforms.reserve(nodes.size());
   for (const Node& node : nodes)
@@ -118,12 +121,22 @@ void validateVertices(const AnimatedMesh& mesh) {
 void validateTrack(const AnimatedMesh& mesh, size_t index) {
   const Track& track = mesh.tracks[index];
   const std::string what = "track " + std::to_string(index);
-  if (track.node >= mesh.nodes.size()) fail(what + " moves node " + std::to_string(track.node));
+  const bool isWeight = track.target == Track::Target::Weight;
+  if (track.node >= (isWeight ? mesh.morphs.size() : mesh.nodes.size()))
+    fail(what + " moves " + (isWeight ? "morph " : "node ") + std::to_string(track.node));
   if (track.times.empty()) fail(what + " has no times");
   if (!std::is_sorted(track.times.begin(), track.times.end())) fail(what + " goes back in time");
   if (track.values.size() != track.times.size() * valuesPerTime(track))
     fail(what + " has " + std::to_string(track.values.size()) + " values for " +
          std::to_string(track.times.size()) + " times");
+}
+
+void validateMorph(const AnimatedMesh& mesh, size_t index) {
+  const AnimatedMesh::Morph& morph = mesh.morphs[index];
+  const size_t count = mesh.rest.vertices.size(), first = morph.firstVertex;
+  if (first > count || morph.offsets.size() > count - first)
+    fail("morph " + std::to_string(index) + " moves vertex " +
+         std::to_string(first + morph.offsets.size() - 1) + " of " + std::to_string(count));
 }
 
 }  // namespace
@@ -147,6 +160,16 @@ void validate(const AnimatedMesh& mesh) {
       fail("joint " + std::to_string(j) + " is node " + std::to_string(mesh.skeleton[j].node) + " of " +
            std::to_string(mesh.nodes.size()));
   for (size_t t = 0; t < mesh.tracks.size(); ++t) validateTrack(mesh, t);
+  for (size_t m = 0; m < mesh.morphs.size(); ++m) validateMorph(mesh, m);
+}
+
+std::vector<double> morphWeights(const AnimatedMesh& mesh, double seconds) {
+  std::vector<double> weights;
+  weights.reserve(mesh.morphs.size());
+  for (const AnimatedMesh::Morph& morph : mesh.morphs) weights.push_back(morph.weight);
+  for (const Track& track : mesh.tracks)
+    if (track.target == Track::Target::Weight) weights[track.node] = valueAt(track, seconds).x;
+  return weights;
 }
 
 std::vector<JointMatrix> jointMatrices(const AnimatedMesh& mesh, double seconds) {

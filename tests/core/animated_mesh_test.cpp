@@ -53,6 +53,34 @@ TEST(AnimatedMesh, BlendsWhereJointsTakeAVertex) {
   expectNear(corner(mesh, 1, NAN), {1, 0, 0});
 }
 
+TEST(AnimatedMesh, MorphsBeforeJointsMove) {
+  AnimatedMesh mesh = triangle();
+  mesh.rest.origin = {100, 0, 0};
+  mesh.nodes[0].scale = {2, 2, 2};
+  mesh.morphs = {{.weight = 0.5, .firstVertex = 1, .offsets = {{0, 0, 2}, {0, 0, 4}}},
+                 {.firstVertex = 0, .offsets = {{1, 0, 0}}}};
+  mesh.tracks = {{.node = 1,
+                  .target = Track::Target::Weight,
+                  .times = {0.0, 1.0},
+                  .values = {{0, 0, 0, 0}, {8, 0, 0, 0}}}};
+  EXPECT_EQ(morphWeights(mesh, 0.25), (std::vector<double>{0.5, 2.0}));
+  expectNear(corner(mesh, 0, 0.25), {204, 0, 0});
+  expectNear(corner(mesh, 1, 0.25), {202, 0, 2});
+  expectNear(corner(mesh, 2, 0.25), {200, 2, 4});
+}
+
+TEST(AnimatedMesh, NamesABadMorph) {
+  AnimatedMesh mesh = triangle();
+  mesh.morphs = {{.firstVertex = 1, .offsets = {{0, 0, 2}, {0, 0, 4}}}};
+  EXPECT_EQ(errorOf(mesh), "");
+  mesh.tracks = {{.node = 1, .target = Track::Target::Weight, .times = {0.0}, .values = {{1, 0, 0, 0}}}};
+  EXPECT_TRUE(contains(errorOf(mesh), "track 0 moves morph 1"));
+  mesh.tracks[0].node = 0;
+  EXPECT_EQ(errorOf(mesh), "");
+  mesh.morphs[0].firstVertex = 2;
+  EXPECT_TRUE(contains(errorOf(mesh), "morph 0 moves vertex 3 of 3"));
+}
+
 TEST(AnimatedMesh, HangsNodesOnTheirParents) {
   AnimatedMesh mesh = triangle();
   mesh.nodes[0].rotation = {kHalf, 0, 0, kHalf};  // x to y

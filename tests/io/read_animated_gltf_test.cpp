@@ -109,9 +109,119 @@ TEST(ReadAnimatedGltf, TurnsMirroredSurfacesOutwards) {
   EXPECT_EQ(samples::areaVector(posed(read(text).mesh, 0.0)), glm::dvec3(0, 0, 1));
 }
 
-TEST(ReadAnimatedGltf, LeavesMorphsAtRest) {
+TEST(ReadAnimatedGltf, IgnoresChannelsOfMorphsThatAreNotThere) {
   const std::string text = replaced(json(), kTarget, R"("target":{"node":2,"path":"weights"})");
-  EXPECT_TRUE(contains(read(text).warnings, "1 channel of morphs"));
+  EXPECT_TRUE(contains(read(text).warnings, "1 channel of extensions, or of morphs that the node lacks"));
+}
+
+/// Returns the square with two morph targets, one of them sparse, whose weights have keys at 0 and 2 seconds.
+std::string morphJson(const std::string& interpolation) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"weights":[0.5,0.25],"primitives":[{"attributes":{"POSITION":0},"indices":1,)"
+         R"("targets":[{"POSITION":2},{"POSITION":3}]}]}],)"
+         R"("animations":[{"name":"Rest","channels":[],"samplers":[]},{"name":"Swell","channels":[)"
+         R"({"sampler":0,"target":{"node":0,"path":"weights"}}],"samplers":[{"input":4,"output":5,)"
+         R"("interpolation":")" +
+         interpolation +
+         R"("}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+         R"({"bufferView":0,"byteOffset":48,"componentType":5123,"count":6,"type":"SCALAR"},)"
+         R"({"bufferView":0,"byteOffset":60,"componentType":5126,"count":4,"type":"VEC3"},)"
+         R"({"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,)"
+         R"("indices":{"bufferView":0,"byteOffset":108,"componentType":5123},)"
+         R"("values":{"bufferView":0,"byteOffset":112}}},)"
+         R"({"bufferView":0,"byteOffset":124,"componentType":5126,"count":2,"type":"SCALAR"},)"
+         R"({"bufferView":0,"byteOffset":132,"componentType":5126,"count":)" +
+         (interpolation == "CUBICSPLINE" ? "12" : "4") +
+         R"(,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":180}],"buffers":[{"byteLength":180}]})";
+}
+
+std::string morphBuffer(const std::string& weights) {
+  std::string bytes = samples::gltfBuffer() + raw<float>({0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4}) +
+                      raw<uint16_t>({2, 0}) + raw<float>({0, 8, 0}) + raw<float>({0, 2}) + weights;
+  bytes.resize(180, '\0');
+  return bytes;
+}
+
+TEST(ReadAnimatedGltf, MorphsByTheWeightsOfTheMesh) {
+  const AnimatedMesh mesh = read(morphJson("LINEAR"), morphBuffer("")).mesh;  // The clip without a channel.
+  ASSERT_EQ(mesh.morphs.size(), 2u);
+  const Mesh moved = posed(mesh, 0.0);
+  expectNear(moved.position(1), {1, 0, 1});
+  expectNear(moved.position(2), {1, 3, 1.5});
+  const std::string text = replaced(morphJson("LINEAR"), R"({"mesh":0})", R"({"mesh":0,"weights":[1,0]})");
+  expectNear(posed(read(text, morphBuffer("")).mesh, 0.0).position(2), {1, 1, 3});
+}
+
+TEST(ReadAnimatedGltf, MorphsByKeys) {
+  const std::string weights = raw<float>({0, 1, 1, 3});  // Of both targets at 0 s, then at 2 s.
+  const Mesh moved = posed(read(morphJson("LINEAR"), morphBuffer(weights), 1).mesh, 0.5);
+  expectNear(moved.position(0), {0, 0, 0.25});
+  expectNear(moved.position(2), {1, 1 + 8 * 1.5, 0.75});
+  const Mesh stepped = posed(read(morphJson("STEP"), morphBuffer(weights), 1).mesh, 1.5);
+  expectNear(stepped.position(2), {1, 9, 0});
+}
+
+TEST(ReadAnimatedGltf, MorphsBySplines) {
+  // Of each time: the tangents before, the values, the tangents after.
+  const std::string weights = raw<float>({9, 9, 0, 1, 1, 0, 0, 2, 4, 3, 9, 9});
+  const Mesh moved = posed(read(morphJson("CUBICSPLINE"), morphBuffer(weights), 1).mesh, 0.5);
+  const double t = 0.25, t2 = t * t, t3 = t2 * t;  // glTF 2.0, appendix C, with keys 2 s apart.
+  const auto spline = [&](double from, double out, double in, double to) {
+    return (2 * t3 - 3 * t2 + 1) * from + 2 * (t3 - 2 * t2 + t) * out + (3 * t2 - 2 * t3) * to +
+           2 * (t3 - t2) * in;
+  };
+  expectNear(moved.position(2), {1, 1 + 8 * spline(1, 0, 2, 3), 3 * spline(0, 1, 0, 4)});
+}
+
+TEST(ReadAnimatedGltf, NamesWhatIsWrongWithMorphs) {
+  const std::string text = morphJson("LINEAR"), bytes = morphBuffer(raw<float>({0, 1, 1, 3}));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    return errorOf(replaced(text, from, to), bytes, 1);
+  };
+  EXPECT_EQ(errorOf(text, bytes, 1), "");
+  EXPECT_TRUE(
+      contains(with(R"("weights":[0.5,0.25])", R"("weights":[0.5])"), "'weights' is not a list of 2"));
+  EXPECT_TRUE(
+      contains(with(R"("targets":[)", R"("targets":7,"others":[)"), "'targets' of a primitive are not"));
+  EXPECT_TRUE(contains(with(R"({"POSITION":2})", "7"), "a morph target is not an object"));
+  EXPECT_TRUE(contains(with(R"({"POSITION":2})", R"({"POSITION":9})"), "accessors[9] does not exist"));
+  EXPECT_TRUE(contains(with(R"({"POSITION":2})", R"({"POSITION":1})"),
+                       "accessors[1] holds the offsets of 6 vertices of a morph target, POSITION has 4"));
+  EXPECT_TRUE(contains(with(R"("count":4,"type":"SCALAR")", R"("count":3,"type":"SCALAR")"),
+                       "has 3 values for 2 times"));
+  const std::string nan = raw(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(contains(errorOf(text, std::string(bytes).replace(60 + 12, 4, nan), 1),
+                       "accessors[2]: the offset of vertex 1 of a morph target is not finite"));
+  EXPECT_TRUE(contains(errorOf(text, std::string(bytes).replace(132, 4, nan), 1), "value 0 is not finite"));
+}
+
+TEST(ReadAnimatedGltf, ChoosesAClip) {
+  const std::string bytes = morphBuffer(raw<float>({0, 1, 1, 3}));
+  std::string warnings;
+  const auto choose = [&](const std::string& text, const std::string& clip) -> std::string {
+    const std::string file = samples::glb(text, bytes);
+    warnings.clear();
+    try {
+      return std::to_string(readAnimatedGltf({std::as_bytes(std::span(file)), "sample.glb",
+                                              [&](const Warning& w) { warnings += w.message; }},
+                                             clip)
+                                .seconds());
+    } catch (const Error& error) {
+      return error.what();
+    }
+  };
+  const std::string text = morphJson("LINEAR");
+  EXPECT_EQ(choose(text, "Swell"), "2.000000");
+  EXPECT_EQ(choose(text, "1"), "2.000000");
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(choose(replaced(text, "Rest", "1"), "Swell"), "2.000000");
+  EXPECT_TRUE(contains(choose(replaced(text, "Rest", "1"), "1"), "animations[0] moves nothing"));
+  EXPECT_TRUE(contains(choose(text, "Rest"), "animations[0] moves nothing that the scene shows"));
+  EXPECT_TRUE(contains(choose(text, "swim"), "there is no animation 'swim'; it has 0 'Rest', 1 'Swell'"));
+  EXPECT_TRUE(contains(choose(text, "2"), "there is no animation '2'"));
+  choose(text, "");
+  EXPECT_TRUE(contains(warnings, "it has the animations 0 'Rest', 1 'Swell'; the first is taken"));
+  EXPECT_TRUE(contains(choose(replaced(text, R"("animations")", R"("others")"), ""), "it has no animation"));
 }
 
 TEST(ReadAnimatedGltf, KeepsTheFourWeightsThatCountMost) {

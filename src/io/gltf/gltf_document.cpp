@@ -308,6 +308,26 @@ std::vector<glm::dvec3> GltfDocument::positions(uint64_t accessor) const {
   return result;
 }
 
+std::vector<glm::dvec3> GltfDocument::offsets(uint64_t accessor, size_t count) const {
+  const Json& json = element("accessors", accessor);
+  const std::string what = "accessors[" + std::to_string(accessor) + "]";
+  if (number(json, "count") != count)
+    file_.fail(what + " holds the offsets of " + counted(number(json, "count"), "vertex") +
+               " of a morph target, POSITION has " + std::to_string(count));
+  if (json.contains("bufferView")) return positions(accessor);
+  std::vector<glm::dvec3> result(count, glm::dvec3(0.0));
+  const Component part = component(json, "VEC3", what);
+  const uint64_t bytes = componentBytes(part.type);
+  if (const auto sparse = json.find("sparse"); sparse != json.end()) {
+    if (!sparse->is_object()) file_.fail(what + ": 'sparse' is not an object");
+    readSparse(*sparse, count, 3 * bytes, what, [&](uint64_t i, const std::byte* at) {
+      for (uint64_t c = 0; c < 3; ++c)
+        result[i][static_cast<int>(c)] = loadReal(at + c * bytes, part.type, part.normalized);
+    });
+  }
+  return result;
+}
+
 std::vector<uint32_t> GltfDocument::vertexIndices(uint64_t accessor) const {
   const std::string what = "accessors[" + std::to_string(accessor) + "]";
   const uint64_t type = component(element("accessors", accessor), "SCALAR", what).type;

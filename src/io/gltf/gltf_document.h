@@ -29,6 +29,8 @@ class GltfDocument {
   /// Returns the number of elements, at most the number of bytes of the accessor's bufferView.
   uint64_t accessorCount(uint64_t accessor) const;
   std::vector<glm::dvec3> positions(uint64_t accessor) const;
+  /// Returns the offsets of `count` vertices. Without a bufferView they are 0, but for sparse values.
+  std::vector<glm::dvec3> offsets(uint64_t accessor, size_t count) const;
   /// Returns all numbers of an accessor whose elements have the type `type` ("VEC4") with `components`
   /// numbers.
   std::vector<double> reals(uint64_t accessor, const char* type, uint64_t components) const;

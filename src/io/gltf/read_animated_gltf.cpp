@@ -1,5 +1,5 @@
-// glTF 2.0, §3.7.3: skins. Each node that shows a mesh without a skin becomes a joint, so all movement comes
-// from joints.
+// glTF 2.0, §3.7.2.2 and §3.7.3: morph targets and skins. Each node that shows a mesh without a skin becomes
+// a joint, so all movement comes from joints.
 
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
@@ -18,12 +18,6 @@ namespace {
 
 using Json = GltfDocument::Json;
 
-/// Consecutive joints of the skeleton.
-struct JointRange {
-  uint32_t first = 0;
-  uint32_t count = 0;
-};
-
 class AnimatedReader {
  public:
   explicit AnimatedReader(const MeshFile& file) : file_(file), scene_(file), document_(scene_.document()) {
@@ -31,13 +25,26 @@ class AnimatedReader {
     for (size_t n = 0; n < scene_.nodes().size(); ++n) places_[scene_.nodes()[n].index] = static_cast<int>(n);
   }
 
-  AnimatedMesh read(size_t animation) {
+  AnimatedMesh read(const std::string& clip) {
+    const uint64_t animation = animationNamed(file_, document_, clip);
+    AnimatedMesh mesh = read(animation);
+    if (mesh.tracks.empty())
+      file_.fail("animations[" + std::to_string(animation) + "] moves nothing that the scene shows");
+    return mesh;
+  }
+
+  AnimatedMesh read(uint64_t animation) {
     // 128 bytes per vertex: positions, joints and weights, as read and as kept.
     scene_.checkSize(4 * sizeof(glm::dvec4));
     readNodes();
-    mesh_.tracks = readTracks(file_, scene_, animation, places_);
-    for (uint32_t n = 0; n < mesh_.nodes.size(); ++n)
-      for (const Json* surface : scene_.surfaces(*scene_.nodes()[n].json)) readSurface(*surface, n);
+    std::vector<IndexRange> morphs;
+    for (uint32_t n = 0; n < mesh_.nodes.size(); ++n) {
+      const std::vector<const Json*> surfaces = scene_.surfaces(*scene_.nodes()[n].json);
+      const size_t first = positions_.size();
+      for (const Json* surface : surfaces) readSurface(*surface, n);
+      morphs.push_back(readMorphs(*scene_.nodes()[n].json, surfaces, first));
+    }
+    mesh_.tracks = readTracks(file_, scene_, animation, places_, morphs);
     scene_.warnOfOthers();
     if (weightless_ > 0)
       file_.warnThat(counted(weightless_, "vertex") + " without weights: their first joint moves them");
@@ -73,7 +80,7 @@ class AnimatedReader {
     positions_.insert(positions_.end(), positions.begin(), positions.end());
     const Json& json = *scene_.nodes()[node].json;
     const bool isSkinned = json.contains("skin") && surface["attributes"].contains("JOINTS_0");
-    const JointRange joints = isSkinned ? skinJoints(document_.number(json, "skin")) : nodeJoint(node);
+    const IndexRange joints = isSkinned ? skinJoints(document_.number(json, "skin")) : nodeJoint(node);
     if (isSkinned) {
       readInfluences(surface["attributes"], positions.size(), joints);
     } else {
@@ -85,8 +92,56 @@ class AnimatedReader {
       triangles_.push_back(triangle + first);
   }
 
-  JointRange append(const std::vector<AnimatedMesh::Joint>& joints) {
-    const JointRange range{static_cast<uint32_t>(mesh_.skeleton.size()),
+  size_t targetCount(const Json& surface) const {
+    const auto found = surface.find("targets");
+    if (found == surface.end()) return 0;
+    if (!found->is_array()) file_.fail("the morph 'targets' of a primitive are not a list");
+    return found->size();
+  }
+
+  /// Reads the morph targets of the surfaces of a node, whose vertices begin at `first`.
+  IndexRange readMorphs(const Json& node, const std::vector<const Json*>& surfaces, size_t first) {
+    const size_t count = surfaces.empty() ? 0 : targetCount(*surfaces[0]);
+    IndexRange range{static_cast<uint32_t>(mesh_.morphs.size()), static_cast<uint32_t>(count)};
+    for (const Json* surface : surfaces)
+      if (targetCount(*surface) != count)
+        file_.fail("a mesh has primitives with " + std::to_string(count) + " and with " +
+                   counted(targetCount(*surface), "morph target"));
+    if (count == 0) return range;
+    std::vector<double> weights = document_.numbers(node, "weights", count);
+    if (weights.empty())
+      weights =
+          document_.numbers(document_.element("meshes", document_.number(node, "mesh")), "weights", count);
+    weights.resize(count, 0.0);
+    for (size_t t = 0; t < count; ++t) {
+      countBytes((positions_.size() - first) * sizeof(glm::vec3));
+      AnimatedMesh::Morph morph{.weight = weights[t], .firstVertex = static_cast<uint32_t>(first)};
+      for (const Json* surface : surfaces) readTarget((*surface)["targets"][t], *surface, morph.offsets);
+      mesh_.morphs.push_back(std::move(morph));
+    }
+    return range;
+  }
+
+  /// Appends the offsets of a surface's vertices.
+  void readTarget(const Json& target, const Json& surface, std::vector<glm::vec3>& offsets) {
+    const size_t count = document_.accessorCount(document_.number(surface["attributes"], "POSITION"));
+    if (!target.is_object()) file_.fail("a morph target is not an object");
+    const size_t first = offsets.size();
+    offsets.resize(first + count, glm::vec3(0.0F));
+    if (!target.contains("POSITION")) return;
+    const uint64_t accessor = document_.number(target, "POSITION");
+    countBytes(count * 2 * sizeof(glm::dvec3));
+    const std::vector<glm::dvec3> read = document_.offsets(accessor, count);
+    for (size_t v = 0; v < count; ++v) {
+      if (!std::isfinite(float(read[v].x + read[v].y + read[v].z)))
+        file_.fail("accessors[" + std::to_string(accessor) + "]: the offset of vertex " + std::to_string(v) +
+                   " of a morph target is not finite");
+      offsets[first + v] = glm::vec3(read[v]);
+    }
+  }
+
+  IndexRange append(const std::vector<AnimatedMesh::Joint>& joints) {
+    const IndexRange range{static_cast<uint32_t>(mesh_.skeleton.size()),
                            static_cast<uint32_t>(joints.size())};
     constexpr size_t kMost = 65536;
     if (mesh_.skeleton.size() + joints.size() > kMost)
@@ -95,13 +150,13 @@ class AnimatedReader {
     return range;
   }
 
-  JointRange nodeJoint(uint32_t node) {
+  IndexRange nodeJoint(uint32_t node) {
     const auto [found, isNew] = nodeJoints_.try_emplace(node);
     if (isNew) found->second = append(std::vector<AnimatedMesh::Joint>{{.node = node}});
     return found->second;
   }
 
-  JointRange skinJoints(uint64_t skin) {
+  IndexRange skinJoints(uint64_t skin) {
     const auto [found, isNew] = skinJoints_.try_emplace(skin);
     if (isNew) found->second = append(readSkin(skin));
     return found->second;
@@ -150,7 +205,7 @@ class AnimatedReader {
   };
 
   /// Reads joints and weights, which come in sets of four per vertex.
-  void readInfluences(const Json& attributes, size_t vertexCount, JointRange joints) {
+  void readInfluences(const Json& attributes, size_t vertexCount, IndexRange joints) {
     std::vector<std::vector<double>> numbers, weights;
     for (int set = 0; attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
       numbers.push_back(readSet(attributes, "JOINTS_" + std::to_string(set), vertexCount));
@@ -185,7 +240,7 @@ class AnimatedReader {
                  std::to_string(type));
   }
 
-  Influence checked(Influence influence, JointRange joints, size_t vertex) const {
+  Influence checked(Influence influence, IndexRange joints, size_t vertex) const {
     if (!(influence.weight >= 0.0) || !std::isfinite(influence.weight))
       file_.fail("vertex " + std::to_string(vertex) + " of a skin has the weight " +
                  numberText(influence.weight));
@@ -245,8 +300,8 @@ class AnimatedReader {
   std::vector<glm::dvec3> positions_;
   std::vector<glm::uvec3> triangles_;
   std::vector<Surface> surfaces_;
-  std::map<uint32_t, JointRange> nodeJoints_;
-  std::map<uint64_t, JointRange> skinJoints_;
+  std::map<uint32_t, IndexRange> nodeJoints_;
+  std::map<uint64_t, IndexRange> skinJoints_;
   uint64_t weightless_ = 0, crowded_ = 0, bytes_ = 0;
 };
 
@@ -254,6 +309,10 @@ class AnimatedReader {
 
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation) {
   return AnimatedReader(file).read(animation);
+}
+
+AnimatedMesh readAnimatedGltf(const MeshFile& file, const std::string& clip) {
+  return AnimatedReader(file).read(clip);
 }
 
 }  // namespace raymap

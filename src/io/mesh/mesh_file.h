@@ -38,6 +38,7 @@ Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 Mesh read3mf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
+AnimatedMesh readAnimatedGltf(const MeshFile& file, const std::string& clip);
 
 /// Reads the positions of a PLY's vertices alone, whether there are faces or not.
 std::vector<glm::dvec3> readPlyPoints(const MeshFile& file);

@@ -1,0 +1,145 @@
+#include "sequence.h"
+
+#include <raymap/error.h>
+#include <raymap/io.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "checks.h"
+#include "options.h"
+#include "terminal.h"
+#include "warnings.h"
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Box shapeBounds(const Mesh& mesh) {
+  return bounds(mesh);
+}
+
+/// Returns the bounds of the surface; of the grid, if the file does not tell them.
+Box shapeBounds(const Field& field) {
+  if (!field.surfaceBounds.isEmpty()) return field.surfaceBounds;
+  return {field.grid.origin, field.grid.position(glm::dvec3(field.grid.dims - 1))};
+}
+
+}  // namespace
+
+void addFrameOptions(CLI::App& command, FrameArguments& arguments) {
+  CLI::Option* frames = addOption(command, "--frames", arguments.frames);
+  addOption(command, "--fps", arguments.fps)->needs(frames);
+  addOption(command, "--clip", arguments.clip)->needs(frames);
+}
+
+fs::path framePath(const fs::path& pattern, int frame) {
+  std::string name = pattern.filename().string();
+  const size_t start = name.find('%');
+  const size_t end = start == std::string::npos ? start : name.find('d', start);
+  const std::string width = end == std::string::npos ? "?" : name.substr(start + 1, end - start - 1);
+  const bool isWidth = width.empty() || (width.size() == 2 && width[0] == '0' &&
+                                         std::isdigit(static_cast<unsigned char>(width[1])));
+  if (!isWidth || name.find('%', start + 1) != std::string::npos)
+    throw Error(
+        ErrorCode::Usage,
+        displayName(pattern) + ": with --frames a name holds the number of the frame once, as %d or %04d" +
+            (pattern.has_extension() ? ": " + pattern.stem().string() + ".%04d" + pattern.extension().string()
+                                     : ""));
+  std::string number = std::to_string(frame);
+  const size_t digits = width.empty() ? 0 : size_t(width[1] - '0');
+  if (number.size() < digits) number.insert(0, digits - number.size(), '0');
+  return pattern.parent_path() / name.replace(start, end - start + 1, number);
+}
+
+Sequence::Sequence(const FrameArguments& arguments, const fs::path& input, const std::string& format,
+                   const MeshUnits& units)
+    : fps_(arguments.fps), input_(input), format_(format), units_(units) {
+  parse(arguments.frames);
+  const bool isNumbered = input.filename().string().find('%') != std::string::npos;
+  if (!isNumbered && hasExtension(input, {".gltf", ".glb"})) {
+    const WaitingLine line("reading " + displayName(input.filename()));
+    animated_ = readAnimatedMesh(input, arguments.clip, {.warn = warn});
+    warnOfEnd();
+    return;
+  }
+  if (!isNumbered)
+    throw Error(ErrorCode::Usage, displayName(input) +
+                                      ": --frames takes an animated .gltf or .glb, or numbered files such "
+                                      "as " +
+                                      input.stem().string() + ".%04d" + input.extension().string());
+  if (!arguments.clip.empty())
+    throw Error(ErrorCode::Usage, "--clip is for an animated .gltf or .glb; leave it out for numbered files");
+  for (size_t i = 0; i < size_; ++i)
+    if (!fs::exists(this->input(i)))
+      throw Error(ErrorCode::File, displayName(this->input(i)) + ": there is no such file, and --frames " +
+                                       arguments.frames + " asks for it");
+}
+
+/// Reads FIRST, FIRST:LAST or FIRST:LAST:STEP.
+void Sequence::parse(const std::string& frames) {
+  std::vector<int> numbers;
+  const char *at = frames.data(), *end = at + frames.size();
+  for (bool isMore = true; isMore;) {
+    int number = -1;
+    const auto [rest, error] = std::from_chars(at, end, number);
+    isMore = error == std::errc() && rest != end && *rest == ':';
+    numbers.push_back(error == std::errc() && (rest == end || isMore) ? number : -1);
+    at = isMore ? rest + 1 : rest;
+  }
+  const int last = numbers.size() > 1 ? numbers[1] : numbers[0];
+  first_ = numbers[0];
+  step_ = numbers.size() > 2 ? numbers[2] : 1;
+  if (numbers.size() > 3 || first_ < 0 || last < first_ || step_ < 1)
+    throw Error(ErrorCode::Usage,
+                "--frames " + frames +
+                    ": must be FIRST:LAST or FIRST:LAST:STEP, whole numbers from 0 on, LAST not below "
+                    "FIRST, STEP from 1 on");
+  size_ = size_t(last - first_) / size_t(step_) + 1;
+}
+
+void Sequence::warnOfEnd() const {
+  const int last = int(std::floor(std::min(animated_->seconds() * fps_, 1e9) + 1e-6));
+  if (frame(size_ - 1) <= last) return;
+  printWarning(displayName(input_) + ": the clip ends with frame " + std::to_string(last) +
+               "; later ones keep its last pose");
+}
+
+fs::path Sequence::input(size_t i) const {
+  return animated_ ? input_ : framePath(input_, frame(i));
+}
+
+std::string Sequence::title(size_t i) const {
+  return "frame " + std::to_string(frame(i)) + " of " + std::to_string(first_) + " to " +
+         std::to_string(frame(size_ - 1)) + ": ";
+}
+
+std::variant<Mesh, Field> Sequence::read(size_t i) {
+  const fs::path path = named(input(i), format_);
+  std::variant<Mesh, Field> result;
+  if (animated_)
+    result = posed(*animated_, seconds(i));
+  else
+    result = readMeshOrField(input(i), {.format = format_, .warn = i < seen_ ? WarningCallback() : warn});
+  seen_ = std::max(seen_, i + 1);
+  std::visit([&](auto& shape) { convertUnits(shape, units_, path); }, result);
+  // What is taken for granted was said; once is enough.
+  if (units_.from.empty() && !meshUnit(path)) units_.from = units_.unit;
+  return result;
+}
+
+Box Sequence::bounds() {
+  const WaitingLine line("finding the bounds of all frames");
+  Box all;
+  for (size_t i = 0; i < size_; ++i) {
+    const std::variant<Mesh, Field> shape = read(i);
+    const Box box = std::visit([](const auto& each) { return shapeBounds(each); }, shape);
+    all.min = glm::min(all.min, box.min);
+    all.max = glm::max(all.max, box.max);
+  }
+  return all;
+}
+
+}  // namespace raymap

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <raymap/animation.h>
+#include <raymap/field.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "mesh_units.h"
+
+namespace raymap {
+
+/// Options of a command that makes a result for each frame.
+struct FrameArguments {
+  std::string frames;  ///< FIRST:LAST or FIRST:LAST:STEP; empty: one result.
+  double fps = 24.0;
+  std::string clip;
+};
+
+/// Adds `--frames`, `--fps` and `--clip`.
+void addFrameOptions(CLI::App& command, FrameArguments& arguments);
+
+/// Returns the path of one frame: that of `pattern` with the number in the place of %d or %04d. Throws
+/// `Error(Usage)` unless its name has one such place.
+std::filesystem::path framePath(const std::filesystem::path& pattern, int frame);
+
+/// The frames of an animated glTF file, or of numbered files.
+class Sequence {
+ public:
+  /// `format` counts if the names of files do not tell. Throws `Error(Usage)` if the options contradict the
+  /// input, `Error(File)` if a numbered file is missing, and as `readAnimatedMesh` does.
+  Sequence(const FrameArguments& arguments, const std::filesystem::path& input, const std::string& format,
+           const MeshUnits& units);
+
+  size_t size() const { return size_; }
+  int frame(size_t i) const { return first_ + static_cast<int>(i) * step_; }
+  /// Returns the frames per second of a movie of them.
+  double fps() const { return fps_ / step_; }
+  /// Returns the file that holds a frame.
+  std::filesystem::path input(size_t i) const;
+  /// Returns "frame 12 of 0 to 60: ", for progress.
+  std::string title(size_t i) const;
+
+  /// Reads or poses the mesh of a frame, or reads its field. Warns of what is odd in a file once.
+  std::variant<Mesh, Field> read(size_t i);
+  /// Returns the bounds of the shapes of all frames. Holds one frame at a time.
+  Box bounds();
+
+ private:
+  void parse(const std::string& frames);
+  void warnOfEnd() const;
+  double seconds(size_t i) const { return frame(i) / fps_; }
+
+  int first_ = 0, step_ = 1;
+  size_t size_ = 0, seen_ = 0;
+  double fps_;
+  std::filesystem::path input_;
+  std::string format_;
+  MeshUnits units_;
+  std::optional<AnimatedMesh> animated_;
+};
+
+}  // namespace raymap
