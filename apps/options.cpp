@@ -42,7 +42,7 @@ constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
      "File to write; its name ends in the format. A field: .vdb, .nrrd, .npz, .vti or .npy (without its "
      "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
-     "of --frames, also .mp4"},
+     "of --frames, also .mp4. A page: .html"},
     {"--format", "", "Files", Text, "FORMAT", "",
      "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "
      "a file. An input without it is recognised by its first bytes"},
@@ -174,6 +174,9 @@ constexpr OptionRow kRows[] = {
     {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
     {"--as", "", "Picture", Choice, "ARRAY", "what the file says it holds; a .npy of floats holds distances",
      "Array to show: distance, winding, confidence or triangle", namesOf<FieldArray>},
+
+    {"--max-size", "", "Picture", Natural, "N", "256",
+     "Most samples along a side of a page; larger fields are shown on a coarser grid"},
 
     {"--fast", "", "Method", Nothing, "", "",
      "Do not count crossing pairs of faces, nor measure the thickness: takes less than half of the time"},

@@ -1,5 +1,7 @@
 #include <raymap/raymap.h>
 
+#include <cstdio>
+
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
@@ -26,7 +28,8 @@ constexpr const char* kFooter = R"(Examples:
   raymap render globe.vdb -o slice.png --slice z           (contour lines of the distance)
   raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
   raymap render man.glb --frames 0:59 -o man.%04d.png      (a picture of each frame; -o man.mp4: a movie)
-  raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves))";
+  raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves)
+  raymap render globe.vdb -o globe.html                    (a page to turn, cut and slice it in a browser))";
 
 struct Arguments : FieldArguments {
   StreamFormat format;
@@ -36,8 +39,13 @@ struct Arguments : FieldArguments {
   int index = -1;
   ViewArguments camera;
   RenderOptions view;
+  PageOptions page;
   bool mayOverwrite = false;
 };
+
+bool isPage(const Arguments& arguments) {
+  return hasExtension(named(arguments.picture, arguments.format.output), {".html"});
+}
 
 void finishOptions(Arguments& arguments) {
   constexpr int kResolution = 256;  // Twice that of `generate`: people look at the picture.
@@ -129,9 +137,25 @@ void renderFrames(Arguments& arguments) {
   writer.finish();
 }
 
+void writeFieldPage(const Field& field, Arguments& arguments) {
+  if (!arguments.slice.empty() || field.distance.empty())
+    throw Error(ErrorCode::Usage, "a page shows distances and moves its own slice; leave out --slice and --as");
+  testBeforeFirstUse(arguments.machine.device);
+  ProgressLine line;
+  arguments.page.title = displayName(arguments.input.filename());
+  const PageContent page =
+      writePage(arguments.picture, field, arguments.view, arguments.page, withProgress(arguments.machine, line));
+  line.clear();
+  printWritten(arguments.picture);
+  if (page.grid.dims != field.grid.dims)
+    std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", page.grid.dims.x,
+                page.grid.dims.y, page.grid.dims.z, field.grid.dims.x, field.grid.dims.y, field.grid.dims.z);
+}
+
 void renderOne(Arguments& arguments) {
   Field field = loadField(arguments.input, arguments, arguments.format.input);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
+  if (isPage(arguments)) return writeFieldPage(field, arguments);
   writePng(arguments.picture, draw(field, array, arguments));
   printWritten(arguments.picture);
 }
@@ -139,8 +163,7 @@ void renderOne(Arguments& arguments) {
 void run(Arguments& arguments) {
   finishOptions(arguments);
   const bool isSequence = !arguments.frames.frames.empty();
-  std::vector<std::string> kinds{".png"};
-  if (isSequence) kinds.emplace_back(".mp4");
+  const std::vector<std::string> kinds{".png", isSequence ? ".mp4" : ".html"};
   const std::vector<Output> outputs{{"--output", arguments.picture, kinds}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
@@ -171,6 +194,7 @@ void addRender(CLI::App& app) {
   addOption(*command, "--cut", arguments->view.cut);
   addOption(*command, "--index", arguments->index)->needs(addOption(*command, "--slice", arguments->slice));
   addOption(*command, "--as", arguments->as);
+  addOption(*command, "--max-size", arguments->page.maxSize);
   addMachineOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

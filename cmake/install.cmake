@@ -16,8 +16,8 @@ endif()
 if(TARGET raymap-import)
   list(APPEND io_LIBRARIES -ldl)
 endif()
-set(render_PACKAGES PNG)
-set(render_PKGCONFIG libpng)
+set(render_PACKAGES PNG ZLIB)
+set(render_PKGCONFIG libpng zlib)
 set(vulkan_LIBRARIES -ldl)
 
 get_property(RAYMAP_LAYERS GLOBAL PROPERTY RAYMAP_LAYERS) # Lower ones first.

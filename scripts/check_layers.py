@@ -19,7 +19,7 @@ OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its 
 INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h")  # The only files that may include oneTBB.
 # Made while building.
-GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|@SHADER_STEM@\.spv\.inc")
+GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|page_text\.h|@SHADER_STEM@\.spv\.inc")
 
 # Declarations of public headers, and the .cpp files that define them.
 ARGUMENTS = r"\(((?:[^()]|\([^()]*\))*)\)"

@@ -13,10 +13,11 @@ packages=(
   libassimp-dev                  # FBX and DAE
   nlohmann-json3-dev             # glTF, statistics
   libpng-dev zlib1g-dev          # pictures, compressed fields
+  glslc spirv-cross              # shaders, also in the language of browsers
   libpugixml-dev libzip-dev libexpat1-dev  # .vti, .npz and .3mf
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libcli11-dev                   # the command line
-  libvulkan-dev libvulkan-volk-dev glslc  # GPUs: headers, the loader's loader, the shader compiler;
+  libvulkan-dev libvulkan-volk-dev  # GPUs: headers, the loader's loader;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
   libgtest-dev python3-numpy     # tests
   python3-dev python3-venv       # the Python package; what it and its tests need from PyPI: scripts/python_env.sh
@@ -28,6 +29,7 @@ checks=(
   libusb-1.0-0 libgl1 libgomp1   # Open3D, whose meshes the Python package takes
   libeigen3-dev                  # pysdf, with which the Python package is compared
   pkg-config                     # the installed library
+  chromium-driver                # pages in a browser
 )
 peers=(
   libbenchmark-dev               # single stages

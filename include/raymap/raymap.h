@@ -19,6 +19,7 @@
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>
 #include <raymap/options.h>
+#include <raymap/page.h>
 #include <raymap/picture.h>
 #include <raymap/query.h>
 #include <raymap/records.h>

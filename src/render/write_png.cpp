@@ -6,9 +6,11 @@
 #include <ostream>
 #include <string>
 
+#include "render/encode_png.h"
+
 namespace raymap {
 
-void writePng(const std::filesystem::path& path, const Picture& picture) {
+std::vector<uint8_t> encodePng(const std::filesystem::path& path, const Picture& picture) {
   const auto isValid = [](int side) { return side >= 1 && side <= kMaxPictureSide; };
   if (!isValid(picture.width) || !isValid(picture.height) ||
       picture.rgb.size() != 3 * size_t(picture.width) * size_t(picture.height))
@@ -21,10 +23,18 @@ void writePng(const std::filesystem::path& path, const Picture& picture) {
   image.height = png_uint_32(picture.height);
   image.format = PNG_FORMAT_RGB;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-  std::vector<char> bytes(size);
+  std::vector<uint8_t> bytes(size);
   if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
     throw Error(ErrorCode::File, path.string() + ": the picture cannot be encoded: " + image.message);
-  writeAtomically(path, [&](std::ostream& out) { out.write(bytes.data(), std::streamsize(size)); });
+  bytes.resize(size);
+  return bytes;
+}
+
+void writePng(const std::filesystem::path& path, const Picture& picture) {
+  const std::vector<uint8_t> bytes = encodePng(path, picture);
+  writeAtomically(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+  });
 }
 
 }  // namespace raymap

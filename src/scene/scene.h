@@ -2,6 +2,7 @@
 
 #include "scene/camera.h"
 #include "scene/colour.h"
+#include "scene/scene_shared.h"
 #include "scene/shape.h"
 
 namespace raymap {
@@ -13,6 +14,9 @@ inline const Colour kClay = srgb(226, 158, 104);
 inline const Colour kBackgroundTop = srgb(250, 251, 252);
 inline const Colour kBackgroundBottom = srgb(222, 226, 231);
 
+/// Direction to the light, along the camera's right and forward and the scene's up.
+inline constexpr glm::dvec3 kLightOfCamera{-0.45, -0.55, 0.95};
+
 /// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
 /// floor shows only the shadow.
 struct Scene {
@@ -21,7 +25,8 @@ struct Scene {
       : up(unitVector(options.up, "up vector")),
         shape(field, options),
         camera(options, shape),
-        toLight(glm::normalize(-0.45 * camera.right() - 0.55 * camera.forward() + 0.95 * up)),
+        toLight(glm::normalize(kLightOfCamera.x * camera.right() + kLightOfCamera.y * camera.forward() +
+                               kLightOfCamera.z * up)),
         lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {}
 
   glm::dvec3 up;
@@ -30,5 +35,9 @@ struct Scene {
   glm::dvec3 toLight;
   double lineStep;  ///< Distance between the lines on the cut face, in samples.
 };
+
+/// Returns what shaders need of a shape, and of all else.
+RenderShape describe(const Shape& shape);
+RenderSceneData describe(const Scene& scene);
 
 }  // namespace raymap

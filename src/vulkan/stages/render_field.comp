@@ -2,83 +2,48 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
-#include "vulkan/stages/sphere_trace.glsl"
+#include "scene/scene_shared.h"
+#include "scene/sphere_trace_shared.h"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes { RenderSceneData at[]; };
+
+#include "vulkan/stages/render_field_push.h"
+
+layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
 shared vec3 lights[kRenderGroup];
 
-// Returns a ray that starts where the ball around the shape may begin, so that positions near the shape are
-// exact even for a distant eye. `skipped` is the distance from the eye to the start.
-Ray cameraRay(RenderSceneData scene, vec2 at, out float skipped) {
-  const vec2 off = scene.pixelAngle * (at - 0.5 * vec2(push.width, push.height));
-  const vec3 direction = normalize(scene.forward + off.x * scene.right - off.y * scene.up);
-  const vec3 toCentre = push.shape.centre - scene.eye;
-  const float middle = dot(toCentre, direction);
-  const float reach = push.shape.radius + kBallMargin;
-  skipped = max(middle - reach, 0);
-  if (skipped == 0) return Ray(scene.eye, direction);
-  const vec3 foot = push.shape.centre - (toCentre - middle * direction);
-  return Ray(foot - reach * direction, direction);
+float row(uint at, float share) {
+  const float low = push.samples.at[at];
+  return low + share * (push.samples.at[at + uint(push.shape.nx > 1)] - low);
 }
 
-float lineCoverage(float pixels, float width) {
-  return clamp(0.5 * width + 0.5 - pixels, 0, 1);
+float sheet(uint at, vec2 share) {
+  const float low = row(at, share.x);
+  return low + share.y * (row(at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
 }
 
-vec3 insideColour(RenderSceneData scene, float d) {
-  const float depth = min(abs(d) / scene.depth, 1);
-  return depth < 0.5 ? mix(scene.inside[0], scene.inside[1], 2 * depth)
-                     : mix(scene.inside[1], scene.inside[2], 2 * depth - 1);
+float trilinear(vec3 q) {
+  const ivec3 dims = ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
+  const ivec3 cell = min(ivec3(q), max(dims - 2, 0));
+  const vec3 share = q - vec3(cell);
+  const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
+  const float low = sheet(at, share.xy);
+  const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+  return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
 }
 
-vec3 cutFace(RenderSceneData scene, vec3 p, vec3 n, float slope) {
-  const float d = fieldDistance(p);
-  const float strength = kIsoLineStrength * clamp(scene.lineStep / slope / kIsoLinePixels - 1, 0, 1);
-  const float toLine = abs(d - scene.lineStep * round(d / scene.lineStep)) / slope;
-  const vec3 lined = insideColour(scene, min(d, -1e-9)) * (1 - strength * lineCoverage(toLine, kIsoLineWidth));
-  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * mix(lined, scene.contour, lineCoverage(abs(d) / slope, kContourWidth));
-}
+#include "scene/shade.glsl"
 
-vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {
-  const vec3 p = ray.origin + t * ray.direction;
-  const vec3 n = shapeNormal(p);
-  if (isOnCutFace(p)) return cutFace(scene, p, n, (skipped + t) * scene.pixelAngle);
-  const float facing = dot(n, scene.toLight);
-  const float sun = facing > 0 ? facing * softShadow(p + n, scene.toLight) : 0;
-  const float open = ambientOpenness(p, n);
-  const float upward = 0.5 + 0.5 * dot(n, scene.floorNormal);
-  const vec3 incoming = sun * scene.sun + open * (upward * scene.sky + (1 - upward) * scene.bounce);
-  const float grazing = pow(1 - clamp(-dot(n, ray.direction), 0, 1), kGrazingPower);
-  const float shine = pow(max(dot(n, normalize(scene.toLight - ray.direction)), 0), kShinePower) * sun;
-  const vec3 lit =
-      kDiffusePart * scene.clay * incoming + kGrazingPart * grazing * open * scene.sky + kShinePart * shine * scene.sun;
-  return lit * (1 + lit / kWhite) / (1 + lit);
-}
-
-float floorShade(RenderSceneData scene, Ray ray, float skipped) {
-  const float down = -dot(ray.direction, scene.floorNormal);
-  if (!(down > 1e-6)) return 1;
-  const float t = (dot(ray.origin, scene.floorNormal) - scene.floorHeight) / down;
-  if (!(skipped + t > 0)) return 1;
-  const vec3 p = ray.origin + t * ray.direction;
-  const float sun = softShadow(p, scene.toLight);
-  const float sky = ambientOpenness(p, scene.floorNormal);
-  return (kFloorInShadow + kFloorSun * sun) * (kFloorOccluded + kFloorSky * sky);
-}
-
-vec3 light(vec2 at) {
-  const RenderSceneData scene = push.scene.at[0];
+vec3 light(RenderSceneData scene, vec2 at) {
   float skipped;
   const Ray ray = cameraRay(scene, at, skipped);
   const float t = traceRay(ray);
-  if (t >= 0) return surface(scene, ray, t, skipped);
-  return mix(scene.top, scene.bottom, at.y / push.height) * floorShade(scene, ray, skipped);
+  return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
 }
 
 uint encoded(vec3 linear) {
-  linear = clamp(linear, 0, 1);
-  const vec3 srgb =
-      mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));
-  const uvec3 bytes = uvec3(255 * srgb + 0.5);
+  const uvec3 bytes = uvec3(255 * encodeSrgb(linear) + 0.5);
   return bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;
 }
 
@@ -90,7 +55,7 @@ void main() {
   uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
   const bool isInside = pixel.x < push.width && pixel.y < push.rows;
   pixel.y += push.firstRow;
-  if (isInside) lights[local] = light(vec2(pixel) + kSubPixels[local % kSubPixelCount]);
+  if (isInside) lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount]);
   barrier();
   if (!isInside || local % kSubPixelCount != 0) return;
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];

@@ -3,8 +3,8 @@
 #endif
 
 #include "base/shader_types.h"
+#include "scene/scene_shared.h"
 #include "scene/shade_shared.h"
-#include "vulkan/stages/render_scene_push.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 

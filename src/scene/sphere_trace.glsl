@@ -1,38 +1,10 @@
-// GPU twin of field/field_sampler.h, scene/shape.h and cpu/render/sphere_trace.cpp, which give the reasons.
-
-#include "scene/sphere_trace_shared.h"
-#include "vulkan/stages/render_scene_push.h"
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes { RenderSceneData at[]; };
-
-#include "vulkan/stages/render_field_push.h"
-
-layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
+// GPU twin of field/field_sampler.h, scene/shape.h and cpu/render/sphere_trace.cpp, which give the reasons. Part of
+// shade.glsl.
 
 struct Ray {
   vec3 origin;
   vec3 direction;
 };
-
-float row(uint at, float share) {
-  const float low = push.samples.at[at];
-  return low + share * (push.samples.at[at + uint(push.shape.nx > 1)] - low);
-}
-
-float sheet(uint at, vec2 share) {
-  const float low = row(at, share.x);
-  return low + share.y * (row(at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
-}
-
-float trilinear(vec3 q) {
-  const ivec3 dims = ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
-  const ivec3 cell = min(ivec3(q), max(dims - 2, 0));
-  const vec3 share = q - vec3(cell);
-  const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
-  const float low = sheet(at, share.xy);
-  const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
-  return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
-}
 
 float fieldValue(vec3 p) {
   const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));

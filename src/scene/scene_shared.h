@@ -1,5 +1,5 @@
-#ifndef RAYMAP_SHARED_RENDER_SCENE_H  // No pragma: GLSL also includes this more than once.
-#define RAYMAP_SHARED_RENDER_SCENE_H
+#ifndef RAYMAP_SHARED_SCENE_H  // No pragma: GLSL also includes this more than once.
+#define RAYMAP_SHARED_SCENE_H
 
 #ifdef __cplusplus
 #include <glm/vec3.hpp>
@@ -7,7 +7,7 @@
 
 #include "base/shader_types.h"
 
-RAYMAP_SHARED_BEGIN(raymap::vulkan)
+RAYMAP_SHARED_BEGIN(raymap)
 
 #ifdef __cplusplus
 using glm::vec3;

@@ -1,0 +1,45 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace raymap {
+
+RenderShape describe(const Shape& shape) {
+  const glm::uvec3 dims(shape.field().grid.dims);
+  return {
+      .centre = shape.centre(),
+      .radius = static_cast<float>(shape.radius()),
+      .cutNormal = shape.isCut() ? glm::vec3(shape.cutNormal()) : glm::vec3(0.0f),
+      .cutOffset = shape.isCut() ? static_cast<float>(shape.cutOffset()) : std::numeric_limits<float>::max(),
+      .level = static_cast<float>(shape.level()),
+      .wall = static_cast<float>(std::min(shape.wall(), kFarthestRay)),
+      .band = static_cast<float>(std::min(shape.band(), kFarthestRay)),
+      .nx = dims.x,
+      .ny = dims.y,
+      .nz = dims.z};
+}
+
+RenderSceneData describe(const Scene& scene) {
+  const Camera& camera = scene.camera;
+  return {.eye = camera.eye(),
+          .right = camera.right(),
+          .up = camera.up(),
+          .forward = camera.forward(),
+          .floorNormal = scene.up,
+          .floorHeight = static_cast<float>(camera.floor()),
+          .toLight = scene.toLight,
+          .pixelAngle = static_cast<float>(camera.pixelAngle()),
+          .lineStep = static_cast<float>(std::min(scene.lineStep, kFarthestRay * kFarthestRay)),
+          .depth = static_cast<float>(std::min(scene.shape.depth(), kFarthestRay)),
+          .sun = kSun,
+          .sky = kSky,
+          .bounce = kBounce,
+          .clay = kClay,
+          .top = kBackgroundTop,
+          .bottom = kBackgroundBottom,
+          .inside = {kInside[0], kInside[1], kInside[2]},
+          .contour = kContour};
+}
+
+}  // namespace raymap

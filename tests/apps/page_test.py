@@ -1,0 +1,257 @@
+"""Tests the pages that `raymap render` writes in Chromium, by WebDriver (https://www.w3.org/TR/webdriver2/).
+
+page_test.py RAYMAP: the program. Without chromedriver, the test is skipped (77), unless RAYMAP_REQUIRE_BROWSER is set.
+"""
+
+import base64
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+RAYMAP = pathlib.Path(sys.argv.pop(1)) if len(sys.argv) > 1 else None
+SIZE = (240, 180)
+FLAGS = ["--headless=new", "--no-sandbox", "--hide-scrollbars", "--force-device-scale-factor=1", "--disable-dev-shm-usage"]
+SOFTWARE = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
+
+# Draws a picture beside the canvas and returns the mean difference of its colours and the share of pixels that differ by
+# more than 8.
+COMPARE = """
+const [source, done] = arguments, image = new Image(), canvas = document.getElementById("canvas");
+image.onload = () => {
+  const pixels = drawn => {
+    const context = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height })
+      .getContext("2d");
+    context.drawImage(drawn, 0, 0);
+    return context.getImageData(0, 0, image.width, image.height).data;
+  };
+  const a = pixels(image), b = pixels(canvas);
+  let total = 0, far = 0;
+  for (let i = 0; i < a.length; i += 4) {
+    const gaps = [0, 1, 2].map(c => Math.abs(a[i + c] - b[i + c]));
+    total += gaps[0] + gaps[1] + gaps[2];
+    far += Math.max(...gaps) > 8;
+  }
+  done([canvas.width, canvas.height, total / (a.length * 0.75), far / (a.length / 4)]);
+};
+image.src = source;
+"""
+
+
+class Browser:
+    """A Chromium that shows a page."""
+
+    def __init__(self, port, flags, width=900, height=700):
+        self.base = f"http://127.0.0.1:{port}/session"
+        wanted = {"goog:chromeOptions": {"args": [*FLAGS, *flags, f"--window-size={width},{height}"]},
+                  "goog:loggingPrefs": {"browser": "ALL"}}
+        self.base += "/" + self.post("", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
+
+    def request(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(self.base + path, data, {"Content-Type": "application/json"}, method=method)
+        try:
+            with urllib.request.urlopen(request, timeout=300) as answer:
+                return json.load(answer)["value"]
+        except urllib.error.HTTPError as error:
+            raise AssertionError(error.read().decode()) from error
+
+    def post(self, path, body):
+        return self.request("POST", path, body)
+
+    def open(self, page):
+        self.post("/timeouts", {"script": 300000, "pageLoad": 300000})
+        self.post("/url", {"url": page.as_uri()})
+
+    def run(self, script, *arguments):
+        return self.post("/execute/sync", {"script": script, "args": list(arguments)})
+
+    def run_async(self, script, *arguments):
+        return self.post("/execute/async", {"script": script, "args": list(arguments)})
+
+    def wait(self):
+        """Waits until the page has drawn all that it was told."""
+        self.run_async("""const done = arguments[0];
+          const look = () => document.body.dataset.drawn === "yes" ? done() : setTimeout(look, 20);
+          setTimeout(look, 50);""")
+
+    def canvas(self):
+        """Returns a digest of what the canvas shows."""
+        shown = self.run("return document.getElementById('canvas').toDataURL()")
+        return hashlib.sha256(shown.encode()).hexdigest()
+
+    def act(self, kind, *actions, **more):
+        self.post("/actions", {"actions": [{"type": kind, "id": kind, "actions": list(actions), **more}]})
+        self.wait()
+
+    def drag(self, x, y, button=0):
+        canvas = self.post("/element", {"using": "css selector", "value": "#canvas"})
+        self.act("pointer", {"type": "pointerMove", "origin": canvas, "x": 0, "y": 0},
+                 {"type": "pointerDown", "button": button},
+                 {"type": "pointerMove", "origin": "pointer", "duration": 50, "x": x, "y": y},
+                 {"type": "pointerUp", "button": button})
+
+    def press(self, key):
+        self.act("key", {"type": "keyDown", "value": key}, {"type": "keyUp", "value": key})
+
+    def set(self, name, value):
+        """Sets a control as a user would, with its events."""
+        self.run("""const [name, value] = arguments, input = document.getElementById(name);
+          if (input.type === "checkbox") input.checked = value; else input.value = value;
+          input.dispatchEvent(new Event("input", { bubbles: true }));""", name, value)
+        self.wait()
+
+    def errors(self):
+        return [entry["message"] for entry in self.post("/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
+
+    def close(self):
+        self.request("DELETE", "")
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        cls.raymap("example", "-o", "mesh.ply")
+        cls.raymap("generate", "mesh.ply", "-o", "field.nrrd", "--resolution", "48")
+        driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
+        cls.addClassCleanup(driver.stdout.close)
+        cls.addClassCleanup(driver.wait)
+        cls.addClassCleanup(driver.kill)
+        for line in driver.stdout:
+            if found := re.search(r"started successfully on port (\d+)", line):
+                cls.port = int(found[1])
+                break
+
+    @classmethod
+    def raymap(cls, *arguments):
+        subprocess.run([RAYMAP, "-q", *arguments], cwd=cls.folder, check=True)
+        return cls.folder / arguments[arguments.index("-o") + 1]
+
+    def page(self, *options):
+        return self.raymap("render", "field.nrrd", "-o", f"{self.id()}.html", "--size", *map(str, SIZE), *options)
+
+    def picture(self, *options):
+        return self.raymap("render", "field.nrrd", "-o", f"{self.id()}.png", "--device", "cpu", "--size",
+                           *map(str, SIZE), *options)
+
+    def browse(self, page, flags=SOFTWARE, **size):
+        browser = Browser(self.port, flags, **size)
+        self.addCleanup(browser.close)
+        browser.open(page)
+        return browser
+
+    def canvas(self, page):
+        """Returns a browser that shows the page's canvas in the pictures' size."""
+        browser = self.browse(page)
+        browser.wait()
+        browser.run("""const style = document.getElementById("canvas").style;
+          [style.width, style.height] = [arguments[0] + "px", arguments[1] + "px"];""", *SIZE)
+        browser.run_async("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+        browser.wait()
+        return browser
+
+    def assertShows(self, browser, picture):
+        source = "data:image/png;base64," + base64.b64encode(picture.read_bytes()).decode()
+        width, height, mean, far = browser.run_async(COMPARE, source)
+        self.assertEqual((width, height), SIZE)
+        self.assertLess(mean, 0.5)
+        self.assertLess(far, 0.01)
+
+    def test_shows_what_render_draws(self):
+        browser = self.canvas(self.page())
+        self.assertShows(browser, self.picture())
+        with self.assertRaises(AssertionError):  # The tolerance tells other pictures apart.
+            self.assertShows(browser, self.picture("--cut"))
+        self.assertEqual(browser.errors(), [])
+
+    def test_begins_with_the_cut_and_the_shell(self):
+        browser = self.canvas(self.page("--cut", "--shell", "0.1"))
+        self.assertShows(browser, self.picture("--cut", "--shell", "0.1"))
+
+    def test_turns_moves_and_zooms(self):
+        browser = self.canvas(self.page())
+        first = browser.canvas()
+        browser.act("pointer", {"type": "pointerMove", "x": 5, "y": 5})
+        seen = {first}
+        for action in (lambda: browser.drag(60, 20), lambda: browser.drag(40, 0, button=2),
+                       lambda: browser.press("+"), lambda: browser.press("7"), lambda: browser.press("\ue012"),
+                       lambda: browser.post("/actions", {"actions": [{"type": "wheel", "id": "wheel", "actions": [
+                           {"type": "scroll", "x": 200, "y": 150, "deltaX": 0, "deltaY": -300}]}]}) or browser.wait()):
+            action()
+            self.assertNotIn(browser.canvas(), seen)
+            seen.add(browser.canvas())
+        browser.press("f")
+        self.assertEqual(browser.canvas(), first)
+        self.assertEqual(browser.errors(), [])
+
+    def test_obeys_its_controls(self):
+        browser = self.canvas(self.page())
+        first = browser.canvas()
+        seen = {first}
+        for name, value in (("cut", "x"), ("cutAt", 0.4), ("shell", 0.6), ("flip", True), ("iso", 1), ("slice", "z"),
+                            ("sliceAt", 0.7)):
+            browser.set(name, value)
+            self.assertNotIn(browser.canvas(), seen, name)
+            seen.add(browser.canvas())
+        browser.run("document.getElementById('controls').reset()")
+        browser.wait()
+        self.assertEqual(browser.canvas(), first)
+
+    def test_reads_off_positions_and_distances(self):
+        browser = self.canvas(self.page())
+        browser.set("slice", "z")
+        canvas = browser.post("/element", {"using": "css selector", "value": "#canvas"})
+        browser.act("pointer", {"type": "pointerMove", "origin": canvas, "x": 0, "y": 0})
+        text = browser.run("return document.getElementById('place').textContent")
+        self.assertRegex(text, r"^\(-?[\d.e-]+, -?[\d.e-]+, -?[\d.e-]+\)")
+
+    def test_fits_phones_and_large_screens(self):
+        page = self.page()
+        for width in (390, 1024, 1920):
+            browser = self.browse(page, width=width, height=800)
+            browser.wait()
+            inner, scroll, canvas = browser.run("""return [innerWidth, document.documentElement.scrollWidth,
+              document.getElementById("canvas").clientWidth]""")
+            self.assertLessEqual(scroll, inner)
+            self.assertGreater(canvas, 0.5 * inner)
+
+    def test_shows_a_picture_without_webgl(self):
+        browser = self.browse(self.page(), ["--disable-3d-apis"])
+        browser.run_async("""const done = arguments[0], look = () =>
+          document.getElementById("trouble").hidden ? setTimeout(look, 20) : done();
+          look();""")
+        still, canvas, width, text = browser.run("""const id = name => document.getElementById(name);
+          return [id("still").hidden, id("canvas").hidden, id("still").naturalWidth, document.body.innerText]""")
+        self.assertEqual((still, canvas, width), (False, True, SIZE[0]))
+        self.assertIn("Only a picture: this browser has no WebGL 2.", text)
+        self.assertIn("Spacing", text)
+
+    def test_shows_larger_fields_on_a_coarser_grid(self):
+        page = self.page("--max-size", "24")
+        dims = json.loads(re.search(r'id="page">(.*?)</script>', page.read_text())[1])["dims"]
+        self.assertEqual(max(dims), 24)
+        self.assertIn("In this page", page.read_text())
+        self.canvas(page)  # It draws.
+
+    def test_escapes_its_title(self):
+        shutil.copy(self.folder / "field.nrrd", self.folder / "<b>&.nrrd")
+        page = self.raymap("render", "<b>&.nrrd", "-o", "title.html")
+        self.assertIn("<title>&lt;b&gt;&amp;.nrrd</title>".replace("&gt;", ">"), page.read_text())
+
+
+if __name__ == "__main__":
+    if not shutil.which("chromedriver") and "RAYMAP_REQUIRE_BROWSER" not in os.environ:
+        print("no chromedriver")
+        sys.exit(77)
+    unittest.main()
