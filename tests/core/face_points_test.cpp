@@ -72,7 +72,8 @@ TEST(FacePoints, PartsOfSliversAreAsManyAsTheyAreLong) {
   for (const float along : {0.0f, 0.3f, 20.0f, 64.0f})
     for (const float height : {0.01f, 0.45f}) {
       const vec3 a(0, 0, 0), b(64, 0, 0), c(along, height, 0);
-      for (const size_t parts : {countParts(a, b, c, 1.0), countParts(b, c, a, 1.0), countParts(c, a, b, 1.0)}) {
+      for (const size_t parts :
+           {countParts(a, b, c, 1.0), countParts(b, c, a, 1.0), countParts(c, a, b, 1.0)}) {
         EXPECT_GE(parts, 64u);
         EXPECT_LE(parts, 2u * 75u);
       }
