@@ -1,7 +1,7 @@
 #pragma once
 
 // Points on faces, as the middles of the parts that a triangle is cut into:
-// - halves: each part is a triangle. For points that stand for an area, and parts that become faces.
+// - parts: each is a triangle. For points that stand for an area, and parts that become faces.
 // - rows: neighbours are at most a step apart, and there are as few points as the area allows.
 
 #include <algorithm>
@@ -27,16 +27,40 @@ void forEachEdgePoint(const glm::dvec3& a, const glm::dvec3& b, int parts, Visit
 /// Most times that a face is halved: it has at most 2^22 parts.
 inline constexpr int kMostFaceHalvings = 22;
 
-/// Halves: calls `visit(a, b, c)` with the corners of the parts of a triangle, which is halved at the middle
-/// of its longest side until none is longer than `step`. They wind as the triangle.
+/// Calls `visit(a, b, c)` with the corners of the parts of a triangle that is cut into strips between the
+/// sides ab and ac. They wind as the triangle.
+template <class Visit>
+void forEachStripPart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int strips, Visit&& visit) {
+  for (int k = 0; k < strips; ++k) {
+    const float low = float(k) / float(strips), high = float(k + 1) / float(strips);
+    const glm::vec3 corner = glm::mix(a, b, low), opposite = glm::mix(a, c, high);
+    visit(corner, glm::mix(a, b, high), opposite);
+    if (k > 0) visit(corner, opposite, glm::mix(a, c, low));
+  }
+}
+
+/// Parts: calls `visit(a, b, c)` with the corners of the parts of a triangle, of which no side is longer than
+/// `step`. They wind as the triangle. It is halved at the middle of its longest side until it is narrow, and
+/// then cut into strips: halves of a sliver are three slivers of half its length, and so on.
 template <class Visit>
 void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
                      int halvings = kMostFaceHalvings) {
+  constexpr double kNarrow = 0.5;  // Height of a narrow triangle over its longest side, in steps.
   const double ab = glm::distance(a, b), bc = glm::distance(b, c), ca = glm::distance(c, a);
   // The longest side becomes ab.
   if (bc > ab && bc >= ca) return forEachFacePart(b, c, a, step, visit, halvings);
   if (ca > ab) return forEachFacePart(c, a, b, step, visit, halvings);
   if (ab <= step || halvings == 0) return visit(a, b, c);
+  if (const double height = glm::length(doubleAreaNormal(a, b, c)) / ab; height <= kNarrow * step) {
+    const float along = glm::clamp(glm::dot(c - a, b - a) / float(ab * ab), 0.0f, 1.0f);
+    const glm::vec3 foot = glm::mix(a, b, along);
+    const double width = std::sqrt(step * step - height * height);
+    const int most = 1 << std::max(halvings - 2, 0);
+    const auto stripsOf = [&](double length) { return std::min(partsOf(length, width), most); };
+    if (foot != a) forEachStripPart(a, foot, c, stripsOf(ab * along), visit);
+    if (foot != b) forEachStripPart(b, c, foot, stripsOf(ab * (1.0 - along)), visit);
+    return;
+  }
   const glm::vec3 middle = 0.5f * (a + b);
   forEachFacePart(a, middle, c, step, visit, halvings - 1);
   forEachFacePart(middle, b, c, step, visit, halvings - 1);

@@ -71,6 +71,7 @@ void SheetFinder::measure(const NearSides& sides) {
 
 bool SheetFinder::looksLikeSheet(uint32_t face) const {
   const uint32_t patch = surface_.patches.ids[face];
+  if (surface_.borders[patch].areNone()) return false;
   const Solidity &ofPatch = ofPatch_[patch], &ofPart = ofPart_[parts_[patch]];
   // The sides of walls thinner than the samples do not differ. Those of a sheet do, unless it is small.
   if (!ofPart.isSeen())

@@ -23,6 +23,7 @@ std::vector<Borders> findBorders(std::span<const SortKey> halfEdges, const Orien
       if (isDirected(key)) continue;
       Borders& ofPatch = borders[surface.patches.ids[faceOf(key)]];
       if (edge.size() == 1) ++ofPatch.open;
+      if (edge.size() > 2) ++ofPatch.branching;
       if (directed > 0) ++(directed % 2 == 1 ? ofPatch.closing : ofPatch.dividing);
     }
   });

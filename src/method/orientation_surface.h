@@ -13,9 +13,13 @@ namespace raymap {
 
 /// Number of edges at which the double-sided faces of a patch end.
 struct Borders {
-  uint32_t open = 0;      ///< No other face is there.
-  uint32_t closing = 0;   ///< An odd number of single-sided faces is there, which the patch completes.
-  uint32_t dividing = 0;  ///< An even number of them is there: they bound a solid without the patch.
+  uint32_t open = 0;       ///< No other face is there.
+  uint32_t closing = 0;    ///< An odd number of single-sided faces is there, which the patch completes.
+  uint32_t dividing = 0;   ///< An even number of them is there: they bound a solid without the patch.
+  uint32_t branching = 0;  ///< More than two faces are there.
+
+  /// Returns whether the patch ends nowhere. Then it bounds a solid, whatever samples see of it.
+  bool areNone() const { return open + closing + dividing + branching == 0; }
 };
 
 /// The faces that the sign takes, and what the mesh says of their directions.

@@ -48,26 +48,46 @@ TEST(FacePoints, EdgesHaveTheMiddlesOfTheirParts) {
   EXPECT_EQ(points, (std::vector<dvec3>{{1, 0, 0}, {3, 0, 0}}));
 }
 
-TEST(FacePoints, HalvesAreTrianglesThatWindAlike) {
-  for (const double step : {10.0, 2.0, 0.3}) {
-    dvec3 sum(0.0);
-    size_t parts = 0;
-    forEachFacePart(kA, kB, kC, step, [&](const vec3& a, const vec3& b, const vec3& c) {
-      EXPECT_LE(longestSide(a, b, c), step);
-      sum += doubleAreaNormal(a, b, c);
-      ++parts;
-    });
-    EXPECT_NEAR(glm::distance(sum, doubleAreaNormal(kA, kB, kC)), 0.0, 1e-5);
-    EXPECT_EQ(parts == 1, step == 10.0);
-  }
+/// Cuts a triangle, and expects parts that cover it, wind alike and have no long sides. Returns their number.
+size_t countParts(const vec3& a, const vec3& b, const vec3& c, double step) {
+  dvec3 sum(0.0);
+  size_t parts = 0;
+  const dvec3 whole = doubleAreaNormal(a, b, c);
+  forEachFacePart(a, b, c, step, [&](const vec3& d, const vec3& e, const vec3& f) {
+    EXPECT_LE(longestSide(d, e, f), step * (1.0 + 1e-5));
+    const dvec3 part = doubleAreaNormal(d, e, f);
+    EXPECT_GE(glm::dot(part, whole), 0.0);
+    sum += part;
+    ++parts;
+  });
+  EXPECT_NEAR(glm::distance(sum, whole), 0.0, 1e-5);
+  return parts;
 }
 
-TEST(FacePoints, HalvesOfSliversAreFew) {
+TEST(FacePoints, PartsAreTrianglesThatWindAlike) {
+  for (const double step : {10.0, 2.0, 0.3}) EXPECT_EQ(countParts(kA, kB, kC, step) == 1, step == 10.0);
+}
+
+TEST(FacePoints, PartsOfSliversAreAsManyAsTheyAreLong) {
+  for (const float along : {0.0f, 0.3f, 20.0f, 64.0f})
+    for (const float height : {0.01f, 0.45f}) {
+      const vec3 a(0, 0, 0), b(64, 0, 0), c(along, height, 0);
+      for (const size_t parts :
+           {countParts(a, b, c, 1.0), countParts(b, c, a, 1.0), countParts(c, a, b, 1.0)}) {
+        EXPECT_GE(parts, 64u);
+        EXPECT_LE(parts, 2u * 75u);
+      }
+    }
+  // Twice as long: twice as many parts.
+  EXPECT_LE(countParts({0, 0, 0}, {4096, 0, 0}, {4096, 0.01f, 0}, 1.0), 2u * 4100u);
+}
+
+TEST(FacePoints, PartsAreAtMostAsManyAsHalvingsAllow) {
   size_t parts = 0;
-  forEachFacePart({0, 0, 0}, {64, 0, 0}, {64, 0.01f, 0}, 1.0,
-                  [&](const vec3&, const vec3&, const vec3&) { ++parts; });
-  EXPECT_GE(parts, 64u);
-  EXPECT_LT(parts, 64u * 64u / 2u);  // An even cut has 64 x 64.
+  const auto count = [&](const vec3&, const vec3&, const vec3&) { ++parts; };
+  forEachFacePart({0, 0, 0}, {64, 0, 0}, {20, 0.0f, 0}, 0.001, count, 4);
+  EXPECT_LE(parts, 16u);
+  EXPECT_GE(parts, 12u);
   parts = 0;
   forEachFacePart(
       {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.0, [&](const vec3&, const vec3&, const vec3&) { ++parts; }, 4);

@@ -191,6 +191,8 @@ TEST(ThinParts, OfADoubleSidedChairStayOnAnyGrid) {
     const Grid grid = fitRepairGrid(mesh, {.voxelSize = voxel});
     const Repaired kept = repair(mesh, grid, {}, {}, {.device = "cpu"});
     expectSound(kept);
+    // Every leg ends nowhere, so it bounds a solid on any grid.
+    EXPECT_EQ(kept.report.stats.leftOutFaces.size(), chair.triangles.size());
     EXPECT_EQ(kept.report.after.components, 1u);
     EXPECT_LT(kept.report.lostShare, 1e-3);
     EXPECT_LT(glm::length(kept.report.before.bounds.min - kept.report.after.bounds.min), 2.0 * voxel);
