@@ -50,6 +50,7 @@ RepairReport makeSolid(const Mesh& mesh, const Grid& grid, const RepairArguments
 
 void run(RepairArguments& arguments) {
   finishFieldArguments(arguments);
+  checkSimplification(arguments.repair.tolerance, arguments.repair.triangles);
   if (!arguments.units.up.empty())
     arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
@@ -80,6 +81,7 @@ void run(RepairArguments& arguments) {
 void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
   addOption(command, "--tolerance", repair.tolerance);
+  addOption(command, "--triangles", repair.triangles);
   addOption(command, "--offset", repair.offset);
   CLI::Option* shell = addOption(command, "--shell", repair.shell);
   addOption(command, "--min-thickness", repair.minThickness);
