@@ -35,7 +35,8 @@ constexpr double kAim = 0.98, kEnough = 0.96, kNarrow = 1.01;
 constexpr int kMostTries = 8;
 // Factors by which the tolerance may change until two tries enclose what is searched for.
 constexpr double kLeastFactor = 1.5, kMostFactor = 16.0;
-// Distance between points that are measured, as a share of the mean edge of so many triangles.
+// Distance between points that are measured, as a share of the mean edge of so many triangles. It is at least
+// the mean edge of the mesh: faces grow no larger than the area that their points cover.
 constexpr double kEdgeShare = 0.25;
 
 /// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
@@ -231,7 +232,8 @@ class ToleranceSearch {
     for (const glm::uvec3& t : mesh.triangles)
       area += triangleArea(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
     if (most_ == 0.0) most_ = longest;
-    if (step_ == 0.0) step_ = kEdgeShare * std::sqrt(4.0 / std::sqrt(3.0) * area / aim_);
+    const double finest = std::min(aim_ / (kEdgeShare * kEdgeShare), double(mesh.triangles.size()));
+    if (step_ == 0.0) step_ = std::sqrt(4.0 / std::sqrt(3.0) * area / finest);
     // Roughly right for a ball: half the tolerance leaves twice as many triangles.
     tolerance_ = std::min(area / (aim_ * longest), most_);
   }

@@ -11,8 +11,9 @@ TEST_F(CliSimplify, WritesAsFewTrianglesAsAskedFor) {
   writeTorus();  // 1,920 triangles.
   for (const char* name : {"a.ply", "a.obj", "a.stl", "a.glb", "a.3mf"}) {
     const std::string text = succeed(std::string("simplify torus.ply --triangles 500 -o ") + name).out;
-    EXPECT_TRUE(std::regex_search(text, std::regex("^4[5-9][0-9] triangles instead of 1,920, at most 0.0[0-9]+ "
-                                                   "off the mesh, with a tolerance of 0.0[0-9]+\nwrote a")))
+    EXPECT_TRUE(
+        std::regex_search(text, std::regex("^4[5-9][0-9] triangles instead of 1,920, at most 0.0[0-9]+ "
+                                           "off the mesh, with a tolerance of 0.0[0-9]+\nwrote a")))
         << text;
     const Diagnostics found = diagnose(readMesh(path(name)));
     EXPECT_LE(found.triangles, 500u) << name;
@@ -42,12 +43,14 @@ TEST_F(CliSimplify, KeepsToATolerance) {
   EXPECT_LT(stats["triangles_after"], 1500);
   const Result limited = run("simplify torus.ply --tolerance 0.01 --triangles 20 -o b.ply");
   EXPECT_EQ(limited.code, 0);
-  EXPECT_NE(limited.err.find("triangles are left instead of 20: no fewer were found within the tolerance of 0.01"),
-            std::string::npos)
+  EXPECT_NE(
+      limited.err.find("triangles are left instead of 20: no fewer were found within the tolerance of 0.01"),
+      std::string::npos)
       << limited.err;
   EXPECT_EQ(readBytes(path("b.ply")), readBytes(path("a.ply")));
-  EXPECT_NE(succeed("simplify torus.ply --tolerance 0 -o c.ply").out.find("kept as it is, with 1,920 triangles"),
-            std::string::npos);
+  EXPECT_NE(
+      succeed("simplify torus.ply --tolerance 0 -o c.ply").out.find("kept as it is, with 1,920 triangles"),
+      std::string::npos);
   // In inches, as all lengths.
   succeed("simplify torus.ply --from mm --to in --tolerance 0.01 -o d.ply --stats d.json");
   EXPECT_NEAR(bounds(readMesh(path("d.ply"))).size().x, 5.4 / 25.4, 1e-3);
@@ -56,11 +59,12 @@ TEST_F(CliSimplify, KeepsToATolerance) {
 
 TEST_F(CliSimplify, RefusesWhatMakesNoSense) {
   writeTorus();
-  expectFailure("simplify torus.ply -o a.ply", ErrorCode::Usage, "add --triangles N, --tolerance LENGTH or both");
+  expectFailure("simplify torus.ply -o a.ply", ErrorCode::Usage,
+                "add --triangles N, --tolerance LENGTH or both");
   expectFailure("simplify torus.ply -o a.ply --triangles 0", ErrorCode::Usage, "--triangles");
   for (const char* command : {"simplify", "mesh", "repair"})
-    expectFailure(std::string(command) + " torus.ply -o a.ply --triangles 500 --tolerance 0", ErrorCode::Usage,
-                  "--tolerance 0 keeps all triangles, so --triangles cannot limit them");
+    expectFailure(std::string(command) + " torus.ply -o a.ply --triangles 500 --tolerance 0",
+                  ErrorCode::Usage, "--tolerance 0 keeps all triangles, so --triangles cannot limit them");
   expectFailure("simplify torus.ply -o torus.ply --triangles 500", ErrorCode::Usage, "--overwrite");
   Mesh torn = readMesh(path("torus.ply"));
   torn.triangles.pop_back();
