@@ -29,7 +29,7 @@ TEST_F(CliSimplify, WritesAsFewTrianglesAsAskedFor) {
   EXPECT_EQ(stats["triangles_before"], readMesh(path("a.stl")).triangles.size());
   EXPECT_LE(stats["deviation"], stats["tolerance"]);
   EXPECT_EQ(stats["options"], Json({{"tolerance", nullptr}, {"triangles", 300}}));
-  EXPECT_EQ(Json::parse(succeed("simplify a.stl --triangles 300 -o b.ply --json").out)["tolerance"],
+  EXPECT_EQ(Json::parse(succeed("simplify a.stl --triangles 300 -o b.ply --json -q").out)["tolerance"],
             stats["tolerance"]);
 }
 
@@ -40,7 +40,7 @@ TEST_F(CliSimplify, KeepsToATolerance) {
   EXPECT_EQ(stats["tolerance"], 0.01);
   EXPECT_GT(stats["deviation"], 0.0);
   EXPECT_LE(stats["deviation"], 0.01);
-  EXPECT_LT(stats["triangles_after"], 1500);
+  EXPECT_LT(stats["triangles_after"], 1800);
   const Result limited = run("simplify torus.ply --tolerance 0.01 --triangles 20 -o b.ply");
   EXPECT_EQ(limited.code, 0);
   EXPECT_NE(
