@@ -12,6 +12,7 @@ void addSample(CLI::App& app);
 void addMesh(CLI::App& app);
 void addRender(CLI::App& app);
 void addRepair(CLI::App& app);
+void addSimplify(CLI::App& app);
 void addCompare(CLI::App& app);
 void addConvert(CLI::App& app);
 void addExample(CLI::App& app);

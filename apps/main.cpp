@@ -97,6 +97,7 @@ int run(int argc, char** argv) {
   addMesh(app);
   addRender(app);
   addRepair(app);
+  addSimplify(app);
   addCompare(app);
   addConvert(app);
   addExample(app);

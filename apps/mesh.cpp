@@ -33,6 +33,7 @@ struct Arguments : FieldArguments {
   bool mayOverwrite = false;
   IsosurfaceOptions surface;
   std::optional<double> tolerance;
+  size_t triangles = 0;
   const CLI::Option* closeHoles = nullptr;  ///< The option: yes unless it is given, where there is a sign.
 };
 
@@ -41,9 +42,12 @@ Simplified makeSurface(const Field& field, const Arguments& arguments) {
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
   Mesh mesh = isosurface(field, arguments.surface, machine);
-  const double tolerance = arguments.tolerance.value_or(kSimplifyTolerance * field.grid.spacing);
-  if (tolerance == 0.0) return {.mesh = std::move(mesh)};
-  return simplify(mesh, {.tolerance = tolerance, .step = field.grid.spacing}, machine);
+  const double byDefault = arguments.triangles > 0 ? 0.0 : kSimplifyTolerance * field.grid.spacing;
+  return simplify(mesh,
+                  {.tolerance = arguments.tolerance.value_or(byDefault),
+                   .step = field.grid.spacing,
+                   .triangles = arguments.triangles},
+                  machine);
 }
 
 Json describe(const Arguments& arguments, const Field& field, const Simplified& surface,
@@ -61,6 +65,7 @@ void run(Arguments& arguments) {
   if (arguments.closeHoles->count() == 0)
     arguments.options.closeHoles = arguments.sign != "none" && arguments.options.thickness == 0.0;
   finishFieldArguments(arguments);
+  checkSimplification(arguments.tolerance, arguments.triangles);
   const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
@@ -101,6 +106,7 @@ void addMesh(CLI::App& app) {
   addMeshOutputOptions(*command, arguments->units);
   addOption(*command, "--iso", arguments->surface.iso);
   addOption(*command, "--tolerance", arguments->tolerance);
+  addOption(*command, "--triangles", arguments->triangles);
   addFieldOptions(*command, *arguments);
   arguments->closeHoles = command->get_option("--close-holes");
   command->footer(kFooter);

@@ -100,6 +100,12 @@ void checkCrossing(const StoredMesh& mesh, size_t crossing) {
          counted(crossing, "pair") + " of faces cross instead of " + grouped(before));
 }
 
+void checkSimplification(const std::optional<double>& tolerance, size_t triangles) {
+  if (tolerance == 0.0 && triangles > 0)
+    throw Error(ErrorCode::Usage,
+                "--tolerance 0 keeps all triangles, so --triangles cannot limit them; leave one of both out");
+}
+
 void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options) {
   printWritten(path);
   const glm::dvec3& offset = options.offset;

@@ -4,6 +4,7 @@
 #include <raymap/io.h>
 
 #include <filesystem>
+#include <optional>
 
 namespace raymap {
 
@@ -35,6 +36,9 @@ void checkStored(const StoredMesh& mesh);
 
 /// Throws as above if rounding made faces cross. `crossing` is the number of pairs in the stored mesh.
 void checkCrossing(const StoredMesh& mesh, size_t crossing);
+
+/// Throws `Error(Usage)` if a tolerance keeps all triangles while their number is limited; 0 = no limit.
+void checkSimplification(const std::optional<double>& tolerance, size_t triangles);
 
 /// Prints the file that was written, and its offset.
 void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options);

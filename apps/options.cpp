@@ -126,8 +126,14 @@ constexpr OptionRow kRows[] = {
     {"--unsigned", "", "Method", Nothing, "", "", "Compute no sign: faster, for surfaces without an inside"},
     {"--iso", "", "Method", Number, "LENGTH", "0", "Distance at which the surface lies"},
 
-    {"--tolerance", "", "Shape", FromZero, "LENGTH", "a tenth of the distance between samples",
-     "Largest deviation from the isosurface, to write fewer triangles; 0: all of them"},
+    {"--tolerance", "", "Shape", FromZero, "LENGTH",
+     "what --triangles needs, or else in mesh and repair a tenth of the distance between samples",
+     "Largest deviation from the mesh or isosurface that is simplified, to write fewer triangles; 0: all of "
+     "them"},
+    {"--triangles", "--max-triangles,--max-faces", "Shape", Natural, "N", "",
+     "Write at most so many triangles, with the least deviation that reaches it; --tolerance is then a limit "
+     "of the "
+     "deviation"},
     {"--offset", "", "Shape", Number, "LENGTH", "0",
      "Distance to move the surface outwards; negative: inwards"},
     {"--shell", "--hollow,--wall", "Shape", AboveZero, "LENGTH", "",

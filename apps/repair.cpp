@@ -65,6 +65,7 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
 void run(RepairArguments& arguments) {
   const Clock::time_point start = Clock::now();
   finishFieldArguments(arguments);
+  checkSimplification(arguments.repair.tolerance, arguments.repair.triangles);
   if (!arguments.units.up.empty())
     arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
@@ -108,6 +109,7 @@ void run(RepairArguments& arguments) {
 void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
   addOption(command, "--tolerance", repair.tolerance);
+  addOption(command, "--triangles", repair.triangles);
   addOption(command, "--offset", repair.offset);
   CLI::Option* shell = addOption(command, "--shell", repair.shell);
   addOption(command, "--min-thickness", repair.minThickness);

@@ -57,8 +57,18 @@ std::string reasonFor(const RepairGrid& grid) {
   return text.data();
 }
 
+void print(const SimplifyReport& simplified) {
+  if (simplified.tolerance > 0.0)
+    std::printf("  %-22s from %s, at most %.3g off them, with a tolerance of %.3g\n", "simplified",
+                counted(simplified.trianglesBefore, "triangle").c_str(), simplified.deviation,
+                simplified.tolerance);
+}
+
 void printKept(const RepairReport& report) {
-  if (report.closedHoles == 0)
+  if (report.simplified.tolerance > 0.0)
+    std::printf(
+        "its own faces are simplified, as nothing else is wrong with it; to make it anew: --remesh\n");
+  else if (report.closedHoles == 0)
     std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
   else
     std::printf("closed %s with %s, all other faces kept as they are; to make them anew: --remesh\n",
@@ -88,6 +98,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"keep_cavities", arguments.repair.keepCavities},
               {"min_thickness", report.leastThickness},
               {"tolerance", report.simplified.tolerance},
+              {"triangles", arguments.repair.triangles},
               {"remesh", arguments.repair.remesh},
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
               {"scale", arguments.units.scale},
@@ -121,7 +132,7 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   std::printf("  %-22s %g before, %g after\n", "area", before.area, after.area);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
-  if (report.kept) return;
+  if (report.kept) return print(report.simplified);
   print("result from mesh", report.ofResult, grid.spacing);
   print("mesh from result", report.ofMesh, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);
@@ -146,10 +157,7 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   if (report.thickenedShare > 0.0)
     std::printf("  %.3g %% of the mesh's area was thinner than %.4g, and is that thick now\n",
                 100.0 * report.thickenedShare, report.leastThickness);
-  if (const SimplifyReport& simplified = report.simplified; simplified.tolerance > 0.0)
-    std::printf("  %-22s from %s, at most %.3g (%.2g samples) off the isosurface\n", "simplified",
-                counted(simplified.trianglesBefore, "triangle").c_str(), simplified.deviation,
-                simplified.deviation / grid.spacing);
+  print(report.simplified);
 }
 
 }  // namespace raymap

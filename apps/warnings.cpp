@@ -45,6 +45,7 @@ std::string remedyOf(const Warning& warning) {
     case WarningCode::FileContent:
     case WarningCode::BoxReached:
     case WarningCode::DrainHolesMissing:
+    case WarningCode::TrianglesMissed:
       break;
   }
   return {};

@@ -472,6 +472,8 @@ typedef struct raymap_repair_options {
   double tolerance;      /* Largest deviation from the isosurface, to have fewer faces; 0 = all faces. */
   double down[3];        /* Direction of the drain holes, of any length; 0 = (0, 0, -1). */
   bool loses_thin_parts; /* Whether a `min_thickness` of 0 is none: what samples miss is lost. */
+  uint64_t triangles;    /* Most triangles of the result, with the least tolerance that reaches it; 0 = no
+                            limit. Limited by `tolerance`. */
 } raymap_repair_options;
 
 /* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box and the
@@ -522,18 +524,29 @@ RAYMAP_API char* raymap_repaired_json(const raymap_repaired* repaired);
 
 /* ---- Simplification ---- */
 
+/* How to simplify a mesh. Initialise with RAYMAP_INIT. */
+typedef struct raymap_simplify_options {
+  size_t size;        /* sizeof(raymap_simplify_options) */
+  double tolerance;   /* Largest distance of points of either mesh to the other. 0 keeps the mesh; with
+                         `triangles`, it is no limit. */
+  double step;        /* Distance between these points; 0 = ten times the tolerance, or with `triangles` a
+                         quarter of the mean edge of so many. */
+  uint64_t triangles; /* Most triangles of the result, with the least tolerance that was found to reach it;
+                         0 = no limit. */
+} raymap_simplify_options;
+
 /* How well a mesh was simplified. */
 typedef struct raymap_simplified {
   size_t size;      /* sizeof(raymap_simplified); RAYMAP_INIT sets it. */
   double deviation; /* Largest distance measured from points of either mesh to the other. */
   uint64_t undone;  /* Number of faces at which a check failed, so that edge collapses were undone. */
+  double tolerance; /* Tolerance that was in force; 0 = the mesh was kept. */
 } raymap_simplified;
 
-/* Returns a watertight mesh with fewer faces: no point of either mesh is farther than `tolerance` from the
- * other, measured at points `step` apart; 0 = ten times the tolerance. A tolerance of 0 keeps the mesh.
- * `simplified` may be NULL. Of the options, "threads" and the progress callback count; they may be NULL.
- * Fails with RAYMAP_ERROR_INPUT if the mesh is not a closed, oriented manifold. */
-RAYMAP_API raymap_mesh* raymap_simplify(const raymap_mesh* mesh, double tolerance, double step,
+/* Returns a watertight mesh with fewer faces, close to the given one. Warns if it has more triangles than
+ * were asked for. `simplified` may be NULL. Of the options, "threads" and the callbacks count; they may be
+ * NULL. Fails with RAYMAP_ERROR_INPUT if the mesh is not a closed, oriented manifold. */
+RAYMAP_API raymap_mesh* raymap_simplify(const raymap_mesh* mesh, const raymap_simplify_options* how,
                                         const raymap_options* options, raymap_simplified* simplified);
 
 /* ---- Pictures ---- */

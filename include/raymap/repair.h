@@ -40,6 +40,9 @@ struct RepairOptions {
   /// Largest deviation of the result from the isosurface, to have fewer faces; 0 = none. By default a tenth
   /// of the distance between samples.
   std::optional<double> tolerance = {};
+  /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach this
+  /// number, and `tolerance` limits it. Faces that could be kept are simplified, too.
+  size_t triangles = 0;
   /// Called with the result before it is measured, for example to round it as a file does.
   std::function<void(Mesh&)> finish = {};
   /// Whether to measure both meshes and how far they deviate; takes longer. Without, nothing in the report is
@@ -90,10 +93,10 @@ struct Loss {
   Box openBounds = {};  ///< Bounds of this area. Empty if there is none.
 };
 
-/// How the isosurface was simplified.
+/// How a mesh was simplified; by a repair the isosurface, or the faces that were kept.
 struct SimplifyReport {
   double tolerance = 0.0;      ///< Tolerance in force, in the mesh's units; 0 = not simplified.
-  size_t trianglesBefore = 0;  ///< Number of triangles of the isosurface.
+  size_t trianglesBefore = 0;  ///< Number of triangles before.
   size_t trianglesAfter = 0;   ///< Number of triangles of the result.
   double deviation = 0.0;      ///< Largest distance measured, from points of either mesh to the other.
 };
@@ -130,14 +133,14 @@ struct RepairReport {
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
-  /// Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes.
+  /// Whether the mesh's own faces were kept or simplified, because nothing was wrong with it, or only holes.
   bool kept = false;
   size_t closedHoles = 0;              ///< Number of holes that were closed beside the faces that were kept.
   size_t closingFaces = 0;             ///< Number of faces that close these holes.
   double leastThickness = 0.0;         ///< Thickness of the plates in place of thinner parts; 0 = none made.
   double thickenedShare = 0.0;         ///< Share of the mesh's area that was thinner, and is on plates.
   std::vector<Warning> warnings = {};  ///< What is odd, in the order in which it was found.
-  SimplifyReport simplified = {};      ///< All 0 if the mesh's own faces were kept.
+  SimplifyReport simplified = {};      ///< All 0 if faces were kept as they were.
 };
 
 /// A repaired mesh and what was done.

@@ -7,13 +7,20 @@ namespace raymap {
 
 /// How to simplify a mesh. Lengths are in the mesh's units.
 struct SimplifyOptions {
-  double tolerance = 0.0;  ///< Largest distance of points of either mesh to the other; 0 keeps the mesh.
-  double step = 0.0;       ///< Distance between these points; 0 = ten times the tolerance.
+  /// Largest distance of points of either mesh to the other. 0 keeps the mesh; with `triangles`, it is no
+  /// limit.
+  double tolerance = 0.0;
+  /// Distance between these points; 0 = ten times the tolerance, or a quarter of the mean edge of
+  /// `triangles`.
+  double step = 0.0;
+  /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach it.
+  size_t triangles = 0;
 };
 
 /// A simplified mesh.
 struct Simplified {
   Mesh mesh = {};
+  double tolerance = 0.0;  ///< Tolerance that was in force; 0 = the mesh was kept.
   double deviation = 0.0;  ///< Largest distance measured from points of either mesh to the other.
   size_t undone = 0;       ///< Number of faces at which a check failed, so that edge collapses were undone.
 };
@@ -21,8 +28,11 @@ struct Simplified {
 /// Returns a mesh with fewer faces, on some of the vertices of a watertight mesh. It stays watertight and
 /// consistently oriented, no closed part turns inside out, and no faces cross that did not cross before. All
 /// this is checked, and collapses are undone where a check fails. If checks fail in spite of that, the result
-/// is the given mesh. Same mesh, same result, for any number of threads. `machine.threads` and `progress`
-/// count.
+/// is the given mesh. Vertices at the same position count as one if the mesh is not watertight otherwise.
+/// Same mesh, same result, for any number of threads. `machine.threads`, `warn` and `progress` count.
+///
+/// A mesh with at most `SimplifyOptions::triangles` is kept. If no tolerance reaches this number, or not the
+/// given one, the result has the fewest triangles that were found, and a warning says so.
 ///
 /// Throws `Error`: Usage for the options, Input if the mesh is not a closed, oriented manifold, Memory,
 /// Cancelled.

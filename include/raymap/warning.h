@@ -21,11 +21,12 @@ enum class WarningCode {
   PartsDropped,  ///< `count` small parts were dropped, the largest of `volume`, nearly as large as one that
                  ///< stays.
   PartsKept,  ///< `count` parts stay that are small, the largest of `volume`: nothing is wrong with the mesh.
-  PartsBuried,       ///< Sealed cavities were filled that held `count` parts, the largest of `volume`.
-  CavitiesFilled,    ///< `count` sealed cavities were filled, the largest of `volume`.
-  HollowsFilled,     ///< `count` hollows stay solid, because the drain hole does not fit into them.
-  NoHollow,          ///< The solid is nowhere thick enough for a hollow.
-  DrainHolesMissing  ///< `count` drain holes are missing, because the floors have no place for them.
+  PartsBuried,        ///< Sealed cavities were filled that held `count` parts, the largest of `volume`.
+  CavitiesFilled,     ///< `count` sealed cavities were filled, the largest of `volume`.
+  HollowsFilled,      ///< `count` hollows stay solid, because the drain hole does not fit into them.
+  NoHollow,           ///< The solid is nowhere thick enough for a hollow.
+  DrainHolesMissing,  ///< `count` drain holes are missing, because the floors have no place for them.
+  TrianglesMissed     ///< `count` triangles are left, which is more than were asked for.
 };
 
 /// Values that a warning names. Its code says which it has; the others are empty or 0.

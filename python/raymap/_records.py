@@ -107,6 +107,7 @@ WarningCode = Literal[
     "hollows_filled",
     "no_hollow",
     "drain_holes_missing",
+    "triangles_missed",
 ]
 
 
@@ -315,12 +316,12 @@ class Loss(TypedDict):
 
 
 class SimplifyReport(TypedDict):
-    """How the isosurface was simplified."""
+    """How a mesh was simplified; by a repair the isosurface, or the faces that were kept."""
 
     tolerance: float
     """Tolerance in force, in the mesh's units; 0 = not simplified."""
     triangles_before: int
-    """Number of triangles of the isosurface."""
+    """Number of triangles before."""
     triangles_after: int
     """Number of triangles of the result."""
     deviation: float
@@ -402,7 +403,7 @@ class RepairReport(TypedDict):
     parts_overlap: bool
     """Whether parts overlap, touch or nest wrongly, and all else is right."""
     kept: bool
-    """Whether the mesh's own faces were kept, because nothing was wrong with it, or only holes."""
+    """Whether the mesh's own faces were kept or simplified, because nothing was wrong with it, or only holes."""
     closed_holes: int
     """Number of holes that were closed beside the faces that were kept."""
     closing_faces: int
@@ -412,7 +413,7 @@ class RepairReport(TypedDict):
     thickened_share: float
     """Share of the mesh's area that was thinner, and is on plates."""
     simplified: SimplifyReport
-    """All 0 if the mesh's own faces were kept."""
+    """All 0 if faces were kept as they were."""
     warnings: list[Warning]
     """What is odd, in the order in which it was found."""
     stats: Stats

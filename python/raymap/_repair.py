@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
 from ._arguments import FINITE, to_length, to_number, to_text, to_vector, to_whole
+from ._errors import UsageError
 from ._field import Field, to_view
 from ._generate import to_machine
 from ._mesh import Mesh, core_of, mesh_of_core
@@ -96,6 +97,14 @@ def render_defects(
     return _raymap.render_defects(mesh, to_view(width, height, direction, up, field_of_view))
 
 
+def _to_most_triangles(triangles: int | None, tolerance: float | None) -> int:
+    if triangles is None:
+        return 0
+    if tolerance == 0:
+        raise UsageError("a tolerance of 0 keeps all triangles, so their number cannot be limited; leave one of both out")
+    return to_whole("triangles", triangles, least=1)
+
+
 @_views.shown
 class Simplified(NamedTuple):
     """A mesh with fewer faces, and how far it is from the given one."""
@@ -108,7 +117,8 @@ def simplify(
     mesh_or_vertices: Any,
     faces: Any = None,
     *,
-    tolerance: float,
+    tolerance: float | None = None,
+    triangles: int | None = None,
     step: float | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -122,7 +132,11 @@ def simplify(
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         tolerance: Largest distance of points of either mesh to the other, in the mesh's units; 0 keeps the mesh.
-        step: Distance between these points, in the mesh's units; None = ten times the tolerance.
+            None = what ``triangles`` needs. One of the two must be given.
+        triangles: Most triangles of the result, with the least tolerance that was found to reach it. A warning
+            tells if the shape or ``tolerance`` does not allow so few.
+        step: Distance between these points, in the mesh's units; None = ten times the tolerance, or with ``triangles``
+            a quarter of the mean edge of so many.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
@@ -137,11 +151,14 @@ def simplify(
     >>> report["triangles_before"], report["triangles_after"] < 640, report["deviation"] <= 0.05
     (1280, True, True)
     """
-    within = to_number("tolerance", tolerance, least=0.0, most=FINITE)
+    if tolerance is None and triangles is None:
+        raise UsageError("simplify needs a tolerance, a number of triangles, or both")
+    within = 0.0 if tolerance is None else to_number("tolerance", tolerance, least=0.0, most=FINITE)
+    most = _to_most_triangles(triangles, tolerance)
     apart = 0.0 if step is None else to_length("step", step)
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:
-        result, found = _raymap.simplify(mesh, within, apart, to_machine("cpu", threads), report)
+        result, found = _raymap.simplify(mesh, within, apart, most, to_machine("cpu", threads), report)
     return Simplified(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 
@@ -171,6 +188,7 @@ def repair(
     keep_cavities: bool = False,
     remesh: bool = False,
     tolerance: float | None = None,
+    triangles: int | None = None,
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -203,7 +221,9 @@ def repair(
         keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
         remesh: Whether to make a mesh anew whose faces could be kept.
         tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
-            triangles; None = a tenth of the distance between samples; 0 = all triangles.
+            triangles; None = a tenth of the distance between samples, or what ``triangles`` needs; 0 = all triangles.
+        triangles: Most triangles of the result, with the least tolerance that was found to reach it. Faces that could be
+            kept are simplified, too.
         device: Device that computes; see ``raymap.devices``.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the field may take; None = what is available.
@@ -235,6 +255,7 @@ def repair(
         how.min_thickness = to_number("min_thickness", min_thickness, least=0.0, most=FINITE)
     if tolerance is not None:
         how.tolerance = to_number("tolerance", tolerance, least=0.0, most=FINITE)
+    how.triangles = _to_most_triangles(triangles, tolerance)
     with reporting(progress) as report:
         result, found = _raymap.repair(mesh, *size, options, how, machine, report)
     return Repaired(mesh_of_core(result), found)  # type: ignore[arg-type]

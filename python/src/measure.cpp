@@ -59,12 +59,16 @@ nb::dict summarize(const Surface& surface, double most, const MachineOptions& ma
 
 /// Returns the mesh and the report.
 std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& mesh, double tolerance,
-                                                              double step, const MachineOptions& machine,
+                                                              double step, size_t triangles,
+                                                              const MachineOptions& machine,
                                                               nb::object progress) {
   Call call(std::move(progress));
   Simplified result;
-  call.run([&] { result = simplify(mesh.view, {.tolerance = tolerance, .step = step}, call.on(machine)); });
-  const SimplifyReport report{.tolerance = tolerance,
+  call.run([&] {
+    result =
+        simplify(mesh.view, {.tolerance = tolerance, .step = step, .triangles = triangles}, call.on(machine));
+  });
+  const SimplifyReport report{.tolerance = result.tolerance,
                               .trianglesBefore = mesh.view.triangleCount,
                               .trianglesAfter = result.mesh.triangles.size(),
                               .deviation = result.deviation};
@@ -78,7 +82,8 @@ void bindMeasure(nb::module_& module) {
   module.def("thickness", &measure, "surface"_a, "points"_a, "triangles"_a, "most"_a, "machine"_a,
              "progress"_a.none());
   module.def("summarize_thickness", &summarize, "surface"_a, "most"_a, "machine"_a, "progress"_a.none());
-  module.def("simplify", &simplifyMesh, "mesh"_a, "tolerance"_a, "step"_a, "machine"_a, "progress"_a.none());
+  module.def("simplify", &simplifyMesh, "mesh"_a, "tolerance"_a, "step"_a, "triangles"_a, "machine"_a,
+             "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -38,6 +38,7 @@ void bindRepair(nb::module_& module) {
       .def_rw("drop_smaller", &RepairOptions::dropSmaller)
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
       .def_rw("remesh", &RepairOptions::remesh)
+      .def_rw("triangles", &RepairOptions::triangles)
       .def_prop_rw(
           "min_thickness", [](const RepairOptions& self) { return self.minThickness.value_or(-1.0); },
           [](RepairOptions& self, double thickness) { self.minThickness = thickness; })

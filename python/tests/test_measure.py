@@ -93,6 +93,27 @@ def test_simplify_keeps_to_its_tolerance(ball):
         raymap.simplify(ball, tolerance=-1)
 
 
+def test_simplify_reaches_a_number_of_triangles(ball):
+    mesh, report = raymap.simplify(ball, triangles=400)
+    assert 350 < report["triangles_after"] == len(mesh.faces) <= 400
+    assert 0 < report["deviation"] <= report["tolerance"]
+    np.testing.assert_array_equal(raymap.simplify(ball, triangles=400, threads=1).mesh.faces, mesh.faces)
+    with pytest.warns(raymap.RaymapWarning, match="are left instead of 400") as warned:
+        limited = raymap.simplify(ball, tolerance=0.001, triangles=400)
+    assert warned[0].message.code == "triangles_missed"
+    assert warned[0].message.fields["count"] == limited.report["triangles_after"] > 400
+    assert limited.report["tolerance"] == 0.001
+    repaired = raymap.repair(ball, triangles=400, remesh=True, resolution=32).report["simplified"]
+    assert 350 < repaired["triangles_after"] <= 400 < repaired["triangles_before"]
+    for call in (raymap.simplify, raymap.repair):
+        with pytest.raises(raymap.UsageError, match="a tolerance of 0 keeps all triangles"):
+            call(ball, tolerance=0, triangles=400)
+        with pytest.raises(raymap.UsageError, match="triangles must be 1 or more, not 0"):
+            call(ball, triangles=0)
+    with pytest.raises(raymap.UsageError, match="needs a tolerance, a number of triangles, or both"):
+        raymap.simplify(ball)
+
+
 def test_fields_are_compared():
     x, y, z = np.mgrid[-3:4, -3:4, -3:4].astype(float)
     first = raymap.Field(np.sqrt(x**2 + y**2 + z**2) - 1.5, spacing=0.5)

@@ -63,6 +63,7 @@ RepairOptions repairOptions(const raymap_repair_options* options) {
                        .drainHole = given.drain_hole,
                        .keepCavities = given.keep_cavities,
                        .remesh = given.remesh,
+                       .triangles = size_t(given.triangles),
                        .measure = !given.is_brief};
   if (given.drain_holes != 0) wanted.drainHoles = given.drain_holes;
   if (given.has_drop_smaller) wanted.dropSmaller = given.drop_smaller;
@@ -150,13 +151,19 @@ raymap_result raymap_repaired_numbers(const raymap_repaired* repaired, raymap_re
   return guard([&] { c::write(numbersOf(need(repaired, "the repaired mesh").report), numbers); });
 }
 
-raymap_mesh* raymap_simplify(const raymap_mesh* mesh, double tolerance, double step,
+raymap_mesh* raymap_simplify(const raymap_mesh* mesh, const raymap_simplify_options* how,
                              const raymap_options* options, raymap_simplified* simplified) {
   return create([&] {
-    Simplified made = simplify(need(mesh, "the mesh").view, {.tolerance = tolerance, .step = step},
-                               c::optionsOr(options).machine);
+    const raymap_simplify_options given = c::read(how);
+    Simplified made =
+        simplify(need(mesh, "the mesh").view,
+                 {.tolerance = given.tolerance, .step = given.step, .triangles = size_t(given.triangles)},
+                 c::optionsOr(options).machine);
     if (simplified)
-      c::write({.size = sizeof(raymap_simplified), .deviation = made.deviation, .undone = made.undone},
+      c::write({.size = sizeof(raymap_simplified),
+                .deviation = made.deviation,
+                .undone = made.undone,
+                .tolerance = made.tolerance},
                simplified);
     return c::ownMesh(std::move(made.mesh));
   });

@@ -66,6 +66,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
                                       std::to_string(repair.drainHoles) + "; use a drain hole of 0 for none");
   require(repair.tolerance.value_or(0.0) >= 0.0 && std::isfinite(repair.tolerance.value_or(0.0)),
           "the tolerance must not be negative");
+  require(repair.triangles == 0 || repair.tolerance != 0.0,
+          "a tolerance of 0 keeps all triangles, so their number cannot be limited; leave one of both out");
   require(glm::length(repair.down) > 0.0, "the way down must not be zero");
   atLeast(repair.shell, "a wall");
   atLeast(repair.drainHole, "a drain hole");
@@ -106,26 +108,41 @@ bool crossesNowhere(const SelfIntersections& crossing) {
   return crossing.pairs == 0 && crossing.complete;
 }
 
+/// Simplifies a surface, at points `step` apart, within `tolerance` if nothing else is asked for.
+void simplifySurface(Mesh& surface, double step, double tolerance, const RepairOptions& repair,
+                     const MachineOptions& machine, SimplifyReport& report) {
+  const double asked = repair.tolerance.value_or(repair.triangles > 0 ? 0.0 : tolerance);
+  report.trianglesBefore = surface.triangles.size();
+  Simplified made =
+      simplify(surface, {.tolerance = asked, .step = step, .triangles = repair.triangles}, machine);
+  surface = std::move(made.mesh);
+  report.tolerance = made.tolerance;
+  report.trianglesAfter = surface.triangles.size();
+  report.deviation = made.deviation;
+}
+
 /// Keeps the faces of a mesh with nothing wrong.
-void keep(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+void keep(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
           Repaired& repaired) {
-  if (!keepFaces(mesh, repair, warn, repaired)) return;
+  if (!keepFaces(mesh, repair, machine.warn, repaired)) return;
   RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
+  if (repair.triangles > 0 && repair.triangles < repaired.mesh.triangles.size())
+    simplifySurface(repaired.mesh, 0.0, 0.0, repair, machine, report.simplified);
   countPieces(repaired.mesh, report);
   if (repair.finish) repair.finish(repaired.mesh);
   inspect(repaired.mesh, report.after, report.crossingAfter);
 }
 
 /// Keeps the faces of a mesh with nothing wrong but holes, and fills those, if that makes it right.
-void keepFilled(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+void keepFilled(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
                 Repaired& repaired) {
   Mesh closed = weldedCopy(mesh);
   const FilledHoles filled = fillHoles(closed);
   if (filled.holes == 0 || !looksRight(diagnose(closed, {.brief = true})) ||
       !crossesNowhere(findSelfIntersections(closed)))
     return;
-  keep(closed, repair, warn, repaired);
+  keep(closed, repair, machine, repaired);
   repaired.report.partsOverlap = false;
   if (!repaired.report.kept) return;
   repaired.report.closedHoles = filled.holes;
@@ -133,16 +150,16 @@ void keepFilled(const PackedMesh& mesh, const RepairOptions& repair, const Warni
 }
 
 /// Finds what is wrong with the given mesh, and keeps its faces if that is nothing, or only holes.
-void inspectGiven(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+void inspectGiven(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
                   Repaired& repaired) {
   const RepairReport& report = repaired.report;
   if (asksForChange(repair) && !repair.measure) return;
   inspect(mesh, repaired.report.before, repaired.report.crossingBefore);
   if (asksForChange(repair) || !hasOnlyHoles(report.before) || !crossesNowhere(report.crossingBefore)) return;
   if (looksRight(report.before))
-    keep(mesh, repair, warn, repaired);
+    keep(mesh, repair, machine, repaired);
   else if (repair.closeHoles && !report.before.watertight)
-    keepFilled(mesh, repair, warn, repaired);
+    keepFilled(mesh, repair, machine, repaired);
 }
 
 bool isChanged(const RepairReport& report) {
@@ -244,21 +261,6 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
           {.count = asked - report.holes}});
 }
 
-/// Simplifies the isosurface.
-void simplifySurface(Mesh& surface, const Grid& grid, const RepairOptions& repair,
-                     const MachineOptions& machine, RepairReport& report) {
-  SimplifyReport& simplified = report.simplified;
-  simplified.tolerance = repair.tolerance.value_or(kDefaultTolerance * grid.spacing);
-  simplified.trianglesBefore = surface.triangles.size();
-  if (simplified.tolerance > 0.0) {
-    auto [mesh, deviation, undone] =
-        simplify(surface, {.tolerance = simplified.tolerance, .step = grid.spacing}, machine);
-    surface = std::move(mesh);
-    simplified.deviation = deviation;
-  }
-  simplified.trianglesAfter = surface.triangles.size();
-}
-
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const WarningCallback& warn,
                               RepairReport& report) {
@@ -328,7 +330,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     addStages(progress, report.stats);
     return std::move(repaired);
   };
-  stage("inspect", [&] { inspectGiven(mesh, repair, machine.warn, repaired); });
+  stage("inspect", [&] { inspectGiven(mesh, repair, machine, repaired); });
   if (report.kept) return finish();
   Field solid = makeSolid(given, report.stats);
   report.leastThickness = leastThickness(repair, grid);
@@ -355,7 +357,10 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     });
   }
   solid = {};
-  stage("simplify", [&] { simplifySurface(result, grid, repair, machine, report); });
+  stage("simplify", [&] {
+    simplifySurface(result, grid.spacing, kDefaultTolerance * grid.spacing, repair, machine,
+                    report.simplified);
+  });
   countPieces(result, report);
   if (repair.finish) repair.finish(result);
   if (!repair.measure) return finish();

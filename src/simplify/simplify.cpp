@@ -11,11 +11,13 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/require.h"
+#include "base/text.h"
 #include "cpu/points/close_distances.h"
 #include "mesh/compact.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/face_points.h"
 #include "mesh/part_volumes.h"
+#include "mesh/triangle.h"
 #include "simplify/decimate.h"
 
 namespace raymap {
@@ -27,6 +29,15 @@ constexpr double kUsed = 0.99;
 constexpr double kPointDistance = 10.0;  // In tolerances.
 constexpr size_t kBytesPerFace = 300;
 constexpr int kMostRepeats = 20;  // Most rounds of removing vertices again after some are back.
+// A search for a tolerance aims at a share of the triangles that are allowed, and ends with a slightly
+// smaller one, after some tries, or when tolerances of this ratio leave too many and few enough triangles.
+constexpr double kAim = 0.98, kEnough = 0.96, kNarrow = 1.01;
+constexpr int kMostTries = 8;
+// Factors by which the tolerance may change until two tries enclose what is searched for.
+constexpr double kLeastFactor = 1.5, kMostFactor = 16.0;
+// Distance between points that are measured, as a share of the mean edge of so many triangles. It is at least
+// the mean edge of the mesh: faces grow no larger than the area that their points cover.
+constexpr double kEdgeShare = 0.25;
 
 /// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
 class PartVolumes {
@@ -170,6 +181,7 @@ class Simplifier {
 
   void write(Simplified& result) {
     const PackedMesh mesh(given_.vertices, triangles_, given_.origin);
+    result.tolerance = tolerance_;
     result.deviation = measureGiven(mesh);
     for (const uint32_t f : faces_) result.deviation = std::max(result.deviation, deviation_[f]);
     result.mesh = {{given_.vertices.begin(), given_.vertices.end()}, triangles_, given_.origin};
@@ -188,9 +200,123 @@ class Simplifier {
 };
 
 /// Returns whether all promises hold. Else the given mesh is kept.
-bool isGood(const Simplified& result, double tolerance, int threads) {
+bool isGood(const Simplified& result, int threads) {
   const Diagnostics found = diagnose(result.mesh, {.brief = true}, {.threads = threads});
-  return found.watertight && found.consistentlyOriented && result.deviation <= tolerance;
+  return found.watertight && found.consistentlyOriented && result.deviation <= result.tolerance;
+}
+
+Simplified kept(const PackedMesh& mesh) {
+  return {.mesh = {{mesh.vertices.begin(), mesh.vertices.end()},
+                   {mesh.triangles.begin(), mesh.triangles.end()},
+                   mesh.origin}};
+}
+
+Simplified simplifyWithin(const PackedMesh& mesh, double tolerance, double step, Progress& progress) {
+  Simplified result;
+  Simplifier(mesh, tolerance, step).run(progress, result);
+  return result;
+}
+
+/// Searches for the least tolerance that leaves at most a number of triangles.
+class ToleranceSearch {
+ public:
+  ToleranceSearch(const PackedMesh& mesh, const SimplifyOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        aim_(std::max(kAim * double(options.triangles), 1.0)),
+        most_(options.tolerance),
+        step_(options.step) {
+    const glm::dvec3 size = bounds(mesh).size();
+    const double longest = std::max({size.x, size.y, size.z});
+    double area = 0.0;
+    for (const glm::uvec3& t : mesh.triangles)
+      area += triangleArea(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
+    if (most_ == 0.0) most_ = longest;
+    const double finest = std::min(aim_ / (kEdgeShare * kEdgeShare), double(mesh.triangles.size()));
+    if (step_ == 0.0) step_ = std::sqrt(4.0 / std::sqrt(3.0) * area / finest);
+    // Roughly right for a ball: half the tolerance leaves twice as many triangles.
+    tolerance_ = std::min(area / (aim_ * longest), most_);
+  }
+
+  /// Returns the result of the best try.
+  Simplified run(Progress& progress) {
+    double done = 0.0;
+    for (int tries = 0; tries < kMostTries; ++tries) {
+      const double share = 0.4 * (1.0 - done);
+      Progress part([&](std::string_view, double of) { return progress.report(done + share * of), true; });
+      Simplified result = simplifyWithin(mesh_, tolerance_, step_, part);
+      done += share;
+      if (!add(std::move(result))) break;
+    }
+    return std::move(best_);
+  }
+
+ private:
+  struct Try {
+    double tolerance = 0.0, count = 0.0;
+  };
+
+  /// Chooses the next tolerance. Returns false if there is none that is worth a try.
+  bool add(Simplified&& result) {
+    const auto most = double(options_.triangles);
+    const Try tried{result.tolerance, double(result.mesh.triangles.size())};
+    const bool isFew = tried.count <= most;
+    (isFew ? few_ : many_) = tried;
+    if (isBetter(result)) best_ = std::move(result);
+    if (isFew ? tried.count >= kEnough * most : tried.tolerance == most_) return false;
+    if (few_.tolerance == 0.0)
+      tolerance_ *= std::clamp(tried.count / aim_, kLeastFactor, kMostFactor);
+    else if (many_.tolerance == 0.0)
+      tolerance_ *= std::clamp(tried.count / aim_, 1.0 / kMostFactor, 1.0 / kLeastFactor);
+    else
+      tolerance_ = between();
+    tolerance_ = std::min(tolerance_, most_);
+    return few_.tolerance == 0.0 || few_.tolerance > kNarrow * many_.tolerance;
+  }
+
+  /// Returns whether a result is better than the best one: few enough triangles, then the less tolerance.
+  bool isBetter(const Simplified& result) const {
+    const size_t count = result.mesh.triangles.size(), best = best_.mesh.triangles.size();
+    const bool isFew = count <= options_.triangles, isBestFew = best > 0 && best <= options_.triangles;
+    if (best == 0 || isFew != isBestFew) return best == 0 || isFew;
+    return isFew ? result.tolerance < best_.tolerance : count < best;
+  }
+
+  /// Returns a tolerance between two that gave too many and few enough triangles, on a power law.
+  double between() const {
+    const double share = std::log(many_.count / aim_) / std::log(many_.count / few_.count);
+    return many_.tolerance * std::pow(few_.tolerance / many_.tolerance, std::clamp(share, 0.1, 0.9));
+  }
+
+  PackedMesh mesh_;
+  SimplifyOptions options_;
+  double aim_, most_, step_, tolerance_;
+  Try many_, few_;  ///< The last tries with too many and with few enough triangles.
+  Simplified best_;
+};
+
+void warnOfTriangles(size_t count, const SimplifyOptions& options, const WarningCallback& warn) {
+  if (!warn || options.triangles == 0 || count <= options.triangles) return;
+  warn({WarningCode::TrianglesMissed,
+        std::to_string(count) + " triangles are left instead of " + std::to_string(options.triangles) +
+            (options.tolerance > 0.0 ? ": no fewer were found within the tolerance of " +
+                                           numberText(options.tolerance) + "; a larger one may leave fewer"
+                                     : ": the mesh has too many parts, handles or details for fewer"),
+        {.count = count}});
+}
+
+Simplified simplifyPacked(const PackedMesh& mesh, const SimplifyOptions& options,
+                          const MachineOptions& machine) {
+  Progress progress(machine.progress);
+  Simplified result;
+  const double step = options.step > 0.0 ? options.step : kPointDistance * options.tolerance;
+  progress.stage("simplify", [&] {
+    withThreads(machine.threads, [&] {
+      result = options.triangles > 0 ? ToleranceSearch(mesh, options).run(progress)
+                                     : simplifyWithin(mesh, options.tolerance, step, progress);
+    });
+  });
+  return isGood(result, machine.threads) ? std::move(result) : kept(mesh);
 }
 
 }  // namespace
@@ -201,20 +327,19 @@ Simplified simplify(const MeshView& view, const SimplifyOptions& options, const 
   validate(view);
   MeshPacker packer;
   const PackedMesh mesh = packer.pack(view);
+  const bool isWanted =
+      options.triangles > 0 ? mesh.triangles.size() > options.triangles : options.tolerance > 0.0;
+  if (!isWanted || mesh.triangles.empty()) return kept(mesh);
+  checkSurfaceMemory(kBytesPerFace * mesh.triangles.size());
   Simplified result;
-  if (options.tolerance > 0.0 && !mesh.triangles.empty()) {
-    checkSurfaceMemory(kBytesPerFace * mesh.triangles.size());
-    const double step = options.step > 0.0 ? options.step : kPointDistance * options.tolerance;
-    Progress progress(machine.progress);
-    progress.stage("simplify", [&] {
-      withThreads(machine.threads, [&] { Simplifier(mesh, options.tolerance, step).run(progress, result); });
-    });
-    if (isGood(result, options.tolerance, machine.threads)) return result;
-    result = {};
+  try {
+    result = simplifyPacked(mesh, options, machine);
+  } catch (const Error& error) {
+    const Mesh welded = weldedCopy(mesh);
+    if (error.code() != ErrorCode::Input || welded.vertices.size() == mesh.vertices.size()) throw;
+    result = simplifyPacked(welded, options, machine);
   }
-  result.mesh = {{mesh.vertices.begin(), mesh.vertices.end()},
-                 {mesh.triangles.begin(), mesh.triangles.end()},
-                 mesh.origin};
+  warnOfTriangles(result.mesh.triangles.size(), options, machine.warn);
   return result;
 }
 

@@ -61,7 +61,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   std::map<std::string, std::string> known;
   std::map<std::string, std::set<std::string>> users;
   const std::vector<std::string> all = commands();
-  ASSERT_EQ(all.size(), 13u);
+  ASSERT_EQ(all.size(), 14u);
   for (const std::string& command : all)
     for (const auto& [option, text] : entries(command)) {
       const auto [same, isNew] = known.emplace(option, text);
@@ -72,18 +72,21 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   const auto expectIn = [&](const char* option, const std::set<std::string>& wanted) {
     EXPECT_EQ(users[option], wanted) << option;
   };
-  expectIn("--threads", {"generate", "info", "query", "sample", "mesh", "render", "repair"});
+  expectIn("--threads", {"generate", "info", "query", "sample", "mesh", "render", "repair", "simplify"});
   expectIn("--memory-limit", {"generate", "info", "query", "sample", "mesh", "render", "repair"});
   expectIn("--device", {"generate", "mesh", "render", "repair"});
-  expectIn("--stats", {"generate", "query", "sample", "mesh", "repair"});
-  expectIn("--json", {"generate", "info", "query", "sample", "mesh", "repair", "compare", "devices"});
-  expectIn("--overwrite",
-           {"generate", "info", "query", "sample", "mesh", "render", "repair", "compare", "convert"});
+  expectIn("--stats", {"generate", "query", "sample", "mesh", "repair", "simplify"});
+  expectIn("--json",
+           {"generate", "info", "query", "sample", "mesh", "repair", "simplify", "compare", "devices"});
+  expectIn("--overwrite", {"generate", "info", "query", "sample", "mesh", "render", "repair", "simplify",
+                           "compare", "convert"});
   for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
-    expectIn(option, {"generate", "info", "query", "sample", "mesh", "render", "repair", "convert"});
-  expectIn("--up", {"info", "mesh", "render", "repair", "convert"});
-  expectIn("--recenter", {"mesh", "repair", "convert"});
-  expectIn("--tolerance", {"mesh", "repair"});
+    expectIn(option,
+             {"generate", "info", "query", "sample", "mesh", "render", "repair", "simplify", "convert"});
+  expectIn("--up", {"info", "mesh", "render", "repair", "simplify", "convert"});
+  expectIn("--recenter", {"mesh", "repair", "simplify", "convert"});
+  expectIn("--tolerance", {"mesh", "repair", "simplify"});
+  expectIn("--triangles", {"mesh", "repair", "simplify"});
   expectIn("--bounds", {"generate", "mesh", "render"});
   expectIn("--voxel-size", {"generate", "mesh", "render", "repair"});
   expectIn("--close-holes", {"generate", "mesh", "repair"});
@@ -111,10 +114,15 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"repair torus.ply -o o.stl -q --res 64 --wall 0.3", ""},
       {"repair torus.ply -o o.stl --thickness 2",
        "--min-thickness T makes thin parts T thick, --shell T hollows"},
-      {"repair torus.ply -o o.stl --simplify 0.5", "--tolerance T of repair and mesh writes fewer triangles"},
-      {"repair torus.ply -o o.stl --decimate 0.5", "--tolerance T of repair and mesh writes fewer triangles"},
-      {"repair torus.ply -o o.stl --max-triangles 99",
-       "--tolerance T of repair and mesh writes fewer triangles"},
+      {"repair torus.ply -o o.stl --simplify 0.5",
+       "--triangles N or --tolerance T of simplify, repair and mesh"},
+      {"repair torus.ply -o o.stl --decimate 0.5",
+       "--triangles N or --tolerance T of simplify, repair and mesh"},
+      {"simplify torus.ply -o o.stl --target 99",
+       "--triangles N or --tolerance T of simplify, repair and mesh"},
+      {"mesh torus.ply -o o.stl --faces 99", "--triangles N or --tolerance T of simplify, repair and mesh"},
+      {"repair torus.ply -o o.stl -q --max-triangles 500", ""},
+      {"convert torus.ply o.stl --max-triangles 99", "--triangles is an option of mesh, repair and simplify"},
       {"convert torus.ply o.3mf -q --units MM", ""},
       {"convert torus.ply o.3mf -q --unit inches", ""},
       {"convert torus.ply o.stl -q --center", ""},
@@ -149,7 +157,7 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"genrate torus.ply", "unknown command 'genrate'; did you mean generate?"},
       {"fix torus.ply", "raymap repair MESH -o RESULT"},
       {"voxelize torus.ply", "raymap generate MESH -o FIELD"},
-      {"simplify torus.ply", "raymap repair MESH -o RESULT --tolerance T"},
+      {"decimate torus.ply", "raymap simplify MESH -o RESULT --triangles N"},
       {"INFO torus.ply -q", ""},
       {"-V", "raymap 0."},
       {"help repair", "Usage: raymap repair [OPTIONS] MESH"},

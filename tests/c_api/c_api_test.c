@@ -486,8 +486,10 @@ static void test_sizes(void) {
               "RAYMAP_INIT(raymap_repair_numbers)");
   raymap_repaired_free(repaired);
   raymap_simplified simplified = {0};
-  CHECK_FAILS(raymap_simplify(mesh, 0.0, 0.0, NULL, &simplified), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_simplify(mesh, NULL, NULL, &simplified), RAYMAP_ERROR_USAGE,
               "RAYMAP_INIT(raymap_simplified)");
+  const raymap_simplify_options how = {0};
+  CHECK_FAILS(raymap_simplify(mesh, &how, NULL, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_simplify_options)");
   const raymap_view view = {0};
   CHECK_FAILS(raymap_render_defects(mesh, &view, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_view)");
   raymap_devices* devices = raymap_devices_list();
@@ -629,15 +631,19 @@ static void test_simplify(void) {
   raymap_field* field = raymap_generate(box, &grid, options);
   raymap_mesh* fine = raymap_isosurface(field, 0.0, options);
   raymap_simplified simplified = RAYMAP_INIT(raymap_simplified);
-  raymap_mesh* coarse = raymap_simplify(fine, 0.01, 0.05, options, &simplified);
+  raymap_simplify_options how = RAYMAP_INIT(raymap_simplify_options);
+  how.tolerance = 0.01;
+  how.step = 0.05;
+  raymap_mesh* coarse = raymap_simplify(fine, &how, options, &simplified);
   CHECK(raymap_mesh_triangle_count(coarse) >= 12);
   CHECK(raymap_mesh_triangle_count(coarse) < raymap_mesh_triangle_count(fine) / 4);
-  CHECK(simplified.deviation > 0.0 && simplified.deviation <= 0.01);
-  raymap_mesh* same = raymap_simplify(fine, 0.0, 0.0, NULL, NULL);
+  CHECK(simplified.deviation > 0.0 && simplified.deviation <= 0.01 && simplified.tolerance == 0.01);
+  raymap_mesh* same = raymap_simplify(fine, NULL, NULL, NULL);
   CHECK(raymap_mesh_triangle_count(same) == raymap_mesh_triangle_count(fine));
   raymap_mesh* open = make_box(10);
-  CHECK(raymap_simplify(open, 0.1, 0.0, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
-  CHECK(raymap_simplify(fine, -1.0, 0.0, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  CHECK(raymap_simplify(open, &how, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
+  how.tolerance = -1.0;
+  CHECK(raymap_simplify(fine, &how, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
   raymap_mesh_free(open);
   raymap_mesh_free(same);
   raymap_mesh_free(coarse);
@@ -821,7 +827,7 @@ static void test_null(void) {
   CHECK(raymap_fit_repair_grid(mesh, NULL, NULL, NULL) == usage);
   CHECK(raymap_repaired_mesh(NULL) == NULL && raymap_repaired_json(NULL) == NULL);
   CHECK(raymap_repaired_numbers(NULL, NULL) == usage);
-  CHECK(raymap_simplify(NULL, 0.0, 0.0, NULL, NULL) == NULL);
+  CHECK(raymap_simplify(NULL, NULL, NULL, NULL) == NULL);
   CHECK(raymap_render_field(NULL, NULL, NULL) == NULL && raymap_render_defects(NULL, NULL, NULL) == NULL);
   CHECK(raymap_render_slice(NULL, 0, 0, 0, NULL) == NULL && raymap_picture_rgb(NULL) == NULL);
   CHECK(raymap_picture_width(NULL) == 0 && raymap_picture_height(NULL) == 0);

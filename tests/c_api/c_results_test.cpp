@@ -261,14 +261,33 @@ TEST_F(CResults, SimplifiedMeshIsThatOfCpp) {
   const Mesh fine = isosurface(generate(mesh_, grid, {}, {.device = "cpu"}).field);
   const Handle<raymap_field, raymap_field_free> field(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
   const Handle<raymap_mesh, raymap_mesh_free> cFine(raymap_isosurface(field.get(), 0.0, nullptr));
-  const Simplified expected = simplify(fine, {.tolerance = 0.02, .step = 0.1});
-  ASSERT_LT(expected.mesh.triangles.size(), fine.triangles.size());
-  auto simplified = RAYMAP_INIT(raymap_simplified);
-  const Handle<raymap_mesh, raymap_mesh_free> coarse(
-      raymap_simplify(cFine.get(), 0.02, 0.1, nullptr, &simplified));
-  expectSame(coarse.get(), expected.mesh);
-  EXPECT_EQ(simplified.deviation, expected.deviation);
-  EXPECT_EQ(simplified.undone, expected.undone);
+  for (const SimplifyOptions& how : {SimplifyOptions{.tolerance = 0.02, .step = 0.1},
+                                     SimplifyOptions{.tolerance = 1.0, .step = 0.1, .triangles = 200}}) {
+    const Simplified expected = simplify(fine, how);
+    ASSERT_LT(expected.mesh.triangles.size(), fine.triangles.size());
+    auto cHow = RAYMAP_INIT(raymap_simplify_options);
+    cHow.tolerance = how.tolerance;
+    cHow.step = how.step;
+    cHow.triangles = how.triangles;
+    auto simplified = RAYMAP_INIT(raymap_simplified);
+    const Handle<raymap_mesh, raymap_mesh_free> coarse(
+        raymap_simplify(cFine.get(), &cHow, nullptr, &simplified));
+    expectSame(coarse.get(), expected.mesh);
+    EXPECT_EQ(simplified.deviation, expected.deviation);
+    EXPECT_EQ(simplified.undone, expected.undone);
+    EXPECT_EQ(simplified.tolerance, expected.tolerance);
+  }
+}
+
+TEST_F(CResults, RepairedMeshHasAsFewTrianglesAsAskedFor) {
+  const auto [grid, cGrid] = fit(32);
+  auto how = RAYMAP_INIT(raymap_repair_options);
+  how.remesh = true;
+  how.triangles = 200;
+  const Handle<raymap_repaired, raymap_repaired_free> repaired(
+      raymap_repair(cMesh_.get(), &cGrid, &how, cOptions_.get()));
+  ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
+  EXPECT_LE(raymap_mesh_triangle_count(raymap_repaired_mesh(repaired.get())), 200u);
 }
 
 TEST_F(CResults, ThicknessIsThatOfCpp) {

@@ -2,7 +2,9 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "analytic_fields.h"
 #include "closed_mesh.h"
@@ -72,6 +74,37 @@ TEST(Simplify, KeepsTheEdgesAndCornersOfACube) {
       }
     }
   }
+}
+
+TEST(Simplify, MovesNoCornerThatItNeedNotMove) {
+  // The tolerance would allow to cut the corners; the planes around each vertex tell where to move it.
+  std::vector<glm::ivec3> cells;
+  for (int x = 0; x < 40; ++x)
+    for (int y = 0; y < 5; ++y)
+      for (int z = 0; z < 4; ++z) cells.emplace_back(x, y, z);
+  const Simplified bar = simplify(shapes::rotated(shapes::voxels(cells, 1)), {.tolerance = 1.8});
+  EXPECT_EQ(bar.mesh.triangles.size(), 12u);
+  EXPECT_LT(bar.deviation, 1e-4);
+  EXPECT_NEAR(diagnose(bar.mesh).signedVolume, 800.0, 0.01);
+}
+
+TEST(Simplify, SpendsFewFacesAlongRidges) {
+  // A ring whose section is nearly a square. Moving vertices along its edges costs nothing, across them much.
+  // Planes that are wrong, have wrong weights or are forgotten after a collapse leave 640 triangles or more.
+  constexpr uint32_t kAround = 160, kSection = 80;
+  const Mesh torus = shapes::torus(2.0, 0.5, kAround, kSection);
+  std::vector<dvec3> points;
+  for (uint32_t v = 0; v < torus.vertices.size(); ++v) {
+    const double u = 2.0 * std::numbers::pi * (v / kSection) / kAround,
+                 w = 2.0 * std::numbers::pi * (v % kSection) / kSection;
+    const auto squared = [](double x) { return std::copysign(std::pow(std::abs(x), 0.3), x); };
+    const double r = 2.0 + 0.5 * squared(std::cos(w));
+    points.emplace_back(r * std::cos(u), r * std::sin(u), 0.5 * squared(std::sin(w)));
+  }
+  const Mesh ring = shapes::rotated(makeMesh(points, torus.triangles));
+  const Simplified result = simplify(ring, {.tolerance = 0.02});
+  EXPECT_TRUE(isClosed(result.mesh));
+  EXPECT_LT(result.mesh.triangles.size(), 620u);
 }
 
 TEST(Simplify, HasFewerFacesTheLargerTheTolerance) {
@@ -193,6 +226,76 @@ TEST(Simplify, KeepsATetrahedronSmallerThanTheTolerance) {
   EXPECT_EQ(result.undone, 0u);
 }
 
+TEST(Simplify, ReachesANumberOfTriangles) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::sphere(p, 1.0); });
+  double tolerance = 0.0;
+  for (const size_t most : {3000, 601, 150}) {
+    const Simplified result = simplify(ball, {.step = kSpacing, .triangles = most});
+    EXPECT_LE(result.mesh.triangles.size(), most);
+    EXPECT_GE(result.mesh.triangles.size(), most * 9 / 10);
+    EXPECT_GT(result.tolerance, tolerance);
+    tolerance = result.tolerance;
+    expectSound(ball, result, tolerance);
+    // The tolerance tells the same result, and a smaller one does not reach the number.
+    EXPECT_EQ(simplified(ball, tolerance).mesh.triangles, result.mesh.triangles);
+    EXPECT_GT(simplified(ball, 0.8 * tolerance).mesh.triangles.size(), most);
+  }
+}
+
+TEST(Simplify, ReachesANumberOfTrianglesWithoutAStep) {
+  const Mesh torus = shapes::torus(1.0, 0.3, 120, 60);
+  const Simplified result = simplify(torus, {.triangles = 1000});
+  EXPECT_LE(result.mesh.triangles.size(), 1000u);
+  EXPECT_GE(result.mesh.triangles.size(), 900u);
+  expectSound(torus, result, result.tolerance);
+  const Simplified kept = simplify(torus, {.triangles = torus.triangles.size()});
+  EXPECT_EQ(kept.mesh.triangles, torus.triangles);
+  EXPECT_EQ(kept.tolerance, 0.0);
+}
+
+TEST(Simplify, WarnsIfItDoesNotReachTheNumberOfTriangles) {
+  const Mesh ball = surfaceOf([](const dvec3& p) { return analytic::sphere(p, 1.0); });
+  std::vector<Warning> warnings;
+  const MachineOptions machine{.warn = [&](const Warning& warning) { warnings.push_back(warning); }};
+  const auto reach = [&](const SimplifyOptions& options) {
+    warnings.clear();
+    return simplify(ball, options, machine);
+  };
+  const Simplified limited = reach({.tolerance = kTolerance, .step = kSpacing, .triangles = 100});
+  EXPECT_EQ(limited.tolerance, kTolerance);
+  EXPECT_EQ(limited.mesh.triangles, simplified(ball).mesh.triangles);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, WarningCode::TrianglesMissed);
+  EXPECT_EQ(warnings[0].fields.count, limited.mesh.triangles.size());
+  EXPECT_NE(warnings[0].message.find("a larger one may leave fewer"), std::string::npos)
+      << warnings[0].message;
+  const Simplified coarsest = reach({.step = kSpacing, .triangles = 3});
+  EXPECT_TRUE(isClosed(coarsest.mesh));
+  EXPECT_LT(coarsest.mesh.triangles.size(), 200u);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].message.find("parts, handles or details"), std::string::npos) << warnings[0].message;
+  // A limit that is not needed changes nothing.
+  const Simplified free = reach({.step = kSpacing, .triangles = 600});
+  EXPECT_EQ(reach({.tolerance = 1.0, .step = kSpacing, .triangles = 600}).mesh.triangles,
+            free.mesh.triangles);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(Simplify, TakesVerticesAtTheSamePositionAsOne) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  Mesh soup;  // As a .stl holds it.
+  for (const glm::uvec3& t : ball.triangles) {
+    const auto first = uint32_t(soup.vertices.size());
+    for (int c = 0; c < 3; ++c) soup.vertices.push_back(ball.vertices[t[c]]);
+    soup.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const Simplified result = simplify(soup, {.triangles = 500});
+  EXPECT_LE(result.mesh.triangles.size(), 500u);
+  expectSound(ball, result, result.tolerance);
+  soup.triangles.pop_back();
+  EXPECT_THROW(simplify(soup, {.triangles = 500}), Error);
+}
+
 TEST(Simplify, RefusesMeshesThatAreNotClosed) {
   const auto refuse = [](const Mesh& mesh, const char* message) {
     try {
@@ -238,6 +341,32 @@ TEST(Simplify, IsPartOfARepair) {
   EXPECT_EQ(whole.mesh.vertices, surface.vertices);
   how.tolerance = -1.0;
   EXPECT_THROW(repair(box, grid, {}, how), Error);
+}
+
+TEST(Simplify, GivesARepairAsFewTrianglesAsAskedFor) {
+  const Mesh torus = shapes::torus(1.0, 0.3, 60, 30);
+  const Grid grid = fitRepairGrid(torus, {.resolution = 64});
+  for (const bool remesh : {false, true}) {
+    const Repaired made = repair(torus, grid, {}, {.remesh = remesh, .triangles = 800});
+    const SimplifyReport& report = made.report.simplified;
+    EXPECT_EQ(made.report.kept, !remesh);
+    EXPECT_TRUE(made.report.after.watertight);
+    EXPECT_LE(made.mesh.triangles.size(), 800u);
+    EXPECT_GE(made.mesh.triangles.size(), 700u);
+    EXPECT_EQ(report.trianglesAfter, made.mesh.triangles.size());
+    EXPECT_GT(report.trianglesBefore, 800u);
+    EXPECT_LE(report.deviation, report.tolerance);
+    EXPECT_TRUE(made.report.warnings.empty());
+  }
+  const Repaired kept = repair(torus, grid, {}, {.triangles = torus.triangles.size()});
+  EXPECT_EQ(kept.mesh.triangles.size(), torus.triangles.size());
+  EXPECT_EQ(kept.report.simplified.tolerance, 0.0);
+  const Repaired limited =
+      repair(torus, grid, {}, {.remesh = true, .tolerance = 0.02 * grid.spacing, .triangles = 800});
+  ASSERT_EQ(limited.report.warnings.size(), 1u);
+  EXPECT_EQ(limited.report.warnings[0].code, WarningCode::TrianglesMissed);
+  EXPECT_EQ(limited.report.simplified.tolerance, 0.02 * grid.spacing);
+  EXPECT_THROW(repair(torus, grid, {}, {.tolerance = 0.0, .triangles = 800}), Error);
 }
 
 }  // namespace

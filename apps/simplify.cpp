@@ -1,0 +1,115 @@
+#include <raymap/json.h>
+#include <raymap/raymap.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "checks.h"
+#include "commands.h"
+#include "field_options.h"
+#include "mesh_output.h"
+#include "mesh_units.h"
+#include "options.h"
+#include "report.h"
+#include "terminal.h"
+#include "warnings.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr const char* kFooter = R"(Examples:
+  raymap simplify scan.ply -o small.ply --triangles 5000
+      as near to the mesh as so many triangles allow
+  raymap simplify part.stl -o small.stl --tolerance 0.02
+      as few triangles as this deviation allows
+  raymap simplify part.stl -o small.stl --triangles 5000 --tolerance 0.02
+      5000, or more where they would be farther off
+
+The mesh must be watertight and stays so: no faces cross that did not cross before. raymap repair makes any
+mesh watertight, and takes the same options.)";
+
+struct Arguments {
+  StreamFormat format;
+  std::filesystem::path mesh, result, stats;
+  bool mayOverwrite = false;
+  MeshUnits units;
+  MachineOptions machine;
+  std::optional<double> tolerance;
+  size_t triangles = 0;
+};
+
+Json describe(const Arguments& arguments, const SimplifyReport& report, const StoredMesh& stored) {
+  Json json{{"raymap", version().text},
+            {"mesh", arguments.mesh.string()},
+            {"options",
+             {{"tolerance", arguments.tolerance ? Json(*arguments.tolerance) : Json()},
+              {"triangles", arguments.triangles}}},
+            {"vertices", stored.exact.vertices.size()},
+            {"file_offset", toJson(stored.options.offset)}};
+  json.update(toJson(report));
+  return json;
+}
+
+void print(const SimplifyReport& report) {
+  const std::string count = counted(report.trianglesAfter, "triangle");
+  if (report.tolerance == 0.0)
+    std::printf("kept as it is, with %s\n", count.c_str());
+  else
+    std::printf("%s instead of %s, at most %.3g off the mesh, with a tolerance of %.3g\n", count.c_str(),
+                grouped(report.trianglesBefore).c_str(), report.deviation, report.tolerance);
+}
+
+void run(Arguments& arguments) {
+  if (!arguments.tolerance && arguments.triangles == 0)
+    throw Error(ErrorCode::Usage, "add --triangles N, --tolerance LENGTH or both: they say how far to go");
+  checkSimplification(arguments.tolerance, arguments.triangles);
+  const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
+                                    {"--stats", arguments.stats, {".json"}}};
+  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
+  const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
+                              output = named(arguments.result, arguments.format.output);
+  checkMeshUnits(arguments.units, output);
+  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
+  convertUnits(mesh, arguments.units, input, output);
+  ProgressLine line;
+  Simplified made =
+      simplify(mesh, {.tolerance = arguments.tolerance.value_or(0.0), .triangles = arguments.triangles},
+               withProgress(arguments.machine, line));
+  line.clear();
+  const SimplifyReport report{made.tolerance, mesh.triangles.size(), made.mesh.triangles.size(),
+                              made.deviation};
+  const StoredMesh stored = storeMesh(arguments.result, std::move(made.mesh),
+                                      {.recenter = arguments.units.recenter,
+                                       .unit = writtenUnit(arguments.units, input),
+                                       .format = arguments.format.output});
+  checkStored(stored);
+  writeMesh(stored.path, stored.exact, stored.options);
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report, stored));
+  print(report);
+  printWritten(stored.path, stored.options);
+  if (!arguments.stats.empty()) printWritten(arguments.stats);
+}
+
+}  // namespace
+
+void addSimplify(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("simplify", "Make a watertight mesh of fewer triangles");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+      ->type_name("MESH")
+      ->required();
+  addOption(*command, "--output", arguments->result)->required();
+  addOption(*command, "--format", arguments->format.given);
+  addFigureOptions(*command, arguments->stats);
+  addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addMeshOutputOptions(*command, arguments->units);
+  addOption(*command, "--tolerance", arguments->tolerance);
+  addOption(*command, "--triangles", arguments->triangles);
+  addOption(*command, "--threads", arguments->machine.threads);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap
