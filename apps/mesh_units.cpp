@@ -198,6 +198,13 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
     field.surfaceBounds = {factor * field.surfaceBounds.min + move, factor * field.surfaceBounds.max + move};
 }
 
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
+                                          const MeshUnits& units) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
+  return read;
+}
+
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units) {
   Mesh mesh = loadMesh(path, format);
   convertUnits(mesh, units, named(path, format));

@@ -33,6 +33,7 @@ std::vector<std::string> axes() {
 std::vector<std::string> queryArrayNames() {
   std::vector<std::string> all;
   for (const AskedArray& array : kQueryArrays) all.emplace_back(array.name);
+  all.emplace_back("gradient");
   return all;
 }
 
@@ -61,7 +62,7 @@ constexpr OptionRow kRows[] = {
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
      "others "
-     "orange, flipped faces blue, duplicates yellow, double-sided ones green"},
+     "orange, flipped faces blue, duplicates yellow, double-sided ones green. Of a field: its surface"},
 
     {"--unit", "--units", "Units", Choice, "UNIT", "",
      "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is converted "
@@ -151,7 +152,8 @@ constexpr OptionRow kRows[] = {
     {"--remesh", "", "Parts", Nothing, "", "",
      "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but small holes"},
 
-    {"--arrays", "", "Results", List, "NAME,...", "distance", "Arrays to compute", queryArrayNames},
+    {"--arrays", "", "Results", List, "NAME,...", "distance",
+     "Arrays to compute; of a field, distance and gradient", queryArrayNames},
     {"--max-distance", "", "Results", AboveZero, "LENGTH", "",
      "Farther points get this distance and no closest point"},
     {"--colour", "--color", "Results", Nothing, "", "",

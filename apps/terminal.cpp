@@ -6,6 +6,7 @@
 #include <raymap/io.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -13,6 +14,7 @@
 #include <cstring>
 #include <initializer_list>
 #include <string>
+#include <utility>
 
 #include "warnings.h"
 
@@ -84,6 +86,17 @@ void appendEscaped(std::string& text, char byte) {
   text += {'\\', 'x', kDigits[value / 16], kDigits[value % 16]};
 }
 
+/// Fails because a file is of the other kind than a command reads. Names the command that converts it.
+[[noreturn]] void failKind(const std::filesystem::path& path, const std::string& kinds,
+                           const std::string& command, const char* extension) {
+  const bool isPipe = path.string().starts_with("/dev/");
+  std::filesystem::path result = isPipe ? "result" : path.filename();
+  result.replace_extension(extension);
+  throw Error(ErrorCode::Usage,
+              path.string() + ": it is " + kinds + " is needed; this makes one of it: raymap " + command +
+                  " " + (isPipe ? "-" : quoted(path.string())) + " -o " + quoted(result.string()));
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -97,6 +110,22 @@ std::string printable(std::string_view text) {
     if (text[i] == '\xc2') appendEscaped(result, text[++i]);
   }
   return result;
+}
+
+std::string quoted(const std::string& argument) {
+  const auto isPlain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
+  };
+  if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
+  const bool isEscaped = printable(argument) != argument;
+  std::string words = isEscaped ? "$'" : "'";
+  for (const char c : argument) {
+    if (c == '\'') words += isEscaped ? "\\" : "'\\'";
+    if (c == '\\' && isEscaped) words += c;
+    words += c;
+  }
+  return printable(words) + "'";
 }
 
 void printWarning(std::string_view message) {
@@ -215,14 +244,21 @@ void finishText() {
                   (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
-  const WaitingLine line("reading " + displayName(path.filename()));
-  return readMesh(path, {.format = format, .warn = warn});
-}
-
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
   const WaitingLine line("reading " + displayName(path.filename()));
   return readMeshOrField(path, {.format = format, .warn = warn});
+}
+
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
+  failKind(path, "a field, and a mesh", "mesh", ".ply");
+}
+
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
+  failKind(path, "a mesh, and a field", "generate", ".npz");
 }
 
 }  // namespace raymap

@@ -20,6 +20,9 @@ namespace raymap {
 /// character. File names may hold any.
 std::string printable(std::string_view text);
 
+/// Returns an argument as a shell takes it; as bash does, if it has control characters.
+std::string quoted(const std::string& argument);
+
 /// Prints `raymap: warning: ...` on stderr.
 void printWarning(std::string_view message);
 
@@ -101,10 +104,11 @@ std::string withDisplayNames(std::string message);
 /// Throws `Error(File)` unless all text has reached stdout.
 void finishText();
 
-/// Reads a mesh. Prints its warnings and, after a second, how long it takes. `format` counts if the name does
-/// not tell.
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
-/// Reads a mesh or a field in the same way.
+/// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
+/// name does not tell.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "");
+// Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "");
 
 }  // namespace raymap

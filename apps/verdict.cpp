@@ -123,23 +123,6 @@ std::string describeRest(MeshKind kind, const Diagnostics& found,
   return words.empty() ? "" : words + ".";
 }
 
-/// Returns an argument as a shell takes it; as bash does, if it has control characters.
-std::string quoted(const std::string& argument) {
-  const auto isPlain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
-  };
-  if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
-  const bool isEscaped = printable(argument) != argument;
-  std::string words = isEscaped ? "$'" : "'";
-  for (const char c : argument) {
-    if (c == '\'') words += isEscaped ? "\\" : "'\\'";
-    if (c == '\\' && isEscaped) words += c;
-    words += c;
-  }
-  return printable(words) + "'";
-}
-
 std::filesystem::path resultFor(const std::filesystem::path& mesh) {
   const std::vector<std::string> writable = writableMeshExtensions();
   const std::string extension = mesh.extension().string();
