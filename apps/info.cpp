@@ -117,11 +117,7 @@ void inspectMesh(const Mesh& mesh, const Arguments& arguments) {
     std::printf("\n%s", describe(verdict, found, crossings, arguments.input).c_str());
     return;
   }
-  Json json = toJson(found);
-  json["unit"] = unit ? Json(nameOf(*unit)) : Json();
-  json["self_intersections"] = crossings ? toJson(*crossings) : Json();
-  json["verdict"] = toJson(verdict);
-  std::cout << textOf(json);
+  std::cout << textOf(toJson(verdict, found, crossings, unit));
 }
 
 /// Draws the surface of a field; where it has no distances, the middle slice.

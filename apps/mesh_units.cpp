@@ -63,10 +63,8 @@ double factorFor(const MeshUnits& units, const std::filesystem::path& path) {
   if (!units.to.empty())
     throw Error(ErrorCode::Usage, "--to " + units.to + ": " + displayName(path) +
                                       " does not state its unit; add --from and the unit of its numbers");
-  std::printf(
-      "%s does not state its unit: its numbers are taken to be in %s, and stay; --from U --to %s "
-      "converts them from U\n",
-      displayName(path).c_str(), units.unit.c_str(), units.unit.c_str());
+  printNote(displayName(path) + " does not state its unit: its numbers are taken to be in " + units.unit +
+            ", and stay; --from U --to " + units.unit + " converts them from U");
   return units.scale;
 }
 

@@ -268,14 +268,22 @@ void checkMemory(const Field& field, const Arguments& arguments, size_t points) 
                                        " of --memory-limit are left for it; allow more");
 }
 
-/// Returns the number of points outside of the box of the outermost samples.
-size_t countOutside(const Grid& grid, std::span<const glm::dvec3> points) {
-  return static_cast<size_t>(std::ranges::count_if(points, [&](const glm::dvec3& point) {
-    const glm::dvec3 p = (point - grid.origin) / grid.spacing;
-    const bool isInside = glm::all(glm::greaterThanEqual(p, glm::dvec3(0.0))) &&
-                          glm::all(glm::lessThanEqual(p, glm::dvec3(grid.dims - 1)));
-    return isFinite(point) && !isInside;
-  }));
+/// Returns whether a point is in the box of the outermost samples.
+bool isIn(const Grid& grid, const glm::dvec3& point) {
+  const glm::dvec3 p = (point - grid.origin) / grid.spacing;
+  return glm::all(glm::greaterThanEqual(p, glm::dvec3(0.0))) &&
+         glm::all(glm::lessThanEqual(p, glm::dvec3(grid.dims - 1)));
+}
+
+/// Counts the points outside of the grid, and the distances of the others: those outside are bounds.
+void count(const Grid& grid, std::span<const glm::dvec3> points, const Samples& samples, Report& report) {
+  std::vector<float> distances;
+  for (size_t i = 0; i < points.size(); ++i)
+    if (isIn(grid, points[i]))
+      distances.push_back(samples.distance[i]);
+    else
+      report.outside += isFinite(points[i]) ? 1 : 0;
+  count(points, distances, report);
 }
 
 void queryField(const Field& field, const Arguments& arguments, std::span<const glm::dvec3> points,
@@ -283,12 +291,11 @@ void queryField(const Field& field, const Arguments& arguments, std::span<const 
   checkOfField(arguments);
   checkMemory(field, arguments, points.size());
   report.grid = field.grid;
-  report.outside = countOutside(field.grid, points);
   Samples samples;
   timeStep(report.after, "query", [&] {
     sample(field, points, {.gradients = isAsked(arguments, kGradient)}, samples, arguments.machine);
   });
-  count(points, samples.distance, report);
+  count(field.grid, points, samples, report);
   if (!isAsked(arguments, "distance")) samples.distance = {};
   timeStep(report.after, "write", [&] {
     const WaitingLine line("writing " + displayName(arguments.results));

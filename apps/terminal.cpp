@@ -134,6 +134,14 @@ void printWarning(std::string_view message) {
   std::fprintf(stderr, "raymap: warning: %s\n", printable(message).c_str());
 }
 
+void printError(const std::string& message) {
+  std::fprintf(stderr, "raymap: error: %s\n", withDisplayNames(message).c_str());
+}
+
+void printNote(const std::string& line) {
+  std::fprintf(isTextKept ? stderr : stdout, "%s\n", printable(line).c_str());
+}
+
 void catchSignals() {
   for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, onSignal);
   for (const int signal : {SIGHUP, SIGXCPU}) catchUnlessIgnored(signal, onSignal);

@@ -26,6 +26,12 @@ std::string quoted(const std::string& argument);
 /// Prints `raymap: warning: ...` on stderr.
 void printWarning(std::string_view message);
 
+/// Prints `raymap: error: ...` on stderr.
+void printError(const std::string& message);
+
+/// Prints a line that is no result: on stderr, if the text on stdout is one.
+void printNote(const std::string& line);
+
 /// How much text a command prints.
 enum class TextLevel : uint8_t { Quiet, Normal, Verbose };
 

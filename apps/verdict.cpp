@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -200,13 +201,27 @@ std::string commandFor(const Verdict& verdict, const Diagnostics& found, const s
 
 }  // namespace
 
-std::string describe(const Verdict& verdict, const Diagnostics& found,
-                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
-  std::string words = "This is " + nameKind(verdict.kind, found, crossings) + ".";
+std::string describeKind(const Verdict& verdict, const Diagnostics& found,
+                         const std::optional<SelfIntersections>& crossings) {
+  std::string words = nameKind(verdict.kind, found, crossings) + ".";
   if (const std::string rest = describeRest(verdict.kind, found, crossings); !rest.empty())
     words += " " + rest;
   if (!crossings) words += " Faces that cross were not counted (--fast).";
-  words += '\n';
+  return words;
+}
+
+Json toJson(const Verdict& verdict, const Diagnostics& found,
+            const std::optional<SelfIntersections>& crossings, const std::optional<LengthUnit>& unit) {
+  Json json = toJson(found);
+  json["unit"] = unit ? Json(nameOf(*unit)) : Json();
+  json["self_intersections"] = crossings ? toJson(*crossings) : Json();
+  json["verdict"] = toJson(verdict);
+  return json;
+}
+
+std::string describe(const Verdict& verdict, const Diagnostics& found,
+                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
+  std::string words = "This is " + describeKind(verdict, found, crossings) + "\n";
   const std::string command = commandFor(verdict, found, mesh);
   if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
   if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";

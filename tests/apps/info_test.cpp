@@ -117,7 +117,7 @@ TEST_F(CliInfo, ReportsFields) {
         "samples inside           1, 33.33 %\n", "values not finite        1\n"})
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   const Json found = Json::parse(succeed("info f.npz --json --from in --to mm").out);
-  EXPECT_EQ(found["grid"]["origin"], Json({25.4, 50.8, 76.2}));
+  EXPECT_EQ(found["grid"]["origin"], Json({25.4, 50.8, 25.4 * 3}));
   EXPECT_EQ(found["unit"], "mm");
   EXPECT_EQ(found["arrays"], Json({"distance", "winding"}));
   EXPECT_EQ(found["clamp_distance"], 1.5 * 25.4);

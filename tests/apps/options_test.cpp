@@ -61,7 +61,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   std::map<std::string, std::string> known;
   std::map<std::string, std::set<std::string>> users;
   const std::vector<std::string> all = commands();
-  ASSERT_EQ(all.size(), 13u);
+  ASSERT_EQ(all.size(), 14u);
   for (const std::string& command : all)
     for (const auto& [option, text] : entries(command)) {
       const auto [same, isNew] = known.emplace(option, text);
@@ -72,15 +72,15 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   const auto expectIn = [&](const char* option, const std::set<std::string>& wanted) {
     EXPECT_EQ(users[option], wanted) << option;
   };
-  expectIn("--threads", {"generate", "info", "query", "sample", "mesh", "render", "repair"});
-  expectIn("--memory-limit", {"generate", "info", "query", "sample", "mesh", "render", "repair"});
+  expectIn("--threads", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair"});
+  expectIn("--memory-limit", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair"});
   expectIn("--device", {"generate", "mesh", "render", "repair"});
   expectIn("--stats", {"generate", "query", "sample", "mesh", "repair"});
-  expectIn("--json", {"generate", "info", "query", "sample", "mesh", "repair", "compare", "devices"});
+  expectIn("--json", {"generate", "info", "check", "query", "sample", "mesh", "repair", "compare", "devices"});
   expectIn("--overwrite",
-           {"generate", "info", "query", "sample", "mesh", "render", "repair", "compare", "convert"});
+           {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "compare", "convert"});
   for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
-    expectIn(option, {"generate", "info", "query", "sample", "mesh", "render", "repair", "convert"});
+    expectIn(option, {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "convert"});
   expectIn("--up", {"info", "mesh", "render", "repair", "convert"});
   expectIn("--recenter", {"mesh", "repair", "convert"});
   expectIn("--tolerance", {"mesh", "repair"});

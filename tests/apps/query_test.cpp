@@ -122,5 +122,22 @@ TEST_F(CliQuery, RefusesWhatAFieldLacks) {
   EXPECT_EQ(fileCount(), 3u);
 }
 
+TEST_F(CliQuery, AnswersNoPoints) {
+  writeTorus();
+  succeed("generate torus.ply -o t.npz --resolution 8");
+  std::ofstream(path("none.csv")) << "x,y,z\n";
+  for (const char* from : {"torus.ply", "t.npz"}) {
+    const Result result = succeed("query " + std::string(from) + " none.csv -o r.csv");
+    EXPECT_NE(result.out.find("none.csv: 0 points\n"), std::string::npos) << result.out;
+    EXPECT_EQ(readBytes(path("r.csv")), "x,y,z,distance\n");
+    succeed("query " + std::string(from) + " none.csv -o r.ply --colour");
+    EXPECT_TRUE(readPoints(path("r.ply")).empty());
+  }
+  succeed("query torus.ply none.csv -o r.csv --arrays closest,triangle");
+  EXPECT_EQ(readBytes(path("r.csv")), "x,y,z,closest_x,closest_y,closest_z,triangle\n");
+  succeed("query t.npz none.csv -o r.npy --arrays gradient");
+  EXPECT_TRUE(readPoints(path("r.npy")).empty());
+}
+
 }  // namespace
 }  // namespace raymap
