@@ -121,9 +121,7 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const ReadOptions& opti
   const Buffer<std::byte> bytes = loadFile(source);
   const MeshFile file{bytes, path, options.warn};
   if (format != ".ply") return readPointText(file, format);
-  std::vector<glm::dvec3> points = readPlyPoints(file);
-  if (points.empty()) file.fail("it holds no points");
-  return points;
+  return readPlyPoints(file);
 }
 
 void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
