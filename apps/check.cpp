@@ -56,7 +56,8 @@ bool checkMesh(const fs::path& path, const Arguments& arguments) {
   const bool isGood = verdict.kind == MeshKind::CleanSolid || verdict.kind == MeshKind::SeveralSolids;
   if (arguments.isJson) {
     Json json{{"file", path.string()}, {"good", isGood}};
-    json.update(toJson(verdict, found, crossings, unitOf(arguments.units, named(path, arguments.format.input))));
+    json.update(
+        toJson(verdict, found, crossings, unitOf(arguments.units, named(path, arguments.format.input))));
     print(json);
   } else {
     std::printf("%s: %s, %s\n", displayName(path).c_str(), isGood ? "good" : "bad",
@@ -68,7 +69,8 @@ bool checkMesh(const fs::path& path, const Arguments& arguments) {
 
 /// Says why a mesh could not be checked.
 void reportError(const fs::path& path, const Error& error, const Arguments& arguments) {
-  if (arguments.isJson) print({{"file", path.string()}, {"error", name(error.code())}, {"message", error.what()}});
+  if (arguments.isJson)
+    print({{"file", path.string()}, {"error", name(error.code())}, {"message", error.what()}});
   printError(error.what());
 }
 

@@ -83,8 +83,6 @@ def _with_whole_rows(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
 def to_points(points: Any, *, keep_single: bool = False) -> npt.NDArray[Any]:
     """Returns points of any shape (..., 3) as (n, 3) float64, or on request float32 as float32."""
     array = to_numpy(points)
-    if array.shape == (0,):  # What NumPy makes of an empty list.
-        array = array.reshape(0, 3)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(f"points must be (..., 3) coordinates, not of the shape {array.shape}")
     if array.dtype.kind not in "fiub":

@@ -76,9 +76,10 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   expectIn("--memory-limit", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair"});
   expectIn("--device", {"generate", "mesh", "render", "repair"});
   expectIn("--stats", {"generate", "query", "sample", "mesh", "repair"});
-  expectIn("--json", {"generate", "info", "check", "query", "sample", "mesh", "repair", "compare", "devices"});
+  expectIn("--json",
+           {"generate", "info", "check", "query", "sample", "mesh", "repair", "compare", "devices"});
   expectIn("--overwrite",
-           {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "compare", "convert"});
+           {"generate", "info", "query", "sample", "mesh", "render", "repair", "compare", "convert"});
   for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
     expectIn(option, {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "convert"});
   expectIn("--up", {"info", "mesh", "render", "repair", "convert"});
