@@ -8,6 +8,7 @@
 #include "field_array.h"
 #include "options.h"
 #include "report.h"
+#include "terminal.h"
 
 namespace raymap {
 
@@ -69,8 +70,8 @@ void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
-  Field a = readField(arguments.a, {.format = arguments.format.input}),
-        b = readField(arguments.b, {.format = arguments.format.input});
+  Field a = loadFieldOnly(arguments.a, arguments.format.input),
+        b = loadFieldOnly(arguments.b, arguments.format.input);
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;

@@ -42,9 +42,24 @@ void writeConverted(const Arguments& arguments, Mesh& mesh) {
   printWritten(arguments.output, options);
 }
 
+/// Warns of what the file's format has no place for: arrays besides the first, and the grid.
+void warnOfDropped(const Arguments& arguments, const Field& field) {
+  const std::filesystem::path output = named(arguments.output, arguments.format.output);
+  std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
+  const std::vector<FieldArray> arrays = heldArrays(field);
+  const bool isDistance = arrays[0] == FieldArray::Distance;  // Other arrays are written alone.
+  const bool holdsAll = isDistance && hasExtension(output, {".npz", ".vti", ".vdb"});
+  for (size_t a = 1; a < arrays.size() && !holdsAll; ++a)
+    dropped += (dropped.empty() ? "" : ", ") + ("the array " + std::string(name(arrays[a])));
+  if (!dropped.empty())
+    printWarning(displayName(arguments.output) + ": it has no place for these, which are left out: " +
+                 dropped + (isDistance ? "; a .npz, .vti or .vdb holds all" : ""));
+}
+
 void writeConverted(const Arguments& arguments, Field& field) {
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
   writeField(arguments.output, field, {.array = heldArray(field), .format = arguments.format.output});
+  warnOfDropped(arguments, field);
   printWritten(arguments.output);
 }
 

@@ -23,10 +23,15 @@ bool hasArray(const Field& field, FieldArray array) {
 
 }  // namespace
 
+std::vector<FieldArray> heldArrays(const Field& field) {
+  std::vector<FieldArray> held;
+  for (const std::string_view each : names<FieldArray>())
+    if (const auto array = fromName<FieldArray>(each); hasArray(field, array)) held.push_back(array);
+  return held;
+}
+
 FieldArray heldArray(const Field& field) {
-  for (const FieldArray array : {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence})
-    if (hasArray(field, array)) return array;
-  return FieldArray::Triangle;
+  return heldArrays(field).front();
 }
 
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field) {

@@ -4,8 +4,12 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace raymap {
+
+/// Returns the arrays that a file holds, distance first.
+std::vector<FieldArray> heldArrays(const Field& field);
 
 /// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
 FieldArray heldArray(const Field& field);

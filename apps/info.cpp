@@ -8,6 +8,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_info.h"
 #include "field_options.h"
 #include "mesh_units.h"
 #include "options.h"
@@ -25,6 +26,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap info scan.ply --json | jq .watertight
   raymap info scan.ply --picture scan.png       (shows where the defects are)
   raymap info scan.ply --fast                   (no faces that cross, no thickness)
+  raymap info scan.vdb                          (a field: its grid, arrays and range)
 
 Measured after welding vertices at exactly equal positions. A balanced mesh (every edge used equally often
 in both directions) has a definite inside. For any other, 'raymap generate' finds the most likely one.)";
@@ -82,22 +84,82 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   print(crossings);
 }
 
+struct Arguments {
+  std::filesystem::path input, picture;
+  bool isJson = false, isFast = false;
+  StreamFormat format;
+  bool mayOverwrite = false;
+  MeshUnits units;
+  MachineOptions machine;
+  ViewArguments camera;
+  RenderOptions view;
+};
+
+/// Returns the unit of all lengths, if it is known.
+std::optional<LengthUnit> unitOf(const Arguments& arguments) {
+  return unitOf(arguments.units, named(arguments.input, arguments.format.input));
+}
+
+void inspectMesh(const Mesh& mesh, const Arguments& arguments) {
+  if (arguments.isFast && !arguments.picture.empty())
+    throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
+  ProgressLine line;
+  const MachineOptions machine = withProgress(arguments.machine, line);
+  const Diagnostics found = diagnose(mesh, {}, machine);
+  std::optional<SelfIntersections> crossings;
+  if (!arguments.isFast) crossings = findSelfIntersections(mesh, machine);
+  const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
+  line.clear();
+  if (!arguments.picture.empty()) writePng(arguments.picture, renderDefects(mesh, arguments.view));
+  const std::optional<LengthUnit> unit = unitOf(arguments);
+  if (!arguments.isJson) {
+    print(found, crossings, unit);
+    std::printf("\n%s", describe(verdict, found, crossings, arguments.input).c_str());
+    return;
+  }
+  std::cout << textOf(toJson(verdict, found, crossings, unit));
+}
+
+/// Draws the surface of a field; where it has no distances, the middle slice.
+Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
+  constexpr int kAcrossZ = 2;
+  if (array != FieldArray::Distance) return renderSlice(field, kAcrossZ, -1, arguments.view.width, array);
+  ProgressLine line;
+  MachineOptions machine = withProgress(arguments.machine, line);
+  machine.device = "cpu";
+  return renderField(field, arguments.view, machine);
+}
+
+void inspectField(const Field& field, const Arguments& arguments) {
+  const FieldInfo info = inspect(field);
+  if (!arguments.picture.empty()) writePng(arguments.picture, draw(field, info.array, arguments));
+  const std::optional<LengthUnit> unit = unitOf(arguments);
+  const std::string unitName = unit ? nameOf(*unit) : "";
+  if (arguments.isJson)
+    std::cout << textOf(describe(field, info, unitName));
+  else
+    print(field, info, unitName);
+}
+
+void run(Arguments& arguments) {
+  const std::vector<Output> outputs{{"--picture", arguments.picture, {".png"}}};
+  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
+  const std::variant<Mesh, Field> read =
+      loadMeshOrField(arguments.input, arguments.format.input, arguments.units);
+  if (const Mesh* mesh = std::get_if<Mesh>(&read)) return inspectMesh(*mesh, arguments);
+  inspectField(std::get<Field>(read), arguments);
+}
+
 }  // namespace
 
 void addInfo(CLI::App& app) {
-  struct Arguments {
-    std::filesystem::path mesh, picture;
-    bool isJson = false, isFast = false;
-    StreamFormat format;
-    bool mayOverwrite = false;
-    MeshUnits units;
-    MachineOptions machine;
-    ViewArguments view;
-  };
-  CLI::App* command = app.add_subcommand("info", "Report a mesh's size, topology and defects");
+  CLI::App* command =
+      app.add_subcommand("info", "Report a mesh's size, topology and defects, or a field's grid and range");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
-      ->type_name("MESH")
+  command->add_option("input", arguments->input, "Mesh or field to read")
+      ->type_name("MESH|FIELD")
       ->required();
   addOption(*command, "--format", arguments->format.given);
   addJsonOption(*command, arguments->isJson);
@@ -106,38 +168,9 @@ void addInfo(CLI::App& app) {
   addOption(*command, "--fast", arguments->isFast);
   addOption(*command, "--picture", arguments->picture);
   addCpuOptions(*command, arguments->machine);
-  addViewOptions(*command, arguments->view);
+  addViewOptions(*command, arguments->camera);
   command->footer(kFooter);
-  command->callback([arguments] {
-    const std::vector<Output> outputs{{"--picture", arguments->picture, {".png"}}};
-    prepareFiles(arguments->format, {{arguments->mesh, meshExtensions()}}, outputs);
-    if (!arguments->mayOverwrite) checkInputs(outputs, {arguments->mesh});
-    RenderOptions view;
-    setView(arguments->view, isZUp(arguments->mesh, arguments->format.input), view);
-    if (arguments->isFast && !arguments->picture.empty())
-      throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
-    const Mesh mesh = loadMesh(arguments->mesh, arguments->format.input, arguments->units);
-    ProgressLine line;
-    const MachineOptions machine = withProgress(arguments->machine, line);
-    const Diagnostics found = diagnose(mesh, {}, machine);
-    std::optional<SelfIntersections> crossings;
-    if (!arguments->isFast) crossings = findSelfIntersections(mesh, machine);
-    const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
-    line.clear();
-    if (!arguments->picture.empty()) writePng(arguments->picture, renderDefects(mesh, view));
-    const std::optional<LengthUnit> unit =
-        unitOf(arguments->units, named(arguments->mesh, arguments->format.input));
-    if (!arguments->isJson) {
-      print(found, crossings, unit);
-      std::printf("\n%s", describe(verdict, found, crossings, arguments->mesh).c_str());
-      return;
-    }
-    Json json = toJson(found);
-    json["unit"] = unit ? Json(nameOf(*unit)) : Json();
-    json["self_intersections"] = crossings ? toJson(*crossings) : Json();
-    json["verdict"] = toJson(verdict);
-    std::cout << textOf(json);
-  });
+  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace raymap

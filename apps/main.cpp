@@ -15,34 +15,7 @@
 
 namespace raymap {
 
-namespace {
-
-constexpr const char* kFooter = R"(Try it:
-  raymap example -o globe.ply
-  raymap generate globe.ply -o globe.vdb --resolution 256
-  raymap render globe.vdb -o globe.png
-
-'raymap COMMAND --help' shows a command's options and examples.
-
-Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file cannot be read or written,
-5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU stopped answering,
-9 a GPU failed its test, 10 the GPU has no memory left, 1 a bug in raymap,
-130 or 143 stopped by Ctrl-C or SIGTERM, 129 or 152 stopped by SIGHUP or SIGXCPU.)";
-
-int fail(int code, const std::string& message) {
-  std::fprintf(stderr, "raymap: error: %s\n", withDisplayNames(message).c_str());
-  return code;
-}
-
-/// Returns the command that was understood, for example "raymap generate".
-std::string commandName(const CLI::App& app) {
-  std::string name = app.get_name();
-  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
-  return name;
-}
-
-/// Returns the exit code of an error, as docs/cli.md lists it.
-int exitCode(ErrorCode code) {
+int exitCodeOf(ErrorCode code) {
   switch (code) {
     case ErrorCode::Usage:
       return 2;
@@ -62,6 +35,32 @@ int exitCode(ErrorCode code) {
       return 10;
   }
   return 1;
+}
+
+namespace {
+
+constexpr const char* kFooter = R"(Try it:
+  raymap example -o globe.ply
+  raymap generate globe.ply -o globe.vdb --resolution 256
+  raymap render globe.vdb -o globe.png
+
+'raymap COMMAND --help' shows a command's options and examples.
+
+Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file cannot be read or written,
+5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU stopped answering,
+9 a GPU failed its test, 10 the GPU has no memory left, 11 check found a bad mesh, 1 a bug in raymap,
+130 or 143 stopped by Ctrl-C or SIGTERM, 129 or 152 stopped by SIGHUP or SIGXCPU.)";
+
+int fail(int code, const std::string& message) {
+  printError(message);
+  return code;
+}
+
+/// Returns the command that was understood, for example "raymap generate".
+std::string commandName(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
+  return name;
 }
 
 /// Returns the arguments as CLI11 reads them. Options that every command has may stand before it, and
@@ -92,6 +91,7 @@ int run(int argc, char** argv) {
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   addGenerate(app);
   addInfo(app);
+  addCheck(app);
   addQuery(app);
   addSample(app);
   addMesh(app);
@@ -120,7 +120,7 @@ int run(int argc, char** argv) {
       return 0;
     }
     if (dynamic_cast<const CLI::RuntimeError*>(&error) != nullptr) return error.get_exit_code();
-    return fail(exitCode(ErrorCode::Usage),
+    return fail(exitCodeOf(ErrorCode::Usage),
                 describeUsageError(app, error, arguments) + "; see " + commandName(app) + " --help");
   }
 }
@@ -136,9 +136,9 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const Error& error) {
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
-    return fail(isStopped ? 128 + caughtSignal() : exitCode(error.code()), error.what());
+    return fail(isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(exitCode(ErrorCode::Memory), "out of memory; use a lower resolution");
+    return fail(exitCodeOf(ErrorCode::Memory), "out of memory; use a lower resolution");
   } catch (const std::exception& error) {
     return fail(1, std::string("this is a bug, please report it: ") + error.what());
   }

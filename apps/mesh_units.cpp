@@ -63,10 +63,8 @@ double factorFor(const MeshUnits& units, const std::filesystem::path& path) {
   if (!units.to.empty())
     throw Error(ErrorCode::Usage, "--to " + units.to + ": " + displayName(path) +
                                       " does not state its unit; add --from and the unit of its numbers");
-  std::printf(
-      "%s does not state its unit: its numbers are taken to be in %s, and stay; --from U --to %s "
-      "converts them from U\n",
-      displayName(path).c_str(), units.unit.c_str(), units.unit.c_str());
+  printNote(displayName(path) + " does not state its unit: its numbers are taken to be in " + units.unit +
+            ", and stay; --from U --to " + units.unit + " converts them from U");
   return units.scale;
 }
 
@@ -196,6 +194,13 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
   field.grid.origin = factor * field.grid.origin + move;
   if (field.surfaceBounds.min.x <= field.surfaceBounds.max.x)
     field.surfaceBounds = {factor * field.surfaceBounds.min + move, factor * field.surfaceBounds.max + move};
+}
+
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
+                                          const MeshUnits& units) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
+  return read;
 }
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units) {

@@ -54,7 +54,9 @@ void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::pat
 /// Scales and moves a field. Throws `Error(Usage)` if the options would turn it, or as above.
 void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from);
 
-/// Reads a mesh as `loadMesh` does, and converts it.
+// Read a file as the functions of terminal.h do, and convert it.
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
+                                          const MeshUnits& units);
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units);
 
 /// Returns the path of a file with the format that --format names appended. Its extension tells the format.

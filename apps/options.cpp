@@ -33,6 +33,7 @@ std::vector<std::string> axes() {
 std::vector<std::string> queryArrayNames() {
   std::vector<std::string> all;
   for (const AskedArray& array : kQueryArrays) all.emplace_back(array.name);
+  all.emplace_back("gradient");
   return all;
 }
 
@@ -59,7 +60,7 @@ constexpr OptionRow kRows[] = {
      "Also draw the mesh with its defects in colour, as .png"},
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
-     "others orange, flipped faces blue, duplicates yellow, double-sided ones green"},
+     "others orange, flipped faces blue, duplicates yellow, double-sided ones green. Of a field: its surface"},
 
     {"--frames", "", "Frames", Text, "FIRST:LAST[:STEP]", "",
      "Make one result for each of these frames, LAST included, on one grid: of an animated .gltf or .glb, or "
@@ -154,7 +155,8 @@ constexpr OptionRow kRows[] = {
     {"--remesh", "", "Parts", Nothing, "", "",
      "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but small holes"},
 
-    {"--arrays", "", "Results", List, "NAME,...", "distance", "Arrays to compute", queryArrayNames},
+    {"--arrays", "", "Results", List, "NAME,...", "distance",
+     "Arrays to compute; of a field, distance and gradient", queryArrayNames},
     {"--max-distance", "", "Results", AboveZero, "LENGTH", "",
      "Farther points get this distance and no closest point"},
     {"--colour", "--color", "Results", Nothing, "", "",

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <ostream>
 #include <utility>
+#include <variant>
 
 #include "checks.h"
 #include "commands.h"
@@ -29,20 +30,27 @@ constexpr const char* kFooter = R"(Examples:
       also the closest point of the surface and its triangle, as NumPy arrays
   raymap query cad.stl scan.ply -o deviation.ply --colour
       how far a scan lies from a model, as a coloured point cloud
+  raymap query scan.vdb points.csv -o sampled.csv --arrays distance,gradient
+      distances and gradients between the samples of a field
 
 Points and results are in the mesh's units. A point that is not finite gets NaN.)";
 
+constexpr const char* kGradient = "gradient";  // An array of fields only.
+
 struct Arguments : FieldArguments {
   StreamFormat format;
-  fs::path mesh, points, results, stats;
+  fs::path input, points, results, stats;
   std::vector<std::string> arrays{"distance"};
   double maxDistance = std::numeric_limits<double>::infinity();
   bool isUnsigned = false, colour = false, mayOverwrite = false;
+  std::vector<const CLI::Option*> ofMeshes;  ///< Options that mean nothing for a field.
 };
 
 /// Results of one run, for the summary and the statistics.
 struct Report {
   size_t triangles = 0, points = 0, notFinite = 0;
+  Grid grid;           ///< That of a field.
+  size_t outside = 0;  ///< Number of points outside of it.
   Stats surface;
   size_t surfaceBytes = 0;
   std::vector<Stats::Stage> before, after;  ///< Steps of the command before and after the surface's stages.
@@ -57,10 +65,13 @@ struct Report {
   }
 };
 
+bool isAsked(const Arguments& arguments, const char* array) {
+  return std::ranges::find(arguments.arrays, array) != arguments.arrays.end();
+}
+
 QueryOptions askedFor(const Arguments& arguments) {
   QueryOptions options;
-  for (const AskedArray& array : kQueryArrays)
-    options.*array.isAsked = std::ranges::find(arguments.arrays, array.name) != arguments.arrays.end();
+  for (const AskedArray& array : kQueryArrays) options.*array.isAsked = isAsked(arguments, array.name);
   options.maxDistance = arguments.maxDistance;
   return options;
 }
@@ -74,9 +85,9 @@ bool isWritten(const Arguments& arguments, const std::string& format) {
 void check(Arguments& arguments, const QueryOptions& asked) {
   const std::vector<Output> outputs{{"--output", arguments.results, queryExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
-  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}, {arguments.points, pointExtensions()}},
-               outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh, arguments.points});
+  prepareFiles(arguments.format,
+               {{arguments.input, meshAndFieldExtensions()}, {arguments.points, pointExtensions()}}, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input, arguments.points});
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
   };
@@ -85,6 +96,7 @@ void check(Arguments& arguments, const QueryOptions& asked) {
   require(!arguments.colour || (asked.distance && isWritten(arguments, ".ply")),
           "--colour needs the array distance and an output .ply");
   const auto count =
+      (isAsked(arguments, kGradient) ? 1 : 0) +
       std::ranges::count_if(kQueryArrays, [&](const AskedArray& array) { return asked.*array.isAsked; });
   require(count == 1 || !isWritten(arguments, ".npy"),
           "a .npy holds one array; name one with --arrays, or write a .npz");
@@ -95,19 +107,23 @@ std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& form
   return readPoints(path, {.format = format, .warn = warn});
 }
 
-/// Returns how much of the limit is left for the surface when points and results are held too; 0: no limit.
-size_t limitOfSurface(const Arguments& arguments, const QueryOptions& asked, size_t points) {
+/// Returns how much of the limit is left when points and results are held too; 0: no limit.
+size_t limitLeft(const Arguments& arguments, size_t resultBytes, size_t points) {
   const size_t limit = arguments.machine.memoryLimit;
   if (limit == 0) return 0;
-  size_t bytes = sizeof(glm::dvec3);
-  for (const AskedArray& array : kQueryArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
-  bytes *= points;
+  const size_t bytes = (sizeof(glm::dvec3) + resultBytes) * points;
   if (bytes >= limit)
-    throw Error(ErrorCode::Memory,
-                counted(points, "point") + " and their results need " + sizeText(bytes) +
-                    ", which leaves nothing of the " + sizeText(limit) +
-                    " of --memory-limit for the mesh; split the file of points, or allow more");
+    throw Error(ErrorCode::Memory, counted(points, "point") + " and their results need " + sizeText(bytes) +
+                                       ", which leaves nothing of the " + sizeText(limit) +
+                                       " of --memory-limit for " + displayName(arguments.input) +
+                                       "; split the file of points, or allow more");
   return limit - bytes;
+}
+
+size_t resultBytes(const QueryOptions& asked) {
+  size_t bytes = 0;
+  for (const AskedArray& array : kQueryArrays) bytes += asked.*array.isAsked ? array.bytes : 0;
+  return bytes;
 }
 
 Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit, MachineOptions machine) {
@@ -119,12 +135,14 @@ Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit
                  machine);
 }
 
-void count(std::span<const glm::dvec3> points, const QueryResult& result, Report& report) {
+bool isFinite(const glm::dvec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+void count(std::span<const glm::dvec3> points, const auto& distances, Report& report) {
   report.points = points.size();
-  report.notFinite = static_cast<size_t>(std::ranges::count_if(points, [](const glm::dvec3& p) {
-    return !std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z);
-  }));
-  for (const double distance : result.distance) {
+  report.notFinite = points.size() - static_cast<size_t>(std::ranges::count_if(points, isFinite));
+  for (const double distance : distances) {
     if (std::isnan(distance)) continue;
     ++report.known;
     report.inside += distance < 0.0 ? 1 : 0;
@@ -139,7 +157,7 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
     if (asked.*array.isAsked) arrays.push_back(array.name);
   Json json{
       {"raymap", version().text},
-      {"mesh", arguments.mesh.string()},
+      {"mesh", arguments.input.string()},
       {"triangles", report.triangles},
       {"points",
        {{"file", arguments.points.string()}, {"count", report.points}, {"non_finite", report.notFinite}}},
@@ -159,14 +177,38 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
   return json;
 }
 
+/// Describes a query of a field.
+Json describe(const Arguments& arguments, const Report& report) {
+  Json json{{"raymap", version().text},
+            {"field", arguments.input.string()},
+            {"grid",
+             {{"dims", toJson(report.grid.dims)},
+              {"origin", toJson(report.grid.origin)},
+              {"spacing", report.grid.spacing}}},
+            {"points",
+             {{"file", arguments.points.string()},
+              {"count", report.points},
+              {"non_finite", report.notFinite},
+              {"outside", report.outside}}},
+            {"options", {{"arrays", arguments.arrays}, {"threads", arguments.machine.threads}}},
+            {"steps", toJson(report.steps())},
+            {"peak_memory_bytes", peakMemory()}};
+  if (report.known > 0)
+    json["distances"] = {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
+  return json;
+}
+
 void print(const Arguments& arguments, const Report& report, double elapsedMilliseconds) {
-  std::printf("%s: %s\n", displayName(arguments.mesh).c_str(), counted(report.triangles, "triangle").c_str());
+  const bool isField = report.grid.spacing > 0.0;
+  std::printf("%s: %s\n", displayName(arguments.input).c_str(),
+              isField ? counted(report.grid.sampleCount(), "sample").c_str()
+                      : counted(report.triangles, "triangle").c_str());
   std::printf("%s: %s", displayName(arguments.points).c_str(), counted(report.points, "point").c_str());
   if (report.notFinite > 0) std::printf(", %s not finite", grouped(report.notFinite).c_str());
   std::printf("\n");
   std::printf("%s", describeTimes(report.steps(), elapsedMilliseconds).c_str());
-  std::printf("surface: %s, peak memory %s\n", sizeText(report.surfaceBytes).c_str(),
-              sizeText(peakMemory()).c_str());
+  if (!isField) std::printf("surface: %s, ", sizeText(report.surfaceBytes).c_str());
+  std::printf("peak memory %s\n", sizeText(peakMemory()).c_str());
   if (report.known > 0) {
     std::printf("distance: %.4g to %.4g", report.least, report.most);
     if (!arguments.isUnsigned) std::printf(", %s inside", counted(report.inside, "point").c_str());
@@ -177,10 +219,94 @@ void print(const Arguments& arguments, const Report& report, double elapsedMilli
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-void writeResults(const Arguments& arguments, std::span<const glm::dvec3> points, const QueryResult& result) {
-  const WaitingLine line("writing " + displayName(arguments.results));
-  writeQuery(arguments.results, points, result,
-             {.colour = arguments.colour, .format = arguments.format.output});
+QueryWriteOptions writing(const Arguments& arguments) {
+  return {.colour = arguments.colour, .format = arguments.format.output, .arrays = arguments.arrays};
+}
+
+void queryMesh(const Mesh& mesh, const Arguments& arguments, const QueryOptions& asked,
+               std::span<const glm::dvec3> points, Report& report) {
+  if (isAsked(arguments, kGradient))
+    throw Error(ErrorCode::Usage, "the array gradient is one of fields, and " + arguments.input.string() +
+                                      " is a mesh; its array direction leads to the closest point");
+  report.triangles = mesh.triangles.size();
+  QueryResult result;
+  {
+    ProgressLine line;
+    const MachineOptions machine = withProgress(arguments.machine, line);
+    const Surface surface =
+        prepare(mesh, arguments, limitLeft(arguments, resultBytes(asked), points.size()), machine);
+    report.surface = surface.stats();
+    report.surfaceBytes = surface.bytes();
+    timeStep(report.after, "query", [&] { surface.query(points, asked, result, machine); });
+  }
+  timeStep(report.after, "write", [&] {
+    const WaitingLine line("writing " + displayName(arguments.results));
+    writeQuery(arguments.results, points, result, writing(arguments));
+  });
+  count(points, result.distance, report);
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, asked, report));
+}
+
+/// Throws `Error(Usage)` if an option or array is one of meshes.
+void checkOfField(const Arguments& arguments) {
+  const std::string isField = ", and " + arguments.input.string() + " is a field";
+  for (const CLI::Option* option : arguments.ofMeshes)
+    if (option->count() > 0)
+      throw Error(ErrorCode::Usage, option->get_name() + " is for meshes" + isField + "; leave it out");
+  for (const std::string& array : arguments.arrays)
+    if (array != "distance" && array != kGradient)
+      throw Error(ErrorCode::Usage,
+                  "the array " + array + " is one of meshes" + isField + ", which has distance and gradient");
+}
+
+void checkMemory(const Field& field, const Arguments& arguments, size_t points) {
+  constexpr size_t kResultBytes = sizeof(float) + sizeof(glm::vec3);
+  const size_t left = limitLeft(arguments, kResultBytes, points), bytes = field.distance.capacityBytes();
+  if (left > 0 && bytes > left)
+    throw Error(ErrorCode::Memory, arguments.input.string() + ": the field takes " + sizeText(bytes) +
+                                       ", and " + sizeText(left) +
+                                       " of --memory-limit are left for it; allow more");
+}
+
+/// Returns whether a point is in the box of the outermost samples.
+bool isIn(const Grid& grid, const glm::dvec3& point) {
+  const glm::dvec3 p = (point - grid.origin) / grid.spacing;
+  return glm::all(glm::greaterThanEqual(p, glm::dvec3(0.0))) &&
+         glm::all(glm::lessThanEqual(p, glm::dvec3(grid.dims - 1)));
+}
+
+/// Counts the points outside of the grid, and the distances of the others: those outside are bounds.
+void count(const Grid& grid, std::span<const glm::dvec3> points, const Samples& samples, Report& report) {
+  std::vector<float> distances;
+  for (size_t i = 0; i < points.size(); ++i)
+    if (isIn(grid, points[i]))
+      distances.push_back(samples.distance[i]);
+    else
+      report.outside += isFinite(points[i]) ? 1 : 0;
+  count(points, distances, report);
+}
+
+void queryField(const Field& field, const Arguments& arguments, std::span<const glm::dvec3> points,
+                Report& report) {
+  checkOfField(arguments);
+  checkMemory(field, arguments, points.size());
+  report.grid = field.grid;
+  Samples samples;
+  timeStep(report.after, "query", [&] {
+    sample(field, points, {.gradients = isAsked(arguments, kGradient)}, samples, arguments.machine);
+  });
+  count(field.grid, points, samples, report);
+  if (!isAsked(arguments, "distance")) samples.distance = {};
+  timeStep(report.after, "write", [&] {
+    const WaitingLine line("writing " + displayName(arguments.results));
+    writeSamples(arguments.results, points, samples, writing(arguments));
+  });
+  if (report.outside > 0)
+    printWarning(
+        displayName(arguments.points) + ": " + grouped(report.outside) + " of " +
+        counted(points.size(), "point") + (report.outside == 1 ? " lies" : " lie") +
+        " outside of the grid; their distances are lower bounds, and their gradients lead away from it");
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report));
 }
 
 void run(Arguments& arguments) {
@@ -188,26 +314,16 @@ void run(Arguments& arguments) {
   const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
   Report report;
-  Mesh mesh;
+  std::variant<Mesh, Field> input;
   std::vector<glm::dvec3> points;
-  QueryResult result;
   timeStep(report.before, "load",
-           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
+           [&] { input = loadMeshOrField(arguments.input, arguments.format.input, arguments.units); });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
-  report.triangles = mesh.triangles.size();
-  {
-    ProgressLine line;
-    const MachineOptions machine = withProgress(arguments.machine, line);
-    const Surface surface =
-        prepare(mesh, arguments, limitOfSurface(arguments, asked, points.size()), machine);
-    report.surface = surface.stats();
-    report.surfaceBytes = surface.bytes();
-    timeStep(report.after, "query", [&] { surface.query(points, asked, result, machine); });
-  }
-  timeStep(report.after, "write", [&] { writeResults(arguments, points, result); });
-  count(points, result, report);
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, asked, report));
+  if (const Mesh* mesh = std::get_if<Mesh>(&input))
+    queryMesh(*mesh, arguments, asked, points, report);
+  else
+    queryField(std::get<Field>(input), arguments, points, report);
   print(arguments, report, millisecondsSince(start));
 }
 
@@ -217,7 +333,7 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
   addFigureOptions(command, arguments.stats);
   addOption(command, "--overwrite", arguments.mayOverwrite);
   addOption(command, "--arrays", arguments.arrays);
-  addOption(command, "--max-distance", arguments.maxDistance);
+  arguments.ofMeshes.push_back(addOption(command, "--max-distance", arguments.maxDistance));
   addOption(command, "--colour", arguments.colour);
 }
 
@@ -225,9 +341,11 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
 
 void addQuery(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("query", "Measure signed distances and closest points of a mesh at given points");
+      app.add_subcommand("query", "Measure signed distances of a mesh or a field at given points");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to measure from")->type_name("MESH")->required();
+  command->add_option("input", arguments->input, "Mesh or field to measure from")
+      ->type_name("MESH|FIELD")
+      ->required();
   command
       ->add_option("points", arguments->points,
                    "Points: .csv with columns x, y, z; .npy of shape N x 3; .ply; .xyz or .txt")
@@ -235,9 +353,10 @@ void addQuery(CLI::App& app) {
       ->required();
   addResultOptions(*command, *arguments);
   addUnitOptions(*command, arguments->units);
-  addOption(*command, "--unsigned", arguments->isUnsigned);
-  addOption(*command, "--orientation", arguments->orientation);
-  addOption(*command, "--threshold", arguments->options.threshold);
+  for (const CLI::Option* option : {addOption(*command, "--unsigned", arguments->isUnsigned),
+                                    addOption(*command, "--orientation", arguments->orientation),
+                                    addOption(*command, "--threshold", arguments->options.threshold)})
+    arguments->ofMeshes.push_back(option);
   addCpuOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

@@ -6,6 +6,7 @@
 #include <raymap/io.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -16,6 +17,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "warnings.h"
 
@@ -97,6 +99,17 @@ void appendEscaped(std::string& text, char byte) {
   text += {'\\', 'x', kDigits[value / 16], kDigits[value % 16]};
 }
 
+/// Fails because a file is of the other kind than a command reads. Names the command that converts it.
+[[noreturn]] void failKind(const std::filesystem::path& path, const std::string& kinds,
+                           const std::string& command, const char* extension) {
+  const bool isPipe = path.string().starts_with("/dev/");
+  std::filesystem::path result = isPipe ? "result" : path.filename();
+  result.replace_extension(extension);
+  throw Error(ErrorCode::Usage,
+              path.string() + ": it is " + kinds + " is needed; this makes one of it: raymap " + command +
+                  " " + (isPipe ? "-" : quoted(path.string())) + " -o " + quoted(result.string()));
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -112,8 +125,32 @@ std::string printable(std::string_view text) {
   return result;
 }
 
+std::string quoted(const std::string& argument) {
+  const auto isPlain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
+  };
+  if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
+  const bool isEscaped = printable(argument) != argument;
+  std::string words = isEscaped ? "$'" : "'";
+  for (const char c : argument) {
+    if (c == '\'') words += isEscaped ? "\\" : "'\\'";
+    if (c == '\\' && isEscaped) words += c;
+    words += c;
+  }
+  return printable(words) + "'";
+}
+
 void printWarning(std::string_view message) {
   printer().interrupt("raymap: warning: " + printable(message));
+}
+
+void printError(const std::string& message) {
+  printer().interrupt("raymap: error: " + withDisplayNames(message));
+}
+
+void printNote(const std::string& line) {
+  std::fprintf(isTextKept ? stderr : stdout, "%s\n", printable(line).c_str());
 }
 
 void catchSignals() {
@@ -291,14 +328,21 @@ void finishText() {
                   (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
-  const WaitingLine line("reading " + displayName(path.filename()));
-  return readMesh(path, {.format = format, .warn = warn});
-}
-
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
   const WaitingLine line("reading " + displayName(path.filename()));
   return readMeshOrField(path, {.format = format, .warn = warn});
+}
+
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
+  failKind(path, "a field, and a mesh", "mesh", ".ply");
+}
+
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
+  failKind(path, "a mesh, and a field", "generate", ".npz");
 }
 
 }  // namespace raymap

@@ -23,8 +23,17 @@ namespace raymap {
 /// character. File names may hold any.
 std::string printable(std::string_view text);
 
+/// Returns an argument as a shell takes it; as bash does, if it has control characters.
+std::string quoted(const std::string& argument);
+
 /// Prints `raymap: warning: ...` on stderr.
 void printWarning(std::string_view message);
+
+/// Prints `raymap: error: ...` on stderr.
+void printError(const std::string& message);
+
+/// Prints a line that is no result: on stderr, if the text on stdout is one.
+void printNote(const std::string& line);
 
 /// How much text a command prints.
 enum class TextLevel : uint8_t { Quiet, Normal, Verbose };
@@ -148,10 +157,11 @@ std::string withDisplayNames(std::string message);
 /// Throws `Error(File)` unless all text has reached stdout.
 void finishText();
 
-/// Reads a mesh. Prints its warnings and, after a second, how long it takes. `format` counts if the name does
-/// not tell.
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
-/// Reads a mesh or a field in the same way.
+/// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
+/// name does not tell.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "");
+// Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "");
 
 }  // namespace raymap

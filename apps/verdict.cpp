@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "mesh_units.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -123,23 +124,6 @@ std::string describeRest(MeshKind kind, const Diagnostics& found,
   return words.empty() ? "" : words + ".";
 }
 
-/// Returns an argument as a shell takes it; as bash does, if it has control characters.
-std::string quoted(const std::string& argument) {
-  const auto isPlain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string("._-/+,:=@%").find(c) != std::string::npos || (c & 0x80) != 0;
-  };
-  if (!argument.empty() && std::ranges::all_of(argument, isPlain)) return argument;
-  const bool isEscaped = printable(argument) != argument;
-  std::string words = isEscaped ? "$'" : "'";
-  for (const char c : argument) {
-    if (c == '\'') words += isEscaped ? "\\" : "'\\'";
-    if (c == '\\' && isEscaped) words += c;
-    words += c;
-  }
-  return printable(words) + "'";
-}
-
 std::filesystem::path resultFor(const std::filesystem::path& mesh) {
   const std::vector<std::string> writable = writableMeshExtensions();
   const std::string extension = mesh.extension().string();
@@ -217,13 +201,27 @@ std::string commandFor(const Verdict& verdict, const Diagnostics& found, const s
 
 }  // namespace
 
-std::string describe(const Verdict& verdict, const Diagnostics& found,
-                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
-  std::string words = "This is " + nameKind(verdict.kind, found, crossings) + ".";
+std::string describeKind(const Verdict& verdict, const Diagnostics& found,
+                         const std::optional<SelfIntersections>& crossings) {
+  std::string words = nameKind(verdict.kind, found, crossings) + ".";
   if (const std::string rest = describeRest(verdict.kind, found, crossings); !rest.empty())
     words += " " + rest;
   if (!crossings) words += " Faces that cross were not counted (--fast).";
-  words += '\n';
+  return words;
+}
+
+Json toJson(const Verdict& verdict, const Diagnostics& found,
+            const std::optional<SelfIntersections>& crossings, const std::optional<LengthUnit>& unit) {
+  Json json = toJson(found);
+  json["unit"] = unit ? Json(nameOf(*unit)) : Json();
+  json["self_intersections"] = crossings ? toJson(*crossings) : Json();
+  json["verdict"] = toJson(verdict);
+  return json;
+}
+
+std::string describe(const Verdict& verdict, const Diagnostics& found,
+                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
+  std::string words = "This is " + describeKind(verdict, found, crossings) + "\n";
   const std::string command = commandFor(verdict, found, mesh);
   if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
   if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";

@@ -99,8 +99,8 @@ class CheckDocs(unittest.TestCase):
         self.assert_found("docs/decisions/layers.md: does not name the layer cpu/bands")
 
     def test_finds_exit_codes_that_are_listed_once_only(self):
-        self.edit("docs/cli.md", "| 9 | ", "| 11 | ")
-        self.assert_found("exit code 9 is only in the program's help", "exit code 11 is only in this table")
+        self.edit("docs/cli.md", "| 9 | ", "| 12 | ")
+        self.assert_found("exit code 9 is only in the program's help", "exit code 12 is only in this table")
 
     def test_finds_long_lines_of_prose_only(self):
         long = "word " * 20 + "x"

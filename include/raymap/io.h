@@ -5,6 +5,7 @@
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
 #include <raymap/query.h>
+#include <raymap/sample.h>
 #include <raymap/sample_points.h>
 #include <raymap/units.h>
 
@@ -116,6 +117,8 @@ RAYMAP_API std::vector<glm::dvec3> readPoints(const std::filesystem::path& path,
 struct QueryWriteOptions {
   bool colour = false;  ///< Whether a .ply gets the colour of each distance, as in slices of a field.
   std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+  /// Arrays of a result without points, which does not tell what was asked for.
+  std::vector<std::string> arrays = {"distance"};
 };
 
 /// Writes all arrays of a result, by extension:
@@ -128,6 +131,10 @@ struct QueryWriteOptions {
 /// not fit the points or the format; File.
 RAYMAP_API void writeQuery(const std::filesystem::path& path, std::span<const glm::dvec3> points,
                            const QueryResult& result, const QueryWriteOptions& options = {});
+
+/// Writes samples of a field in the same way. Throws as `writeQuery` does.
+RAYMAP_API void writeSamples(const std::filesystem::path& path, std::span<const glm::dvec3> points,
+                             const Samples& samples, const QueryWriteOptions& options = {});
 
 /// Writes points with distances, by extension:
 /// - .npz: `pos` and `neg`, the `sampleRows` of points that are not inside and that are, as DeepSDF reads

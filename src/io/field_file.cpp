@@ -67,6 +67,9 @@ Formats knownFieldFormats() {
 }
 
 Field readFieldAs(const SourceFile& source, std::string_view format) {
+  if (format.empty() && !formatOf(source, {}, knownMeshFormats()).empty())
+    throw Error(ErrorCode::Usage,
+                source.path().string() + ": it is a mesh, and a field is needed; generate one of it");
   return findFormat(source.path(), format).read(source);
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <ostream>
+#include <utility>
 
 #include "io/file_format.h"
 #include "io/points/point_formats.h"
@@ -41,6 +42,10 @@ const PointFormat& findFormat(const fs::path& path, std::string_view extension) 
   return *found;
 }
 
+size_t sizeOf(const PointArray& array) {
+  return std::visit([](const auto& values) { return values.size(); }, array.values);
+}
+
 void check(const fs::path& path, const PointFormat& format, const PointTable& table) {
   const auto require = [&](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
@@ -49,8 +54,7 @@ void check(const fs::path& path, const PointFormat& format, const PointTable& ta
   require(format.extension != ".npy" || table.arrays.size() == 1,
           "a .npy holds one array; ask for one, or write a .npz");
   for (const PointArray& array : table.arrays)
-    require(std::visit([](const auto& values) { return values.size(); }, array.values) == table.points.size(),
-            "the results are those of another number of points");
+    require(sizeOf(array) == table.points.size(), "the results are those of another number of points");
 }
 
 glm::u8vec3 encoded(const Colour& colour) {
@@ -59,7 +63,8 @@ glm::u8vec3 encoded(const Colour& colour) {
 }
 
 /// Returns the colours of a slice: each side of the surface is deepest at its largest distance.
-std::vector<glm::u8vec3> coloursOf(std::span<const double> distances) {
+template <class Number>
+std::vector<glm::u8vec3> coloursOf(std::span<const Number> distances) {
   double inside = 0.0, outside = 0.0;
   for (const double distance : distances) {
     if (!std::isfinite(distance)) continue;
@@ -72,6 +77,24 @@ std::vector<glm::u8vec3> coloursOf(std::span<const double> distances) {
     colours.push_back(encoded(
         std::isfinite(distance) ? distanceColour(distance, distance < 0.0 ? inside : outside) : kNotFinite));
   return colours;
+}
+
+template <class Number>
+void writeTable(const fs::path& path, PointTable table, std::span<const Number> distances,
+                const QueryWriteOptions& options) {
+  const PointFormat& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
+  const bool isEmpty = table.points.empty();
+  std::erase_if(table.arrays, [&](const PointArray& array) {
+    return sizeOf(array) == 0 && !(isEmpty && std::ranges::count(options.arrays, array.name) > 0);
+  });
+  check(path, format, table);
+  if (options.colour) {
+    if (format.extension != ".ply" || (distances.empty() && !isEmpty))
+      throw Error(ErrorCode::Usage, path.string() + ": colours need distances and a .ply");
+    table.colours = coloursOf(distances);
+  }
+  const auto write = [&](std::ostream& out) { format.write(out, table); };
+  writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }
 
 }  // namespace
@@ -98,23 +121,20 @@ std::vector<glm::dvec3> readPoints(const fs::path& path, const ReadOptions& opti
   const Buffer<std::byte> bytes = loadFile(source);
   const MeshFile file{bytes, path, options.warn};
   if (format != ".ply") return readPointText(file, format);
-  std::vector<glm::dvec3> points = readPlyPoints(file);
-  if (points.empty()) file.fail("it holds no points");
-  return points;
+  return readPlyPoints(file);
 }
 
 void writeQuery(const fs::path& path, std::span<const glm::dvec3> points, const QueryResult& result,
                 const QueryWriteOptions& options) {
-  const PointFormat& format = findFormat(path, formatOf(path, options.format, queryExtensions()));
-  PointTable table{points, arraysOf(result), {}};
-  check(path, format, table);
-  if (options.colour) {
-    if (format.extension != ".ply" || result.distance.empty())
-      throw Error(ErrorCode::Usage, path.string() + ": colours need distances and a .ply");
-    table.colours = coloursOf(result.distance);
-  }
-  const auto write = [&](std::ostream& out) { format.write(out, table); };
-  writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
+  writeTable(path, {points, arraysOf(result), {}}, std::span<const double>(result.distance), options);
+}
+
+void writeSamples(const fs::path& path, std::span<const glm::dvec3> points, const Samples& samples,
+                  const QueryWriteOptions& options) {
+  const std::span<const float> distance = samples.distance;
+  const std::vector<glm::dvec3> gradient(samples.gradient.begin(), samples.gradient.end());
+  const std::span<const glm::dvec3> gradients = gradient;
+  writeTable(path, {points, {{"distance", distance}, {"gradient", gradients, "xyz"}}, {}}, distance, options);
 }
 
 void writePointSamples(const fs::path& path, const PointSamples& samples, std::string_view given) {

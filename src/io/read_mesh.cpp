@@ -34,10 +34,12 @@ Mesh importMesh(const SourceFile& source, std::string_view, const WarningCallbac
 }
 #endif
 
-[[noreturn]] void failFormat(const std::filesystem::path& path) {
+[[noreturn]] void failFormat(const SourceFile& source) {
+  const std::string path = source.path().string();
+  if (!formatOf(source, {}, knownFieldFormats()).empty())
+    throw Error(ErrorCode::Usage, path + ": it is a field, and a mesh is needed; make its isosurface");
   throw Error(ErrorCode::Unsupported,
-              path.string() +
-                  ": neither its name nor its bytes tell the format of this mesh; say which it is: " +
+              path + ": neither its name nor its bytes tell the format of this mesh; say which it is: " +
                   listOf(meshExtensions()));
 }
 
@@ -45,7 +47,7 @@ Mesh importMesh(const SourceFile& source, std::string_view, const WarningCallbac
 
 Mesh readMeshAs(const SourceFile& source, std::string_view name, const WarningCallback& warn) {
   const auto* format = std::ranges::find(kFormats, name, &Format::extension);
-  if (format == kFormats.end()) failFormat(source.path());
+  if (format == kFormats.end()) failFormat(source);
   if (!format->read) return importMesh(source, format->extension, warn);
   const Buffer<std::byte> bytes = loadFile(source);
   return format->read({bytes, source.path(), warn, source.folder()});

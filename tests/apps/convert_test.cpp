@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "cli.h"
+#include "fill.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -86,6 +87,48 @@ TEST_F(CliConvert, RefusesUnitsThatMeanNothing) {
   expectFailure("convert field.nrrd a.npz --up z", ErrorCode::Usage,
                 "--up, --rotate and --recenter are for meshes, and field.nrrd is a field");
   expectFailure("convert field.nrrd a.npz --recenter", ErrorCode::Usage, "are for meshes");
+  EXPECT_EQ(fileCount(), 2u);
+}
+
+TEST_F(CliConvert, SaysWhatItDrops) {
+  Field field;
+  field.grid = {{2, 2, 2}, glm::dvec3(0.0), 1.0};
+  fill(field.distance, std::vector(8, 1.0F));
+  fill(field.winding, std::vector(8, 0.5F));
+  fill(field.triangle, std::vector(8, 3U));
+  writeField(path("f.npz"), field);
+  succeed("convert f.npz all.vti");
+  EXPECT_EQ(run("convert f.npz one.nrrd").err,
+            "raymap: warning: one.nrrd: it has no place for these, which are left out: the array winding, "
+            "the array "
+            "triangle; a .npz, .vti or .vdb holds all\n");
+  succeed("convert one.nrrd same.nrrd");
+  EXPECT_EQ(
+      run("convert one.nrrd a.npy").err,
+      "raymap: warning: a.npy: it has no place for these, which are left out: the grid; a .npz, .vti or .vdb "
+      "holds all\n");
+  field.distance = {};
+  writeField(path("w.npz"), field, {.array = FieldArray::Winding});
+  succeed("convert w.npz w.nrrd");
+}
+
+TEST_F(CliConvert, NamesTheCommandForTheOtherKind) {
+  writeTorus();
+  succeed("generate torus.ply -o t.npz --resolution 8");
+  const auto usage = ErrorCode::Usage;
+  for (const char* command : {"repair t.npz -o a.stl", "generate t.npz -o a.npz", "sample t.npz -o s.npz"})
+    expectFailure(
+        command, usage,
+        "t.npz: it is a field, and a mesh is needed; this makes one of it: raymap mesh t.npz -o t.ply");
+  expectFailure(
+      "compare t.npz torus.ply", usage,
+      "torus.ply: it is a mesh, and a field is needed; this makes one of it: raymap generate torus.ply -o "
+      "torus.npz");
+  EXPECT_NE(shell("cat t.npz | $R repair - -o a.stl").err.find("raymap mesh - -o result.ply"),
+            std::string::npos);
+  EXPECT_NE(shell("mv t.npz 'a b.npz'; $R repair 'a b.npz' -o a.stl")
+                .err.find("raymap mesh 'a b.npz' -o 'a b.ply'"),
+            std::string::npos);
   EXPECT_EQ(fileCount(), 2u);
 }
 

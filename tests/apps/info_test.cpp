@@ -1,4 +1,5 @@
 #include "cli.h"
+#include "fill.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -94,6 +95,50 @@ TEST_F(CliInfo, TellsTheUnit) {
   EXPECT_EQ(inch.err,
             "raymap: warning: box.3mf: 3D/3dmodel.model is in the unit inch; converted to millimetres\n");
   EXPECT_EQ(Json::parse(run("info box.3mf --json").out)["unit"], "mm");
+}
+
+TEST_F(CliInfo, ReportsFields) {
+  Field field;
+  field.grid = {{3, 1, 1}, {1, 2, 3}, 0.5};
+  fill(field.distance, std::vector(3, 0.25F));
+  field.distance[0] = -0.75F;
+  field.distance[2] = NAN;
+  fill(field.winding, std::vector(3, 1.0F));
+  field.clampDistance = 1.5;
+  field.surfaceBounds = {{0, 1, 2}, {3, 4, 5}};
+  writeField(path("f.npz"), field);
+  const std::string text = succeed("info f.npz").out;
+  for (const char* line :
+       {"samples                  3 x 1 x 1 = 3\n", "first sample (origin)    1 2 3\n",
+        "last sample              2 2 3\n", "spacing                  0.5\n",
+        "arrays                   distance, winding\n",
+        "surface, lowest          0 1 2\nsurface, highest         3 4 5\n",
+        "distances clamped to     1.5, 3 samples\n", "distances                -0.75 to 0.25\n",
+        "samples inside           1, 33.33 %\n", "values not finite        1\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << text;
+  const Json found = Json::parse(succeed("info f.npz --json --from in --to mm").out);
+  EXPECT_EQ(found["grid"]["origin"], Json({25.4, 50.8, 25.4 * 3}));
+  EXPECT_EQ(found["unit"], "mm");
+  EXPECT_EQ(found["arrays"], Json({"distance", "winding"}));
+  EXPECT_EQ(found["clamp_distance"], 1.5 * 25.4);
+  EXPECT_EQ(found["surface_bounds"][1][2], 127.0);
+  EXPECT_EQ(found["inside"], 1);
+  EXPECT_EQ(found["non_finite"], 1);
+  EXPECT_NEAR(found["min"].get<double>(), -0.75 * 25.4, 1e-5);
+}
+
+TEST_F(CliInfo, DrawsFields) {
+  writeTorus();
+  succeed("generate torus.ply -o t.npz --resolution 24 --winding w.npz");
+  succeed("info t.npz --picture t.png --size 64 48");
+  succeed("render t.npz -o same.png --size 64 48 --device cpu");
+  EXPECT_EQ(readBytes(path("t.png")), readBytes(path("same.png")));
+  const std::string text = succeed("info w.npz --picture w.png --size 64 48").out;
+  EXPECT_NE(text.find("winding numbers          "), std::string::npos) << text;
+  EXPECT_EQ(text.find("samples inside"), std::string::npos) << text;
+  succeed("render w.npz -o slice.png --slice z --size 64 48");
+  EXPECT_EQ(readBytes(path("w.png")), readBytes(path("slice.png")));
+  EXPECT_TRUE(Json::parse(succeed("info w.npz --json").out)["inside"].is_null());
 }
 
 }  // namespace

@@ -72,5 +72,72 @@ TEST_F(CliQuery, RefusesQueriesThatMakeNoSense) {
   EXPECT_EQ(fileCount(), 2u);
 }
 
+TEST_F(CliQuery, SamplesFields) {
+  Field field;
+  field.grid = {{3, 3, 3}, {0, 0, 0}, 0.5};
+  field.distance.resizeUninitialized(27);
+  for (size_t i = 0; i < 27; ++i) field.distance[i] = 0.5F * float(i % 3) - 0.75F;
+  writeField(path("f.npz"), field);
+  std::ofstream(path("p.csv")) << "0.25,0.5,1\n1,0,0\n4,0,0\ninf,0,0\n";
+  const Result result = run("query f.npz p.csv -o r.csv --arrays distance,gradient --stats s.json");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(
+      result.err,
+      "raymap: warning: p.csv: 1 of 4 points lies outside of the grid; their distances are lower bounds, and "
+      "their gradients lead away from it\n");
+  EXPECT_NE(result.out.find("f.npz: 27 samples\np.csv: 4 points, 1 not finite\n"), std::string::npos)
+      << result.out;
+  std::istringstream rows(readBytes(path("r.csv")));
+  std::string header, between, corner;
+  for (std::string* row : {&header, &between, &corner}) std::getline(rows, *row);
+  EXPECT_EQ(header, "x,y,z,distance,gradient_x,gradient_y,gradient_z");
+  EXPECT_EQ(between.rfind("0.25,0.5,1,-0.5,", 0), 0u) << between;
+  EXPECT_EQ(corner.rfind("1,0,0,0.25,", 0), 0u) << corner;
+  EXPECT_EQ(json("s.json")["points"]["outside"], 1);
+  EXPECT_EQ(json("s.json")["distances"]["inside"], 1);
+  std::ofstream(path("in.csv")) << "0,0,0\n1,1,1\n";
+  succeed("query f.npz in.csv -o g.npy --arrays gradient");
+  EXPECT_EQ(readPoints(path("g.npy")).size(), 2u);
+  succeed("query f.npz in.csv -o c.ply --colour");
+  succeed("query f.npz in.csv -o scaled.csv --scale 2");
+  EXPECT_NE(readBytes(path("scaled.csv")).find("0,0,0,-1.5\n1,1,1,-0.5\n"), std::string::npos)
+      << readBytes(path("scaled.csv"));
+}
+
+TEST_F(CliQuery, RefusesWhatAFieldLacks) {
+  writeTorus();
+  succeed("generate torus.ply -o t.npz --resolution 8");
+  std::ofstream(path("p.csv")) << "0,0,0\n";
+  const auto usage = ErrorCode::Usage;
+  expectFailure("query t.npz p.csv -o r.csv --arrays closest", usage,
+                "the array closest is one of meshes, and t.npz is a field");
+  for (const char* option : {"--unsigned", "--threshold 0.4", "--orientation keep", "--max-distance 1"})
+    expectFailure(std::string("query t.npz p.csv -o r.csv ") + option, usage,
+                  " is for meshes, and t.npz is a field");
+  expectFailure("query torus.ply p.csv -o r.csv --arrays gradient", usage,
+                "the array gradient is one of fields, and torus.ply is a mesh");
+  expectFailure("query t.npz p.csv -o r.npy --arrays distance,gradient", usage, "a .npy holds one array");
+  expectFailure("query t.npz p.csv -o r.csv --memory-limit 100B", ErrorCode::Memory,
+                "of --memory-limit are left for it");
+  EXPECT_EQ(fileCount(), 3u);
+}
+
+TEST_F(CliQuery, AnswersNoPoints) {
+  writeTorus();
+  succeed("generate torus.ply -o t.npz --resolution 8");
+  std::ofstream(path("none.csv")) << "x,y,z\n";
+  for (const char* from : {"torus.ply", "t.npz"}) {
+    const Result result = succeed("query " + std::string(from) + " none.csv -o r.csv");
+    EXPECT_NE(result.out.find("none.csv: 0 points\n"), std::string::npos) << result.out;
+    EXPECT_EQ(readBytes(path("r.csv")), "x,y,z,distance\n");
+    succeed("query " + std::string(from) + " none.csv -o r.ply --colour");
+    EXPECT_TRUE(readPoints(path("r.ply")).empty());
+  }
+  succeed("query torus.ply none.csv -o r.csv --arrays closest,triangle");
+  EXPECT_EQ(readBytes(path("r.csv")), "x,y,z,closest_x,closest_y,closest_z,triangle\n");
+  succeed("query t.npz none.csv -o r.npy --arrays gradient");
+  EXPECT_TRUE(readPoints(path("r.npy")).empty());
+}
+
 }  // namespace
 }  // namespace raymap

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "files.h"
+#include "fill.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -142,6 +143,27 @@ TEST_F(FileFormat, TellsMeshesFromFields) {
     ASSERT_TRUE(std::holds_alternative<Field>(read)) << format;
     EXPECT_TRUE(std::ranges::equal(std::get<Field>(read).distance, field.distance)) << format;
   }
+}
+
+TEST_F(FileFormat, RefusesTheOtherKind) {
+  writeMesh(path("mesh.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)));
+  Field field;
+  field.grid = {{2, 2, 2}, glm::dvec3(0.0), 1.0};
+  fill(field.distance, std::vector(8, 1.0F));
+  writeField(path("field.nrrd"), field);
+  const auto messageOf = [](auto&& read) -> std::string {
+    try {
+      read();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage);
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(messageOf([&] { readMesh(path("field.nrrd")); }).find("it is a field, and a mesh is needed"),
+            std::string::npos);
+  EXPECT_NE(messageOf([&] { readField(path("mesh.ply")); }).find("it is a mesh, and a field is needed"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -102,8 +102,6 @@ TEST_F(PointFiles, NamesTheLineAndTheValue) {
               "line 1: no column is called y: the header names 'x', 'z'; call three columns x, y and z");
   expectError("p.xyz", "2\n", "line 1: 1 column; a row without a header holds x, y and z");
   expectError("p.csv", "1,2,1e999\n", "line 1: z is '1e999', which is not a number");
-  expectError("p.csv", "", "it holds no points");
-  expectError("p.csv", "x,y,z\n", "it holds no points, only a header");
   expectError("p.obj", "v 0 0 0\n", "'.obj' is not a format for points; use one of .csv .npy .ply .xyz .txt",
               ErrorCode::Usage);
 }
@@ -124,8 +122,8 @@ TEST_F(PointFiles, RefusesOtherArrays) {
   const std::string data(48, '\0');
   expectError("p.npy", npy("<f8", "False", "(3, 2)", data), "its shape is 3 x 2; points need one of N x 3");
   expectError("p.npy", npy("<f8", "False", "()", data), "its shape is no axes; points need one of N x 3");
-  expectError("p.npy", npy("<f8", "False", "(0, 3)", data), "it holds no points: its shape is 0 x 3");
-  expectError("p.npy", npy("<f8", "False", "(-1, 3)", data), "it holds no points: its shape is -1 x 3");
+  expectError("p.npy", npy("<f8", "False", "(0, 2)", data), "its shape is 0 x 2; points need one of N x 3");
+  expectError("p.npy", npy("<f8", "False", "(-1, 3)", data), "its shape is -1 x 3");
   expectError("p.npy", npy("<f8", "False", "(3, 3)", data),
               "its shape is 3 x 3, more than its bytes can hold");
   expectError("p.npy", npy("<f8", "False", "(4611686018427387904, 4, 3)", data),
@@ -146,10 +144,19 @@ TEST_F(PointFiles, ReadsVerticesWithAndWithoutFaces) {
             kTwo);
   // Line breaks mean nothing where the rows share a line.
   EXPECT_EQ(read("p.ply", start + rest + end + "1.5 -2 3e-9 7 4 5.25 1e300 8\n"), kTwo);
-  expectError("p.ply",
-              "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
-              "property float z\nend_header\n",
-              "it holds no points");
+}
+
+TEST_F(PointFiles, ReadsAndWritesNoPoints) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float "
+      "z\nend_header\n";
+  const std::vector<glm::dvec3> none;
+  EXPECT_EQ(read("p.ply", ply), none);
+  EXPECT_EQ(read("p.csv", ""), none);
+  EXPECT_EQ(read("p.csv", "x,y,z\n"), none);
+  EXPECT_EQ(read("p.npy", npy("<f8", "False", "(0, 3)", "")), none);
+  EXPECT_EQ(read("p.npy", npy("<f4", "True", "(0, 3)", "")), none);
+  EXPECT_EQ(read("p.npy", npy("<f8", "False", "(0,)", "")), none);
 }
 
 QueryResult twoResults() {

@@ -33,7 +33,7 @@ struct PointArray {
   std::string_view parts = {};  ///< Letter or digit of each coordinate, e.g. "xyz".
 };
 
-/// Returns what the query filled, in the order of `QueryResult`.
+/// Returns all arrays of a result, in its order, empty ones too.
 std::vector<PointArray> arraysOf(const QueryResult& result);
 
 /// Points, what is known about them, and a colour for each; no colours: not wanted.

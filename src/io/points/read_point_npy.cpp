@@ -18,13 +18,15 @@ std::string shapeText(const std::vector<int64_t>& shape) {
 size_t checkedPointCount(const std::filesystem::path& path, const NpyHeader& header, ElementType type,
                          uint64_t available) {
   const std::vector<int64_t>& shape = header.shape;
+  if (shape == std::vector<int64_t>{0}) return 0;  // What NumPy makes of an empty list.
   if (shape.empty() || shape.back() != 3)
     throwInvalid(path, "its shape is " + shapeText(shape) + "; points need one of N x 3");
   if (header.xFastest && shape.size() > 2)
     throwUnsupported(path, "points of more than two axes in Fortran order; save them in C order");
   uint64_t room = available / (3 * elementSize(type)), count = 1;
   for (size_t axis = 0; axis + 1 < shape.size(); ++axis) {
-    if (shape[axis] < 1) throwInvalid(path, "it holds no points: its shape is " + shapeText(shape));
+    if (shape[axis] < 0) throwInvalid(path, "its shape is " + shapeText(shape));
+    if (shape[axis] == 0) return 0;
     count *= static_cast<uint64_t>(shape[axis]);
     room /= static_cast<uint64_t>(shape[axis]);
     if (room == 0) throwInvalid(path, "its shape is " + shapeText(shape) + ", more than its bytes can hold");
@@ -46,6 +48,7 @@ std::vector<glm::dvec3> readPointNpy(const SourceFile& source) {
   const NpyHeader header = readNpyHeader(path, read);
   const ArrayLayout layout = layoutOf(path, header);
   std::vector<glm::dvec3> points(checkedPointCount(path, header, layout.type, file.remaining()));
+  if (points.empty()) return points;
   if (layout.zFastest) {
     readReals({&points[0].x, 3 * points.size()}, layout, read);
     return points;

@@ -101,7 +101,7 @@ class TextReader {
   TextReader(const MeshFile& file, bool isCsv) : file_(file), rows_(file.text()), isCsv_(isCsv) {}
 
   std::vector<glm::dvec3> read() {
-    if (!rows_.next()) file_.fail("it holds no points");
+    if (!rows_.next()) return {};
     separator_ = separatorOf(rows_.row());
     split(rows_.row(), separator_, fields_);
     firstLine_ = rows_.line();
@@ -109,7 +109,7 @@ class TextReader {
     const bool hasHeader =
         std::ranges::none_of(fields_, [](auto field) { return numberIn(field).has_value(); });
     const Columns columns = hasHeader ? namedColumns() : firstColumns();
-    if (hasHeader && !rows_.next()) file_.fail("it holds no points, only a header");
+    if (hasHeader && !rows_.next()) return {};
     std::vector<glm::dvec3> points;
     do points.push_back(readRow(columns));
     while (rows_.next());

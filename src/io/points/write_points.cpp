@@ -123,7 +123,7 @@ void addProperties(TextPieces& pieces, const PointArray& array, size_t point) {
 std::vector<PointArray> arraysOf(const QueryResult& result) {
   std::vector<PointArray> arrays;
   const auto add = [&](std::string_view name, const auto& buffer, std::string_view parts = "") {
-    if (!buffer.empty()) arrays.push_back({name, std::span(buffer.data(), buffer.size()), parts});
+    arrays.push_back({name, std::span(buffer.data(), buffer.size()), parts});
   };
   add("distance", result.distance);
   add("closest", result.closest, "xyz");
