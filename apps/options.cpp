@@ -60,7 +60,8 @@ constexpr OptionRow kRows[] = {
      "Also draw the mesh with its defects in colour, as .png"},
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
-     "others orange, flipped faces blue, duplicates yellow, double-sided ones green. Of a field: its surface"},
+     "others orange, flipped faces blue, duplicates yellow, double-sided ones green. Of a field: its "
+     "surface"},
 
     {"--frames", "", "Frames", Text, "FIRST:LAST[:STEP]", "",
      "Make one result for each of these frames, LAST included, on one grid: of an animated .gltf or .glb, or "

@@ -139,12 +139,13 @@ void renderFrames(Arguments& arguments) {
 
 void writeFieldPage(const Field& field, Arguments& arguments) {
   if (!arguments.slice.empty() || field.distance.empty())
-    throw Error(ErrorCode::Usage, "a page shows distances and moves its own slice; leave out --slice and --as");
+    throw Error(ErrorCode::Usage,
+                "a page shows distances and moves its own slice; leave out --slice and --as");
   testBeforeFirstUse(arguments.machine.device);
   ProgressLine line;
   arguments.page.title = displayName(arguments.input.filename());
-  const PageContent page =
-      writePage(arguments.picture, field, arguments.view, arguments.page, withProgress(arguments.machine, line));
+  const PageContent page = writePage(arguments.picture, field, arguments.view, arguments.page,
+                                     withProgress(arguments.machine, line));
   line.clear();
   printWritten(arguments.picture);
   if (page.grid.dims != field.grid.dims)

@@ -530,7 +530,7 @@ typedef struct raymap_simplify_options {
   double tolerance;   /* Largest distance of points of either mesh to the other. 0 keeps the mesh; with
                          `triangles`, it is no limit. */
   double step;        /* Distance between these points; 0 = ten times the tolerance, or with `triangles` a
-                         quarter of the mean edge of so many. */
+                         quarter of the mean edge of so many, at least the mesh's own. */
   uint64_t triangles; /* Most triangles of the result, with the least tolerance that was found to reach it;
                          0 = no limit. */
 } raymap_simplify_options;

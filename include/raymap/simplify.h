@@ -11,7 +11,7 @@ struct SimplifyOptions {
   /// limit.
   double tolerance = 0.0;
   /// Distance between these points; 0 = ten times the tolerance, or a quarter of the mean edge of
-  /// `triangles`.
+  /// `triangles`, at least the mesh's own mean edge.
   double step = 0.0;
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach it.
   size_t triangles = 0;

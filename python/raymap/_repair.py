@@ -136,7 +136,7 @@ def simplify(
         triangles: Most triangles of the result, with the least tolerance that was found to reach it. A warning
             tells if the shape or ``tolerance`` does not allow so few.
         step: Distance between these points, in the mesh's units; None = ten times the tolerance, or with ``triangles``
-            a quarter of the mean edge of so many.
+            a quarter of the mean edge of so many, at least the mesh's own mean edge.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 

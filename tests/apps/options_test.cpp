@@ -72,17 +72,18 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   const auto expectIn = [&](const char* option, const std::set<std::string>& wanted) {
     EXPECT_EQ(users[option], wanted) << option;
   };
-  expectIn("--threads", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify"});
+  expectIn("--threads",
+           {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify"});
   expectIn("--memory-limit", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair"});
   expectIn("--device", {"generate", "mesh", "render", "repair"});
   expectIn("--stats", {"generate", "query", "sample", "mesh", "repair", "simplify"});
-  expectIn("--json",
-           {"generate", "info", "check", "query", "sample", "mesh", "repair", "simplify", "compare", "devices"});
+  expectIn("--json", {"generate", "info", "check", "query", "sample", "mesh", "repair", "simplify", "compare",
+                      "devices"});
   expectIn("--overwrite", {"generate", "info", "query", "sample", "mesh", "render", "repair", "simplify",
                            "compare", "convert"});
   for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
-    expectIn(option,
-             {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify", "convert"});
+    expectIn(option, {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify",
+                      "convert"});
   expectIn("--up", {"info", "mesh", "render", "repair", "simplify", "convert"});
   expectIn("--recenter", {"mesh", "repair", "simplify", "convert"});
   expectIn("--tolerance", {"mesh", "repair", "simplify"});

@@ -26,6 +26,22 @@ TEST_F(CliRender, DrawsPictures) {
   EXPECT_TRUE(fs::exists(path("slice.png")));
 }
 
+TEST_F(CliRender, WritesPages) {
+  writeTorus();
+  succeed("generate torus.ply -o torus.nrrd --resolution 24");
+  const Result page = succeed("render torus.nrrd -o page.html --size 64 48");
+  EXPECT_EQ(page.out.rfind("wrote page.html, ", 0), 0u) << page.out;
+  EXPECT_EQ(page.out.find("it shows"), std::string::npos);
+  EXPECT_NE(readBytes(path("page.html")).find("<title>torus.nrrd</title>"), std::string::npos);
+  EXPECT_NE(succeed("render torus.nrrd -o page.html --max-size 12").out.find("it shows 12 x "),
+            std::string::npos);
+  EXPECT_EQ(shell("$R render torus.nrrd -o - --format html 2>.text | head -c 15").out, "<!DOCTYPE html>");
+  expectFailure("render torus.nrrd -o page.html --slice z", ErrorCode::Usage, "leave out --slice");
+  expectFailure("render torus.nrrd -o page.html --max-size 1", ErrorCode::Usage, "at least 2 samples");
+  succeed("generate torus.ply -o d.nrrd --winding w.nrrd --resolution 8");
+  expectFailure("render w.nrrd -o page.html", ErrorCode::Usage, "a page shows distances");
+}
+
 TEST_F(CliRender, DrawsFilesOfPrintersAndCadWithZUp) {
   writeTorus();
   succeed("convert torus.ply torus.stl");
