@@ -161,11 +161,20 @@ void renderOne(Arguments& arguments) {
   printWritten(arguments.picture);
 }
 
+/// Returns the formats that the output may have. What has no name is a picture, unless --format says
+/// otherwise.
+std::vector<std::string> kindsOf(const Arguments& arguments) {
+  const bool isSequence = !arguments.frames.frames.empty();
+  const std::string& format = arguments.format.given;
+  if (!arguments.picture.has_extension() && canonical(format) != "html" && canonical(format) != ".html")
+    return {".png"};
+  return {".png", isSequence ? ".mp4" : ".html"};
+}
+
 void run(Arguments& arguments) {
   finishOptions(arguments);
   const bool isSequence = !arguments.frames.frames.empty();
-  const std::vector<std::string> kinds{".png", isSequence ? ".mp4" : ".html"};
-  const std::vector<Output> outputs{{"--output", arguments.picture, kinds}};
+  const std::vector<Output> outputs{{"--output", arguments.picture, kindsOf(arguments)}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);

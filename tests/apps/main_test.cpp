@@ -43,10 +43,10 @@ TEST_F(CliMain, FailsWhereItsTextIsLost) {
 }
 
 TEST_F(CliMain, NamesTheCommands) {
-  expectFailure("", ErrorCode::Usage,
-                "name a command: generate info check query sample mesh render repair compare convert example "
-                "devices completion "
-                "manual;");
+  expectFailure(
+      "", ErrorCode::Usage,
+      "name a command: generate info check query sample mesh render repair simplify compare convert "
+      "example devices completion manual;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
                 "unknown command 'paint'; use one of: generate info check query sample mesh render");
 }
