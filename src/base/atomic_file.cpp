@@ -3,8 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <ostream>
 #include <streambuf>
 #include <string>
@@ -50,7 +50,7 @@ class DescriptorBuffer : public std::streambuf {
         return count;
       }
     }
-    std::memcpy(pptr(), data, static_cast<size_t>(count));
+    std::copy_n(data, count, pptr());  // Without data, there may be no address.
     pbump(static_cast<int>(count));
     return count;
   }

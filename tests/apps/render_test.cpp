@@ -33,9 +33,10 @@ TEST_F(CliRender, WritesPages) {
   EXPECT_EQ(page.out.rfind("wrote page.html, ", 0), 0u) << page.out;
   EXPECT_EQ(page.out.find("it shows"), std::string::npos);
   EXPECT_NE(readBytes(path("page.html")).find("<title>torus.nrrd</title>"), std::string::npos);
-  EXPECT_NE(succeed("render torus.nrrd -o page.html --max-size 12").out.find("it shows 12 x "),
+  EXPECT_NE(succeed("render torus.nrrd -o page.html --size 64 48 --max-size 12").out.find("it shows 12 x "),
             std::string::npos);
-  EXPECT_EQ(shell("$R render torus.nrrd -o - --format html 2>.text | head -c 15").out, "<!DOCTYPE html>");
+  EXPECT_EQ(shell("$R render torus.nrrd -o - --size 64 48 --format html 2>.text | head -c 15").out,
+            "<!DOCTYPE html>");
   expectFailure("render torus.nrrd -o page.html --slice z", ErrorCode::Usage, "leave out --slice");
   expectFailure("render torus.nrrd -o page.html --max-size 1", ErrorCode::Usage, "at least 2 samples");
   succeed("generate torus.ply -o d.nrrd --winding w.nrrd --resolution 8");
