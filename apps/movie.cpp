@@ -22,12 +22,18 @@ namespace raymap {
 
 namespace {
 
-/// Reads a file from its beginning, a part at a time.
+/// Reads a file from its beginning, a part at a time. Throws `Error(File)`.
 template <class Take>
 void readAll(FILE* file, Take take) {
-  std::rewind(file);
   std::array<char, 65536> part{};
-  while (const size_t count = std::fread(part.data(), 1, part.size(), file)) take(part.data(), count);
+  size_t count = std::fseek(file, 0, SEEK_SET) == 0 ? part.size() : 0;
+  const bool isAtStart = count > 0;
+  while (count > 0) {
+    count = std::fread(part.data(), 1, part.size(), file);
+    take(part.data(), count);
+  }
+  if (!isAtStart || std::ferror(file) != 0)
+    throw Error(ErrorCode::File, "what ffmpeg has written into a temporary file cannot be read");
 }
 
 /// Starts ffmpeg, which reads pictures from its descriptor 0 and writes the movie into descriptor 3. Returns

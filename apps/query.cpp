@@ -255,8 +255,11 @@ void checkOfField(const Arguments& arguments) {
       throw Error(ErrorCode::Usage, option->get_name() + " is for meshes" + isField + "; leave it out");
   for (const std::string& array : arguments.arrays)
     if (array != "distance" && array != kGradient)
-      throw Error(ErrorCode::Usage,
-                  "the array " + array + " is one of meshes" + isField + ", which has distance and gradient");
+      throw Error(ErrorCode::Usage, std::string("the array ")
+                                        .append(array)
+                                        .append(" is one of meshes")
+                                        .append(isField)
+                                        .append(", which has distance and gradient"));
 }
 
 void checkMemory(const Field& field, const Arguments& arguments, size_t points) {
