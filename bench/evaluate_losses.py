@@ -59,7 +59,7 @@ def try_command(raymap_binary, words, mesh, work, threads):
              "warnings": [line for line in done.stderr.splitlines() if "warning:" in line]}
     if done.returncode != 0:
         return {**found, "error": done.stderr.strip().splitlines()[-1]}
-    found |= {"faces": len(raymap.load_mesh(result).faces), "lost": lost_share(mesh, result, threads)}
+    found |= {"faces": len(raymap.load_mesh(result).faces), "lost": lost_share(mesh, result, threads or None)}
     result.unlink()
     return found
 
