@@ -23,6 +23,10 @@ bool hasArray(const Field& field, FieldArray array) {
 
 }  // namespace
 
+Box boxOf(const Grid& grid) {
+  return {grid.origin, grid.position(grid.dims - 1)};
+}
+
 std::vector<FieldArray> heldArrays(const Field& field) {
   std::vector<FieldArray> held;
   for (const std::string_view each : names<FieldArray>())

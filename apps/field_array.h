@@ -8,6 +8,9 @@
 
 namespace raymap {
 
+/// Returns the box of the outermost samples.
+Box boxOf(const Grid& grid);
+
 /// Returns the arrays that a file holds, distance first.
 std::vector<FieldArray> heldArrays(const Field& field);
 

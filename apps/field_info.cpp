@@ -12,11 +12,6 @@ namespace raymap {
 
 namespace {
 
-/// Returns the box of the outermost samples.
-Box boxOf(const Grid& grid) {
-  return {grid.origin, grid.position(grid.dims - 1)};
-}
-
 std::string listOf(const std::vector<FieldArray>& arrays) {
   std::string text;
   for (const FieldArray array : arrays) text += (text.empty() ? "" : ", ") + std::string(name(array));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "checks.h"
+#include "field_array.h"
 #include "options.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -24,7 +25,7 @@ Box shapeBounds(const Mesh& mesh) {
 /// Returns the bounds of the surface; of the grid, if the file does not tell them.
 Box shapeBounds(const Field& field) {
   if (!field.surfaceBounds.isEmpty()) return field.surfaceBounds;
-  return {field.grid.origin, field.grid.position(glm::dvec3(field.grid.dims - 1))};
+  return boxOf(field.grid);
 }
 
 }  // namespace
@@ -125,7 +126,7 @@ std::variant<Mesh, Field> Sequence::read(size_t i) {
     result = readMeshOrField(input(i), {.format = format_, .warn = i < seen_ ? WarningCallback() : warn});
   seen_ = std::max(seen_, i + 1);
   std::visit([&](auto& shape) { convertUnits(shape, units_, path); }, result);
-  // What is taken for granted was said; once is enough.
+  // `convertUnits` says which unit it supposes. Named from then on, it is not said of each frame.
   if (units_.from.empty() && !meshUnit(path)) units_.from = units_.unit;
   return result;
 }
