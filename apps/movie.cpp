@@ -26,14 +26,13 @@ namespace {
 template <class Take>
 void readAll(FILE* file, Take take) {
   std::array<char, 65536> part{};
-  size_t count = std::fseek(file, 0, SEEK_SET) == 0 ? part.size() : 0;
-  const bool isAtStart = count > 0;
-  while (count > 0) {
+  bool isGood = std::fseek(file, 0, SEEK_SET) == 0;
+  for (size_t count = part.size(); isGood && count > 0;) {
     count = std::fread(part.data(), 1, part.size(), file);
     take(part.data(), count);
+    isGood = std::ferror(file) == 0;
   }
-  if (!isAtStart || std::ferror(file) != 0)
-    throw Error(ErrorCode::File, "what ffmpeg has written into a temporary file cannot be read");
+  if (!isGood) throw Error(ErrorCode::File, "what ffmpeg has written into a temporary file cannot be read");
 }
 
 /// Starts ffmpeg, which reads pictures from its descriptor 0 and writes the movie into descriptor 3. Returns
