@@ -10,7 +10,6 @@ struct PagePush {
   RenderSceneData scene;
   uint width, height;
   uint rays;           // Rays of a pixel, 1 or 4.
-  float scale;         // Spacings per unit of the samples.
   vec3 sliceNormal;    // 0 for no slice.
   float sliceOffset;
   float range;         // Largest distance, in spacings, for the colours of the slice.
@@ -22,7 +21,7 @@ layout(location = 200) uniform highp sampler3D samples;
 layout(location = 0) out vec4 colour;
 
 float trilinear(vec3 q) {
-  return push.scale * texture(samples, (q + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
+  return texture(samples, (q + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
 }
 
 #include "scene/shade.glsl"

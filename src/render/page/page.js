@@ -185,7 +185,7 @@ class Viewer {
     for (const [name, value] of Object.entries(settings.shape)) this.set("shape." + name, value);
     for (const [name, value] of Object.entries({ ...page.scene, ...(isDark.matches ? page.dark : {}), ...camera }))
       this.set("scene." + name, value);
-    for (const [name, value] of Object.entries({ width, height, rays, scale: 1, range: page.range, outside: page.outside,
+    for (const [name, value] of Object.entries({ width, height, rays, range: page.range, outside: page.outside,
       sliceNormal: settings.sliceNormal, sliceOffset: settings.sliceOffset })) this.set(name, value);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.viewport(0, 0, width, height);
