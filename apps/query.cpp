@@ -49,7 +49,7 @@ struct Arguments : FieldArguments {
 /// Results of one run, for the summary and the statistics.
 struct Report {
   size_t triangles = 0, points = 0, notFinite = 0;
-  Grid grid;           ///< That of a field.
+  Grid grid;           ///< Grid of the field; empty for a mesh.
   size_t outside = 0;  ///< Number of points outside of it.
   Stats surface;
   size_t surfaceBytes = 0;

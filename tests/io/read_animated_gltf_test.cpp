@@ -162,7 +162,7 @@ TEST(ReadAnimatedGltf, MorphsByKeys) {
 }
 
 TEST(ReadAnimatedGltf, MorphsBySplines) {
-  // Of each time: the tangents before, the values, the tangents after.
+  // Each time has a row for the tangents before it, one for the values, one for the tangents after it.
   const std::string weights = raw<float>({9, 9, 0, 1, 1, 0, 0, 2, 4, 3, 9, 9});
   const Mesh moved = posed(read(morphJson("CUBICSPLINE"), morphBuffer(weights), 1).mesh, 0.5);
   const double t = 0.25, t2 = t * t, t3 = t2 * t;  // glTF 2.0, appendix C, with keys 2 s apart.
