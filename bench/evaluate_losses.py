@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Repairs every mesh of a folder by defaults and by what `raymap info` prints, and prints what is lost as Markdown.
 
-Usage: bench/evaluate_losses.py RAYMAP FOLDER [--work FOLDER] [--only NAME...] [--most-faces N] [--threads 1]
+Usage: bench/evaluate_losses.py RAYMAP FOLDER [--work FOLDER] [--only NAME...] [--most-faces N] [--threads 1] [--limit 900]
 
 What is lost is the share of the mesh's area that is outside of the result and farther from it than two samples of a grid of
 256. The work folder keeps what was measured (NAME.losses.json). A run that was stopped goes on there. Needs numpy and the
@@ -49,12 +49,15 @@ def commands_for(raymap_binary, mesh):
     return commands
 
 
-def try_command(raymap_binary, words, mesh, work, threads):
+def try_command(raymap_binary, words, mesh, work, threads, limit):
     """Runs a command in the work folder, and returns what is known of it."""
     result = work / words[words.index("-o") + 1]
     began = time.monotonic()
-    done = subprocess.run([raymap_binary, *words, "--overwrite", "--threads", str(threads)], cwd=work, capture_output=True,
-                          text=True, errors="replace")
+    try:
+        done = subprocess.run([raymap_binary, *words, "--overwrite", "--threads", str(threads)], cwd=work, capture_output=True,
+                              text=True, errors="replace", timeout=limit)
+    except subprocess.TimeoutExpired:
+        return {"command": shlex.join(words), "seconds": limit, "warnings": [], "error": f"does not end within {limit:g} s"}
     found = {"command": shlex.join(words), "seconds": time.monotonic() - began,
              "warnings": [line for line in done.stderr.splitlines() if "warning:" in line]}
     if done.returncode != 0:
@@ -66,7 +69,8 @@ def try_command(raymap_binary, words, mesh, work, threads):
 
 def evaluate(arguments, mesh):
     commands = commands_for(arguments.raymap, mesh)
-    return {which: try_command(arguments.raymap, words, mesh, arguments.work, arguments.threads) for which, words in commands.items()}
+    return {which: try_command(arguments.raymap, words, mesh, arguments.work, arguments.threads, arguments.limit)
+            for which, words in commands.items()}
 
 
 def evaluate_or_recall(arguments, mesh):
@@ -101,6 +105,7 @@ def main():
     parser.add_argument("--only", nargs="+", help="names of meshes")
     parser.add_argument("--most-faces", type=int, help="leave out meshes of more faces")
     parser.add_argument("--threads", type=int, default=0, help="threads of the program; 0 = all")
+    parser.add_argument("--limit", type=float, default=900, help="seconds that a command may take")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     listed = [row for row in mesh_rows(arguments.folder) if row["kind"] != "malformed"]
