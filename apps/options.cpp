@@ -178,6 +178,13 @@ constexpr OptionRow kRows[] = {
     {"--direction", "", "Picture", Direction, "DIRECTION", "-0.6 -0.45 -1; where z is up, -0.6 1 -0.45",
      "Direction in which the camera looks"},
     {"--cut", "", "Picture", Nothing, "", "", "Cut the shape open and show half of it"},
+    {"--eye", "", "Picture", Vector, "X Y Z", "where the shape fills the picture", "Place of the camera"},
+    {"--cut-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
+     "Cut the shape open at this plane instead of its middle: what lies on the side of the normal is "
+     "removed. "
+     "D is the product of the normal and a point of the plane"},
+    {"--slice-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
+     "Also show the distances on this plane, with lines as --slice draws them"},
     {"--slice", "", "Picture", Choice, "AXIS", "",
      "Draw a map of the slice across this axis, x, y or z, instead of the surface", axes},
     {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
@@ -267,7 +274,8 @@ std::optional<CLI::Validator> checkOf(const OptionRow& row) {
     case Number:
     case Vector:
     case Direction:
-    case Box:
+    case Takes::Plane:
+    case Takes::Box:
     case List:
       return anyNumber();
     default:
@@ -371,6 +379,8 @@ int valueCount(Takes takes) {
     case Vector:
     case Direction:
       return 3;
+    case Takes::Plane:
+      return 4;
     case Takes::Box:
       return 6;
     default:

@@ -29,6 +29,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap render winding.vdb -o slice.png --slice z         (of a file of --winding: its numbers)
   raymap render man.glb --frames 0:59 -o man.%04d.png      (a picture of each frame; -o man.mp4: a movie)
   raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves)
+  raymap render globe.vdb -o near.png --eye 3,1,2 --direction -3,-1,-2 --cut-plane 0,0,1,0.4
   raymap render globe.vdb -o globe.html                    (a page to turn, cut and slice it in a browser))";
 
 struct Arguments : FieldArguments {
@@ -199,9 +200,8 @@ void addRender(CLI::App& app) {
   addUnitOptions(*command, arguments->units);
   addGridOptions(*command, *arguments);
   addOption(*command, "--thickness", arguments->options.thickness);
-  addOption(*command, "--shell", arguments->view.shell);
   addViewOptions(*command, arguments->camera);
-  addOption(*command, "--cut", arguments->view.cut);
+  addSceneOptions(*command, arguments->camera, arguments->view);
   addOption(*command, "--index", arguments->index)->needs(addOption(*command, "--slice", arguments->slice));
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--max-size", arguments->page.maxSize);

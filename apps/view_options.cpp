@@ -29,6 +29,15 @@ void addViewOptions(CLI::App& command, ViewArguments& arguments) {
   addOption(command, "--up", arguments.up);
 }
 
+void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view) {
+  addOption(command, "--eye", arguments.eye);
+  addOption(command, "--iso", view.iso);
+  addOption(command, "--shell", view.shell);
+  addOption(command, "--cut", view.cut);
+  addOption(command, "--cut-plane", arguments.cutPlane);
+  addOption(command, "--slice-plane", arguments.slicePlane);
+}
+
 bool isZUp(const std::filesystem::path& path, const std::string& format) {
   const std::vector<std::string> kinds{".stl", ".3mf"};
   return hasExtension(path, kinds) ||
@@ -50,6 +59,13 @@ void setView(const ViewArguments& arguments, bool isZUp, RenderOptions& options)
   };
   options.up = arguments.up.empty() ? defaultView(isZUp).up : vector(arguments.up);
   options.direction = arguments.direction.empty() ? lookingDown(options.up) : vector(arguments.direction);
+  if (!arguments.eye.empty()) options.eye = vector(arguments.eye);
+  const auto plane = [&](const std::vector<double>& numbers) -> std::optional<Plane> {
+    if (numbers.empty()) return {};
+    return Plane{.normal = vector(numbers), .offset = numbers[3]};
+  };
+  options.cutPlane = plane(arguments.cutPlane);
+  options.slice = plane(arguments.slicePlane);
   if (glm::length(glm::cross(options.direction, options.up)) < 1e-9)
     throw Error(ErrorCode::Usage, "--direction and --up must be two different directions, not zero");
 }

@@ -12,11 +12,13 @@ namespace raymap {
 /// Arguments that say how to look at a picture.
 struct ViewArguments {
   std::vector<int> size{1024, 768};
-  std::vector<double> direction, up;
+  std::vector<double> direction, up, eye, cutPlane, slicePlane;
 };
 
-/// Adds their options to a command.
+/// Adds the options of every picture.
 void addViewOptions(CLI::App& command, ViewArguments& arguments);
+/// Adds those of a sphere-traced field.
+void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view);
 
 /// Returns whether z is up in files of this kind, as 3D printing and CAD have it: .stl and .3mf. `format` is
 /// that of a file whose name does not tell it.

@@ -18,6 +18,12 @@ struct Picture {
 /// Largest width and height of a picture, in pixels.
 inline constexpr int kMaxPictureSide = 16384;
 
+/// The plane of all points p with dot(normal, p) = offset, in the mesh's units.
+struct Plane {
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Of any length but zero.
+  double offset = 0.0;
+};
+
 /// How to draw a field by sphere tracing (Hart 1996).
 struct RenderOptions {
   int width = 1024;                         ///< In pixels.
@@ -31,6 +37,13 @@ struct RenderOptions {
   /// Box that the camera frames instead of the shape, in the mesh's units. Pictures of a moving shape share
   /// one, so that the camera stands still. The ball around it cuts off what reaches farther.
   std::optional<Box> frame = {};
+  /// Place of the camera, in the mesh's units, instead of one from which the shape fills the picture.
+  std::optional<glm::dvec3> eye = {};
+  double iso = 0.0;  ///< Distance at which the surface lies, in the mesh's units.
+  /// Plane of the cut, instead of the middle one: what lies on the side of its normal is removed.
+  std::optional<Plane> cutPlane = {};
+  /// Plane on which distances are drawn in the colours and with the lines of `renderSlice`.
+  std::optional<Plane> slice = {};
 };
 
 }  // namespace raymap

@@ -181,8 +181,11 @@ class RAYMAP_API Renderer {
   /// Writes 32 bits per pixel to `pixels`, rows from the top: sRGB red in the lowest byte, then green, blue
   /// and 255, as in VK_FORMAT_R8G8B8A8_SRGB. `options.frame` is required, as only the device knows where the
   /// shape is. Throws `Error`: Usage, Unsupported; nothing is recorded then.
+  ///
+  /// `depth`, if it is given, gets a float per pixel: the distance from the eye to the nearest that the pixel
+  /// shows, in the mesh's units, or the largest float.
   void record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
-              const BufferRange& pixels);
+              const BufferRange& pixels, const BufferRange& depth = {});
 
  private:
   struct Impl;

@@ -139,7 +139,9 @@ Json describeScene(const Scene& scene) {
           {"top", toJson(data.top)},
           {"bottom", toJson(data.bottom)},
           {"inside", toJson(kInside)},
-          {"contour", toJson(data.contour)}};
+          {"contour", toJson(data.contour)},
+          {"sliceRange", data.sliceRange},
+          {"outside", toJson(kOutside)}};
 }
 
 Json describeShape(const RenderShape& shape) {
@@ -216,12 +218,10 @@ PageContent writePage(const std::filesystem::path& path, const Field& field, con
                   {"origin", toJson(shown.grid.origin)},
                   {"spacing", shown.grid.spacing},
                   {"step", step},
-                  {"range", std::max(largest, 1e-9)},
                   {"height", view.height},
                   {"shape", describeShape(describe(scene.shape))},
                   {"scene", describeScene(scene)},
                   {"light", toJson(kLightOfCamera)},
-                  {"outside", toJson(kOutside)},
                   {"dark", {{"top", toJson(srgb(38, 41, 46))}, {"bottom", toJson(srgb(22, 24, 28))}}}};
   const std::string title = escaped(options.title.empty() ? path.stem().string() : options.title);
   const std::string page = filled(kPageText, {{"title", title},

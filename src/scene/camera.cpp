@@ -47,6 +47,15 @@ Camera::Camera(const RenderOptions& options, const Reach& reach)
   frame(reach, up);
 }
 
+Camera::Camera(const RenderOptions& options, const Shape& shape)
+    : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {
+  if (!options.eye) return;
+  const Grid& grid = shape.field().grid;
+  eye_ = (*options.eye - grid.origin) / grid.spacing;
+  if (!std::isfinite(eye_.x + eye_.y + eye_.z))
+    throw Error(ErrorCode::Usage, "the place of the camera must be finite");
+}
+
 /// Places the eye so that the view's side planes, tilted inward a little, enclose and touch the shape. A
 /// plane's normal is n = c*side - s*forward, and the shape reaches r along n. The plane touches the shape if
 /// dot(n, e) = r for the eye e. Two opposite sides give the eye's position across and its distance; the

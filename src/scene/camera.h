@@ -23,8 +23,8 @@ class Camera {
 
   /// Throws `Error(Usage)` if a direction has no length or the field of view is not 1 to 150 degrees.
   Camera(const RenderOptions& options, const Reach& reach);
-  Camera(const RenderOptions& options, const Shape& shape)
-      : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {}
+  /// Stands at `options.eye` if there is one. Throws `Error(Usage)` also if that is not finite.
+  Camera(const RenderOptions& options, const Shape& shape);
 
   /// Returns the ray through a point of the picture. Pixel (0,0) covers 0 to 1; rows count from the top.
   Ray ray(double x, double y) const;

@@ -39,7 +39,11 @@ RenderSceneData describe(const Scene& scene) {
           .top = kBackgroundTop,
           .bottom = kBackgroundBottom,
           .inside = {kInside[0], kInside[1], kInside[2]},
-          .contour = kContour};
+          .contour = kContour,
+          .sliceNormal = scene.slice ? glm::vec3(scene.slice->normal) : glm::vec3(0.0f),
+          .sliceOffset = scene.slice ? static_cast<float>(scene.slice->offset) : 0.0f,
+          .sliceRange = static_cast<float>(std::min(scene.shape.radius(), kFarthestRay)),
+          .outside = {kOutside[0], kOutside[1], kOutside[2]}};
 }
 
 }  // namespace raymap

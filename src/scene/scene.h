@@ -27,13 +27,16 @@ struct Scene {
         camera(options, shape),
         toLight(glm::normalize(kLightOfCamera.x * camera.right() + kLightOfCamera.y * camera.forward() +
                                kLightOfCamera.z * up)),
-        lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {}
+        lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {
+    if (options.slice) slice = toSamples(*options.slice, field.grid);
+  }
 
   glm::dvec3 up;
   Shape shape;
   Camera camera;
   glm::dvec3 toLight;
-  double lineStep;  ///< Distance between the lines on the cut face, in samples.
+  double lineStep;                  ///< Distance between the lines on the cut face and the slice, in samples.
+  std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
 };
 
 /// Returns what shaders need of a shape, and of all else.

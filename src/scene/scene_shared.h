@@ -37,8 +37,12 @@ struct RenderSceneData {
   vec3 top, bottom;  // Background.
   vec3 inside[3];    // Cut face: at the surface, half way, deepest.
   vec3 contour;
+  vec3 sliceNormal;  // 0 for no slice.
+  float sliceOffset;
+  float sliceRange;  // Distance, in spacings, at which the colours of the slice are deepest.
+  vec3 outside[3];   // Slice: at the surface, half way, farthest.
 };
-RAYMAP_CHECK_SIZE(RenderSceneData, 208);
+RAYMAP_CHECK_SIZE(RenderSceneData, 264);
 
 RAYMAP_SHARED_END
 

@@ -72,6 +72,40 @@ vec3 background(RenderSceneData scene, Ray ray, vec2 at, float skipped) {
   return mix(scene.top, scene.bottom, at.y / push.height) * floorShade(scene, ray, skipped);
 }
 
+// Returns the ray's parameter where it meets the slice inside the grid; negative if it does not.
+float traceSlice(RenderSceneData scene, Ray ray) {
+  const float across = dot(ray.direction, scene.sliceNormal);
+  if (across == 0) return -1;
+  const float t = (scene.sliceOffset - dot(ray.origin, scene.sliceNormal)) / across;
+  const vec3 p = ray.origin + t * ray.direction;
+  const vec3 last = vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1;
+  return all(greaterThanEqual(p, vec3(-0.5))) && all(lessThanEqual(p, last + 0.5)) ? t : -1;
+}
+
+vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
+  const float d = fieldDistance(p);
+  const float far = min(abs(d) / scene.sliceRange, 1);
+  const vec3 ground = d < 0 ? insideColour(scene, d)
+                      : far < 0.5 ? mix(scene.outside[0], scene.outside[1], 2 * far)
+                                  : mix(scene.outside[1], scene.outside[2], 2 * far - 1);
+  return drawLines(scene, ground, d, slope);
+}
+
+// Returns the light of a point of the picture. `away` is the distance from the eye to what is seen there,
+// the largest float where nothing is.
+vec3 light(RenderSceneData scene, vec2 at, out float away) {
+  float skipped;
+  const Ray ray = cameraRay(scene, at, skipped);
+  const float slice = traceSlice(scene, ray);
+  const float t = traceRay(ray);
+  if (slice >= 0 && (t < 0 || slice < t)) {
+    away = skipped + slice;
+    return sliceColour(scene, ray.origin + slice * ray.direction, away * scene.pixelAngle);
+  }
+  away = t >= 0 ? skipped + t : kNothingThere;
+  return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
+}
+
 vec3 encodeSrgb(vec3 linear) {
   linear = clamp(linear, 0, 1);
   return mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));

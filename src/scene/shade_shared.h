@@ -43,6 +43,7 @@ RAYMAP_CONSTANT RAYMAP_REAL kGrazingPart = 0.25;
 RAYMAP_CONSTANT RAYMAP_REAL kGrazingPower = 5.0;
 RAYMAP_CONSTANT RAYMAP_REAL kShinePart = 0.12;
 RAYMAP_CONSTANT RAYMAP_REAL kShinePower = 50.0;
+RAYMAP_CONSTANT float kNothingThere = 3.402823466e38f;  // Distance to what is seen where nothing is.
 // Light that is shown as white. Highlights are compressed instead of clipped.
 RAYMAP_CONSTANT RAYMAP_REAL kWhite = 4.0;
 

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "scene/camera.h"
 #include "scene/shape.h"
 
 namespace raymap {
@@ -88,20 +89,31 @@ glm::dvec3 cutAxis(const glm::dvec3& direction, const glm::dvec3& up) {
 
 }  // namespace
 
+Plane toSamples(const Plane& plane, const Grid& grid) {
+  const glm::dvec3 normal = unitVector(plane.normal, "normal of the plane");
+  const double offset = plane.offset / glm::length(plane.normal) - glm::dot(normal, grid.origin);
+  if (!std::isfinite(offset)) throw Error(ErrorCode::Usage, "the offset of the plane must be finite");
+  return {.normal = normal, .offset = offset / grid.spacing};
+}
+
 Shape::Shape(const Field& field, const RenderOptions& options)
     : field_(field),
       sampler_(field),
-      level_(0.0),
+      level_(options.iso / field.grid.spacing),
       wall_(options.shell / field.grid.spacing),
       band_(field.clampDistance / field.grid.spacing),
       isFramed_(options.frame.has_value()),
-      cut_(options.cut) {
-  if (!field.distance.empty()) extent_ = findExtent(field, 0.0);
+      cut_(options.cut || options.cutPlane) {
+  if (!std::isfinite(level_) || (field.clampDistance > 0.0 && std::abs(options.iso) >= field.clampDistance))
+    throw Error(ErrorCode::Usage, "no surface can be drawn at the distance " + numberText(options.iso) +
+                                      ": it must be finite, and less than the field's band (" +
+                                      numberText(field.clampDistance) + ") if it has one");
+  if (!field.distance.empty()) extent_ = findExtent(field, level_);
   if (!(options.shell >= 0.0) || (field.clampDistance > 0.0 && options.shell >= field.clampDistance))
     throw Error(ErrorCode::Usage, "a shell of " + numberText(options.shell) +
                                       " cannot be drawn: it must not be negative, and thinner than the " +
                                       "field's band (" + numberText(field.clampDistance) + ") if it has one");
-  if (extent_.deepest >= 0.0 && !field.distance.empty()) {
+  if (extent_.deepest >= 0.0 && options.iso == 0.0 && !field.distance.empty()) {
     level_ = kSkin;
     extent_ = findExtent(field, level_);
   }
@@ -110,8 +122,14 @@ Shape::Shape(const Field& field, const RenderOptions& options)
     extent_.min = glm::dvec3(0.0);
     extent_.max = sampler_.last();
   }
-  cutNormal_ = cutAxis(options.direction, options.up);
-  cutOffset_ = glm::dot(cutNormal_, centre());
+  if (options.cutPlane) {
+    const Plane plane = toSamples(*options.cutPlane, field.grid);
+    cutNormal_ = plane.normal;
+    cutOffset_ = plane.offset;
+  } else {
+    cutNormal_ = cutAxis(options.direction, options.up);
+    cutOffset_ = glm::dot(cutNormal_, centre());
+  }
 }
 
 std::vector<double> Shape::reach(std::span<const glm::dvec3> directions) const {

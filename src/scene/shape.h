@@ -11,6 +11,9 @@
 
 namespace raymap {
 
+/// Returns a plane in sample coordinates, with a unit normal. Throws `Error(Usage)` if it has none.
+Plane toSamples(const Plane& plane, const Grid& grid);
+
 /// Bounds of a solid, in sample coordinates.
 struct Extent {
   glm::dvec3 min{INFINITY};

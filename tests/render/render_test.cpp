@@ -220,6 +220,56 @@ TEST(Render, UnsignedFieldShowsItsSurface) {
   EXPECT_NEAR(double(silhouette(field, options)) / double(silhouette(ball(48, 0.7), options)), 1.0, 0.03);
 }
 
+TEST(Render, TheCameraStandsAtTheEye) {
+  RenderOptions options{
+      .width = 240, .height = 180, .direction = {0, 0, -1}, .eye = glm::dvec3(0.0, 0.0, 4.0)};
+  const Field field = ball(64, 0.7);
+  const Camera camera(options, Shape(field, options));
+  const double disc = std::tan(std::asin(0.7 / 4.0)) / camera.pixelAngle();
+  EXPECT_NEAR(std::sqrt(double(silhouette(field, options)) / std::numbers::pi), disc, 0.5);
+  options.iso = 0.2;  // A larger ball.
+  const double larger = std::tan(std::asin(0.9 / 4.0)) / camera.pixelAngle();
+  EXPECT_NEAR(std::sqrt(double(silhouette(field, options)) / std::numbers::pi), larger, 0.5);
+  options.eye->z = NAN;
+  EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
+}
+
+TEST(Render, APlaneCutsAndASliceShowsDistances) {
+  RenderOptions options{
+      .width = 120, .height = 120, .direction = {0, 0, -1}, .eye = glm::dvec3(0.0, 0.0, 3.0)};
+  const Field field = ball(64, 0.7);
+  const auto pixel = [&](int x, int y) {
+    const Picture picture = renderField(field, options);
+    const uint8_t* rgb = picture.rgb.data() + 3 * size_t(y * 120 + x);
+    return glm::ivec3(rgb[0], rgb[1], rgb[2]);
+  };
+  // The normal's length does not count, and what lies on its side is gone: the face is 0.3 lower.
+  options.cutPlane = Plane{{0.0, 0.0, 10.0}, 4.0};
+  const Shape shape(field, options);
+  const auto hit = cpu::trace(shape, Camera(options, shape).ray(60, 60));
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(*hit * field.grid.spacing, 3.0 - 0.4, 1e-3);
+  const glm::ivec3 face = pixel(60, 60);
+  EXPECT_GT(face.z, face.x);  // Cool.
+  // A slice in front of all hides the shape: warm where it is outside.
+  options.slice = Plane{{0.0, 0.0, 1.0}, 0.9};
+  const glm::ivec3 above = pixel(60, 60);
+  EXPECT_GT(above.x, above.z);
+  options.slice = Plane{{0.0, 0.0, 1.0}, -0.9};  // Behind the shape.
+  EXPECT_EQ(pixel(60, 60), face);
+  EXPECT_GT(pixel(60, 6).x, pixel(60, 6).z);  // But beside it, it is seen.
+  for (const Plane& plane : {Plane{glm::dvec3(0.0), 0.0}, Plane{{0, 0, 1}, NAN}}) {
+    RenderOptions broken = options;
+    broken.slice = plane;
+    EXPECT_EQ(refusal(field, broken), ErrorCode::Usage);
+    broken.slice = {};
+    broken.cutPlane = plane;
+    EXPECT_EQ(refusal(field, broken), ErrorCode::Usage);
+  }
+  options.iso = NAN;
+  EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
+}
+
 TEST(Render, CutShowsTheInsideAndShellHollowsIt) {
   // Straight from the front: the cut face of the ball is a disc, that of the shell a ring.
   RenderOptions options{.width = 200, .height = 200, .direction = {0, 0, -1}, .cut = true};

@@ -66,26 +66,54 @@ TEST_F(VulkanRender, FramedByABox) {
   expectAsOnTheCpu(field, {.cut = true, .shell = 0.1, .frame = box});
 }
 
+TEST_F(VulkanRender, EyeIsoCutPlaneAndSlice) {
+  const Field field = sampled(cube(40, 2.0), solid);
+  const RenderOptions at{.direction = {-1.0, -0.3, -0.5}, .eye = glm::dvec3(1.8, 0.7, 1.1)};
+  expectAsOnTheCpu(field, at);
+  RenderOptions options = at;
+  options.iso = 0.1;
+  options.cutPlane = Plane{{2.0, 1.0, 0.0}, 0.4};
+  expectAsOnTheCpu(field, options);
+  options.slice = Plane{{0.0, 1.0, 3.0}, 0.5};
+  expectAsOnTheCpu(field, options);
+}
+
 // Another kernel, here an upload, left the field on the device, in the mesh's units.
 TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Field field = torus(32);
   const RenderOptions options{.width = 120, .height = 90, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}};
   const Picture theirs = renderField(field, options, {.device = "cpu"});
   const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
-  DeviceBuffer pixels(device(), "pixels");
+  DeviceBuffer pixels(device(), "pixels"), depth(device(), "depth");
   pixels.resize<uint32_t>(120 * 90);
+  depth.resize<float>(120 * 90);
   const Field elsewhere{.grid = field.grid};
   const Scene scene(elsewhere, options);
   RenderFieldStage stage(device());
   run([&](Commands& commands) {
     stage.recordScene(commands, scene, 120, 90);
-    stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)}, pixels.address(), 0, 90);
+    stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)},
+                     {pixels.address(), depth.address()}, 0, 90);
   });
   Picture ours{120, 90, {}};
   const std::vector<uint32_t> drawn = download<uint32_t>(pixels);
   for (const uint32_t pixel : drawn)
     for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
   expectClose(ours, theirs);
+  // The depth leads from the eye to the torus, and is the largest float where the background is.
+  const std::vector<float> depths = download<float>(depth);
+  int seen = 0;
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const float away = depths[size_t(y * 120 + x)];
+      if (away == std::numeric_limits<float>::max()) continue;
+      const Ray ray = scene.camera.ray(x + 0.5, y + 0.5);
+      const glm::dvec3 p = ray.origin + double(away) / field.grid.spacing * ray.direction;
+      EXPECT_LT(analytic::torus(field.grid.origin + p * field.grid.spacing, 0.6, 0.25), 0.02);
+      ++seen;
+    }
+  EXPECT_EQ(depths[0], std::numeric_limits<float>::max());
+  EXPECT_GT(seen, 900);
 }
 
 TEST_F(VulkanRender, UnsignedAndBanded) {

@@ -48,9 +48,30 @@ Colour surface(const Scene& scene, const Ray& ray, double t) {
   return lit * (1.0 + lit / kWhite) / (1.0 + lit);
 }
 
+/// Returns the distance along a ray to where it meets the slice inside the grid, or nothing.
+std::optional<double> traceSlice(const Scene& scene, const Ray& ray) {
+  if (!scene.slice) return {};
+  const double across = glm::dot(ray.direction, scene.slice->normal);
+  const double t = (scene.slice->offset - glm::dot(ray.origin, scene.slice->normal)) / across;
+  const glm::dvec3 p = ray.origin + t * ray.direction, last(scene.shape.field().grid.dims - 1);
+  const bool isInGrid =
+      glm::all(glm::greaterThanEqual(p, glm::dvec3(-0.5))) && glm::all(glm::lessThanEqual(p, last + 0.5));
+  if (!(t >= 0.0) || !isInGrid) return {};
+  return t;
+}
+
+Colour sliceColour(const Scene& scene, const glm::dvec3& p, double slope) {
+  const double d = scene.shape.fieldDistance(p);
+  const Colour ground = distanceColour(d, d < 0.0 ? scene.shape.depth() : scene.shape.radius());
+  return drawContour(drawIsoLines(ground, d, slope, scene.lineStep), d, slope, kContour);
+}
+
 /// Returns the light along a ray. `y` is the ray's row in the picture.
 Colour light(const Scene& scene, const Ray& ray, double y) {
-  if (const std::optional<double> t = trace(scene.shape, ray)) return surface(scene, ray, *t);
+  const std::optional<double> t = trace(scene.shape, ray), slice = traceSlice(scene, ray);
+  if (slice && !(t && *t <= *slice))
+    return sliceColour(scene, ray.origin + *slice * ray.direction, *slice * scene.camera.pixelAngle());
+  if (t) return surface(scene, ray, *t);
   return glm::mix(kBackgroundTop, kBackgroundBottom, y / scene.camera.height()) * floorShade(scene, ray);
 }
 

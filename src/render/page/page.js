@@ -180,13 +180,13 @@ class Viewer {
     const { gl, settings } = this, { right, up, eye } = this.axes(), floorNormal = page.scene.floorNormal;
     const [a, b, c] = page.light;
     const camera = { eye, right, up, forward: this.forward, pixelAngle: this.pixelAngle(height),
-      toLight: unit(sum([a, right], [b, this.forward], [c, floorNormal])) };
+      toLight: unit(sum([a, right], [b, this.forward], [c, floorNormal])),
+      sliceNormal: settings.sliceNormal, sliceOffset: settings.sliceOffset };
     gl.useProgram(this.program);
     for (const [name, value] of Object.entries(settings.shape)) this.set("shape." + name, value);
     for (const [name, value] of Object.entries({ ...page.scene, ...(isDark.matches ? page.dark : {}), ...camera }))
       this.set("scene." + name, value);
-    for (const [name, value] of Object.entries({ width, height, rays, range: page.range, outside: page.outside,
-      sliceNormal: settings.sliceNormal, sliceOffset: settings.sliceOffset })) this.set(name, value);
+    for (const [name, value] of Object.entries({ width, height, rays })) this.set(name, value);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.viewport(0, 0, width, height);
     gl.enable(gl.SCISSOR_TEST);

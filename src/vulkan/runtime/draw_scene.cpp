@@ -85,7 +85,7 @@ void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& 
   for (int first = 0; first < picture.height;) {
     const int rows = std::min(bands.rows(), picture.height - first);
     const auto draw = [&](Commands& commands) {
-      stage.recordRows(commands, samples, buffers.pixels.address(), first, rows);
+      stage.recordRows(commands, samples, {.colour = buffers.pixels.address()}, first, rows);
     };
     bands.time([&] { run(draw); });
     first += rows;

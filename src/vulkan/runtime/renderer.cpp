@@ -18,7 +18,7 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
-                      const BufferRange& pixels) {
+                      const BufferRange& pixels, const BufferRange& depth) {
   validateGrid(field.grid);
   checkPictureSize(options.width, options.height);
   if (!options.frame)
@@ -28,7 +28,8 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   const RenderFieldStage::Samples samples{
       .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
-  const VkDeviceAddress picture = addressOf(impl_->device.handle(), pixels, "a picture");
+  RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), pixels, "a picture")};
+  if (depth.buffer) picture.depth = addressOf(impl_->device.handle(), depth, "a picture's depth");
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   const Scene scene(elsewhere, options);
   impl_->stage.checkScene(scene);

@@ -12,6 +12,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
 shared vec3 lights[kRenderGroup];
+shared float depths[kRenderGroup];
 
 float row(uint at, float share) {
   const float low = push.samples.at[at];
@@ -35,13 +36,6 @@ float trilinear(vec3 q) {
 
 #include "scene/shade.glsl"
 
-vec3 light(RenderSceneData scene, vec2 at) {
-  float skipped;
-  const Ray ray = cameraRay(scene, at, skipped);
-  const float t = traceRay(ray);
-  return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
-}
-
 uint encoded(vec3 linear) {
   const uvec3 bytes = uvec3(255 * encodeSrgb(linear) + 0.5);
   return bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;
@@ -55,9 +49,14 @@ void main() {
   uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
   const bool isInside = pixel.x < push.width && pixel.y < push.rows;
   pixel.y += push.firstRow;
-  if (isInside) lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount]);
+  if (isInside)
+    lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount], depths[local]);
   barrier();
   if (!isInside || local % kSubPixelCount != 0) return;
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];
-  push.pixels.at[pixel.y * push.width + pixel.x] = encoded(0.25 * sum);
+  const uint at = pixel.y * push.width + pixel.x;
+  push.pixels.at[at] = encoded(0.25 * sum);
+  if (push.hasDepth == 0) return;
+  const float nearest = min(min(depths[local], depths[local + 1]), min(depths[local + 2], depths[local + 3]));
+  push.depth.at[at] = nearest < kNothingThere ? nearest / push.scale : nearest;
 }

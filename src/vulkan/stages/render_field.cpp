@@ -43,12 +43,14 @@ void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int w
   commands.update(scene_, describe(scene));
 }
 
-void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels,
-                                  int first, int count) {
+void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first,
+                                  int count) {
   const auto tiles = [](uint32_t side) { return ceilDiv(side, kRenderTile); };
   push_.samples = samples.address;
   push_.scale = samples.scale;
-  push_.pixels = pixels;
+  push_.pixels = pixels.colour;
+  push_.depth = pixels.depth;
+  push_.hasDepth = pixels.depth != 0;
   push_.firstRow = static_cast<uint32_t>(first);
   push_.rows = static_cast<uint32_t>(count);
   commands.dispatch(kernel_, push_, tiles(push_.width) * tiles(push_.rows) * kRenderGroup);

@@ -12,6 +12,12 @@ namespace raymap::vulkan {
 /// GPU twin of cpu/render/shade.cpp: draws a scene, one ray of a pixel per invocation.
 class RenderFieldStage {
  public:
+  /// Where a picture goes. A pixel has 32 bits: red in the lowest byte, then green, blue, 255. Its depth is
+  /// the distance from the eye to what it shows, in units of the samples; 0: not wanted.
+  struct Pixels {
+    VkDeviceAddress colour = 0;
+    VkDeviceAddress depth = 0;
+  };
   /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,
   /// spacings, per unit of the samples.
   struct Samples {
@@ -25,9 +31,8 @@ class RenderFieldStage {
   void checkScene(const Scene& scene) const;
   /// Uploads a scene that `checkScene` accepted.
   void recordScene(Commands& commands, const Scene& scene, int width, int height);
-  /// Draws `count` rows from row `first` on, counted from the top, to `pixels`. A pixel has 32 bits: red in
-  /// the lowest byte, then green, blue, 255.
-  void recordRows(Commands& commands, const Samples& samples, VkDeviceAddress pixels, int first, int count);
+  /// Draws `count` rows from row `first` on, counted from the top.
+  void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 
  private:
   Device* device_;

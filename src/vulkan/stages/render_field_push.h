@@ -15,12 +15,13 @@ struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) samples;
   RAYMAP_ADDRESS(RenderScenes) scene;
   RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue, 255 from the lowest byte.
+  RAYMAP_ADDRESS(Floats) depth;  // Distance from the eye to what a pixel shows, in units of the samples.
   RenderShape shape;
   uint width, height;
   uint firstRow, rows;
   float scale;  // Spacings per unit of the samples.
-  uint unused;
+  uint hasDepth;
 };
-RAYMAP_CHECK_SIZE(RenderFieldPush, 104);
+RAYMAP_CHECK_SIZE(RenderFieldPush, 112);
 
 RAYMAP_SHARED_END
