@@ -14,6 +14,7 @@ void addQuery(CLI::App& app);
 void addSample(CLI::App& app);
 void addMesh(CLI::App& app);
 void addRender(CLI::App& app);
+void addView(CLI::App& app);
 void addRepair(CLI::App& app);
 void addSimplify(CLI::App& app);
 void addCompare(CLI::App& app);

@@ -14,8 +14,6 @@
 
 namespace raymap {
 
-namespace {
-
 void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   FieldOptions& options = arguments.options;
   addOption(command, "--distance", arguments.distance);
@@ -30,8 +28,6 @@ void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
   addOption(command, "--thickness", options.thickness);
   addOption(command, "--invert", options.invert);
 }
-
-}  // namespace
 
 void addSpacingOptions(CLI::App& command, GridOptions& grid) {
   addOption(command, "--voxel-size", grid.voxelSize)

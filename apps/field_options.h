@@ -29,6 +29,7 @@ void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 
 // Add some of them.
 void addSpacingOptions(CLI::App& command, GridOptions& grid);
+void addMethodOptions(CLI::App& command, FieldArguments& arguments);
 void addGridOptions(CLI::App& command, FieldArguments& arguments);
 void addCpuOptions(CLI::App& command, MachineOptions& machine);
 void addMachineOptions(CLI::App& command, MachineOptions& machine);

@@ -96,6 +96,7 @@ int run(int argc, char** argv) {
   addSample(app);
   addMesh(app);
   addRender(app);
+  addView(app);
   addRepair(app);
   addSimplify(app);
   addCompare(app);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
+#include <string>
 #include <vector>
 
 namespace raymap {
@@ -60,6 +61,8 @@ struct AnimatedMesh {
   std::vector<Track> tracks = {};
   std::vector<Morph> morphs = {};
   glm::dvec3 origin{0.0};  ///< Origin of the moved mesh, at any time.
+  /// Names of all animations of the file that it was read from; the number of one without a name.
+  std::vector<std::string> clips = {};
 
   /// Returns the time at which the last track ends, in seconds.
   RAYMAP_API double seconds() const;

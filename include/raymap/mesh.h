@@ -29,6 +29,7 @@ struct Box {
   glm::dvec3 size() const { return max - min; }
   glm::dvec3 centre() const { return 0.5 * (min + max); }
   bool isEmpty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
+  bool operator==(const Box&) const = default;
 };
 
 /// An indexed triangle mesh. The position of vertex v is `origin + vertices[v]`, in the mesh's units.

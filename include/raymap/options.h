@@ -66,6 +66,8 @@ struct FieldOptions {
   /// `confidence` and `closeHoles`, which need a sign. `GridOptions::thickness` makes place for it in the
   /// grid.
   double thickness = 0.0;
+
+  bool operator==(const FieldOptions&) const = default;
 };
 
 /// Costs of a run, and its findings about the mesh.

@@ -22,6 +22,7 @@ inline constexpr int kMaxPictureSide = 16384;
 struct Plane {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Of any length but zero.
   double offset = 0.0;
+  bool operator==(const Plane&) const = default;
 };
 
 /// How to draw a field by sphere tracing (Hart 1996).
@@ -44,6 +45,7 @@ struct RenderOptions {
   std::optional<Plane> cutPlane = {};
   /// Plane on which distances are drawn in the colours and with the lines of `renderSlice`.
   std::optional<Plane> slice = {};
+  bool operator==(const RenderOptions&) const = default;
 };
 
 }  // namespace raymap

@@ -170,6 +170,18 @@ struct FieldBuffer {
   double clampDistance = 0.0;  ///< `Field::clampDistance`, in the mesh's units.
 };
 
+/// Destination of a picture.
+struct PictureTarget {
+  /// 32 bits per pixel, rows from the top: sRGB red in the lowest byte, then green, blue and 255, as in
+  /// VK_FORMAT_R8G8B8A8_SRGB.
+  BufferRange pixels = {};
+  /// A float per pixel, if wanted: the distance from the eye to the nearest that the pixel shows, in the
+  /// mesh's units, or the largest float.
+  BufferRange depth = {};
+  int firstRow = 0;  ///< First row to draw; a large picture may be drawn in several frames.
+  int rows = 0;      ///< Number of rows to draw; 0 = all from the first on.
+};
+
 /// Records pictures, drawn as by `renderField`. Barriers, threads and lifetime are those of `Generator`.
 class RAYMAP_API Renderer {
  public:
@@ -178,14 +190,10 @@ class RAYMAP_API Renderer {
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// Writes 32 bits per pixel to `pixels`, rows from the top: sRGB red in the lowest byte, then green, blue
-  /// and 255, as in VK_FORMAT_R8G8B8A8_SRGB. `options.frame` is required, as only the device knows where the
-  /// shape is. Throws `Error`: Usage, Unsupported; nothing is recorded then.
-  ///
-  /// `depth`, if it is given, gets a float per pixel: the distance from the eye to the nearest that the pixel
-  /// shows, in the mesh's units, or the largest float.
+  /// Draws a picture, or rows of it. `options.frame` is required, as only the device knows where the shape
+  /// is. Throws `Error`: Usage, Unsupported; nothing is recorded then.
   void record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
-              const BufferRange& pixels, const BufferRange& depth = {});
+              const PictureTarget& target);
 
  private:
   struct Impl;

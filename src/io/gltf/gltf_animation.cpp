@@ -166,6 +166,13 @@ std::vector<Track> readTracks(const MeshFile& file, const GltfScene& scene, uint
   return TrackReader(file, scene, animation).read(places, morphs);
 }
 
+std::vector<std::string> animationNames(const GltfDocument& document) {
+  std::vector<std::string> names;
+  for (uint64_t a = 0; a < document.size("animations"); ++a)
+    names.push_back(stringOf(document.element("animations", a), "name", std::to_string(a).c_str()));
+  return names;
+}
+
 uint64_t animationNamed(const MeshFile& file, const GltfDocument& document, const std::string& clip) {
   const uint64_t count = document.size("animations");
   if (count == 0) file.fail("it has no animation");

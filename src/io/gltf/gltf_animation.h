@@ -20,6 +20,9 @@ struct IndexRange {
 std::vector<AnimatedMesh::Track> readTracks(const MeshFile& file, const GltfScene& scene, uint64_t animation,
                                             std::span<const int> places, std::span<const IndexRange> morphs);
 
+/// Returns the names of all animations; the number of one without a name.
+std::vector<std::string> animationNames(const GltfDocument& document);
+
 /// Returns the index of the animation with this name, or else with this number; of the first one, if `clip`
 /// is empty. Throws `Error`: Input if the file has no animation, Usage if it has no such.
 uint64_t animationNamed(const MeshFile& file, const GltfDocument& document, const std::string& clip);

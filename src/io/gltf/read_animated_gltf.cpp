@@ -44,6 +44,7 @@ class AnimatedReader {
       for (const Json* surface : surfaces) readSurface(*surface, n);
       morphs.push_back(readMorphs(*scene_.nodes()[n].json, surfaces, first));
     }
+    mesh_.clips = animationNames(document_);
     mesh_.tracks = readTracks(file_, scene_, animation, places_, morphs);
     scene_.warnOfOthers();
     if (weightless_ > 0)

@@ -4,6 +4,8 @@
 
 #include <raymap/vulkan.h>
 
+#include <string>
+
 namespace raymap::vulkan {
 
 struct Renderer::Impl {
@@ -18,25 +20,30 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
-                      const BufferRange& pixels, const BufferRange& depth) {
+                      const PictureTarget& target) {
   validateGrid(field.grid);
   checkPictureSize(options.width, options.height);
   if (!options.frame)
     throw Error(ErrorCode::Usage, "the box of a shape on the device is unknown; give a box to frame");
-  if (!field.distance.buffer || !pixels.buffer)
+  if (!field.distance.buffer || !target.pixels.buffer)
     throw Error(ErrorCode::Usage, "drawing needs buffers of distances and pixels");
+  const int rows = target.rows > 0 ? target.rows : options.height - target.firstRow;
+  if (target.firstRow < 0 || target.rows < 0 || rows < 1 || rows > options.height - target.firstRow)
+    throw Error(ErrorCode::Usage, "rows " + std::to_string(target.firstRow) + " to " +
+                                      std::to_string(target.firstRow + target.rows) + " are not in a picture of " +
+                                      std::to_string(options.height));
   const RenderFieldStage::Samples samples{
       .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
-  RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), pixels, "a picture")};
-  if (depth.buffer) picture.depth = addressOf(impl_->device.handle(), depth, "a picture's depth");
+  RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
+  if (target.depth.buffer) picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   const Scene scene(elsewhere, options);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);
   waitForAll(commands);
   impl_->stage.recordScene(work, scene, options.width, options.height);
-  impl_->stage.recordRows(work, samples, picture, 0, options.height);
+  impl_->stage.recordRows(work, samples, picture, target.firstRow, rows);
   showAll(commands);
 }
 

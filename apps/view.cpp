@@ -1,0 +1,221 @@
+#include <raymap/raymap.h>
+
+#include <cstdio>
+#include <sstream>
+
+#include "checks.h"
+#include "commands.h"
+#include "field_options.h"
+#include "movie.h"
+#include "options.h"
+#include "report.h"
+#include "terminal.h"
+#include "view_options.h"
+#include "warnings.h"
+#ifdef RAYMAP_HAS_VIEW
+#include "view/viewer.h"
+#endif
+
+namespace raymap {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(Left drag turns, right drag moves, the wheel zooms, H shows all keys. When the window is closed, the command
+that draws its last view is printed.
+
+Examples:
+  raymap view globe.ply
+  raymap view man.glb --resolution 96 --clip walk
+  raymap view globe.vdb --cut-plane 0,0,1,0 --slice-plane 1,0,0,0)";
+
+struct Arguments : FieldArguments {
+  fs::path input;
+  std::string clip;
+  ViewArguments camera;
+  RenderOptions view;
+};
+
+#ifdef RAYMAP_HAS_VIEW
+
+view::Content load(const fs::path& path, const std::string& clip) {
+  view::Content content;
+  if (hasExtension(path, {".gltf", ".glb"})) {
+    const WaitingLine line("reading " + displayName(path.filename()));
+    AnimatedMesh mesh =
+        clip.empty() ? readAnimatedMesh(path, size_t{0}) : readAnimatedMesh(path, clip, {.warn = warn});
+    content = mesh.seconds() > 0.0 ? view::contentOf(std::move(mesh)) : view::contentOf(posed(mesh, 0.0));
+  } else {
+    std::variant<Mesh, Field> read = loadMeshOrField(path);
+    content = std::visit([](auto& each) { return view::contentOf(std::move(each)); }, read);
+  }
+  content.title = displayName(path.filename());
+  return content;
+}
+
+std::string numbers(std::initializer_list<double> values) {
+  std::ostringstream text;
+  text.precision(9);
+  for (const double value : values) text << (text.tellp() > 0 ? "," : "") << value;
+  return text.str();
+}
+
+std::string numbers(const glm::dvec3& v) {
+  return numbers({v.x, v.y, v.z});
+}
+
+std::string numbers(const Plane& plane) {
+  return numbers({plane.normal.x, plane.normal.y, plane.normal.z, plane.offset});
+}
+
+/// Returns the options of a field that are not the defaults.
+std::string fieldWords(const view::FieldSettings& field) {
+  const FieldOptions& options = field.options;
+  std::string words = " --resolution " + std::to_string(field.resolution);
+  const FieldOptions usual;
+  const auto add = [&](const char* option, const auto& value, const auto& fallback, const std::string& text) {
+    if (value != fallback) words += std::string(" ") + option + (text.empty() ? "" : " ") + text;
+  };
+  const auto named = [](auto value) { return std::string(name(value)); };
+  add("--distance", options.distance, usual.distance, named(options.distance));
+  add("--sign", options.sign, usual.sign, named(options.sign));
+  add("--orientation", options.orientation, usual.orientation, named(options.orientation));
+  add("--passes", options.passes, usual.passes, std::to_string(options.passes));
+  add("--threshold", options.threshold, usual.threshold, numbers({options.threshold}));
+  add("--band", options.band, usual.band, numbers({options.band}));
+  add("--thickness", options.thickness, usual.thickness, numbers({options.thickness}));
+  add("--close-holes", options.closeHoles, false, "");
+  add("--invert", options.invert, false, "");
+  return words;
+}
+
+/// Returns the command that draws the view.
+std::string commandFor(const fs::path& path, const view::ViewState& state) {
+  const RenderOptions& view = state.view;
+  std::string command = "raymap render " + quoted(path.string()) + " -o view.png --size " +
+                        std::to_string(view.width) + " " + std::to_string(view.height);
+  if (!hasExtension(path, fieldExtensions())) command += fieldWords(state.field);
+  command += " --up " + numbers(view.up) + " --direction " + numbers(view.direction);
+  if (view.eye) command += " --eye " + numbers(*view.eye);
+  if (view.iso != 0.0) command += " --iso " + numbers({view.iso});
+  if (view.shell != 0.0) command += " --shell " + numbers({view.shell});
+  if (view.cutPlane) command += " --cut-plane " + numbers(*view.cutPlane);
+  if (view.slice) command += " --slice-plane " + numbers(*view.slice);
+  return command;
+}
+
+void setPlane(const std::optional<Plane>& plane, view::MovingPlane& moving) {
+  moving.isOn = plane.has_value();
+  if (!plane) return;
+  const double length = glm::length(plane->normal);
+  moving.normal = plane->normal / length;
+  moving.offset = plane->offset / length;
+}
+
+void setState(const RenderOptions& options, view::ViewState& state) {
+  state.view = options;
+  setPlane(options.cutPlane, state.cut);
+  setPlane(options.slice, state.slice);
+}
+
+/// Takes the camera, the planes and the surface of a command such as `commandFor` returns.
+void applyCommand(const std::string& text, view::ViewState& state) {
+  std::vector<std::string> words = normalized(CLI::detail::split_up(text));
+  CLI::App app;
+  app.allow_extras();
+  ViewArguments camera;
+  RenderOptions options;
+  addViewOptions(app, camera);
+  addSceneOptions(app, camera, options);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw Error(ErrorCode::Usage, std::string("the clipboard holds no view: ") + error.what());
+  }
+  if (camera.eye.empty() || camera.direction.empty())
+    throw Error(ErrorCode::Usage, "the clipboard holds no view: a command with --eye and --direction is one");
+  setView(camera, false, options);
+  setState(options, state);
+}
+
+/// Returns the first name "view_0001.png", "view_0002.png", ... that no file has.
+fs::path freeName(const std::string& extension) {
+  for (int number = 1;; ++number) {
+    char name[32];
+    std::snprintf(name, sizeof name, "view_%04d", number);
+    if (fs::path path = name + extension; !fs::exists(path)) return path;
+  }
+}
+
+void open(Arguments& arguments) {
+  view::ViewerOptions options;
+  options.input = arguments.input;
+  options.machine = arguments.machine;
+  options.size = {arguments.camera.size[0], arguments.camera.size[1]};
+  constexpr int kResolution = 128;
+  options.state.field = {.resolution = arguments.grid.resolution.value_or(kResolution),
+                         .options = arguments.options};
+  options.state.clip = arguments.clip;
+  setState(arguments.view, options.state);
+  options.load = load;
+  options.command = commandFor;
+  options.apply = applyCommand;
+  options.write = [](const Picture& picture) {
+    const fs::path path = freeName(".png");
+    writePng(path, picture);
+    printWritten(path);
+    std::fflush(stdout);
+    return path.string();
+  };
+  options.record = [](int width, int height) -> std::function<void(const Picture*)> {
+    constexpr double kFps = 24.0;
+    const fs::path path = freeName(".mp4");
+    const auto movie = std::make_shared<Movie>(path, width, height, kFps);
+    return [movie, path](const Picture* picture) {
+      if (picture) return movie->add(*picture);
+      movie->finish();
+      printWritten(path);
+      std::fflush(stdout);
+    };
+  };
+  const std::string command = runViewer(std::move(options));
+  std::printf("%s\n", command.c_str());
+}
+
+#else
+
+void open(Arguments&) {
+  throw Error(ErrorCode::Unsupported,
+              "this raymap was built without a window; build it where libglfw3-dev and libimgui-dev are "
+              "installed, or draw pictures and pages with raymap render");
+}
+
+#endif
+
+void run(Arguments& arguments) {
+  finishFieldArguments(arguments);
+  StreamFormat format;
+  prepareFiles(format, {{arguments.input, meshAndFieldExtensions()}}, {});
+  setView(arguments.camera, isZUp(arguments.input, ""), arguments.view);
+  open(arguments);
+}
+
+}  // namespace
+
+void addView(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("view", "Show a mesh and its field, or a field, in a window");
+  const auto arguments = std::make_shared<Arguments>();
+  arguments->camera.size = {1280, 800};
+  command->add_option("input", arguments->input, "Mesh or field to show")->type_name("MESH|FIELD")->required();
+  addOption(*command, "--clip", arguments->clip);
+  addOption(*command, "--resolution", arguments->grid.resolution);
+  addMethodOptions(*command, *arguments);
+  addViewOptions(*command, arguments->camera);
+  addSceneOptions(*command, arguments->camera, arguments->view);
+  addMachineOptions(*command, arguments->machine);
+  command->footer(kFooter);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace raymap

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <raymap/animation.h>
+#include <raymap/field.h>
+#include <raymap/surface.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raymap::view {
+
+/// What is shown: a mesh, an animated mesh or a field.
+struct Content {
+  std::string title = {};
+  Mesh mesh = {};  ///< At rest, if it is animated; empty for a field.
+  std::optional<AnimatedMesh> animated = {};
+  std::vector<std::string> clips = {};  ///< Names of the file's animations.
+  std::optional<Field> field = {};
+  Box bounds = {};  ///< Of the surface, in all poses.
+
+  double seconds() const { return animated ? animated->seconds() : 0.0; }
+};
+
+/// Returns a mesh or a field to show. Throws `Error(Input)` if a mesh has no face.
+Content contentOf(Mesh mesh);
+Content contentOf(Field field);
+Content contentOf(AnimatedMesh mesh);
+
+}  // namespace raymap::view

@@ -1,0 +1,144 @@
+#include "mesh_pass.h"
+
+#include <algorithm>
+
+#include "mesh_push.h"
+#include "mesh_shaders.h"
+
+namespace raymap::view {
+
+MeshPass::MeshPass(const Gpu& gpu) {
+  const VkPushConstantRange push{.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+                                 .size = sizeof(MeshPush)};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .pushConstantRangeCount = 1,
+                                        .pPushConstantRanges = &push};
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  check(vkCreatePipelineLayout(gpu.device(), &info, nullptr, &layout), "making a pipeline's layout");
+  layout_ = {gpu.device(), layout, vkDestroyPipelineLayout};
+  makePipeline(gpu);
+}
+
+void MeshPass::makePipeline(const Gpu& gpu) {
+  const Owned<VkShaderModule> vertex = gpu.makeShader(kMeshVertexShader),
+                              fragment = gpu.makeShader(kMeshFragmentShader);
+  const VkPipelineShaderStageCreateInfo stages[] = {
+      {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+       .stage = VK_SHADER_STAGE_VERTEX_BIT,
+       .module = vertex.get(),
+       .pName = "main"},
+      {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+       .stage = VK_SHADER_STAGE_FRAGMENT_BIT,
+       .module = fragment.get(),
+       .pName = "main"}};
+  const VkPipelineVertexInputStateCreateInfo input{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  const VkPipelineInputAssemblyStateCreateInfo assembly{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+      .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+  const VkPipelineViewportStateCreateInfo viewport{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  const VkPipelineRasterizationStateCreateInfo raster{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+      .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+      .lineWidth = 1.0F};
+  const VkPipelineMultisampleStateCreateInfo samples{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+      .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+  const VkPipelineDepthStencilStateCreateInfo depth{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+      .depthTestEnable = VK_TRUE,
+      .depthWriteEnable = VK_TRUE,
+      .depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+  const VkPipelineColorBlendAttachmentState blend{
+      .blendEnable = VK_TRUE,
+      .srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+      .dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+      .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+      .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+      .colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
+                        VK_COLOR_COMPONENT_A_BIT};
+  const VkPipelineColorBlendStateCreateInfo blending{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+      .attachmentCount = 1,
+      .pAttachments = &blend};
+  const VkDynamicState moving[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+                                                 .dynamicStateCount = 2,
+                                                 .pDynamicStates = moving};
+  const VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
+  const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                .colorAttachmentCount = 1,
+                                                .pColorAttachmentFormats = &format,
+                                                .depthAttachmentFormat = kDepthFormat};
+  const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                          .pNext = &rendering,
+                                          .stageCount = 2,
+                                          .pStages = stages,
+                                          .pVertexInputState = &input,
+                                          .pInputAssemblyState = &assembly,
+                                          .pViewportState = &viewport,
+                                          .pRasterizationState = &raster,
+                                          .pMultisampleState = &samples,
+                                          .pDepthStencilState = &depth,
+                                          .pColorBlendState = &blending,
+                                          .pDynamicState = &dynamic,
+                                          .layout = layout_.get()};
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  check(vkCreateGraphicsPipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+        "making a pipeline");
+  pipeline_ = {gpu.device(), pipeline, vkDestroyPipeline};
+}
+
+void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style, const Camera& camera,
+                      const Box& bounds, const Target& target, double slack) const {
+  const bool isAlone = target.depth == 0;
+  const VkRenderingAttachmentInfo colour{
+      .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+      .imageView = target.picture.view.get(),
+      .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+      .loadOp = isAlone ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD,
+      .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+      .clearValue = {.color = {.float32 = {0.94F, 0.945F, 0.955F, 1.0F}}}};
+  const VkRenderingAttachmentInfo depth{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                        .imageView = target.nearest.view.get(),
+                                        .imageLayout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                                        .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                        .storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                                        .clearValue = {.depthStencil = {.depth = 1.0F}}};
+  const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                             .renderArea = {.extent = target.size},
+                             .layerCount = 1,
+                             .colorAttachmentCount = 1,
+                             .pColorAttachments = &colour,
+                             .pDepthAttachment = &depth};
+  vkCmdBeginRendering(commands, &info);
+  if (style != MeshStyle::Hidden) {
+    const VkViewport viewport{
+        .width = float(target.size.width), .height = float(target.size.height), .maxDepth = 1.0F};
+    const VkRect2D scissor{.extent = target.size};
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &scissor);
+    // From a little in front of the eye to behind the mesh.
+    const double farthest =
+        glm::length(bounds.centre() - camera.eye()) + glm::length(bounds.size());
+    const MeshPush push{
+        .toClip = camera.matrix({int(target.size.width), int(target.size.height)}, 1e-4 * farthest, farthest),
+        .vertices = mesh.vertices().address,
+        .triangles = mesh.triangles().address,
+        .depth = target.depth,
+        .origin = mesh.origin() - camera.eye(),
+        .width = target.size.width,
+        .slack = float(slack),
+        .lineWidth = 1.2F,
+        .isSolid = style == MeshStyle::Faces,
+        .hasDepth = !isAlone};
+    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                       sizeof push, &push);
+    vkCmdDraw(commands, 3 * mesh.triangleCount(), 1, 0, 0);
+  }
+  vkCmdEndRendering(commands);
+}
+
+}  // namespace raymap::view

@@ -1,0 +1,34 @@
+#ifdef __cplusplus
+#pragma once
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstdint>
+
+namespace raymap::view {
+using glm::mat4;
+using glm::vec3;
+using uint = uint32_t;
+#define RAYMAP_VIEW_ADDRESS(Type) uint64_t
+#else
+#define RAYMAP_VIEW_ADDRESS(Type) Type
+#endif
+
+// What both shaders of the mesh get. Positions are relative to the eye.
+struct MeshPush {
+  mat4 toClip;
+  RAYMAP_VIEW_ADDRESS(Vectors) vertices;
+  RAYMAP_VIEW_ADDRESS(Indices) triangles;
+  RAYMAP_VIEW_ADDRESS(Depths) depth;  // Distance to what the field shows, row by row.
+  vec3 origin;                        // Of the vertices.
+  uint width;                         // Pixels in a row of `depth`.
+  float slack;                        // How far behind the field's surface a face is still seen.
+  float lineWidth;                    // In pixels; 0 for no lines.
+  uint isSolid;                       // Whether faces are drawn between the lines.
+  uint hasDepth;
+};
+
+#ifdef __cplusplus
+static_assert(sizeof(MeshPush) == 120);
+}  // namespace raymap::view
+#endif

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "live_field.h"
+#include "mesh_pass.h"
+
+namespace raymap::view {
+
+/// The picture of a field and a mesh, on the device. It is drawn coarsely while things move, as the device's
+/// speed demands, and finely in several frames when they rest.
+class LivePicture {
+ public:
+  explicit LivePicture(const Gpu& gpu);
+
+  /// Makes room for pictures of this size. The device must be idle.
+  void resize(VkExtent2D size);
+
+  struct Input {
+    const LiveField& field;
+    bool isFieldShown = true;
+    const DeviceMesh* mesh = nullptr;  ///< Null: there is none.
+    MeshStyle style = MeshStyle::Hidden;
+    const Camera& camera;
+    const RenderOptions& view;  ///< All but its size counts.
+    const Box& bounds;
+  };
+  /// Records the next step. `hasChanged` says whether the input is another one than last time.
+  void record(Frame& frame, const Input& input, bool hasChanged);
+  /// Returns whether the picture is as fine as the window, and up to date.
+  bool isFinished() const { return isFinished_; }
+
+  /// Stretches the picture over an image in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
+  void copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D size) const;
+  /// Copies the depth at a point of the window to a buffer of a float, if it is in the window.
+  void copyDepth(VkCommandBuffer commands, const glm::dvec2& cursor, const Buffer& to) const;
+  /// Copies the pixels to a buffer of 32 bits each.
+  void copyPixels(VkCommandBuffer commands, const Buffer& to) const;
+  VkExtent2D size() const { return size_; }
+
+ private:
+  VkExtent2D sizeAt(uint32_t divisor) const;
+  uint32_t liveDivisor() const;
+  void drawRows(Frame& frame, const Input& input);
+  void show(Frame& frame, const Input& input);
+
+  const Gpu& gpu_;
+  vulkan::Renderer renderer_;
+  MeshPass meshPass_;
+  VkExtent2D size_ = {}, shown_ = {};
+  Buffer pixels_, depth_, shownDepth_;
+  Image picture_, nearest_;
+  bool isFinished_ = false;
+  uint32_t divisor_ = 1;  ///< Pixels of the window along a side of a pixel that is drawn now.
+  int nextRow_ = 0;
+  double pixelsPerMillisecond_ = 2000.0;
+};
+
+}  // namespace raymap::view

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <raymap/picture.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "live_field.h"
+#include "mesh_pass.h"
+
+namespace raymap::view {
+
+/// A plane that can be switched on and moved.
+struct MovingPlane {
+  bool isOn = false;
+  glm::dvec3 normal{1.0, 0.0, 0.0};
+  double offset = 0.0;
+
+  std::optional<Plane> plane() const {
+    return isOn ? std::optional(Plane{.normal = normal, .offset = offset}) : std::nullopt;
+  }
+};
+
+/// All that its user can choose.
+struct ViewState {
+  FieldSettings field = {};
+  RenderOptions view = {};  ///< Its eye, planes, size and frame follow from the rest.
+  bool isFieldShown = true;
+  MeshStyle mesh = MeshStyle::Hidden;
+  MovingPlane cut = {}, slice = {};
+  bool isPlaying = false;
+  double seconds = 0.0;  ///< Time of the animation.
+  double speed = 1.0;
+  std::string clip = {};
+  bool isMeasuring = false;
+  bool isHelpShown = false;
+};
+
+/// What a point of the picture shows.
+struct Probed {
+  glm::dvec3 position{0.0};
+  std::optional<double> distance = {};
+  std::optional<double> winding = {};
+  std::optional<double> confidence = {};
+  std::optional<uint32_t> triangle = {};
+};
+
+/// What the panel tells.
+struct PanelFigures {
+  const Content& content;
+  std::string device = {};       ///< Name of the device, and whether it makes the fields.
+  std::string grid = {};         ///< The field's samples and spacing.
+  std::vector<Frame::Time> times = {};
+  const std::vector<float>& history;  ///< Milliseconds of the last frames.
+  std::string message = {};      ///< What went wrong, or was done.
+  std::optional<Probed> probed = {};
+  std::vector<glm::dvec3> measured = {};
+};
+
+/// What was asked for by a button or a key.
+struct Wishes {
+  bool frame = false;       ///< Show all.
+  int axis = 0;             ///< 1, 2 or 3: look along x, y or z; negative: from the other side.
+  bool picture = false;     ///< Write a picture.
+  bool record = false;      ///< Begin or end to record.
+  bool copy = false;        ///< Copy the command that draws this.
+  bool clip = false;        ///< The clip changed.
+};
+
+}  // namespace raymap::view

@@ -1,0 +1,507 @@
+#include "viewer.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <raymap/error.h>
+#include <raymap/generate.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "panel.h"
+#include "picture.h"
+#include "probe.h"
+#include "window.h"
+
+namespace raymap::view {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kIdle = 0.25;         // Seconds to wait for an event while nothing moves.
+constexpr double kRecordedFps = 24.0;  // Frames of a record per second.
+constexpr size_t kHistory = 120;       // Frames whose times are shown.
+
+/// A frame takes faces as they point. So those that point the wrong way are turned once, beforehand, and the
+/// other sides of double-sided ones are removed.
+void turnWrongFaces(Content& content, const FieldOptions& options, const MachineOptions& machine) {
+  if (content.field || options.orientation == Orientation::Keep || options.sign == SignMode::None) return;
+  MachineOptions onCpu = machine;
+  onCpu.device = "cpu";
+  constexpr int kResolution = 64;
+  const Stats stats =
+      generate(content.mesh, fitGrid(content.mesh, {.resolution = kResolution}), {}, onCpu).stats;
+  for (Mesh* mesh : {&content.mesh, content.animated ? &content.animated->rest : nullptr})
+    if (mesh) {
+      turnFaces(*mesh, stats.turnedFaces);
+      removeFaces(*mesh, stats.leftOutFaces);
+    }
+}
+
+/// What is shown, and what the device and other threads hold of it.
+struct Shown {
+  Shown(Content given, const Gpu& gpu, bool isOnDevice, const MachineOptions& machine)
+      : content(std::move(given)),
+        mesh(content.field ? nullptr : std::make_unique<DeviceMesh>(gpu, content)),
+        field(gpu, content, mesh.get(), isOnDevice, machine),
+        probe(content, machine) {}
+  Content content;
+  std::unique_ptr<DeviceMesh> mesh;
+  LiveField field;
+  Probe probe;
+};
+
+/// Where the cursor was in a frame, and the depth there once the device has ended it.
+struct Hover {
+  Buffer depth;
+  std::optional<glm::dvec3> eye;
+  glm::dvec3 ray{0.0};
+};
+
+fs::file_time_type timeOf(const fs::path& path) {
+  std::error_code error;
+  const fs::file_time_type time = fs::last_write_time(path, error);
+  return error ? fs::file_time_type::min() : time;
+}
+
+class Viewer {
+ public:
+  explicit Viewer(ViewerOptions& options);
+  ~Viewer() { gpu_.waitIdle(); }
+
+  /// Runs until the window is closed.
+  void run();
+  /// Returns the command that draws what is shown.
+  std::string command() const;
+
+ private:
+  static bool makesFieldsOnDevice(const Gpu& gpu, const std::string& device) {
+    return device != "cpu" && (!gpu.isSoftware() || device.starts_with("vulkan"));
+  }
+  WindowSize windowSize() const { return {int(swapchain_.size().width), int(swapchain_.size().height)}; }
+  const Content& content() const { return shown_->content; }
+
+  std::unique_ptr<Shown> load(const fs::path& path);
+  void show(const fs::path& path, bool isSameView);
+  void watchFile();
+  void resize();
+  void step();
+  void draw(Frame& frame, uint32_t image);
+  void takeKeys(Wishes& wishes);
+  void takeMouse();
+  void movePlane(const glm::dvec2& drag);
+  void obey(const Wishes& wishes);
+  void readHover(size_t slot);
+  void askHover(Frame& frame, size_t slot);
+  void advance(double seconds);
+  void takePicture(Frame& frame);
+  Picture readPicture() const;
+  PanelFigures figures() const;
+  RenderOptions view() const;
+  void placeCamera() { camera_.place(options_.state.view); }
+
+  ViewerOptions& options_;
+  Window window_;
+  Gpu gpu_;
+  Swapchain swapchain_;
+  LivePicture picture_;
+  std::array<Frame, 2> frames_;
+  std::array<Hover, 2> hovers_;
+  std::unique_ptr<Shown> shown_;
+  Gui gui_;
+  Camera camera_;
+  fs::file_time_type fileTime_;
+  Clock::time_point lastStep_ = Clock::now(), lastLook_ = Clock::now();
+  size_t next_ = 0;
+  bool isMoving_ = true;
+  std::optional<RenderOptions> lastView_;
+  std::array<double, 3> lastRest_{};  ///< What else a picture depends on.
+  std::vector<Frame::Time> times_;
+  std::vector<float> history_;
+  std::string message_;
+  std::optional<Probed> probed_;
+  std::vector<glm::dvec3> measured_;
+  bool isPictureWanted_ = false;
+  Buffer pixels_;
+  std::function<void(const Picture*)> recorder_;
+};
+
+Swapchain sized(Swapchain swapchain, const Window& window) {
+  swapchain.resize(window.size());
+  return swapchain;
+}
+
+Viewer::Viewer(ViewerOptions& options)
+    : options_(options),
+      window_("raymap", options.size),
+      gpu_(options.machine.device, Window::extensions(),
+           [this](VkInstance instance) { return window_.makeSurface(instance); }),
+      swapchain_(sized(Swapchain(gpu_), window_)),
+      picture_(gpu_),
+      frames_{Frame(gpu_), Frame(gpu_)},
+      shown_(load(options.input)),
+      gui_(window_, gpu_, swapchain_),
+      camera_(options.state.view, content().bounds, windowSize()) {
+  for (Hover& hover : hovers_) hover.depth = gpu_.makeBuffer(sizeof(float), true);
+  picture_.resize(swapchain_.size());
+  window_.setTitle(content().title + " – raymap");
+  fileTime_ = timeOf(options_.input);
+  placeCamera();
+}
+
+std::unique_ptr<Shown> Viewer::load(const fs::path& path) {
+  Content content = options_.load(path, options_.state.clip);
+  const bool isOnDevice = makesFieldsOnDevice(gpu_, options_.machine.device);
+  if (isOnDevice) turnWrongFaces(content, options_.state.field.options, options_.machine);
+  return std::make_unique<Shown>(std::move(content), gpu_, isOnDevice, options_.machine);
+}
+
+/// A file that cannot be read leaves what is shown.
+void Viewer::show(const fs::path& path, bool isSameView) {
+  try {
+    std::unique_ptr<Shown> shown = load(path);
+    gpu_.waitIdle();
+    shown_ = std::move(shown);
+    message_.clear();
+  } catch (const Error& error) {
+    message_ = error.what();
+    return;
+  }
+  options_.input = path;
+  fileTime_ = timeOf(path);
+  lastView_.reset();
+  measured_.clear();
+  options_.state.seconds = std::min(options_.state.seconds, content().seconds());
+  window_.setTitle(content().title + " – raymap");
+  if (isSameView) return;
+  options_.state.view.iso = options_.state.view.shell = 0.0;
+  options_.state.cut = options_.state.slice = {};
+  camera_.frame(content().bounds, windowSize());
+  placeCamera();
+}
+
+void Viewer::watchFile() {
+  const Clock::time_point now = Clock::now();
+  if (now - lastLook_ < std::chrono::milliseconds(500)) return;
+  lastLook_ = now;
+  const fs::file_time_type time = timeOf(options_.input);
+  if (time == fileTime_) return;
+  fileTime_ = time;
+  if (time == fs::file_time_type::min())
+    message_ = options_.input.string() + " is gone; what was read is still shown";
+  else
+    show(options_.input, true);
+}
+
+void Viewer::resize() {
+  gpu_.waitIdle();
+  swapchain_.resize(window_.size());
+  picture_.resize(swapchain_.size());
+  lastView_.reset();
+}
+
+void Viewer::run() {
+  while (!window_.isClosed()) {
+    const bool isBusy = isMoving_ || shown_->field.isBusy() || !picture_.isFinished();
+    window_.wait(isBusy ? 0.0 : kIdle);
+    for (const fs::path& path : window_.takeDropped()) show(path, false);
+    watchFile();
+    const VkExtent2D size = window_.size();
+    if (size.width == 0 || size.height == 0) continue;  // Minimised.
+    if (size.width != swapchain_.size().width || size.height != swapchain_.size().height) resize();
+    step();
+  }
+  if (recorder_) recorder_(nullptr);
+}
+
+void Viewer::advance(double seconds) {
+  ViewState& state = options_.state;
+  const double end = content().seconds();
+  if (!state.isPlaying || !(end > 0.0)) return;
+  state.seconds = std::fmod(state.seconds + state.speed * seconds, end);
+}
+
+void Viewer::step() {
+  const size_t slot = next_++ % frames_.size();
+  Frame& frame = frames_[slot];
+  frame.begin();
+  const std::optional<uint32_t> image = swapchain_.acquire(frame.isFree());
+  if (!image) return resize();  // Nothing was recorded yet.
+  readHover(slot);
+  const Clock::time_point now = Clock::now();
+  const double passed = std::chrono::duration<double>(now - lastStep_).count();
+  lastStep_ = now;
+  if (!recorder_) advance(passed);
+  if (!frame.times().empty()) times_ = frame.times();
+  history_.push_back(float(1e3 * passed));
+  if (history_.size() > kHistory) history_.erase(history_.begin());
+
+  gui_.begin();
+  Wishes wishes = showPanel(options_.state, figures(), bool(recorder_));
+  takeKeys(wishes);
+  takeMouse();
+  obey(wishes);
+  draw(frame, *image);
+  askHover(frame, slot);
+  const bool isTaken = (isPictureWanted_ || recorder_) && picture_.isFinished();
+  if (isTaken) takePicture(frame);
+  frame.submit(swapchain_.isDrawn(*image));
+  const bool fits = swapchain_.present(*image);
+  if (isTaken) {
+    gpu_.waitIdle();
+    const Picture picture = readPicture();
+    if (isPictureWanted_) message_ = "wrote " + options_.write(picture);
+    isPictureWanted_ = false;
+    if (recorder_) recorder_(&picture);
+    if (recorder_) advance(1.0 / kRecordedFps);
+  }
+  if (!fits) resize();
+}
+
+RenderOptions Viewer::view() const {
+  const ViewState& state = options_.state;
+  RenderOptions view = state.view;
+  camera_.place(view);
+  view.width = windowSize().width;
+  view.height = windowSize().height;
+  view.cut = false;
+  view.cutPlane = state.cut.plane();
+  view.slice = state.slice.plane();
+  // What the iso value adds must fit too.
+  const double pad = std::max(view.iso, 0.0) + 0.5 * state.field.options.thickness;
+  view.frame = Box{content().bounds.min - pad, content().bounds.max + pad};
+  const double band = state.field.options.band * shown_->field.grid().spacing;
+  if (band > 0.0) view.shell = std::min(view.shell, 0.99 * band);
+  if (band > 0.0) view.iso = std::clamp(view.iso, -0.99 * band, 0.99 * band);
+  return view;
+}
+
+void Viewer::draw(Frame& frame, uint32_t image) {
+  ViewState& state = options_.state;
+  const RenderOptions now = view();
+  const std::array<double, 3> rest{double(state.mesh), double(state.isFieldShown), state.seconds};
+  const bool hasMoved = lastView_ != now || lastRest_ != rest;
+  isMoving_ = hasMoved || state.isPlaying;
+  lastView_ = now;
+  lastRest_ = rest;
+  if (shown_->mesh) shown_->mesh->record(frame, state.seconds);
+  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_);
+  if (isNew && shown_->field.isOnDevice()) frame.stamp("field");
+  if (!shown_->field.error().empty()) message_ = shown_->field.error();
+  try {
+    picture_.record(frame,
+                    {.field = shown_->field,
+                     .isFieldShown = state.isFieldShown || !shown_->mesh,
+                     .mesh = shown_->mesh.get(),
+                     .style = state.mesh,
+                     .camera = camera_,
+                     .view = now,
+                     .bounds = content().bounds},
+                    hasMoved || isNew);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::DeviceLost) throw;
+    message_ = error.what();
+  }
+  const VkCommandBuffer commands = frame.commands();
+  moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  picture_.copyTo(commands, swapchain_.image(image), swapchain_.size());
+  moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+            VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  swapchain_.beginOverlay(commands, image);
+  gui_.record(commands);
+  vkCmdEndRenderPass(commands);
+  frame.stamp("panels");
+}
+
+void Viewer::readHover(size_t slot) {
+  const Hover& hover = hovers_[slot];
+  probed_.reset();
+  if (!hover.eye) return;
+  const float depth = *static_cast<const float*>(hover.depth.mapped);
+  if (depth < std::numeric_limits<float>::max()) probed_ = shown_->probe.at(*hover.eye + double(depth) * hover.ray);
+}
+
+void Viewer::askHover(Frame& frame, size_t slot) {
+  Hover& hover = hovers_[slot];
+  hover.eye.reset();
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantCaptureMouse || !ImGui::IsMousePosValid()) return;
+  const glm::dvec2 cursor = window_.scale() * glm::dvec2(io.MousePos.x, io.MousePos.y);
+  *static_cast<float*>(hover.depth.mapped) = std::numeric_limits<float>::max();
+  picture_.copyDepth(frame.commands(), cursor, hover.depth);
+  hover.eye = camera_.eye();
+  hover.ray = camera_.ray(cursor, windowSize());
+}
+
+void Viewer::takeKeys(Wishes& wishes) {
+  ViewState& state = options_.state;
+  const bool isTyping = ImGui::GetIO().WantTextInput;
+  for (const auto& [key, hasControl] : window_.takeKeys()) {
+    if (isTyping) continue;
+    if (hasControl) {
+      if (key == GLFW_KEY_C) wishes.copy = true;
+      if (key == GLFW_KEY_V) {
+        try {
+          options_.apply(window_.paste(), state);
+          camera_ = Camera(state.view, content().bounds, windowSize());
+        } catch (const Error& error) {
+          message_ = error.what();
+        }
+      }
+    }
+    const int side = hasControl ? -1 : 1;
+    if (key == GLFW_KEY_1 || key == GLFW_KEY_KP_1) wishes.axis = side * 1;
+    if (key == GLFW_KEY_3 || key == GLFW_KEY_KP_3) wishes.axis = side * 2;
+    if (key == GLFW_KEY_7 || key == GLFW_KEY_KP_7) wishes.axis = side * 3;
+    if (hasControl) continue;
+    if (key == GLFW_KEY_F) wishes.frame = true;
+    if (key == GLFW_KEY_S) wishes.picture = true;
+    if (key == GLFW_KEY_R) wishes.record = true;
+    if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
+    if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
+    if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
+    if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
+    if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
+    if (key == GLFW_KEY_H) state.isHelpShown = !state.isHelpShown;
+    if (key == GLFW_KEY_Q) window_.close();
+  }
+}
+
+/// Moves the cut, or else the slice, so that it follows the cursor.
+void Viewer::movePlane(const glm::dvec2& drag) {
+  ViewState& state = options_.state;
+  MovingPlane& plane = state.cut.isOn ? state.cut : state.slice;
+  if (!plane.isOn) return;
+  const glm::dvec3 centre = content().bounds.centre();
+  const glm::dvec3 on = centre + (plane.offset - glm::dot(plane.normal, centre)) * plane.normal;
+  const double unit = 1e-3 * glm::length(content().bounds.size());
+  const glm::dvec3 from = camera_.project(on, windowSize()),
+                   to = camera_.project(on + unit * plane.normal, windowSize());
+  const glm::dvec2 along(to.x - from.x, to.y - from.y);
+  const double length2 = glm::dot(along, along);
+  // Seen along its normal, a plane does not move across the window: up is towards the eye.
+  const double steps = length2 > 0.01 ? glm::dot(drag, along) / length2 : -drag.y * 2.0;
+  plane.offset += unit * steps;
+}
+
+void Viewer::takeMouse() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantCaptureMouse) return;
+  const double scale = window_.scale();
+  const glm::dvec2 cursor = scale * glm::dvec2(io.MousePos.x, io.MousePos.y);
+  const glm::dvec2 drag = scale * glm::dvec2(io.MouseDelta.x, io.MouseDelta.y);
+  const WindowSize size = windowSize();
+  const bool isLeft = ImGui::IsMouseDragging(0, 2.0F);
+  if (drag != glm::dvec2(0.0)) {
+    if (ImGui::IsMouseDragging(1, 0.0F) || ImGui::IsMouseDragging(2, 0.0F) || (isLeft && io.KeyShift))
+      camera_.pan(drag, size);
+    else if (isLeft && io.KeyCtrl)
+      movePlane(drag);
+    else if (isLeft)
+      camera_.orbit(drag, size);
+  }
+  if (io.MouseWheel != 0.0F) camera_.zoom(std::pow(0.88, double(io.MouseWheel)), cursor, size);
+  if (ImGui::IsMouseDoubleClicked(0) && probed_) camera_.lookAt(probed_->position);
+  const bool isClick = ImGui::IsMouseReleased(0) && io.MouseDragMaxDistanceSqr[0] < 9.0F;
+  if (options_.state.isMeasuring && isClick && probed_) {
+    if (measured_.size() == 2) measured_.clear();
+    measured_.push_back(probed_->position);
+  }
+  if (!options_.state.isMeasuring) measured_.clear();
+  placeCamera();
+}
+
+void Viewer::obey(const Wishes& wishes) {
+  if (wishes.frame) camera_.frame(content().bounds, windowSize());
+  if (wishes.axis != 0) {
+    glm::dvec3 direction(0.0);
+    direction[std::abs(wishes.axis) - 1] = wishes.axis > 0 ? -1.0 : 1.0;
+    camera_.lookAlong(direction);
+  }
+  placeCamera();
+  if (wishes.picture) isPictureWanted_ = true;
+  if (wishes.copy) {
+    window_.copy(command());
+    message_ = "copied: " + command();
+  }
+  if (wishes.clip) show(options_.input, true);
+  if (!wishes.record) return;
+  if (recorder_) {
+    recorder_(nullptr);
+    recorder_ = {};
+    return;
+  }
+  try {
+    recorder_ = options_.record(windowSize().width, windowSize().height);
+  } catch (const Error& error) {
+    message_ = error.what();
+  }
+}
+
+std::string Viewer::command() const {
+  ViewState state = options_.state;
+  state.view = view();
+  return options_.command(options_.input, state);
+}
+
+void Viewer::takePicture(Frame& frame) {
+  const VkDeviceSize bytes = VkDeviceSize{4} * picture_.size().width * picture_.size().height;
+  if (pixels_.bytes != bytes) {
+    gpu_.waitIdle();
+    pixels_ = gpu_.makeBuffer(bytes, true);
+  }
+  picture_.copyPixels(frame.commands(), pixels_);
+}
+
+Picture Viewer::readPicture() const {
+  Picture picture{.width = int(picture_.size().width), .height = int(picture_.size().height)};
+  const auto* pixels = static_cast<const uint32_t*>(pixels_.mapped);
+  const size_t count = size_t(picture.width) * size_t(picture.height);
+  picture.rgb.reserve(3 * count);
+  for (size_t p = 0; p < count; ++p)
+    for (const int shift : {0, 8, 16}) picture.rgb.push_back(uint8_t(pixels[p] >> shift));
+  return picture;
+}
+
+PanelFigures Viewer::figures() const {
+  const LiveField& field = shown_->field;
+  std::string grid = "no field yet";
+  if (field.isReady()) {
+    const glm::ivec3 dims = field.grid().dims;
+    char text[128];
+    std::snprintf(text, sizeof text, "%d x %d x %d samples, spacing %.4g%s", dims.x, dims.y, dims.z,
+                  field.grid().spacing, field.isBusy() ? " ..." : "");
+    grid = text;
+  }
+  std::vector<Frame::Time> times = times_;
+  if (field.milliseconds() > 0.0) times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
+  return {.content = content(),
+          .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
+          .grid = grid,
+          .times = std::move(times),
+          .history = history_,
+          .message = message_,
+          .probed = probed_,
+          .measured = measured_};
+}
+
+}  // namespace
+
+std::string runViewer(ViewerOptions options) {
+  for (int start = 0;; ++start) {
+    try {
+      Viewer viewer(options);
+      viewer.run();
+      return viewer.command();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::DeviceLost || start > 0) throw;
+    }
+  }
+}
+
+}  // namespace raymap::view

@@ -1,0 +1,189 @@
+#include "window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_vulkan.h>
+#include <raymap/error.h>
+
+namespace raymap::view {
+
+namespace {
+
+std::string glfwMessage() {
+  const char* message = nullptr;
+  glfwGetError(&message);
+  return message ? message : "unknown reason";
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, const WindowSize& size) {
+  if (!glfwInit())
+    throw Error(ErrorCode::Unsupported,
+                "a window cannot be opened: " + glfwMessage() + "; raymap render draws without one");
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  handle_ = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+  if (!handle_) {
+    const std::string why = glfwMessage();
+    glfwTerminate();
+    throw Error(ErrorCode::Unsupported, "a window cannot be opened: " + why);
+  }
+  glfwSetWindowUserPointer(handle_, this);
+  // Dear ImGui calls these when it has its own in place.
+  glfwSetKeyCallback(handle_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
+    if (action != GLFW_RELEASE)
+      static_cast<Window*>(glfwGetWindowUserPointer(window))
+          ->keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
+  });
+  glfwSetDropCallback(handle_, [](GLFWwindow* window, int count, const char** paths) {
+    Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+    self.dropped_.assign(paths, paths + count);
+  });
+}
+
+Window::~Window() {
+  glfwDestroyWindow(handle_);
+  glfwTerminate();
+}
+
+std::vector<const char*> Window::extensions() {
+  uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  if (!names)
+    throw Error(ErrorCode::Unsupported, "Vulkan has no windows here: " + glfwMessage() +
+                                            "; install a GPU's driver, or mesa-vulkan-drivers");
+  return {names, names + count};
+}
+
+VkSurfaceKHR Window::makeSurface(VkInstance instance) const {
+  VkSurfaceKHR surface = VK_NULL_HANDLE;
+  check(glfwCreateWindowSurface(instance, handle_, nullptr, &surface), "connecting Vulkan to the window");
+  return surface;
+}
+
+void Window::wait(double seconds) {
+  if (seconds > 0.0)
+    glfwWaitEventsTimeout(seconds);
+  else
+    glfwPollEvents();
+}
+
+bool Window::isClosed() const {
+  return glfwWindowShouldClose(handle_) != 0;
+}
+
+void Window::close() {
+  glfwSetWindowShouldClose(handle_, GLFW_TRUE);
+}
+
+void Window::setTitle(const std::string& title) {
+  glfwSetWindowTitle(handle_, title.c_str());
+}
+
+VkExtent2D Window::size() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handle_, &width, &height);
+  return {uint32_t(width), uint32_t(height)};
+}
+
+double Window::scale() const {
+  int width = 1, height = 1;
+  glfwGetWindowSize(handle_, &width, &height);
+  return width > 0 ? double(size().width) / width : 1.0;
+}
+
+void Window::copy(const std::string& text) {
+  glfwSetClipboardString(handle_, text.c_str());
+}
+
+std::string Window::paste() const {
+  const char* text = glfwGetClipboardString(handle_);
+  return text ? text : "";
+}
+
+Gui::Gui(const Window& window, const Gpu& gpu, const Swapchain& swapchain) {
+  const VkDescriptorPoolSize font{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
+  const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
+                                            .flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT,
+                                            .maxSets = 4,
+                                            .poolSizeCount = 1,
+                                            .pPoolSizes = &font};
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  check(vkCreateDescriptorPool(gpu.device(), &poolInfo, nullptr, &pool), "making descriptors");
+  pool_ = {gpu.device(), pool, vkDestroyDescriptorPool};
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // Nothing is written to the folder where it runs.
+  ImGui::StyleColorsLight();
+  float scale = 1.0F;
+  glfwGetWindowContentScale(window.handle(), &scale, nullptr);
+  ImGui::GetStyle().ScaleAllSizes(scale);
+  ImFontConfig font13;
+  font13.SizePixels = 13.0F * scale;
+  ImGui::GetIO().Fonts->AddFontDefault(&font13);
+  ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+  ImGui_ImplVulkan_InitInfo info{};
+  info.Instance = gpu.handles().instance;
+  info.PhysicalDevice = gpu.handles().physical;
+  info.Device = gpu.device();
+  info.QueueFamily = gpu.handles().queueFamily;
+  info.Queue = gpu.handles().queue;
+  info.DescriptorPool = pool;
+  info.MinImageCount = 2;
+  info.ImageCount = std::max(swapchain.count(), 2u);
+  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+  info.CheckVkResultFn = [](VkResult result) { check(result, "drawing the panels"); };
+#if IMGUI_VERSION_NUM >= 19100
+  info.RenderPass = swapchain.overlay();
+  ImGui_ImplVulkan_Init(&info);  // Uploads its font by itself.
+#else
+  ImGui_ImplVulkan_Init(&info, swapchain.overlay());
+  uploadFont(gpu);
+#endif
+}
+
+#if IMGUI_VERSION_NUM < 19100
+void Gui::uploadFont(const Gpu& gpu) const {
+  const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                         .queueFamilyIndex = gpu.handles().queueFamily};
+  VkCommandPool pool = VK_NULL_HANDLE;
+  check(vkCreateCommandPool(gpu.device(), &poolInfo, nullptr, &pool), "making a command pool");
+  const Owned<VkCommandPool> owned(gpu.device(), pool, vkDestroyCommandPool);
+  const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                         .commandPool = pool,
+                                         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                         .commandBufferCount = 1};
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  check(vkAllocateCommandBuffers(gpu.device(), &info, &commands), "making a command buffer");
+  const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  check(vkBeginCommandBuffer(commands, &begin), "recording");
+  ImGui_ImplVulkan_CreateFontsTexture(commands);
+  check(vkEndCommandBuffer(commands), "recording");
+  const VkSubmitInfo submit{
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &commands};
+  check(vkQueueSubmit(gpu.handles().queue, 1, &submit, VK_NULL_HANDLE), "giving work to the device");
+  gpu.waitIdle();
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+}
+#endif
+
+Gui::~Gui() {
+  ImGui_ImplVulkan_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Gui::begin() const {
+  ImGui_ImplVulkan_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Gui::record(VkCommandBuffer commands) const {
+  ImGui::Render();
+  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+}
+
+}  // namespace raymap::view

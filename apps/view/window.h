@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "camera.h"
+#include "gpu.h"
+#include "swapchain.h"
+
+struct GLFWwindow;
+
+namespace raymap::view {
+
+/// A window, and what its user did.
+class Window {
+ public:
+  /// Throws `Error(Unsupported)` if there is no display.
+  Window(const std::string& title, const WindowSize& size);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// Returns the extensions of Vulkan that it needs.
+  static std::vector<const char*> extensions();
+  VkSurfaceKHR makeSurface(VkInstance instance) const;
+
+  /// Waits for events, so many seconds at most.
+  void wait(double seconds);
+  bool isClosed() const;
+  void close();
+  void setTitle(const std::string& title);
+  /// Returns its size in pixels; 0 while it is minimised.
+  VkExtent2D size() const;
+  /// Returns the number of pixels of a point, in which the cursor is measured.
+  double scale() const;
+  /// Returns the text of the clipboard, or sets it.
+  void copy(const std::string& text);
+  std::string paste() const;
+
+  /// Returns the keys that were pressed since the last call, with their modifiers; GLFW's numbers.
+  struct Key {
+    int key;
+    bool hasControl;
+  };
+  std::vector<Key> takeKeys() { return std::exchange(keys_, {}); }
+  /// Returns the files that were dropped on it since the last call.
+  std::vector<std::filesystem::path> takeDropped() { return std::exchange(dropped_, {}); }
+  GLFWwindow* handle() const { return handle_; }
+
+ private:
+  GLFWwindow* handle_ = nullptr;
+  std::vector<Key> keys_;
+  std::vector<std::filesystem::path> dropped_;
+};
+
+/// Dear ImGui in a window.
+class Gui {
+ public:
+  Gui(const Window& window, const Gpu& gpu, const Swapchain& swapchain);
+  ~Gui();
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+
+  void begin() const;
+  /// Ends the frame's panels, and draws them within a pass of `Swapchain::beginOverlay`.
+  void record(VkCommandBuffer commands) const;
+
+ private:
+  void uploadFont(const Gpu& gpu) const;
+
+  Owned<VkDescriptorPool> pool_;
+};
+
+}  // namespace raymap::view
