@@ -161,10 +161,11 @@ void open(Arguments& arguments) {
   options.load = load;
   options.command = commandFor;
   options.apply = applyCommand;
-  options.write = [](const Picture& picture) {
+  options.write = [](const Picture& picture, const std::string& command) {
     const fs::path path = freeName(".png");
     writePng(path, picture);
     printWritten(path);
+    std::printf("%s\n", command.c_str());
     std::fflush(stdout);
     return path.string();
   };

@@ -9,6 +9,7 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 weights;
 layout(location = 0) out vec4 colour;
 
+const float kLineWidth = 1.2, kNoField = 1e38;
 const vec3 kFront = vec3(0.62, 0.68, 0.76), kBack = vec3(0.30, 0.27, 0.27), kLine = vec3(0.08, 0.11, 0.18);
 
 void main() {
@@ -17,9 +18,10 @@ void main() {
   // Where triangles are only a few pixels high, lines would cover all.
   const vec3 heights = 1 / fwidth(weights);
   const float strength = clamp(min(heights.x, min(heights.y, heights.z)) / 4 - 0.5, 0, 1);
-  const float line = push.lineWidth > 0 ? strength * clamp(0.5 * push.lineWidth + 0.5 - pixels, 0, 1) : 0;
+  const float line = strength * clamp(0.5 * kLineWidth + 0.5 - pixels, 0, 1);
   const vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-  if (push.hasDepth != 0) {
+  if (dot(place, push.cutNormal) > push.cutOffset) discard;
+  if (push.slack < kNoField) {
     const float seen = push.depth.at[uint(gl_FragCoord.y) * push.width + uint(gl_FragCoord.x)];
     if (length(place) > seen + push.slack) discard;
   }

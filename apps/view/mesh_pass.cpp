@@ -1,6 +1,6 @@
 #include "mesh_pass.h"
 
-#include <algorithm>
+#include <limits>
 
 #include "mesh_push.h"
 #include "mesh_shaders.h"
@@ -91,7 +91,8 @@ void MeshPass::makePipeline(const Gpu& gpu) {
 }
 
 void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style, const Camera& camera,
-                      const Box& bounds, const Target& target, double slack) const {
+                      const Box& bounds, const std::optional<Plane>& cut, const Target& target,
+                      double slack) const {
   const bool isAlone = target.depth == 0;
   const VkRenderingAttachmentInfo colour{
       .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -130,10 +131,10 @@ void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyl
         .depth = target.depth,
         .origin = mesh.origin() - camera.eye(),
         .width = target.size.width,
-        .slack = float(slack),
-        .lineWidth = 1.2F,
-        .isSolid = style == MeshStyle::Faces,
-        .hasDepth = !isAlone};
+        .cutNormal = cut ? glm::vec3(cut->normal) : glm::vec3(0.0F),
+        .cutOffset = cut ? float(cut->offset - glm::dot(cut->normal, camera.eye())) : 0.0F,
+        .slack = isAlone ? std::numeric_limits<float>::max() : float(slack),
+        .isSolid = style == MeshStyle::Faces};
     vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                        sizeof push, &push);
     vkCmdDraw(commands, 3 * mesh.triangleCount(), 1, 0, 0);

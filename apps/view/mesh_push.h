@@ -22,13 +22,13 @@ struct MeshPush {
   RAYMAP_VIEW_ADDRESS(Depths) depth;  // Distance to what the field shows, row by row.
   vec3 origin;                        // Of the vertices.
   uint width;                         // Pixels in a row of `depth`.
-  float slack;                        // How far behind the field's surface a face is still seen.
-  float lineWidth;                    // In pixels; 0 for no lines.
+  vec3 cutNormal;                     // What is beyond this plane is not drawn; 0 for no cut.
+  float cutOffset;
+  float slack;  // How far behind the field's surface a face is still seen; infinite where there is no field.
   uint isSolid;                       // Whether faces are drawn between the lines.
-  uint hasDepth;
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(MeshPush) == 120);
+static_assert(sizeof(MeshPush) == 128);
 }  // namespace raymap::view
 #endif

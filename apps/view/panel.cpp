@@ -61,10 +61,7 @@ std::pair<double, double> offsets(const glm::dvec3& normal, const Box& box) {
 
 void showPlane(const char* label, MovingPlane& plane, const RenderOptions& view, const Box& box) {
   ImGui::PushID(label);
-  if (ImGui::Checkbox(label, &plane.isOn) && plane.isOn) {
-    const auto [low, high] = offsets(plane.normal, box);
-    if (!(plane.offset > low && plane.offset < high)) plane.offset = 0.5 * (low + high);
-  }
+  ImGui::Checkbox(label, &plane.isOn);
   if (plane.isOn) {
     const auto turn = [&](const glm::dvec3& normal) {
       plane.normal = glm::normalize(normal);

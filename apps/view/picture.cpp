@@ -110,7 +110,7 @@ void LivePicture::show(Frame& frame, const Input& input) {
                                   .size = shown_,
                                   .depth = input.isFieldShown ? shownDepth_.address : 0};
     if (input.mesh)
-      meshPass_.record(commands, *input.mesh, input.style, input.camera, input.bounds, target,
+      meshPass_.record(commands, *input.mesh, input.style, input.camera, input.bounds, input.view.cutPlane, target,
                        2.0 * input.field.grid().spacing);
     frame.stamp("mesh");
   }

@@ -94,6 +94,7 @@ class Viewer {
   void draw(Frame& frame, uint32_t image);
   void takeKeys(Wishes& wishes);
   void takeMouse();
+  void click();
   void movePlane(const glm::dvec2& drag);
   void obey(const Wishes& wishes);
   void readHover(size_t slot);
@@ -117,6 +118,14 @@ class Viewer {
   Camera camera_;
   fs::file_time_type fileTime_;
   Clock::time_point lastStep_ = Clock::now(), lastLook_ = Clock::now();
+  /// A button that is held down, and how far the cursor has moved since.
+  struct Drag {
+    int button = 0;
+    double length = 0.0;
+  };
+  std::optional<Drag> drag_;
+  glm::dvec2 cursor_{0.0};
+  Clock::time_point lastClick_ = {};
   size_t next_ = 0;
   bool isMoving_ = true;
   std::optional<RenderOptions> lastView_;
@@ -130,6 +139,11 @@ class Viewer {
   Buffer pixels_;
   std::function<void(const Picture*)> recorder_;
 };
+
+/// Puts a plane that was never moved into the middle.
+void centre(MovingPlane& plane, const Box& box) {
+  if (!plane.isOn) plane.offset = glm::dot(plane.normal, box.centre());
+}
 
 Swapchain sized(Swapchain swapchain, const Window& window) {
   swapchain.resize(window.size());
@@ -147,6 +161,7 @@ Viewer::Viewer(ViewerOptions& options)
       shown_(load(options.input)),
       gui_(window_, gpu_, swapchain_),
       camera_(options.state.view, content().bounds, windowSize()) {
+  for (MovingPlane* plane : {&options.state.cut, &options.state.slice}) centre(*plane, content().bounds);
   for (Hover& hover : hovers_) hover.depth = gpu_.makeBuffer(sizeof(float), true);
   picture_.resize(swapchain_.size());
   window_.setTitle(content().title + " – raymap");
@@ -181,6 +196,7 @@ void Viewer::show(const fs::path& path, bool isSameView) {
   if (isSameView) return;
   options_.state.view.iso = options_.state.view.shell = 0.0;
   options_.state.cut = options_.state.slice = {};
+  for (MovingPlane* plane : {&options_.state.cut, &options_.state.slice}) centre(*plane, content().bounds);
   camera_.frame(content().bounds, windowSize());
   placeCamera();
 }
@@ -255,7 +271,7 @@ void Viewer::step() {
   if (isTaken) {
     gpu_.waitIdle();
     const Picture picture = readPicture();
-    if (isPictureWanted_) message_ = "wrote " + options_.write(picture);
+    if (isPictureWanted_) message_ = "wrote " + options_.write(picture, command());
     isPictureWanted_ = false;
     if (recorder_) recorder_(&picture);
     if (recorder_) advance(1.0 / kRecordedFps);
@@ -390,30 +406,42 @@ void Viewer::movePlane(const glm::dvec2& drag) {
 }
 
 void Viewer::takeMouse() {
-  const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantCaptureMouse) return;
-  const double scale = window_.scale();
-  const glm::dvec2 cursor = scale * glm::dvec2(io.MousePos.x, io.MousePos.y);
-  const glm::dvec2 drag = scale * glm::dvec2(io.MouseDelta.x, io.MouseDelta.y);
-  const WindowSize size = windowSize();
-  const bool isLeft = ImGui::IsMouseDragging(0, 2.0F);
-  if (drag != glm::dvec2(0.0)) {
-    if (ImGui::IsMouseDragging(1, 0.0F) || ImGui::IsMouseDragging(2, 0.0F) || (isLeft && io.KeyShift))
-      camera_.pan(drag, size);
-    else if (isLeft && io.KeyCtrl)
-      movePlane(drag);
-    else if (isLeft)
-      camera_.orbit(drag, size);
-  }
-  if (io.MouseWheel != 0.0F) camera_.zoom(std::pow(0.88, double(io.MouseWheel)), cursor, size);
-  if (ImGui::IsMouseDoubleClicked(0) && probed_) camera_.lookAt(probed_->position);
-  const bool isClick = ImGui::IsMouseReleased(0) && io.MouseDragMaxDistanceSqr[0] < 9.0F;
-  if (options_.state.isMeasuring && isClick && probed_) {
-    if (measured_.size() == 2) measured_.clear();
-    measured_.push_back(probed_->position);
+  using Kind = Window::Mouse::Kind;
+  const bool isOverPanel = ImGui::GetIO().WantCaptureMouse;
+  for (const Window::Mouse& mouse : window_.takeMouse()) {
+    const glm::dvec2 moved = mouse.cursor - std::exchange(cursor_, mouse.cursor);
+    if (mouse.kind == Kind::Press && !isOverPanel) {
+      if (!drag_) drag_ = Drag{.button = mouse.button};
+    } else if (mouse.kind == Kind::Release && drag_ && drag_->button == mouse.button) {
+      if (drag_->length < 3.0 && mouse.button == GLFW_MOUSE_BUTTON_LEFT) click();
+      drag_.reset();
+    } else if (mouse.kind == Kind::Wheel && !isOverPanel) {
+      camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, windowSize());
+    } else if (mouse.kind == Kind::Move && drag_) {
+      drag_->length += glm::length(moved);
+      if (drag_->button != GLFW_MOUSE_BUTTON_LEFT || mouse.hasShift)
+        camera_.pan(moved, windowSize());
+      else if (mouse.hasControl)
+        movePlane(moved);
+      else
+        camera_.orbit(moved, windowSize());
+    }
   }
   if (!options_.state.isMeasuring) measured_.clear();
   placeCamera();
+}
+
+/// Looks at the point that was clicked on twice, or notes it to measure.
+void Viewer::click() {
+  const Clock::time_point now = Clock::now();
+  const bool isSecond = now - std::exchange(lastClick_, now) < std::chrono::milliseconds(400);
+  if (!probed_) return;
+  if (options_.state.isMeasuring) {
+    if (measured_.size() == 2) measured_.clear();
+    measured_.push_back(probed_->position);
+  } else if (isSecond) {
+    camera_.lookAt(probed_->position);
+  }
 }
 
 void Viewer::obey(const Wishes& wishes) {

@@ -21,8 +21,8 @@ struct ViewerOptions {
   std::function<void(const std::string& command, ViewState& state)> apply = {};
   /// Begins to record pictures of this size, and returns what takes each; null ends the record.
   std::function<std::function<void(const Picture*)>(int width, int height)> record = {};
-  /// Writes a picture, and returns its name.
-  std::function<std::string(const Picture& picture)> write = {};
+  /// Writes a picture that a command draws too, and returns its name.
+  std::function<std::string(const Picture& picture, const std::string& command)> write = {};
 };
 
 /// Opens a window, and returns the command that draws its last view when it is closed. Throws `Error`:

@@ -35,13 +35,36 @@ Window::Window(const std::string& title, const WindowSize& size) {
   // Dear ImGui calls these when it has its own in place.
   glfwSetKeyCallback(handle_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
     if (action != GLFW_RELEASE)
-      static_cast<Window*>(glfwGetWindowUserPointer(window))
-          ->keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
+      of(window).keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
+  });
+  glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int) {
+    of(window).note({.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release, .button = button});
+  });
+  glfwSetCursorPosCallback(handle_, [](GLFWwindow* window, double, double) {
+    of(window).note({.kind = Mouse::Kind::Move});
+  });
+  glfwSetScrollCallback(handle_, [](GLFWwindow* window, double, double wheel) {
+    of(window).note({.kind = Mouse::Kind::Wheel, .wheel = wheel});
   });
   glfwSetDropCallback(handle_, [](GLFWwindow* window, int count, const char** paths) {
-    Window& self = *static_cast<Window*>(glfwGetWindowUserPointer(window));
-    self.dropped_.assign(paths, paths + count);
+    of(window).dropped_.assign(paths, paths + count);
   });
+}
+
+Window& Window::of(GLFWwindow* window) {
+  return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+}
+
+/// Adds what the window knows of the mouse and the keys beside it.
+void Window::note(Mouse mouse) {
+  glfwGetCursorPos(handle_, &mouse.cursor.x, &mouse.cursor.y);
+  mouse.cursor *= scale();
+  const auto isDown = [this](int left, int right) {
+    return glfwGetKey(handle_, left) == GLFW_PRESS || glfwGetKey(handle_, right) == GLFW_PRESS;
+  };
+  mouse.hasShift = isDown(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+  mouse.hasControl = isDown(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+  mouse_.push_back(mouse);
 }
 
 Window::~Window() {

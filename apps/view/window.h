@@ -41,6 +41,16 @@ class Window {
   void copy(const std::string& text);
   std::string paste() const;
 
+  /// What the mouse did, in its order. Nothing is lost however long a frame takes.
+  struct Mouse {
+    enum class Kind { Press, Release, Move, Wheel };
+    Kind kind;
+    glm::dvec2 cursor{0.0};  ///< In pixels.
+    double wheel = 0.0;      ///< Notches, away from its user.
+    int button = 0;          ///< GLFW's number.
+    bool hasShift = false, hasControl = false;
+  };
+  std::vector<Mouse> takeMouse() { return std::exchange(mouse_, {}); }
   /// Returns the keys that were pressed since the last call, with their modifiers; GLFW's numbers.
   struct Key {
     int key;
@@ -53,6 +63,10 @@ class Window {
 
  private:
   GLFWwindow* handle_ = nullptr;
+  static Window& of(GLFWwindow* window);
+  void note(Mouse mouse);
+
+  std::vector<Mouse> mouse_;
   std::vector<Key> keys_;
   std::vector<std::filesystem::path> dropped_;
 };
