@@ -1,5 +1,6 @@
 #include <raymap/raymap.h>
 
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
@@ -93,8 +94,12 @@ std::string fieldWords(const view::FieldSettings& field) {
 /// Returns the command that draws the view.
 std::string commandFor(const fs::path& path, const view::ViewState& state) {
   const RenderOptions& view = state.view;
-  std::string command = "raymap render " + quoted(path.string()) + " -o view.png --size " +
-                        std::to_string(view.width) + " " + std::to_string(view.height);
+  const bool isFrame = state.seconds > 0.0;
+  std::string command = "raymap render " + quoted(path.string()) + (isFrame ? " -o view.%d.png" : " -o view.png") +
+                        " --size " + std::to_string(view.width) + " " + std::to_string(view.height);
+  // Frames are a thousandth of a second long.
+  if (isFrame) command += " --fps 1000 --frames " + std::to_string(std::lround(1000.0 * state.seconds));
+  if (isFrame && !state.clip.empty()) command += " --clip " + quoted(state.clip);
   if (!hasExtension(path, fieldExtensions())) command += fieldWords(state.field);
   command += " --up " + numbers(view.up) + " --direction " + numbers(view.direction);
   if (view.eye) command += " --eye " + numbers(*view.eye);

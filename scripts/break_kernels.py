@@ -126,7 +126,7 @@ def main():
     copy_tree(folder)
     configured = run(["cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
                       "-DRAYMAP_BUILD_TESTS=OFF",
-                      "-DRAYMAP_OPENVDB=OFF", "-DRAYMAP_ASSIMP=OFF"], cwd=folder)
+                      "-DRAYMAP_OPENVDB=OFF", "-DRAYMAP_ASSIMP=OFF", "-DRAYMAP_VIEW=OFF"], cwd=folder)
     if configured.returncode != 0:
         sys.exit(configured.stdout)
     build(folder)

@@ -42,9 +42,13 @@ bool LiveField::isBusy() const {
 }
 
 bool LiveField::record(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving) {
+  isCurrent_ = true;
   if (content_.field) return recordGiven(frame);
-  return isOnDevice_ ? recordOnDevice(frame, settings, seconds)
-                     : recordFromWorker(frame, settings, seconds, isMoving);
+  if (isOnDevice_) return recordOnDevice(frame, settings, seconds);
+  const bool isNew = recordFromWorker(frame, settings, seconds, isMoving);
+  isCurrent_ = wish_ && wish_->grid == gridFor(settings) && wish_->options == settings.options &&
+               wish_->seconds == seconds;
+  return isNew;
 }
 
 void LiveField::makeRoom(Frame& frame, size_t samples) {

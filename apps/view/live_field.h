@@ -31,6 +31,8 @@ class LiveField {
   bool isReady() const { return hasField_; }
   vulkan::FieldBuffer buffer() const { return {distance_.range(), grid_, clampDistance_}; }
   const Grid& grid() const { return grid_; }
+  /// Returns whether the field is what was asked for last, at full resolution.
+  bool isCurrent() const { return isCurrent_; }
   /// Returns whether a finer or newer field is being made.
   bool isBusy() const;
   /// Returns the time that the CPU took for the last field; 0 if the device made it.
@@ -58,7 +60,7 @@ class LiveField {
   Buffer distance_;
   Grid grid_ = {};
   double clampDistance_ = 0.0;
-  bool hasField_ = false;
+  bool hasField_ = false, isCurrent_ = false;
   int liveResolution_ = 64;  ///< Resolution that keeps up with what moves.
   double milliseconds_ = 0.0;
   std::string error_;

@@ -84,6 +84,8 @@ class Viewer {
     return device != "cpu" && (!gpu.isSoftware() || device.starts_with("vulkan"));
   }
   WindowSize windowSize() const { return {int(swapchain_.size().width), int(swapchain_.size().height)}; }
+  /// Returns whether time stands still until a picture is as fine as it will be.
+  bool isStill() const { return isPictureWanted_ || recorder_; }
   const Content& content() const { return shown_->content; }
 
   std::unique_ptr<Shown> load(const fs::path& path);
@@ -223,7 +225,7 @@ void Viewer::resize() {
 
 void Viewer::run() {
   while (!window_.isClosed()) {
-    const bool isBusy = isMoving_ || shown_->field.isBusy() || !picture_.isFinished();
+    const bool isBusy = isMoving_ || isStill() || !shown_->field.isCurrent() || shown_->field.isBusy() || !picture_.isFinished();
     window_.wait(isBusy ? 0.0 : kIdle);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
@@ -252,7 +254,7 @@ void Viewer::step() {
   const Clock::time_point now = Clock::now();
   const double passed = std::chrono::duration<double>(now - lastStep_).count();
   lastStep_ = now;
-  if (!recorder_) advance(passed);
+  if (!isStill()) advance(passed);
   if (!frame.times().empty()) times_ = frame.times();
   history_.push_back(float(1e3 * passed));
   if (history_.size() > kHistory) history_.erase(history_.begin());
@@ -264,7 +266,7 @@ void Viewer::step() {
   obey(wishes);
   draw(frame, *image);
   askHover(frame, slot);
-  const bool isTaken = (isPictureWanted_ || recorder_) && picture_.isFinished();
+  const bool isTaken = isStill() && picture_.isFinished() && shown_->field.isCurrent();
   if (isTaken) takePicture(frame);
   frame.submit(swapchain_.isDrawn(*image));
   const bool fits = swapchain_.present(*image);
@@ -302,7 +304,7 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   const RenderOptions now = view();
   const std::array<double, 3> rest{double(state.mesh), double(state.isFieldShown), state.seconds};
   const bool hasMoved = lastView_ != now || lastRest_ != rest;
-  isMoving_ = hasMoved || state.isPlaying;
+  isMoving_ = hasMoved || (state.isPlaying && !isStill());
   lastView_ = now;
   lastRest_ = rest;
   if (shown_->mesh) shown_->mesh->record(frame, state.seconds);

@@ -40,7 +40,9 @@ Window::Window(const std::string& title, const WindowSize& size) {
   glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int) {
     of(window).note({.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release, .button = button});
   });
-  glfwSetCursorPosCallback(handle_, [](GLFWwindow* window, double, double) {
+  // The cursor's place is that of the event: by now, it may be elsewhere.
+  glfwSetCursorPosCallback(handle_, [](GLFWwindow* window, double x, double y) {
+    of(window).cursor_ = of(window).scale() * glm::dvec2(x, y);
     of(window).note({.kind = Mouse::Kind::Move});
   });
   glfwSetScrollCallback(handle_, [](GLFWwindow* window, double, double wheel) {
@@ -57,8 +59,7 @@ Window& Window::of(GLFWwindow* window) {
 
 /// Adds what the window knows of the mouse and the keys beside it.
 void Window::note(Mouse mouse) {
-  glfwGetCursorPos(handle_, &mouse.cursor.x, &mouse.cursor.y);
-  mouse.cursor *= scale();
+  mouse.cursor = cursor_;
   const auto isDown = [this](int left, int right) {
     return glfwGetKey(handle_, left) == GLFW_PRESS || glfwGetKey(handle_, right) == GLFW_PRESS;
   };

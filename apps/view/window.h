@@ -66,6 +66,7 @@ class Window {
   static Window& of(GLFWwindow* window);
   void note(Mouse mouse);
 
+  glm::dvec2 cursor_{0.0};
   std::vector<Mouse> mouse_;
   std::vector<Key> keys_;
   std::vector<std::filesystem::path> dropped_;

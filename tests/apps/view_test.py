@@ -1,0 +1,272 @@
+"""Tests the window of `raymap view` on a display in memory, with events as a mouse and a keyboard make them.
+
+view_test.py RAYMAP: the program. Without Xvfb, xdotool or a Vulkan device, or if the program has no window, the test is
+skipped (77), unless RAYMAP_REQUIRE_WINDOW is set."""
+
+import os
+import pathlib
+import shlex
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+
+import numpy as np
+
+RAYMAP = str(pathlib.Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 else None
+WIDTH, HEIGHT = 700, 420
+LONG = 240  # Seconds after which a test gives up; nothing is measured.
+
+
+def read_png(path):
+    """Returns the pixels of a PNG of 8 bits a colour, as (height, width, 3)."""
+    data, at, packed = pathlib.Path(path).read_bytes(), 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
+            assert (depth, colour) == (8, 2)
+        if kind == b"IDAT":
+            packed += body
+        at += 12 + length
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
+    pixels = np.zeros((height, 3 * width), np.uint8)
+    for y, row in enumerate(rows):
+        above = pixels[y - 1] if y > 0 else np.zeros(3 * width, np.uint8)
+        pixels[y] = unfiltered(row[0], row[1:], above)
+    return pixels.reshape(height, width, 3)
+
+
+def unfiltered(kind, row, above):
+    if kind == 0:
+        return row
+    if kind == 2:
+        return row + above
+    result = row.astype(int)
+    up = above.astype(int)
+    for i in range(len(result)):
+        left, corner = (result[i - 3], up[i - 3]) if i >= 3 else (0, 0)
+        if kind == 1:
+            guess = left
+        elif kind == 3:
+            guess = (left + up[i]) // 2
+        else:
+            guess = min((left, up[i], corner), key=lambda value: abs(left + up[i] - corner - value))
+        result[i] = (result[i] + guess) % 256
+    return result.astype(np.uint8)
+
+
+def differ(a, b):
+    """Returns the mean difference of two pictures, and the share of pixels that differ by more than 8."""
+    gaps = np.abs(a.astype(int) - b.astype(int))
+    return gaps.mean(), (gaps.max(axis=2) > 8).mean()
+
+
+class Window:
+    """A running `raymap view`, in a folder of its own."""
+
+    def __init__(self, display, folder, *arguments, environment=None):
+        self.folder = folder
+        self.environment = {**os.environ, "DISPLAY": display, "RAYMAP_CACHE": "off",
+                            "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation", **(environment or {})}
+        self.out, self.err = folder / "out.txt", folder / "err.txt"
+        command = [RAYMAP, "view", *arguments, "--size", str(WIDTH), str(HEIGHT)]
+        with self.out.open("w") as out, self.err.open("w") as err:
+            self.process = subprocess.Popen(command, cwd=folder, env=self.environment, stdout=out, stderr=err)
+        self.id = self.until(self.find)
+        self.tool("windowfocus", "--sync", self.id)
+        self.pictures = 0
+
+    def until(self, done):
+        """Waits for a result that is not empty."""
+        end = time.monotonic() + LONG
+        while time.monotonic() < end:
+            if result := done():
+                return result
+            if self.process.poll() is not None:
+                raise AssertionError(f"it ended: {self.out.read_text()} {self.err.read_text()}")
+            time.sleep(0.1)
+        raise AssertionError(f"waited too long: {self.out.read_text()} {self.err.read_text()}")
+
+    def find(self):
+        return self.tool("search", "--pid", str(self.process.pid)).split("\n")[0]
+
+    def tool(self, *words):
+        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, text=True, capture_output=True).stdout
+
+    def keys(self, *names):
+        for name in names:
+            self.tool("key", "--window", self.id, name)
+
+    def drag(self, button, start, *way, modifier=None):
+        held = ["keydown", modifier] if modifier else []
+        moves = [word for place in way for word in ("mousemove", *place)]
+        self.tool(*held, "mousemove", *start, "mousedown", button, *moves, "mouseup", button)
+        if modifier:
+            self.tool("keyup", modifier)
+
+    def picture(self):
+        """Returns what the window shows once it is as fine as it will be, and the command that draws it."""
+        self.pictures += 1
+        self.keys("s")
+        lines = self.until(lambda: self.lines(2 * self.pictures))
+        wrote, command = lines[2 * self.pictures - 2:2 * self.pictures]
+        return read_png(self.folder / wrote.removeprefix("wrote ").split(",")[0]), command
+
+    def lines(self, count):
+        lines = self.out.read_text().split("\n")[:-1]
+        return lines if len(lines) >= count else None
+
+    def close(self):
+        self.keys("q")
+        code = self.process.wait(LONG)
+        return code, self.err.read_text()
+
+
+class ViewTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.display = f":{100 + os.getpid() % 900}"
+        cls.server = subprocess.Popen(["Xvfb", cls.display, "-screen", "0", "1280x900x24"], stdout=subprocess.DEVNULL,
+                                      stderr=subprocess.DEVNULL)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.kill()
+        cls.server.wait()
+
+    def setUp(self):
+        self.scratch = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self.scratch.name)
+        self.mesh = self.folder / "globe.ply"
+        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh], check=True)
+        self.window = None
+
+    def tearDown(self):
+        if self.window and self.window.process.poll() is None:
+            self.window.process.kill()
+            self.window.process.wait()
+        self.scratch.cleanup()
+
+    def open(self, *arguments, **options):
+        self.window = Window(self.display, self.folder, *arguments, **options)
+        return self.window
+
+    def close(self):
+        code, errors = self.window.close()
+        self.assertEqual((code, errors), (0, ""))  # The validation layers would write there.
+
+    def check_as_render(self, picture, command):
+        """The command draws the same picture."""
+        words = shlex.split(command)
+        output = self.folder / words[words.index("-o") + 1].replace("%d", words[words.index("--frames") + 1]
+                                                                      if "--frames" in words else "")
+        subprocess.run([RAYMAP, *words[1:], "--overwrite", "-q"], cwd=self.folder, check=True)
+        mean, far = differ(picture, read_png(output))
+        self.assertLess(mean, 0.5)
+        self.assertLess(far, 0.005)
+
+    def test_shows_what_render_draws(self):
+        window = self.open(self.mesh, "--resolution", "48")
+        first, command = window.picture()
+        self.check_as_render(first, command)
+        seen = [first]
+        # Each of these changes the picture, and each picture is what `render` draws.
+        for number, act in enumerate((lambda: window.drag(1, (400, 200), (450, 210), (500, 240)),
+                                      lambda: window.drag(3, (400, 200), (430, 230)),
+                                      lambda: window.tool("mousemove", 420, 200, "click", 4, "click", 4),
+                                      lambda: window.keys("c"),
+                                      lambda: window.drag(1, (400, 200), (370, 205), modifier="ctrl"),
+                                      lambda: window.keys("x"),
+                                      lambda: window.keys("3"),
+                                      lambda: window.keys("f"))):
+            act()
+            picture, command = window.picture()
+            with self.subTest(number):
+                self.assertGreater(differ(picture, seen[-1])[1], 0.01)
+                self.check_as_render(picture, command)
+            seen.append(picture)
+        self.close()
+
+    def test_makes_fields_on_the_device_too(self):
+        window = self.open(self.mesh, "--resolution", "40", "--device", "vulkan")
+        picture, command = window.picture()
+        self.check_as_render(picture, command)
+        self.close()
+
+    def test_shows_a_field_and_the_mesh_over_it(self):
+        subprocess.run([RAYMAP, "generate", self.mesh, "-o", self.folder / "globe.vdb", "--resolution", "40", "-q"], check=True)
+        window = self.open(self.folder / "globe.vdb")
+        picture, command = window.picture()
+        self.check_as_render(picture, command)
+        self.close()
+        cube = self.folder / "cube.obj"
+        cube.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+        window = self.open(cube, "--resolution", "40", "--iso", "-0.05")
+        field = window.picture()[0]
+        window.keys("w")
+        edges = window.picture()[0]
+        self.assertGreater(differ(edges, field)[1], 0.005)
+        window.keys("w")
+        faces = window.picture()[0]
+        self.assertGreater(differ(faces, edges)[1], 0.05)
+        self.close()
+
+    def test_follows_the_file_and_keeps_what_it_has_if_that_is_bad(self):
+        window = self.open(self.mesh, "--resolution", "40")
+        first = window.picture()[0]
+        whole = self.mesh.read_bytes()
+        self.mesh.write_bytes(whole[:len(whole) // 2])
+        time.sleep(1.5)
+        self.assertLess(differ(window.picture()[0], first)[1], 0.001)
+        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh, "--holes"], check=True)
+        window.until(lambda: differ(window.picture()[0], first)[1] > 0.001)
+        self.mesh.unlink()
+        time.sleep(1.0)
+        window.picture()
+        self.close()
+
+    def test_is_resized(self):
+        window = self.open(self.mesh, "--resolution", "32")
+        window.picture()
+        window.tool("windowsize", "--sync", window.id, 500, 300)
+        time.sleep(0.5)
+        picture, command = window.picture()
+        self.assertEqual(picture.shape, (300, 500, 3))
+        self.check_as_render(picture, command)
+        self.close()
+
+    def test_says_why_there_is_no_window(self):
+        for arguments, environment, code, text in (
+                ([self.mesh], {"DISPLAY": ""}, 7, "a window cannot be opened"),
+                ([self.folder / "none.ply"], {"DISPLAY": self.display}, 4, "none.ply"),
+                ([self.mesh, "--device", "vulkan:77"], {"DISPLAY": self.display}, 2, "vulkan:77")):
+            done = subprocess.run([RAYMAP, "view", *arguments], env={**os.environ, **environment}, text=True,
+                                  capture_output=True, timeout=LONG)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(text, done.stderr)
+
+
+def reason_to_skip():
+    for tool in ("Xvfb", "xdotool"):
+        if not shutil.which(tool):
+            return f"{tool} is not installed"
+    probe = subprocess.run([RAYMAP, "view", __file__], text=True, capture_output=True)
+    if "without a window" in probe.stderr:
+        return "the program was built without a window"
+    devices = subprocess.run([RAYMAP, "devices"], text=True, capture_output=True).stdout
+    return "" if "vulkan:0" in devices else "there is no Vulkan device"
+
+
+if __name__ == "__main__":
+    reason = reason_to_skip()
+    if reason and not os.environ.get("RAYMAP_REQUIRE_WINDOW"):
+        print(f"skipped: {reason}")
+        sys.exit(77)
+    unittest.main(verbosity=2)
