@@ -23,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Left drag turns, right drag moves, the wheel zooms, H shows all keys. When the window is closed, the command
+constexpr const char* kFooter =
+    R"(Left drag turns, right drag moves, the wheel zooms, H shows all keys. When the window is closed, the command
 that draws its last view is printed.
 
 Examples:
@@ -95,8 +96,9 @@ std::string fieldWords(const view::FieldSettings& field) {
 std::string commandFor(const fs::path& path, const view::ViewState& state) {
   const RenderOptions& view = state.view;
   const bool isFrame = state.seconds > 0.0;
-  std::string command = "raymap render " + quoted(path.string()) + (isFrame ? " -o view.%d.png" : " -o view.png") +
-                        " --size " + std::to_string(view.width) + " " + std::to_string(view.height);
+  std::string command = "raymap render " + quoted(path.string()) +
+                        (isFrame ? " -o view.%d.png" : " -o view.png") + " --size " +
+                        std::to_string(view.width) + " " + std::to_string(view.height);
   // Frames are a thousandth of a second long.
   if (isFrame) command += " --fps 1000 --frames " + std::to_string(std::lround(1000.0 * state.seconds));
   if (isFrame && !state.clip.empty()) command += " --clip " + quoted(state.clip);
@@ -213,7 +215,9 @@ void addView(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "Show a mesh and its field, or a field, in a window");
   const auto arguments = std::make_shared<Arguments>();
   arguments->camera.size = {1280, 800};
-  command->add_option("input", arguments->input, "Mesh or field to show")->type_name("MESH|FIELD")->required();
+  command->add_option("input", arguments->input, "Mesh or field to show")
+      ->type_name("MESH|FIELD")
+      ->required();
   addOption(*command, "--clip", arguments->clip);
   addOption(*command, "--resolution", arguments->grid.resolution);
   addMethodOptions(*command, *arguments);

@@ -83,6 +83,8 @@ def functions(declaration):
 def names(declaration):
     """Returns all names that a declaration declares."""
     text = without_templates(declaration)
+    if "operator" in text:
+        return []
     if match := re.match(r"using (\w+)", text):
         return [match[1]]
     if match := SCOPE.search(text):

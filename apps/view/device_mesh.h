@@ -19,7 +19,9 @@ class DeviceMesh {
   const Buffer& vertices() const { return vertices_; }
   const Buffer& triangles() const { return triangles_; }
   uint32_t triangleCount() const { return uint32_t(content_.mesh.triangles.size()); }
-  const glm::dvec3& origin() const { return content_.animated ? content_.animated->origin : content_.mesh.origin; }
+  const glm::dvec3& origin() const {
+    return content_.animated ? content_.animated->origin : content_.mesh.origin;
+  }
 
  private:
   bool isSkinnedHere() const { return content_.animated && content_.animated->morphs.empty(); }

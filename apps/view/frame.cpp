@@ -62,7 +62,8 @@ void Frame::submit(VkSemaphore isDrawn) {
 
 void Frame::stamp(const char* stage) {
   if (gpu_.nanosecondsPerTick() == 0.0 || stages_.size() == kMaxStamps) return;
-  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps_.get(), uint32_t(stages_.size()));
+  vkCmdWriteTimestamp2(commands_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps_.get(),
+                       uint32_t(stages_.size()));
   stages_.push_back(stage);
 }
 
@@ -71,8 +72,8 @@ void Frame::readTimes() {
   if (stages_.size() < 2) return;
   std::vector<uint64_t> ticks(stages_.size());
   const VkResult result = vkGetQueryPoolResults(gpu_.device(), stamps_.get(), 0, uint32_t(ticks.size()),
-                                                ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
-                                                VK_QUERY_RESULT_64_BIT);
+                                                ticks.size() * sizeof(uint64_t), ticks.data(),
+                                                sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
   if (result == VK_NOT_READY) return;
   check(result, "reading timestamps");
   for (size_t i = 1; i < ticks.size(); ++i)

@@ -95,8 +95,9 @@ void Gpu::choosePhysicalDevice(const std::string& device) {
       isSoftware_ = isSoftware;
     }
   if (!family)
-    throw Error(ErrorCode::Unsupported, "no Vulkan device can show a window; install a GPU's driver, or "
-                                        "mesa-vulkan-drivers for one in software");
+    throw Error(ErrorCode::Unsupported,
+                "no Vulkan device can show a window; install a GPU's driver, or "
+                "mesa-vulkan-drivers for one in software");
   handles_.queueFamily = *family;
   const VkPhysicalDeviceProperties properties = propertiesOf(handles_.physical);
   name_ = properties.deviceName;
@@ -160,13 +161,15 @@ Buffer Gpu::makeBuffer(VkDeviceSize bytes, bool isForHost) const {
   buffer.handle = {device(), handle, vkDestroyBuffer};
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device(), handle, &needs);
-  buffer.memory = allocate(needs,
-                           isForHost ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
-                                     : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
-                           true);
+  buffer.memory =
+      allocate(needs,
+               isForHost ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
+                         : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+               true);
   check(vkBindBufferMemory(device(), handle, buffer.memory.get(), 0), "binding a buffer");
   if (isForHost)
-    check(vkMapMemory(device(), buffer.memory.get(), 0, VK_WHOLE_SIZE, 0, &buffer.mapped), "mapping a buffer");
+    check(vkMapMemory(device(), buffer.memory.get(), 0, VK_WHOLE_SIZE, 0, &buffer.mapped),
+          "mapping a buffer");
   const VkBufferDeviceAddressInfo address{.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
                                           .buffer = handle};
   buffer.address = vkGetBufferDeviceAddress(device(), &address);
@@ -220,12 +223,13 @@ Owned<VkShaderModule> Gpu::makeShader(std::span<const uint32_t> code) const {
 }
 
 void barrier(VkCommandBuffer commands) {
-  const VkMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                             .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                             .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
-                             .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT |
-                                              VK_ACCESS_2_HOST_READ_BIT};
+  const VkMemoryBarrier2 all{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+      .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+      .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+      .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+      .dstAccessMask =
+          VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT};
   const VkDependencyInfo info{
       .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .memoryBarrierCount = 1, .pMemoryBarriers = &all};
   vkCmdPipelineBarrier2(commands, &info);
@@ -233,19 +237,21 @@ void barrier(VkCommandBuffer commands) {
 
 void moveImage(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to,
                VkImageAspectFlags aspect) {
-  const VkImageMemoryBarrier2 move{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                   .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                   .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                   .oldLayout = from,
-                                   .newLayout = to,
-                                   .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                   .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-                                   .image = image,
-                                   .subresourceRange = {aspect, 0, 1, 0, 1}};
-  const VkDependencyInfo info{
-      .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO, .imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &move};
+  const VkImageMemoryBarrier2 move{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+      .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+      .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+      .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+      .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
+      .oldLayout = from,
+      .newLayout = to,
+      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .image = image,
+      .subresourceRange = {aspect, 0, 1, 0, 1}};
+  const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .imageMemoryBarrierCount = 1,
+                              .pImageMemoryBarriers = &move};
   vkCmdPipelineBarrier2(commands, &info);
 }
 

@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include <mesh_shaders.h>
 #include "mesh_push.h"
-#include "mesh_shaders.h"
 
 namespace raymap::view {
 
@@ -63,9 +63,10 @@ void MeshPass::makePipeline(const Gpu& gpu) {
       .attachmentCount = 1,
       .pAttachments = &blend};
   const VkDynamicState moving[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-                                                 .dynamicStateCount = 2,
-                                                 .pDynamicStates = moving};
+  const VkPipelineDynamicStateCreateInfo dynamic{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+      .dynamicStateCount = 2,
+      .pDynamicStates = moving};
   const VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
   const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
                                                 .colorAttachmentCount = 1,
@@ -122,8 +123,7 @@ void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyl
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
     // From a little in front of the eye to behind the mesh.
-    const double farthest =
-        glm::length(bounds.centre() - camera.eye()) + glm::length(bounds.size());
+    const double farthest = glm::length(bounds.centre() - camera.eye()) + glm::length(bounds.size());
     const MeshPush push{
         .toClip = camera.matrix({int(target.size.width), int(target.size.height)}, 1e-4 * farthest, farthest),
         .vertices = mesh.vertices().address,

@@ -21,8 +21,8 @@ class MeshPass {
   };
   static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-  /// Records the drawing of what is not beyond the cut, whose normal is a unit vector. `slack` is how far behind the field's surface a face is still seen. Without a
-  /// field, clears the picture first.
+  /// Records the drawing of what is not beyond the cut, whose normal is a unit vector. `slack` is how far
+  /// behind the field's surface a face is still seen. Without a field, clears the picture first.
   void record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style, const Camera& camera,
               const Box& bounds, const std::optional<Plane>& cut, const Target& target, double slack) const;
 

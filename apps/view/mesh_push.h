@@ -24,8 +24,8 @@ struct MeshPush {
   uint width;                         // Pixels in a row of `depth`.
   vec3 cutNormal;                     // What is beyond this plane is not drawn; 0 for no cut.
   float cutOffset;
-  float slack;  // How far behind the field's surface a face is still seen; infinite where there is no field.
-  uint isSolid;                       // Whether faces are drawn between the lines.
+  float slack;   // How far behind the field's surface a face is still seen; infinite where there is no field.
+  uint isSolid;  // Whether faces are drawn between the lines.
 };
 
 #ifdef __cplusplus

@@ -151,8 +151,8 @@ void showTimes(const PanelFigures& figures) {
   if (!ImGui::CollapsingHeader("Times")) return;
   ImGui::TextUnformatted(figures.device.c_str());
   if (!figures.history.empty())
-    ImGui::PlotLines("ms a frame", figures.history.data(), int(figures.history.size()), 0, nullptr, 0.0F, FLT_MAX,
-                     {0.0F, 48.0F});
+    ImGui::PlotLines("ms a frame", figures.history.data(), int(figures.history.size()), 0, nullptr, 0.0F,
+                     FLT_MAX, {0.0F, 48.0F});
   for (const Frame::Time& time : figures.times) ImGui::Text("%-8s %8.2f ms", time.stage, time.milliseconds);
 }
 

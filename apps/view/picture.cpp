@@ -110,8 +110,8 @@ void LivePicture::show(Frame& frame, const Input& input) {
                                   .size = shown_,
                                   .depth = input.isFieldShown ? shownDepth_.address : 0};
     if (input.mesh)
-      meshPass_.record(commands, *input.mesh, input.style, input.camera, input.bounds, input.view.cutPlane, target,
-                       2.0 * input.field.grid().spacing);
+      meshPass_.record(commands, *input.mesh, input.style, input.camera, input.bounds, input.view.cutPlane,
+                       target, 2.0 * input.field.grid().spacing);
     frame.stamp("mesh");
   }
   move(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kRest);
@@ -124,13 +124,12 @@ void LivePicture::copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D si
     vkCmdClearColorImage(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
     return;
   }
-  const VkImageBlit whole{
-      .srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-      .srcOffsets = {{}, {int32_t(shown_.width), int32_t(shown_.height), 1}},
-      .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-      .dstOffsets = {{}, {int32_t(size.width), int32_t(size.height), 1}}};
-  vkCmdBlitImage(commands, picture_.handle.get(), kRest, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &whole,
-                 VK_FILTER_LINEAR);
+  const VkImageBlit whole{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                          .srcOffsets = {{}, {int32_t(shown_.width), int32_t(shown_.height), 1}},
+                          .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                          .dstOffsets = {{}, {int32_t(size.width), int32_t(size.height), 1}}};
+  vkCmdBlitImage(commands, picture_.handle.get(), kRest, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                 &whole, VK_FILTER_LINEAR);
 }
 
 void LivePicture::copyDepth(VkCommandBuffer commands, const glm::dvec2& cursor, const Buffer& to) const {

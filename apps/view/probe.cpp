@@ -10,13 +10,15 @@ namespace raymap::view {
 
 Probe::Probe(const Content& content, const MachineOptions& machine) : content_(content) {
   if (content.field || content.animated) return;
-  coming_ = std::async(std::launch::async, [&content, threads = machine.threads]() -> std::unique_ptr<Surface> {
-    try {
-      return std::make_unique<Surface>(content.mesh, SurfaceOptions{}, MachineOptions{.threads = threads});
-    } catch (const Error&) {
-      return nullptr;  // The field says why.
-    }
-  });
+  coming_ =
+      std::async(std::launch::async, [&content, threads = machine.threads]() -> std::unique_ptr<Surface> {
+        try {
+          return std::make_unique<Surface>(content.mesh, SurfaceOptions{},
+                                           MachineOptions{.threads = threads});
+        } catch (const Error&) {
+          return nullptr;  // The field says why.
+        }
+      });
 }
 
 Probed Probe::at(const glm::dvec3& point) {
@@ -31,8 +33,8 @@ Probed Probe::at(const glm::dvec3& point) {
   if (!surface_) return probed;
   const std::array points{point};
   const bool isSigned = surface_->isSigned();
-  const QueryResult found =
-      surface_->query(points, {.triangle = true, .winding = isSigned, .confidence = isSigned}, {.threads = 1});
+  const QueryResult found = surface_->query(
+      points, {.triangle = true, .winding = isSigned, .confidence = isSigned}, {.threads = 1});
   probed.distance = found.distance[0];
   probed.triangle = found.triangle[0];
   if (isSigned) probed.winding = found.winding[0];

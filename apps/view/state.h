@@ -49,23 +49,23 @@ struct Probed {
 /// What the panel tells.
 struct PanelFigures {
   const Content& content;
-  std::string device = {};       ///< Name of the device, and whether it makes the fields.
-  std::string grid = {};         ///< The field's samples and spacing.
+  std::string device = {};  ///< Name of the device, and whether it makes the fields.
+  std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
   const std::vector<float>& history;  ///< Milliseconds of the last frames.
-  std::string message = {};      ///< What went wrong, or was done.
+  std::string message = {};           ///< What went wrong, or was done.
   std::optional<Probed> probed = {};
   std::vector<glm::dvec3> measured = {};
 };
 
 /// What was asked for by a button or a key.
 struct Wishes {
-  bool frame = false;       ///< Show all.
-  int axis = 0;             ///< 1, 2 or 3: look along x, y or z; negative: from the other side.
-  bool picture = false;     ///< Write a picture.
-  bool record = false;      ///< Begin or end to record.
-  bool copy = false;        ///< Copy the command that draws this.
-  bool clip = false;        ///< The clip changed.
+  bool frame = false;    ///< Show all.
+  int axis = 0;          ///< 1, 2 or 3: look along x, y or z; negative: from the other side.
+  bool picture = false;  ///< Write a picture.
+  bool record = false;   ///< Begin or end to record.
+  bool copy = false;     ///< Copy the command that draws this.
+  bool clip = false;     ///< The clip changed.
 };
 
 }  // namespace raymap::view

@@ -225,7 +225,8 @@ void Viewer::resize() {
 
 void Viewer::run() {
   while (!window_.isClosed()) {
-    const bool isBusy = isMoving_ || isStill() || !shown_->field.isCurrent() || shown_->field.isBusy() || !picture_.isFinished();
+    const bool isBusy = isMoving_ || isStill() || !shown_->field.isCurrent() || shown_->field.isBusy() ||
+                        !picture_.isFinished();
     window_.wait(isBusy ? 0.0 : kIdle);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
@@ -326,7 +327,8 @@ void Viewer::draw(Frame& frame, uint32_t image) {
     message_ = error.what();
   }
   const VkCommandBuffer commands = frame.commands();
-  moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_UNDEFINED,
+            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   picture_.copyTo(commands, swapchain_.image(image), swapchain_.size());
   moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
@@ -341,7 +343,8 @@ void Viewer::readHover(size_t slot) {
   probed_.reset();
   if (!hover.eye) return;
   const float depth = *static_cast<const float*>(hover.depth.mapped);
-  if (depth < std::numeric_limits<float>::max()) probed_ = shown_->probe.at(*hover.eye + double(depth) * hover.ray);
+  if (depth < std::numeric_limits<float>::max())
+    probed_ = shown_->probe.at(*hover.eye + double(depth) * hover.ray);
 }
 
 void Viewer::askHover(Frame& frame, size_t slot) {

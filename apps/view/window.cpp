@@ -38,7 +38,8 @@ Window::Window(const std::string& title, const WindowSize& size) {
       of(window).keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
   });
   glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int) {
-    of(window).note({.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release, .button = button});
+    of(window).note(
+        {.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release, .button = button});
   });
   // The cursor's place is that of the event: by now, it may be elsewhere.
   glfwSetCursorPosCallback(handle_, [](GLFWwindow* window, double x, double y) {

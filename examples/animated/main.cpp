@@ -83,7 +83,8 @@ class Movie {
                        .origin = mesh_.origin},
                       grid_, options_, {.distance = distance_.range()});
     gpu_.stamp();
-    renderer_.record(commands, {.distance = distance_.range(), .grid = grid_}, view_, {.pixels = pixels_.range()});
+    renderer_.record(commands, {.distance = distance_.range(), .grid = grid_}, view_,
+                     {.pixels = pixels_.range()});
     gpu_.stamp();
     // With a window, this is where `pixels_` would go to the screen: vkCmdCopyBufferToImage into an image of
     // VK_FORMAT_R8G8B8A8_UNORM, then vkCmdBlitImage into that of the swapchain.

@@ -58,7 +58,8 @@ TEST(ViewCamera, OrbitsAroundItsTarget) {
   EXPECT_GT(glm::dot(moved.forward(), camera().right()), right + 0.1);
   EXPECT_NEAR(moved.forward().y, camera().forward().y, 1e-9);
   moved.orbit({800.0 - 100.0, 0.0}, kWindow);  // Half a turn in all.
-  expectNear({moved.forward().x, 0.0, moved.forward().z}, {-camera().forward().x, 0.0, -camera().forward().z});
+  expectNear({moved.forward().x, 0.0, moved.forward().z},
+             {-camera().forward().x, 0.0, -camera().forward().z});
   // Down shows the top; it stops before the camera would stand on its head.
   Camera above = camera();
   above.orbit({0.0, 50.0}, kWindow);

@@ -76,7 +76,9 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
   const FieldBuffer onDevice{
       .distance = range(samples), .grid = field.grid, .clampDistance = field.clampDistance};
   Renderer renderer(device().handles());
-  run([&](Commands& commands) { renderer.record(commands.handle(), onDevice, options, {.pixels = range(pixels)}); });
+  run([&](Commands& commands) {
+    renderer.record(commands.handle(), onDevice, options, {.pixels = range(pixels)});
+  });
   Picture ours{80, 60, {}};
   for (const uint32_t pixel : download<uint32_t>(pixels)) {
     EXPECT_EQ(pixel >> 24, 255U);
@@ -88,8 +90,9 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
     FieldBuffer changed = onDevice;
     RenderOptions asked = options;
     change(changed, asked);
-    return refusal(
-        [&](VkCommandBuffer commands) { renderer.record(commands, changed, asked, {.pixels = range(pixels)}); });
+    return refusal([&](VkCommandBuffer commands) {
+      renderer.record(commands, changed, asked, {.pixels = range(pixels)});
+    });
   };
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.distance = {}; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.dims.y = 0; }), ErrorCode::Usage);

@@ -30,13 +30,14 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   const int rows = target.rows > 0 ? target.rows : options.height - target.firstRow;
   if (target.firstRow < 0 || target.rows < 0 || rows < 1 || rows > options.height - target.firstRow)
     throw Error(ErrorCode::Usage, "rows " + std::to_string(target.firstRow) + " to " +
-                                      std::to_string(target.firstRow + target.rows) + " are not in a picture of " +
-                                      std::to_string(options.height));
+                                      std::to_string(target.firstRow + target.rows) +
+                                      " are not in a picture of " + std::to_string(options.height));
   const RenderFieldStage::Samples samples{
       .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
   RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
-  if (target.depth.buffer) picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
+  if (target.depth.buffer)
+    picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   const Scene scene(elsewhere, options);
   impl_->stage.checkScene(scene);
