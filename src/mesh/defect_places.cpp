@@ -36,7 +36,8 @@ std::vector<DefectPlace> groupTouching(const PackedMesh& mesh, const Welding& we
   std::vector<DefectPlace> places;
   for (const auto& [root, group] : groups)
     places.push_back({group.first.centre(), glm::length(group.first.size()), group.second});
-  std::ranges::stable_sort(places, [](const DefectPlace& a, const DefectPlace& b) { return a.count > b.count; });
+  std::ranges::stable_sort(places,
+                           [](const DefectPlace& a, const DefectPlace& b) { return a.count > b.count; });
   return places;
 }
 
@@ -64,7 +65,8 @@ std::vector<DefectKind> findPlaces(const PackedMesh& mesh, const Defects& defect
   std::vector<Corners> edges;
   for (const EdgeEnds& edge : defects.nonManifoldEdges) edges.push_back({edge.a, edge.b, edge.b});
   add("Edges with more than two faces", "edge", edges, true);
-  const auto addFaces = [&](std::string_view name, const std::vector<uint32_t>& faces, bool isComplete = true) {
+  const auto addFaces = [&](std::string_view name, const std::vector<uint32_t>& faces,
+                            bool isComplete = true) {
     std::vector<Corners> corners;
     for (const uint32_t face : faces) {
       const glm::uvec3& t = mesh.triangles[face];

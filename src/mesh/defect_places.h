@@ -17,10 +17,10 @@ struct DefectPlace {
 
 /// Defects of one kind.
 struct DefectKind {
-  std::string_view name;  ///< What they are, in the plural.
-  std::string_view unit;  ///< What `DefectPlace::count` counts: "edge" or "face".
-  size_t count = 0;       ///< Number of all edges or faces of this kind.
-  bool isComplete = true;  ///< False if the search stopped early: there are at least so many.
+  std::string_view name;                 ///< What they are, in the plural.
+  std::string_view unit;                 ///< What `DefectPlace::count` counts: "edge" or "face".
+  size_t count = 0;                      ///< Number of all edges or faces of this kind.
+  bool isComplete = true;                ///< False if the search stopped early: there are at least so many.
   std::vector<DefectPlace> places = {};  ///< The largest first.
 };
 

@@ -28,8 +28,8 @@ Buffer<float> interpolated(const Buffer<float>& numbers, const Grid& from, const
   parallelFor(size_t(to.dims.z), 1, [&](size_t k, size_t) {
     float* number = result.data() + to.index({0, 0, k});
     for (const glm::dvec3& point : sheetOf(to, int(k)))
-      *number++ = float(
-          between(glm::clamp((point - from.origin) / from.spacing, glm::dvec3(0.0), between.last())));
+      *number++ =
+          float(between(glm::clamp((point - from.origin) / from.spacing, glm::dvec3(0.0), between.last())));
   });
   return result;
 }
@@ -40,9 +40,8 @@ Grid coarserGrid(const Grid& grid, int most) {
   const glm::ivec3 last = grid.dims - 1;
   const int longest = std::max({last.x, last.y, last.z});
   const glm::dvec3 sides = glm::ceil(glm::dvec3(last) * double(most - 1) / double(longest));
-  return {.dims = glm::ivec3(sides) + 1,
-          .origin = grid.origin,
-          .spacing = grid.spacing * longest / (most - 1)};
+  return {
+      .dims = glm::ivec3(sides) + 1, .origin = grid.origin, .spacing = grid.spacing * longest / (most - 1)};
 }
 
 Field resampled(const Field& field, const Grid& grid) {

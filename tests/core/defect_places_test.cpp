@@ -59,7 +59,8 @@ TEST(DefectPlaces, GroupFacesThatTouch) {
 }
 
 TEST(DefectPlaces, NameEveryKind) {
-  const Mesh crossing = shapes::joined(shapes::sphere(1.0, 2), shapes::box({-0.3, -0.3, 0.5}, {0.3, 0.35, 2.0}));
+  const Mesh crossing =
+      shapes::joined(shapes::sphere(1.0, 2), shapes::box({-0.3, -0.3, 0.5}, {0.3, 0.35, 2.0}));
   const DefectKind crossed = onlyKind(crossing, "Faces that cross others");
   EXPECT_TRUE(crossed.isComplete);
   ASSERT_EQ(crossed.places.size(), 2u);  // Those of the sphere and those of the box share no position.
