@@ -14,12 +14,12 @@ namespace raymap {
 
 /// What a page shows besides a field.
 struct PageOptions {
-  std::string title = {};  ///< Heading; empty: the name of the file.
+  std::string title = {};  ///< Heading; empty: the name of the file, or "Field".
   int maxSize = 256;       ///< Most samples along a side. Larger fields are sampled anew, on a coarser grid.
   FieldArray array = FieldArray::Distance;  ///< Array in whose colours it begins; no triangles.
   std::optional<MeshView> mesh = {};        ///< Mesh whose defects it lists.
   const Field* other = nullptr;  ///< Second field to compare with, sampled on the grid of the first.
-  std::string otherTitle = {};   ///< Name of the second field.
+  std::string otherTitle = {};   ///< Name of the second field; empty: "Other field".
 };
 
 /// A page, not yet in a file.

@@ -280,12 +280,11 @@ const char* firstColours(FieldArray array) {
                                            : "distance";
 }
 
-std::string figuresOfAll(const Field& field, const Grid& grid, const std::string& title,
-                         const PageOptions& options) {
+std::string figuresOfAll(const Field& field, const Grid& grid, const PageOptions& options) {
   const std::string coarser =
       field.grid == grid ? "" : dimsText(grid) + ", spacing " + numberText(grid.spacing);
   if (!options.other) return figures("", field, coarser);
-  return figures("A: " + title, field, coarser) +
+  return figures("A: " + options.title, field, coarser) +
          figures("B: " + options.otherTitle, *options.other,
                  options.other->grid == grid ? "" : "sampled on the grid of A");
 }
@@ -298,17 +297,15 @@ Page assemble(const Field& field, const Field& shown, const Field* other, const 
   double largest = largestOf(shown.distance, grid.spacing);
   if (other) largest = std::max(largest, largestOf(other->distance, grid.spacing));
   const Json stops = distanceStops(std::min(scene.shape.depth(), kFarthestRay), largest);
-  const std::string title = options.title.empty() ? "Field" : options.title;
   PageArrays arrays(grid);
-  Json fields{{{"name", title}, {"shape", describeShape(describe(scene.shape))}}};
+  Json fields{{{"name", options.title}, {"shape", describeShape(describe(scene.shape))}}};
   const auto addDistances = [&](const Field& each) {
     arrays.add("distance", each.distance, grid.spacing, largest / 32767.0, scene.lineStep, stops);
   };
   addDistances(shown);
   if (other) {
     addDistances(*other);
-    fields.push_back({{"name", options.otherTitle.empty() ? "Other field" : options.otherTitle},
-                      {"shape", describeShape(describe(Shape(*other, view)))}});
+    fields.push_back({{"name", options.otherTitle}, {"shape", describeShape(describe(Shape(*other, view)))}});
   } else {
     addNumbers(shown, arrays);
   }
@@ -325,11 +322,12 @@ Page assemble(const Field& field, const Field& shown, const Field* other, const 
                   {"light", toJson(kLightOfCamera)},
                   {"dark", {{"top", toJson(srgb(38, 41, 46))}, {"bottom", toJson(srgb(22, 24, 28))}}}};
   const std::string picture = base64(encodePng("page", renderScene(scene, view, machine)));
-  return {filled(kPageText, {{"title", escaped(title) + (other ? " and " + escaped(options.otherTitle) : "")},
-                             {"picture", picture},
-                             {"figures", figuresOfAll(field, grid, title, options)},
-                             {"data", inScript(data)},
-                             {"samples", arrays.scripts()}}),
+  return {filled(kPageText,
+                 {{"title", escaped(options.title) + (other ? " and " + escaped(options.otherTitle) : "")},
+                  {"picture", picture},
+                  {"figures", figuresOfAll(field, grid, options)},
+                  {"data", inScript(data)},
+                  {"samples", arrays.scripts()}}),
           grid};
 }
 
@@ -339,6 +337,9 @@ Page makePage(const Field& field, const RenderOptions& view, const PageOptions& 
               const MachineOptions& machine) {
   checkPage(field, options);
   checkPictureSize(view.width, view.height);
+  PageOptions titled = options;
+  if (titled.title.empty()) titled.title = "Field";
+  if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
   Page page;
   withThreads(machine.threads, [&] {
     const glm::ivec3 dims = field.grid.dims;
@@ -348,7 +349,7 @@ Page makePage(const Field& field, const RenderOptions& view, const PageOptions& 
     const Field& shown = isLarge ? coarse : field;
     const bool isAlike = options.other && options.other->grid == shown.grid;
     if (options.other && !isAlike) other = resampled(*options.other, shown.grid);
-    page = assemble(field, shown, isAlike || !options.other ? options.other : &other, view, options, machine);
+    page = assemble(field, shown, isAlike || !options.other ? options.other : &other, view, titled, machine);
   });
   return page;
 }

@@ -173,6 +173,16 @@ TEST(Page, ShowsAllArraysOnACoarserGrid) {
       }
 }
 
+TEST(Page, NamesFieldsWithoutANameToo) {
+  const Field field = sphereField({9, 9, 9}, 3.0, 0.5);
+  const std::string page = makePage(field, kSmall, {.other = &field}).html;
+  EXPECT_NE(page.find("<h1>Field and Other field</h1>"), std::string::npos);
+  EXPECT_NE(page.find("<caption>A: Field</caption>"), std::string::npos);
+  EXPECT_NE(page.find("<caption>B: Other field</caption>"), std::string::npos);
+  EXPECT_EQ(dataOf(page)["fields"][1]["name"], "Other field");
+  EXPECT_EQ(page.find("In this page"), std::string::npos);
+}
+
 TEST(Page, HasASecondFieldOnTheGridOfTheFirst) {
   const Field first = sphereField({17, 17, 17}, 5.0, 0.25), second = sphereField({31, 33, 35}, 12.0, 0.125);
   const std::string page =
