@@ -94,6 +94,13 @@ std::vector<std::string> meshAndFieldExtensions() {
   return extensions;
 }
 
+Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& arguments) {
+  MachineOptions machine = arguments.machine;
+  testBeforeFirstUse(machine.device);
+  ProgressLine line;
+  return generate(mesh, grid, arguments.options, withProgress(machine, line)).field;
+}
+
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
                 const std::filesystem::path& result) {
   std::variant<Mesh, Field> read = loadMeshOrField(path, format);
@@ -106,10 +113,7 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
     convertUnits(mesh, arguments.units, named(path, format));
   else
     convertUnits(mesh, arguments.units, named(path, format), result);
-  MachineOptions machine = arguments.machine;
-  testBeforeFirstUse(machine.device);
-  ProgressLine line;
-  return generate(mesh, fitGrid(mesh, arguments.grid), arguments.options, withProgress(machine, line)).field;
+  return makeField(mesh, fitGrid(mesh, arguments.grid), arguments);
 }
 
 }  // namespace raymap

@@ -45,6 +45,9 @@ MachineOptions withProgress(MachineOptions machine, ProgressLine& line, const st
 /// Returns the extensions of meshes and fields that can be read.
 std::vector<std::string> meshAndFieldExtensions();
 
+/// Makes the field of a mesh on a grid.
+Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& arguments);
+
 /// Reads a field, or reads a mesh and makes its field. `format` counts if the file's name does not tell.
 /// A mesh is turned to the axis that is up in the file to write, `result`, if there is one.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,

@@ -30,12 +30,13 @@ constexpr const char* kFooter = R"(Examples:
   raymap render man.glb --frames 0:59 -o man.%04d.png      (a picture of each frame; -o man.mp4: a movie)
   raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves)
   raymap render globe.vdb -o near.png --eye 3,1,2 --direction -3,-1,-2 --cut-plane 0,0,1,0.4
-  raymap render globe.vdb -o globe.html                    (a page to turn, cut and slice it in a browser))";
+  raymap render globe.vdb -o globe.html                    (a page to turn, cut and slice it in a browser)
+  raymap render scan.ply fixed.stl -o repair.html          (a page that compares the two))";
 
 struct Arguments : FieldArguments {
   StreamFormat format;
   FrameArguments frames;
-  fs::path input, picture;
+  fs::path input, other, picture;
   std::string slice, as;
   int index = -1;
   ViewArguments camera;
@@ -138,26 +139,70 @@ void renderFrames(Arguments& arguments) {
   writer.finish();
 }
 
-void writeFieldPage(const Field& field, Arguments& arguments) {
-  if (!arguments.slice.empty() || field.distance.empty())
-    throw Error(ErrorCode::Usage,
-                "a page shows distances and moves its own slice; leave out --slice and --as");
+using MeshOrField = std::variant<Mesh, Field>;
+
+/// Returns the grid on which a page shows two shapes: that of the first, or one over both if both are meshes.
+Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridOptions& options) {
+  if (const Field* field = std::get_if<Field>(&first)) return field->grid;
+  Box box = bounds(std::get<Mesh>(first));
+  if (const Mesh* mesh = std::get_if<Mesh>(&second)) {
+    const Box more = bounds(*mesh);
+    box = {glm::min(box.min, more.min), glm::max(box.max, more.max)};
+  }
+  return fitGrid(box, options);
+}
+
+/// Writes a page of a field, or of two. It has all arrays of one field, and the defects of a mesh.
+void renderPage(Arguments& arguments) {
+  if (!arguments.slice.empty())
+    throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
+  const auto load = [&](const fs::path& path) {
+    return loadMeshOrField(path, arguments.format.input, arguments.units);
+  };
+  MeshOrField first = load(arguments.input);
+  std::optional<MeshOrField> second;
+  if (!arguments.other.empty()) second = load(arguments.other);
+  arguments.options.winding = arguments.options.confidence = !second && arguments.options.thickness == 0.0;
+  const Mesh* mesh = std::get_if<Mesh>(&first);
+  if (mesh) validate(*mesh);
+  const Grid grid = second ? gridOfBoth(first, *second, arguments.grid)
+                    : mesh ? fitGrid(*mesh, arguments.grid)
+                           : Grid{};
+  const auto fieldOf = [&](MeshOrField& shape) {
+    if (const Mesh* each = std::get_if<Mesh>(&shape)) return makeField(*each, grid, arguments);
+    return std::move(std::get<Field>(shape));
+  };
+  Field field = fieldOf(first);
+  if (mesh) arguments.page.mesh = *mesh;
+  arguments.page.array = chooseArray(arguments.input, arguments.as, field);
+  if (field.distance.empty())
+    throw Error(ErrorCode::Usage, arguments.input.string() +
+                                      ": it has no distances, and a page shows a surface; " +
+                                      "draw a slice of it as a .png, with --slice x, y or z");
+  Field other;
+  if (second) other = fieldOf(*second);
+  const bool isResampled = second && other.grid != field.grid;
+  if (second) arguments.page.other = &other;
+  arguments.page.title = displayName(arguments.input.filename());
+  arguments.page.otherTitle = displayName(arguments.other.filename());
   testBeforeFirstUse(arguments.machine.device);
   ProgressLine line;
-  arguments.page.title = displayName(arguments.input.filename());
-  const PageContent page = writePage(arguments.picture, field, arguments.view, arguments.page,
-                                     withProgress(arguments.machine, line));
+  const Page page = writePage(arguments.picture, field, arguments.view, arguments.page,
+                              withProgress(arguments.machine, line));
   line.clear();
   printWritten(arguments.picture);
   if (page.grid.dims != field.grid.dims)
     std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", page.grid.dims.x,
                 page.grid.dims.y, page.grid.dims.z, field.grid.dims.x, field.grid.dims.y, field.grid.dims.z);
+  if (isResampled)
+    std::printf("it shows %s on the grid of %s\n", arguments.page.otherTitle.c_str(),
+                arguments.page.title.c_str());
 }
 
 void renderOne(Arguments& arguments) {
+  if (isPage(arguments)) return renderPage(arguments);
   Field field = loadField(arguments.input, arguments, arguments.format.input);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
-  if (isPage(arguments)) return writeFieldPage(field, arguments);
   writePng(arguments.picture, draw(field, array, arguments));
   printWritten(arguments.picture);
 }
@@ -176,8 +221,14 @@ void run(Arguments& arguments) {
   finishOptions(arguments);
   const bool isSequence = !arguments.frames.frames.empty();
   const std::vector<Output> outputs{{"--output", arguments.picture, kindsOf(arguments)}};
-  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  const bool isTwo = !arguments.other.empty();
+  if (isTwo && (isSequence || !isPage(arguments)))
+    throw Error(ErrorCode::Usage,
+                "two shapes make a page: write it as .html, or draw fields by 'raymap compare'");
+  std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
+  if (isTwo) inputs.push_back({arguments.other, meshAndFieldExtensions()});
+  prepareFiles(arguments.format, inputs, outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input, arguments.other});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   if (isSequence)
     renderFrames(arguments);
@@ -193,6 +244,8 @@ void addRender(CLI::App& app) {
   command->add_option("input", arguments->input, "Mesh or field to read")
       ->type_name("MESH|FIELD")
       ->required();
+  command->add_option("other", arguments->other, "Another one to compare with, in a page")
+      ->type_name("MESH|FIELD");
   addOption(*command, "--output", arguments->picture)->required();
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--overwrite", arguments->mayOverwrite);

@@ -594,6 +594,23 @@ RAYMAP_API const uint8_t* raymap_picture_rgb(const raymap_picture* picture);
 /* Writes a picture as PNG. The file appears whole or not at all. */
 RAYMAP_API raymap_result raymap_picture_write_png(const raymap_picture* picture, const char* path);
 
+/* What a page shows besides a field. Initialise with RAYMAP_INIT. */
+typedef struct raymap_page_options {
+  size_t size;       /* sizeof(raymap_page_options) */
+  const char* title; /* Heading; NULL = the name of the file. */
+  const char* array; /* Array in whose colours it begins: "distance" (or NULL), "winding", "confidence". */
+  const raymap_mesh* mesh;   /* Mesh whose defects it lists; NULL = none. */
+  const raymap_field* other; /* Field to compare with, sampled on the grid of the first; NULL = none. */
+  const char* other_title;   /* Name of that field; NULL = "Other field". */
+  int64_t max_size; /* Most samples along a side; 0 = 256. A larger field is shown on a coarser grid. */
+} raymap_page_options;
+
+/* Writes a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. It
+ * begins with the view. The file appears whole or not at all. `view`, `page` and `options` may be NULL. */
+RAYMAP_API raymap_result raymap_write_page(const raymap_field* field, const char* path,
+                                           const raymap_view* view, const raymap_page_options* page,
+                                           const raymap_options* options);
+
 /* ---- Devices ---- */
 
 /* All devices of this machine. */

@@ -3,34 +3,54 @@
 #include <raymap/export.h>
 #include <raymap/field.h>
 #include <raymap/machine.h>
+#include <raymap/mesh_view.h>
 #include <raymap/picture.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace raymap {
 
-/// How to write a page.
+/// What a page shows besides a field.
 struct PageOptions {
-  std::string title = {};  ///< Heading; empty: the name of the file.
+  std::string title = {};  ///< Heading; empty: the name of the file, or "Field".
   int maxSize = 256;       ///< Most samples along a side. Larger fields are sampled anew, on a coarser grid.
+  FieldArray array = FieldArray::Distance;  ///< Array in whose colours it begins; no triangles.
+  std::optional<MeshView> mesh = {};        ///< Mesh whose defects it lists.
+  const Field* other = nullptr;  ///< Second field to compare with, sampled on the grid of the first.
+  std::string otherTitle = {};   ///< Name of the second field; empty: "Other field".
 };
 
-/// What `writePage` has written.
-struct PageContent {
-  Grid grid = {};    ///< Grid of its samples, the field's or a coarser one.
-  size_t bytes = 0;  ///< Size of the file.
+/// A page, not yet in a file.
+struct Page {
+  std::string html = {};  ///< The whole file.
+  Grid grid = {};         ///< Grid of its samples, the field's or a coarser one.
 };
 
-/// Writes a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. One can
-/// turn the shape, move an iso value, a shell, a cut and a slice, and read off positions and distances.
+/// Largest number of places that a page lists of each kind of defects.
+inline constexpr size_t kMostDefectPlaces = 100;
+
+/// Returns a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. One
+/// can turn the shape, move an iso value, a shell, a cut and a slice, and read off positions and distances.
 /// Without WebGL the page shows a picture and figures.
 ///
-/// It begins with the view and the colours of `renderField`. Distances are rounded to 16-bit whole numbers,
-/// in steps of 1/32767 of the largest; their compression loses nothing. The file appears whole or not at all.
-/// Throws `Error` as `renderField` and `writePng` do, and Usage if `maxSize` is below 2.
-RAYMAP_API PageContent writePage(const std::filesystem::path& path, const Field& field,
-                                 const RenderOptions& view = {}, const PageOptions& options = {},
-                                 const MachineOptions& machine = {});
+/// It begins with the view and the colours of `renderField`, on the grid of the page. Distances are rounded
+/// to 16-bit whole numbers, in steps of 1/32767 of the largest; their compression loses nothing. Winding
+/// numbers are rounded to 1/2000 of the largest, confidences to 1/250; slices and cuts show them, confidences
+/// the surface too.
+///
+/// The places of a mesh's defects are listed, at most `kMostDefectPlaces` of a kind, the largest first. A
+/// page of two fields shows either, and their difference in colour; it shows distances only. Throws `Error`
+/// as `renderField` does, Usage if `maxSize` is below 2 or the field lacks `array`, Input for an invalid
+/// mesh.
+RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},
+                         const MachineOptions& machine = {});
+
+/// Writes such a page to a file, which appears whole or not at all. Returns it. Throws as `makePage` does,
+/// and File.
+RAYMAP_API Page writePage(const std::filesystem::path& path, const Field& field,
+                          const RenderOptions& view = {}, const PageOptions& options = {},
+                          const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -132,6 +132,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
     add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
+    add("--pages", action="store_true", help="write a page beside each field that shows it in a browser")
     parser.add_argument(
         "--progress",
         choices=["plain", "json", "off"],

@@ -9,9 +9,10 @@ from typing import Any, TypedDict, Unpack, get_args
 import numpy as np
 import numpy.typing as npt
 
-from . import _devices, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_threads, to_whole
+from . import _inputs, _raymap
+from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_whole
 from ._arrays import to_numpy
+from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, field_of_core
 from ._mesh import core_of
@@ -265,13 +266,3 @@ def _set_arrays(options: _raymap.FieldOptions, arrays: Iterable[str]) -> None:
     options.winding = "winding" in names
     options.confidence = "confidence" in names
     options.triangle = "triangle" in names
-
-
-def to_machine(device: str, threads: int | None, memory_limit: int | None = None) -> _raymap.MachineOptions:
-    """Returns what every long call takes."""
-    machine = _raymap.MachineOptions()
-    machine.device = _devices.tested(to_text("device", device))
-    machine.threads = to_threads(threads)
-    if memory_limit is not None:
-        machine.memory_limit = to_whole("memory_limit", memory_limit, least=1, most=2**64 - 1)
-    return machine

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import base64
+import importlib
+import os
 import struct
+import sys
+import tempfile
+import webbrowser
 import zlib
+from html import escape
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -33,3 +40,23 @@ def describe(caption: str, rows: dict[str, str], alt: str, picture: npt.NDArray[
         f"<img alt='{alt}' src='data:image/png;base64,{content}'>"
         f"<table><caption>{caption}</caption>{table}</table></div>"
     )
+
+
+def in_notebook() -> bool:
+    """Returns whether this runs in the kernel of a notebook. Nothing is imported to find out."""
+    if (ipython := sys.modules.get("IPython")) is None:
+        return False
+    return hasattr(ipython.get_ipython(), "kernel")
+
+
+def show(page: str, height: int) -> None:
+    """Shows a page in the notebook's cell, or else in a browser."""
+    if in_notebook():
+        frame = f"<iframe srcdoc='{escape(page)}' sandbox='allow-scripts' style='width:100%;height:{height}px;border:0'></iframe>"
+        importlib.import_module("IPython.display").display({"text/html": frame, "text/plain": "a page"}, raw=True)
+        return
+    descriptor, name = tempfile.mkstemp(".html", "raymap-")
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        file.write(page)
+    if not webbrowser.open(Path(name).as_uri()):
+        print(f"no browser could be opened; the page is {name}")

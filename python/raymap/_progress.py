@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any, Literal, TypeAlias
 
+from ._html import in_notebook
+
 #: A callable that receives the stage and the share of it that is done, 0 to 1. ``True``: a bar in a notebook, a moving
 #: line on a terminal, else a line a minute on stderr. ``"plain"``: a line a minute. ``"json"``: an object a line.
 Progress: TypeAlias = Callable[[str, float], object] | Literal["plain", "json"] | bool | None
@@ -113,19 +115,12 @@ def _write(text: str) -> None:
     sys.stderr.flush()
 
 
-def _in_notebook() -> bool:
-    """Returns whether this runs in the kernel of a notebook. Nothing is imported to find out."""
-    if (ipython := sys.modules.get("IPython")) is None:
-        return False
-    return hasattr(ipython.get_ipython(), "kernel")
-
-
 def _shown(progress: Literal["plain", "json", True]) -> _Shown:
     if progress == "json":
         return _Json()
     if progress == "plain":
         return _Plain()
-    if _in_notebook():
+    if in_notebook():
         return _Bar(importlib.import_module("IPython.display").display)
     return _Moving() if sys.stderr.isatty() else _Plain()
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
 from ._arguments import FINITE, to_number, to_vector, to_whole
-from ._generate import to_machine
+from ._devices import to_machine
 from ._progress import Progress, reporting
 from ._surface import Surface, core_of_surface
 

@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
 from ._arguments import to_number
+from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_machine, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import Orientation, Part, Stats, ThicknessSummary

@@ -1,4 +1,5 @@
 #include <raymap/names.h>
+#include <raymap/page.h>
 #include <raymap/render.h>
 
 #include "call.h"
@@ -63,6 +64,18 @@ Pixels drawField(const FieldHandle& field, const RenderOptions& options, const M
   return toPixels(std::move(picture));
 }
 
+nb::str makeHtml(const FieldHandle& field, const RenderOptions& view, PageOptions page,
+                 std::string_view array, const MeshHandle* mesh, const FieldHandle* other,
+                 const MachineOptions& machine, nb::object progress) {
+  Call call(std::move(progress));
+  page.array = fromName<FieldArray>(array);
+  if (mesh) page.mesh = mesh->view;
+  if (other) page.other = &other->field;
+  std::string html;
+  call.run([&] { html = makePage(field.field, view, page, call.on(machine)).html; });
+  return toText(html);
+}
+
 void bindVector(nb::class_<RenderOptions>& options, const char* option, glm::dvec3 RenderOptions::*member) {
   options.def_prop_rw(
       option, [member](const RenderOptions& self) { return toTriple(self.*member); },
@@ -81,6 +94,13 @@ void bindRender(nb::module_& module) {
       .def_rw("shell", &RenderOptions::shell);
   bindVector(options, "direction", &RenderOptions::direction);
   bindVector(options, "up", &RenderOptions::up);
+  nb::class_<PageOptions>(module, "PageOptions")
+      .def(nb::init<>())
+      .def_rw("title", &PageOptions::title)
+      .def_rw("max_size", &PageOptions::maxSize)
+      .def_rw("other_title", &PageOptions::otherTitle);
+  module.def("make_page", &makeHtml, "field"_a, "view"_a, "page"_a, "array"_a, "mesh"_a.none(),
+             "other"_a.none(), "machine"_a, "progress"_a.none());
   module.def("render_field", &drawField, "field"_a, "options"_a, "machine"_a, "progress"_a.none());
   module.def("render_defects", &drawDefects, "mesh"_a, "options"_a);
   module.def("compare", &compare, "a"_a, "b"_a, "array"_a);

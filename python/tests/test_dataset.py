@@ -76,6 +76,36 @@ def test_the_page_refers_to_files_that_exist(meshes: Path) -> None:
     assert all(Path("out", unquote(link)).is_file() for link in links)
 
 
+def test_pages_are_linked_and_made_where_they_are_missing(meshes: Path) -> None:
+    generate(meshes)
+    assert "Look at it" not in Path("out/index.html").read_text().partition("<script")[0]
+    assert generate(meshes, pages=True).new == NAMES
+    assert generate(meshes, pages=True).new == []
+    index = Path("out/index.html").read_text()
+    for name in NAMES:
+        assert f'<a href="{name}.html">Look at it</a>' in index
+        page = Path("out", f"{name}.html").read_text(encoding="utf-8")
+        assert f"<title>{Path(name).name}</title>" in page
+        assert ('"name":"Holes"' in page) is (name == "open.OBJ")
+    Path("out/ball.ply.html").unlink()
+    before = contents("out")
+    assert generate(meshes, pages=True).new == ["ball.ply"]
+    assert contents("out").keys() - before.keys() == {"ball.ply.html"}
+    assert generate(meshes).new == []  # A page that is there keeps its link.
+    assert '<a href="ball.ply.html">' in Path("out/index.html").read_text()
+    assert generate(meshes, resolution=12).new == NAMES
+    assert not list(Path("out").glob("**/*.ply.html"))  # They showed other fields.
+    with pytest.raises(raymap.UsageError, match="pages show fields"):
+        generate(meshes, "points", what="points", n=10, resolution=None, pages=True)
+
+
+def test_a_page_goes_into_quarantine_with_its_result(meshes: Path) -> None:
+    generate(meshes, pages=True)
+    Path(meshes, "ball.ply").write_bytes(b"ply")
+    assert generate(meshes, pages=True).quarantined == ["ball.ply"]
+    assert Path("out/quarantine/ball.ply/ball.ply.html").exists() and not Path("out/ball.ply.html").exists()
+
+
 def test_a_second_run_writes_nothing_again(meshes: Path) -> None:
     (meshes / "bad.ply").write_text("ply\n")
     generate(meshes)

@@ -26,7 +26,7 @@ def test_the_page_holds_what_it_sorts_and_filters_by() -> None:
     open_row = row("b.ply", watertight=False, boundary_edges=3, verdict_kind="open_solid",
                    warnings="odd", warning_codes="file_content solid_lost")
     first, second = figures_of(gallery([(job("a.ply"), row("a.ply")), (job("b.ply"), open_row)], "table.csv", []))
-    assert first == {"link": "a.ply.npz", "image": "a.ply.png", "caption": "a.ply\n4 triangles, watertight",
+    assert first == {"link": "a.ply.npz", "image": "a.ply.png", "page": "", "caption": "a.ply\n4 triangles, watertight",
                      "text": "a.ply watertight clean solid  ", "triangles": 4, "edges": 0, "area": 1.5, "warnings": 0}
     assert second["caption"] == "b.ply\n4 triangles, 3 boundary edges" and second["warnings"] == 2
     assert second["text"] == "b.ply 3 boundary edges open solid file content solid lost warnings"

@@ -1,8 +1,12 @@
-// The functions of raymap/c.h about pictures.
+// The functions of raymap/c.h about pictures and pages.
 
 #include <raymap/c.h>
 #include <raymap/names.h>
+#include <raymap/page.h>
 #include <raymap/render.h>
+
+#include <algorithm>
+#include <limits>
 
 #include "c_api/c_handles.h"
 #include "c_api/c_struct.h"
@@ -24,6 +28,19 @@ RenderOptions renderOptions(const raymap_view* view) {
   if (const glm::dvec3 up = c::vectorOf(given.up); up != glm::dvec3(0.0)) wanted.up = up;
   if (given.field_of_view != 0.0) wanted.fieldOfView = given.field_of_view;
   if (given.has_frame) wanted.frame = Box{c::vectorOf(given.frame_min), c::vectorOf(given.frame_max)};
+  return wanted;
+}
+
+PageOptions pageOptions(const raymap_page_options* page) {
+  const raymap_page_options given = c::read(page);
+  PageOptions wanted;
+  if (given.title) wanted.title = given.title;
+  if (given.array) wanted.array = fromName<FieldArray>(given.array);
+  if (given.mesh) wanted.mesh = given.mesh->view;
+  if (given.other) wanted.other = &given.other->field;
+  if (given.other_title) wanted.otherTitle = given.other_title;
+  constexpr int64_t kMost = std::numeric_limits<int>::max();
+  if (given.max_size != 0) wanted.maxSize = int(std::clamp<int64_t>(given.max_size, 0, kMost));
   return wanted;
 }
 
@@ -76,4 +93,12 @@ const uint8_t* raymap_picture_rgb(const raymap_picture* picture) {
 
 raymap_result raymap_picture_write_png(const raymap_picture* picture, const char* path) {
   return guard([&] { writePng(&need(path, "the path"), need(picture, "the picture").picture); });
+}
+
+raymap_result raymap_write_page(const raymap_field* field, const char* path, const raymap_view* view,
+                                const raymap_page_options* page, const raymap_options* options) {
+  return guard([&] {
+    writePage(&need(path, "the path"), need(field, "the field").field, renderOptions(view), pageOptions(page),
+              c::optionsOr(options).machine);
+  });
 }

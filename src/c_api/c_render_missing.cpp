@@ -47,3 +47,8 @@ const uint8_t* raymap_picture_rgb(const raymap_picture*) {
 raymap_result raymap_picture_write_png(const raymap_picture*, const char*) {
   return refusePictures();
 }
+
+raymap_result raymap_write_page(const raymap_field*, const char*, const raymap_view*,
+                                const raymap_page_options*, const raymap_options*) {
+  return refusePictures();
+}

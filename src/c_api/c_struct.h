@@ -35,6 +35,7 @@ RAYMAP_FIRST_VERSION(raymap_repair_numbers, buried_share)
 RAYMAP_FIRST_VERSION(raymap_simplify_options, triangles)
 RAYMAP_FIRST_VERSION(raymap_simplified, undone)
 RAYMAP_FIRST_VERSION(raymap_view, frame_max)
+RAYMAP_FIRST_VERSION(raymap_page_options, max_size)
 RAYMAP_FIRST_VERSION(raymap_device, test_problem)
 
 /// Copies a caller's struct of any version to one of this version. Members that the caller does not have

@@ -7,6 +7,7 @@
 
 #include "base/parallel_sort.h"
 #include "mesh/double_sided.h"
+#include "mesh/face_measures.h"
 #include "mesh/half_edges.h"
 
 namespace raymap {
@@ -74,7 +75,12 @@ Defects findDefects(const PackedMesh& mesh, const ProgressCallback& progress) {
   defects.doubleSidedFaces = doubleSided.firsts;
   defects.doubleSidedFaces.insert(defects.doubleSidedFaces.end(), doubleSided.others.begin(),
                                   doubleSided.others.end());
-  defects.crossedFaces = findSelfIntersections(mesh, {.progress = progress}).faces;
+  forEachFaceMeasure(mesh, welding, glm::dvec3(0.0), [&](size_t face, const FaceMeasure& measure) {
+    if (measure.isDegenerate) defects.degenerateFaces.push_back(uint32_t(face));
+  });
+  SelfIntersections crossings = findSelfIntersections(mesh, {.progress = progress});
+  defects.crossedFaces = std::move(crossings.faces);
+  defects.isComplete = crossings.complete;
   return defects;
 }
 

@@ -18,7 +18,8 @@ struct EdgeEnds {
 /// Defects of a mesh, as `diagnose` and `findSelfIntersections` count them.
 struct Defects {
   std::vector<EdgeEnds> boundaryEdges, nonManifoldEdges;
-  std::vector<uint32_t> flippedFaces, duplicateFaces, doubleSidedFaces, crossedFaces;
+  std::vector<uint32_t> flippedFaces, duplicateFaces, doubleSidedFaces, degenerateFaces, crossedFaces;
+  bool isComplete = true;  ///< False if the search for crossed faces stopped early.
 };
 
 /// Finds all defects. Throws `Error`: Input if the mesh is not valid, Cancelled.

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "cpu/render/shade.h"
-#include "scene/scene.h"
+#include "render/render_scene.h"
 
 namespace raymap {
 
@@ -25,16 +25,22 @@ void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
 
 }  // namespace
 
-Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
-  validateField(field);
+Picture renderScene(const Scene& scene, const RenderOptions& options, const MachineOptions& machine) {
   Picture picture = makePicture(options.width, options.height);
   Progress progress(machine.progress);
   const auto draw = [&] {
-    const Scene scene(field, options);
     const auto onGpu = [&](GpuDevice& gpu, size_t) { gpu.draw(scene, progress, picture); };
     if (!ChosenDevice().run(machine, onGpu)) drawOnCpu(scene, progress, picture);
   };
   progress.stage("render", [&] { withThreads(machine.threads, draw); });
+  return picture;
+}
+
+Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
+  validateField(field);
+  checkPictureSize(options.width, options.height);
+  Picture picture;
+  withThreads(machine.threads, [&] { picture = renderScene(Scene(field, options), options, machine); });
   return picture;
 }
 

@@ -2,10 +2,8 @@
 
 #include <raymap/atomic_file.h>
 #include <raymap/error.h>
+#include <raymap/names.h>
 #include <raymap/page.h>
-#include <raymap/render.h>
-#include <raymap/sample.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +13,15 @@
 #include <string_view>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/text.h"
+#include "field/field_sampler.h"
+#include "mesh/defect_places.h"
 #include "page_text.h"
 #include "render/encode_png.h"
+#include "render/pack_samples.h"
+#include "render/render_scene.h"
+#include "render/resample.h"
 #include "scene/scene.h"
 
 namespace raymap {
@@ -37,19 +41,6 @@ Json toJson(const Colour (&colours)[N]) {
   return all;
 }
 
-std::string base64(std::span<const uint8_t> bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    const size_t count = std::min<size_t>(bytes.size() - i, 3);
-    uint32_t three = 0;
-    for (size_t b = 0; b < 3; ++b) three = three << 8 | (b < count ? bytes[i + b] : 0u);
-    for (size_t d = 0; d < 4; ++d) text += d <= count ? kDigits[three >> (18 - 6 * d) & 63u] : '=';
-  }
-  return text;
-}
-
 std::string escaped(std::string_view text) {
   std::string safe;
   for (const char c : text) {
@@ -63,64 +54,6 @@ std::string escaped(std::string_view text) {
       safe += c;
   }
   return safe;
-}
-
-/// Returns the field on the finest grid over the same box that has at most `most` samples along a side.
-Field coarser(const Field& field, int most, const MachineOptions& machine) {
-  const glm::ivec3 last = field.grid.dims - 1;
-  const int longest = std::max({last.x, last.y, last.z});
-  const glm::dvec3 sides = glm::ceil(glm::dvec3(last) * double(most - 1) / double(longest));
-  Field coarse{.clampDistance = field.clampDistance, .surfaceBounds = field.surfaceBounds};
-  coarse.grid = {.dims = glm::ivec3(sides) + 1,
-                 .origin = field.grid.origin,
-                 .spacing = field.grid.spacing * longest / (most - 1)};
-  coarse.distance = Buffer<float>(coarse.grid.sampleCount());
-  std::vector<glm::dvec3> sheet;
-  Samples samples;
-  for (int k = 0; k < coarse.grid.dims.z; ++k) {
-    sheet.clear();
-    for (int j = 0; j < coarse.grid.dims.y; ++j)
-      for (int i = 0; i < coarse.grid.dims.x; ++i) sheet.push_back(coarse.grid.position({i, j, k}));
-    sample(field, sheet, {}, samples, machine);
-    std::ranges::copy(samples.distance, coarse.distance.data() + coarse.grid.index({0, 0, k}));
-  }
-  return coarse;
-}
-
-/// Distances as multiples of a step, in samples. Each is stored as its difference from what the seven
-/// neighbours before it suggest (L. Ibarria et al., "Out-of-core compression and decompression of large
-/// n-dimensional scalar fields", 2003): nearly zero where the field is smooth. Low bytes come before high
-/// ones.
-std::vector<uint8_t> differences(const Field& field, double step) {
-  const glm::ivec3 dims = field.grid.dims;
-  const size_t count = field.grid.sampleCount();
-  std::vector<int16_t> values(count);
-  for (size_t i = 0; i < count; ++i)
-    values[i] = static_cast<int16_t>(std::lround(field.distance[i] / (step * field.grid.spacing)));
-  std::vector<uint8_t> bytes(2 * count);
-  for (int k = 0; k < dims.z; ++k)
-    for (int j = 0; j < dims.y; ++j)
-      for (int i = 0; i < dims.x; ++i) {
-        const auto at = [&](int dx, int dy, int dz) {
-          return i < dx || j < dy || k < dz ? 0 : int(values[field.grid.index({i - dx, j - dy, k - dz})]);
-        };
-        const int suggested =
-            at(1, 0, 0) + at(0, 1, 0) + at(0, 0, 1) - at(1, 1, 0) - at(1, 0, 1) - at(0, 1, 1) + at(1, 1, 1);
-        const size_t sample = field.grid.index({i, j, k});
-        const auto difference = static_cast<uint16_t>(values[sample] - suggested);
-        bytes[sample] = static_cast<uint8_t>(difference & 255u);
-        bytes[count + sample] = static_cast<uint8_t>(difference >> 8);
-      }
-  return bytes;
-}
-
-std::vector<uint8_t> deflated(std::span<const uint8_t> bytes) {
-  uLongf size = compressBound(uLong(bytes.size()));
-  std::vector<uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), uLong(bytes.size()), Z_BEST_COMPRESSION) != Z_OK)
-    throw Error(ErrorCode::Memory, "there is not enough memory to compress a field for a page");
-  packed.resize(size);
-  return packed;
 }
 
 Json describeScene(const Scene& scene) {
@@ -139,9 +72,7 @@ Json describeScene(const Scene& scene) {
           {"top", toJson(data.top)},
           {"bottom", toJson(data.bottom)},
           {"inside", toJson(kInside)},
-          {"contour", toJson(data.contour)},
-          {"sliceRange", data.sliceRange},
-          {"outside", toJson(kOutside)}};
+          {"contour", toJson(data.contour)}};
 }
 
 Json describeShape(const RenderShape& shape) {
@@ -157,28 +88,144 @@ Json describeShape(const RenderShape& shape) {
           {"nz", shape.nz}};
 }
 
-std::string figures(const Field& field, const Grid& shown) {
-  const auto dims = [](const Grid& grid) {
-    return std::to_string(grid.dims.x) + " × " + std::to_string(grid.dims.y) + " × " +
-           std::to_string(grid.dims.z);
-  };
+/// Arrays as a page holds them. Of an array with numbers v of unit u, the browser gets v / u.
+class PageArrays {
+ public:
+  explicit PageArrays(const Grid& grid) : grid_(grid) {}
+
+  /// Adds an array in steps of its unit, with the colours of some values. `lineStep` is the distance of its
+  /// lines, `isOnSurface` tells whether it colours the surface too.
+  void add(const char* name, std::span<const float> numbers, double unit, double step, double lineStep,
+           Json stops, bool isOnSurface = false) {
+    const std::string text = packSamples(grid_, numbers, step * unit);
+    const auto [least, most] = std::ranges::minmax(numbers);
+    list_.push_back({{"name", name},
+                     {"unit", unit},
+                     {"step", step},
+                     {"lineStep", lineStep},
+                     {"least", least / unit},
+                     {"most", most / unit},
+                     {"isOnSurface", isOnSurface},
+                     {"stops", std::move(stops)}});
+    scripts_ += "<script type=\"text/plain\" id=\"array" + std::to_string(list_.size() - 1) + "\">" + text +
+                "</script>\n";
+  }
+
+  const Json& list() const { return list_; }
+  const std::string& scripts() const { return scripts_; }
+
+ private:
+  const Grid& grid_;
+  Json list_ = Json::array();
+  std::string scripts_;
+};
+
+/// Returns the colours of values, each as [value, red, green, blue]. Between them, colours are mixed.
+template <class ColourOf>
+Json stopsOf(std::initializer_list<double> values, ColourOf&& colourOf) {
+  Json stops = Json::array();
+  for (const double value : values) {
+    const Colour colour = colourOf(value);
+    stops.push_back({value, colour.x, colour.y, colour.z});
+  }
+  return stops;
+}
+
+/// Returns the colours of distances, in samples: to `depth` inside and to `range` outside.
+Json distanceStops(double depth, double range) {
+  Json stops =
+      stopsOf({-depth, -0.5 * depth, -1e-9 * depth}, [&](double d) { return distanceColour(d, depth); });
+  for (Json& stop : stopsOf({0.0, 0.5 * range, range}, [&](double d) { return distanceColour(d, range); }))
+    stops.push_back(std::move(stop));
+  return stops;
+}
+
+/// Returns the colours of a difference as a share of the largest: blue below 0, red above.
+Json differenceStops() {
+  static const Colour kColours[] = {srgb(33, 102, 172), srgb(146, 197, 222), srgb(245, 245, 245),
+                                    srgb(244, 165, 130), srgb(178, 24, 43)};
+  return stopsOf({-1.0, -0.5, 0.0, 0.5, 1.0}, [&](double share) { return kColours[int(2.0 * share + 2.0)]; });
+}
+
+/// Returns the largest number in a unit; never 0.
+double largestOf(std::span<const float> numbers, double unit = 1.0) {
+  double largest = 0.0;
+  for (const float number : numbers) largest = std::max(largest, std::abs(double(number)));
+  return std::max(largest / unit, 1e-9);
+}
+
+void addNumbers(const Field& field, PageArrays& arrays) {
+  constexpr double kOver = 0.5 + 1e-6;
+  if (!field.winding.empty())
+    arrays.add("winding number", field.winding, 1.0, largestOf(field.winding) / 2000.0, 1.0,
+               stopsOf({-3.0, -2.0, -1.0, -kOver, -0.5, 0.0, 0.5, kOver, 1.0, 2.0, 3.0}, windingColour));
+  if (!field.confidence.empty())
+    arrays.add("confidence", field.confidence, 1.0, std::max(largestOf(field.confidence), 1.0) / 250.0, 0.2,
+               stopsOf({0.0, 0.5, 1.0}, confidenceColour), true);
+}
+
+Json describeDefects(const MeshView& view, const Grid& grid, const MachineOptions& machine) {
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
+  Json kinds = Json::array();
+  for (const DefectKind& kind : findPlaces(mesh, findDefects(mesh, machine.progress))) {
+    Json listed = Json::array();
+    for (const DefectPlace& place :
+         std::span(kind.places).first(std::min(kind.places.size(), kMostDefectPlaces)))
+      listed.push_back({{"at", toJson((place.centre - grid.origin) / grid.spacing)},
+                        {"radius", 0.5 * place.diameter / grid.spacing},
+                        {"count", place.count}});
+    kinds.push_back({{"name", kind.name},
+                     {"unit", kind.unit},
+                     {"count", kind.count},
+                     {"isComplete", kind.isComplete},
+                     {"places", kind.places.size()},
+                     {"listed", std::move(listed)}});
+  }
+  return kinds;
+}
+
+std::string dimsText(const Grid& grid) {
+  return std::to_string(grid.dims.x) + " × " + std::to_string(grid.dims.y) + " × " +
+         std::to_string(grid.dims.z);
+}
+
+/// Returns a table about a field. `shown` says what the page has of it, if that is not all.
+std::string figures(const std::string& title, const Field& field, const std::string& shown) {
   const auto vector = [](const glm::dvec3& v) {
     return numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z);
   };
-  const auto [least, most] = std::ranges::minmax(field.distance);
-  const auto inside = std::ranges::count_if(field.distance, [](float d) { return d < 0.0f; });
   std::string rows;
   const auto add = [&](std::string_view name, const std::string& value) {
     rows.append("<tr><th>").append(name).append("</th><td>").append(value).append("</td></tr>");
   };
-  add("Samples", dims(field.grid));
-  if (shown.dims != field.grid.dims) add("In this page", dims(shown));
+  const auto addRange = [&](std::string_view name, std::span<const float> numbers) {
+    if (numbers.empty()) return;
+    const auto [least, most] = std::ranges::minmax(numbers);
+    add(name, numberText(least) + " to " + numberText(most));
+  };
+  const auto inside = std::ranges::count_if(field.distance, [](float d) { return d < 0.0f; });
+  add("Samples", dimsText(field.grid));
+  if (!shown.empty()) add("In this page", shown);
   add("Spacing", numberText(field.grid.spacing));
   add("Origin", vector(field.grid.origin));
-  add("Distances", numberText(least) + " to " + numberText(most));
+  addRange("Distances", field.distance);
   add("Inside", numberText(std::round(1e4 * double(inside) / double(field.distance.size())) / 100.0) + " %");
   if (field.clampDistance > 0.0) add("Clamped to", "± " + numberText(field.clampDistance));
-  return "<table>" + rows + "</table>";
+  addRange("Winding numbers", field.winding);
+  addRange("Confidences", field.confidence);
+  return "<table>" + (title.empty() ? "" : "<caption>" + escaped(title) + "</caption>") + rows + "</table>";
+}
+
+/// Returns data as a text that ends no script. Names of files need not be UTF-8.
+std::string inScript(const Json& data) {
+  std::string text;
+  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace))
+    if (c == '<')
+      text += "\\u003c";
+    else
+      text += c;
+  return text;
 }
 
 /// Puts texts into the template where it names them between @.
@@ -198,39 +245,123 @@ std::string filled(std::string_view text,
   return page;
 }
 
-}  // namespace
+/// Throws unless each array has a finite number per sample. Distances are checked as they are drawn.
+void checkNumbers(const Field& field) {
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
+    const Buffer<float>& numbers = numbersOf(field, array);
+    if (numbers.empty()) continue;
+    validateArray(field, array);
+    const auto* odd = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
+    if (odd != numbers.end())
+      throw Error(ErrorCode::Input, "the array '" + std::string(name(array)) + "' of the field is " +
+                                        numberText(*odd) + " at index " +
+                                        std::to_string(odd - numbers.begin()) +
+                                        ": a page needs finite numbers; leave the array out");
+  }
+}
 
-PageContent writePage(const std::filesystem::path& path, const Field& field, const RenderOptions& view,
-                      const PageOptions& options, const MachineOptions& machine) {
+void checkPage(const Field& field, const PageOptions& options) {
   validateField(field);
+  if (options.other) validateField(*options.other);
+  checkNumbers(field);
+  if (options.array == FieldArray::Triangle || (options.other && options.array != FieldArray::Distance))
+    throw Error(ErrorCode::Usage, "a page has no colours of the array '" + std::string(name(options.array)) +
+                                      (options.other ? "' of two fields" : "'"));
+  validateArray(field, options.array);
   if (options.maxSize < 2)
     throw Error(ErrorCode::Usage,
                 "a page needs at least 2 samples along a side, not " + std::to_string(options.maxSize));
-  const Picture picture = renderField(field, view, machine);  // Refuses samples that are not finite.
-  const bool isLarge = std::max({field.grid.dims.x, field.grid.dims.y, field.grid.dims.z}) > options.maxSize;
-  const Field coarse = isLarge ? coarser(field, options.maxSize, machine) : Field{};
-  const Field& shown = isLarge ? coarse : field;
+}
+
+/// Returns the name in the colours' list that the page begins with.
+const char* firstColours(FieldArray array) {
+  return array == FieldArray::Winding      ? "winding number"
+         : array == FieldArray::Confidence ? "confidence"
+                                           : "distance";
+}
+
+std::string figuresOfAll(const Field& field, const Grid& grid, const PageOptions& options) {
+  const std::string coarser =
+      field.grid == grid ? "" : dimsText(grid) + ", spacing " + numberText(grid.spacing);
+  if (!options.other) return figures("", field, coarser);
+  return figures("A: " + options.title, field, coarser) +
+         figures("B: " + options.otherTitle, *options.other,
+                 options.other->grid == grid ? "" : "sampled on the grid of A");
+}
+
+/// Puts a page together of fields on its grid. `other` is null if there is none.
+Page assemble(const Field& field, const Field& shown, const Field* other, const RenderOptions& view,
+              const PageOptions& options, const MachineOptions& machine) {
+  const Grid& grid = shown.grid;
   const Scene scene(shown, view);
-  double largest = 0.0;
-  for (const float d : shown.distance) largest = std::max(largest, std::abs(double(d)) / shown.grid.spacing);
-  const double step = std::max(largest, 1e-9) / 32767.0;
-  const Json data{{"dims", {shown.grid.dims.x, shown.grid.dims.y, shown.grid.dims.z}},
-                  {"origin", toJson(shown.grid.origin)},
-                  {"spacing", shown.grid.spacing},
-                  {"step", step},
+  double largest = largestOf(shown.distance, grid.spacing);
+  if (other) largest = std::max(largest, largestOf(other->distance, grid.spacing));
+  const Json stops = distanceStops(std::min(scene.shape.depth(), kFarthestRay), largest);
+  PageArrays arrays(grid);
+  Json fields{{{"name", options.title}, {"shape", describeShape(describe(scene.shape))}}};
+  const auto addDistances = [&](const Field& each) {
+    arrays.add("distance", each.distance, grid.spacing, largest / 32767.0, scene.lineStep, stops);
+  };
+  addDistances(shown);
+  if (other) {
+    addDistances(*other);
+    fields.push_back({{"name", options.otherTitle}, {"shape", describeShape(describe(Shape(*other, view)))}});
+  } else {
+    addNumbers(shown, arrays);
+  }
+  const Json data{{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
+                  {"origin", toJson(grid.origin)},
+                  {"spacing", grid.spacing},
                   {"height", view.height},
-                  {"shape", describeShape(describe(scene.shape))},
+                  {"fields", std::move(fields)},
+                  {"arrays", arrays.list()},
+                  {"difference", differenceStops()},
+                  {"colours", firstColours(options.array)},
+                  {"defects", options.mesh ? describeDefects(*options.mesh, grid, machine) : Json::array()},
                   {"scene", describeScene(scene)},
                   {"light", toJson(kLightOfCamera)},
                   {"dark", {{"top", toJson(srgb(38, 41, 46))}, {"bottom", toJson(srgb(22, 24, 28))}}}};
-  const std::string title = escaped(options.title.empty() ? path.stem().string() : options.title);
-  const std::string page = filled(kPageText, {{"title", title},
-                                              {"picture", base64(encodePng(path, picture))},
-                                              {"figures", figures(field, shown.grid)},
-                                              {"data", data.dump()},
-                                              {"samples", base64(deflated(differences(shown, step)))}});
-  writeAtomically(path, [&](std::ostream& out) { out.write(page.data(), std::streamsize(page.size())); });
-  return {shown.grid, page.size()};
+  const std::string picture = base64(encodePng("page", renderScene(scene, view, machine)));
+  return {filled(kPageText,
+                 {{"title", escaped(options.title) + (other ? " and " + escaped(options.otherTitle) : "")},
+                  {"picture", picture},
+                  {"figures", figuresOfAll(field, grid, options)},
+                  {"data", inScript(data)},
+                  {"samples", arrays.scripts()}}),
+          grid};
+}
+
+}  // namespace
+
+Page makePage(const Field& field, const RenderOptions& view, const PageOptions& options,
+              const MachineOptions& machine) {
+  checkPage(field, options);
+  checkPictureSize(view.width, view.height);
+  PageOptions titled = options;
+  if (titled.title.empty()) titled.title = "Field";
+  if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
+  Page page;
+  withThreads(machine.threads, [&] {
+    const glm::ivec3 dims = field.grid.dims;
+    const bool isLarge = std::max({dims.x, dims.y, dims.z}) > options.maxSize;
+    Field coarse, other;
+    if (isLarge) coarse = resampled(field, coarserGrid(field.grid, options.maxSize));
+    const Field& shown = isLarge ? coarse : field;
+    const bool isAlike = options.other && options.other->grid == shown.grid;
+    if (options.other && !isAlike) other = resampled(*options.other, shown.grid);
+    page = assemble(field, shown, isAlike || !options.other ? options.other : &other, view, titled, machine);
+  });
+  return page;
+}
+
+Page writePage(const std::filesystem::path& path, const Field& field, const RenderOptions& view,
+               const PageOptions& options, const MachineOptions& machine) {
+  PageOptions titled = options;
+  if (titled.title.empty()) titled.title = path.stem().string();
+  Page page = makePage(field, view, titled, machine);
+  writeAtomically(path,
+                  [&](std::ostream& out) { out.write(page.html.data(), std::streamsize(page.html.size())); });
+  return page;
 }
 
 }  // namespace raymap

@@ -27,18 +27,22 @@ vec3 insideColour(RenderSceneData scene, float d) {
                      : mix(scene.inside[1], scene.inside[2], 2 * depth - 1);
 }
 
-// Draws lines over `ground` at multiples of the scene's step, and a thick one at zero.
-vec3 drawLines(RenderSceneData scene, vec3 ground, float d, float slope) {
-  const float strength = kIsoLineStrength * clamp(scene.lineStep / slope / kIsoLinePixels - 1, 0, 1);
-  const float toLine = abs(d - scene.lineStep * round(d / scene.lineStep)) / slope;
-  const vec3 lined = ground * (1 - strength * lineCoverage(toLine, kIsoLineWidth));
-  return mix(lined, scene.contour, lineCoverage(abs(d) / slope, kContourWidth));
+// Draws lines over `ground` at multiples of `step`.
+vec3 drawIsoLines(vec3 ground, float d, float slope, float step) {
+  const float strength = kIsoLineStrength * clamp(step / slope / kIsoLinePixels - 1, 0, 1);
+  const float toLine = abs(d - step * round(d / step)) / slope;
+  return ground * (1 - strength * lineCoverage(toLine, kIsoLineWidth));
+}
+
+// Draws a thick line over `ground` where the distance is zero.
+vec3 drawContour(RenderSceneData scene, vec3 ground, float d, float slope) {
+  return mix(ground, scene.contour, lineCoverage(abs(d) / slope, kContourWidth));
 }
 
 vec3 cutFace(RenderSceneData scene, vec3 p, vec3 n, float slope) {
   const float d = fieldDistance(p);
-  const vec3 lined = drawLines(scene, insideColour(scene, min(d, -1e-9)), d, slope);
-  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * lined;
+  const vec3 lined = drawIsoLines(insideColour(scene, min(d, -1e-9)), d, slope, scene.lineStep);
+  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * drawContour(scene, lined, d, slope);
 }
 
 vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {
@@ -88,7 +92,7 @@ vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
   const vec3 ground = d < 0 ? insideColour(scene, d)
                       : far < 0.5 ? mix(scene.outside[0], scene.outside[1], 2 * far)
                                   : mix(scene.outside[1], scene.outside[2], 2 * far - 1);
-  return drawLines(scene, ground, d, slope);
+  return drawContour(scene, drawIsoLines(ground, d, slope, scene.lineStep), d, slope);
 }
 
 // Returns the light of a point of the picture. `away` is the distance from the eye to what is seen there,

@@ -48,6 +48,30 @@ image.src = source;
 """
 
 
+# Moves the mouse over a lattice of points of the canvas. Returns what the page says of each, and the colour there.
+READ_OFF = """
+const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect(), place = document.getElementById("place");
+const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d");
+copy.drawImage(canvas, 0, 0);
+const found = [];
+for (let y = 5; y < canvas.height; y += 10)
+  for (let x = 5; x < canvas.width; x += 10) {
+    canvas.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + x, clientY: box.top + y }));
+    found.push([place.textContent, ...copy.getImageData(x, y, 1, 1).data]);
+  }
+return found;
+"""
+
+
+def colour_at(stops, value):
+    """Returns the colour of a value as the page mixes it, 0 to 255."""
+    colour = stops[0][1:]
+    for (low, *_), (high, *following) in zip(stops, stops[1:]):
+        share = min(max((value - low) / (high - low), 0), 1)
+        colour = [a + share * (b - a) for a, b in zip(colour, following)]
+    return [255 * (12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055) for c in colour]
+
+
 class Browser:
     """A Chromium that shows a page."""
 
@@ -124,6 +148,7 @@ class Page(unittest.TestCase):
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.raymap("example", "-o", "mesh.ply")
         cls.raymap("generate", "mesh.ply", "-o", "field.nrrd", "--resolution", "48")
+        cls.raymap("example", "-o", "holed.ply", "--holes")
         driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, text=True)
         cls.addClassCleanup(driver.stdout.close)
         cls.addClassCleanup(driver.wait)
@@ -236,6 +261,155 @@ class Page(unittest.TestCase):
         self.assertEqual((still, canvas, width), (False, True, SIZE[0]))
         self.assertIn("Only a picture: this browser has no WebGL 2.", text)
         self.assertIn("Spacing", text)
+
+    def of_mesh(self, *options):
+        """Returns a browser with the page of a mesh with holes, and the page's data."""
+        page = self.raymap("render", "holed.ply", "-o", f"{self.id()}.html", "--resolution", "32", "--size",
+                           *map(str, SIZE), *options)
+        return self.canvas(page), json.loads(re.search(r'id="page">(.*?)</script>', page.read_text())[1])
+
+    def assertColours(self, browser, name, stops, unit=1.0):
+        """Checks that what the mouse reads off has the page's colours, but for lines."""
+        matches = []
+        for text, *colour in browser.run(READ_OFF):
+            if value := re.search(rf"\b{name} (-?[\d.e-]+)", text):
+                wanted = colour_at(stops, float(value[1]) / unit)
+                matches.append(max(abs(a - b) for a, b in zip(colour, wanted)) < 12)
+        self.assertGreater(len(matches), 40)
+        self.assertGreater(sum(matches) / len(matches), 0.6)
+
+    def test_shows_winding_numbers_and_confidences(self):
+        browser, data = self.of_mesh()
+        first = browser.canvas()
+        browser.set("colours", 1)
+        self.assertEqual(browser.canvas(), first)  # Winding numbers do not colour the surface.
+        browser.set("colours", 2)
+        self.assertNotEqual(browser.canvas(), first)
+        browser.set("slice", "z")
+        browser.set("sliceAt", 0)  # Nothing is before it.
+        browser.press("1")
+        self.assertColours(browser, "confidence", data["arrays"][2]["stops"])
+        browser.set("colours", 1)
+        self.assertColours(browser, "winding number", data["arrays"][1]["stops"])
+        browser.set("colours", 0)
+        self.assertColours(browser, "distance", data["arrays"][0]["stops"], data["spacing"])
+        self.assertEqual(browser.errors(), [])
+
+    def test_cuts_show_the_chosen_array(self):
+        browser, _ = self.of_mesh("--cut")
+        seen = {browser.canvas()}
+        for colours in (1, 2):
+            browser.set("colours", colours)
+            self.assertNotIn(browser.canvas(), seen)
+            seen.add(browser.canvas())
+
+    def test_begins_with_the_colours_of_an_array(self):
+        browser, _ = self.of_mesh("--as", "confidence")
+        first = browser.canvas()
+        self.assertEqual(browser.run("return document.getElementById('colours').value"), "2")
+        browser.set("colours", 0)
+        self.assertNotEqual(browser.canvas(), first)
+
+    def test_lists_defects_and_leads_there(self):
+        browser, data = self.of_mesh()
+        first = browser.canvas()
+        found = json.loads(subprocess.run([RAYMAP, "info", "--json", "holed.ply"], cwd=self.folder, check=True,
+                                          capture_output=True).stdout)
+        holes = data["defects"][0]
+        self.assertEqual((holes["name"], holes["places"], holes["count"]),
+                         ("Holes", len(found["holes"]), found["boundary_edges"]))
+        summary, details = [browser.post("/element", {"using": "css selector", "value": "#defects " + which})[ELEMENT]
+                            for which in ("summary", "details")]
+        self.assertEqual(browser.request("GET", f"/element/{summary}/text"), f"Holes: {holes['places']}")
+        browser.post(f"/element/{summary}/click", {})
+        buttons = browser.post(f"/element/{details}/elements", {"using": "css selector", "value": "button"})
+        self.assertEqual(len(buttons), min(holes["places"], 100))
+        seen = {first}
+        for button in buttons[:2]:
+            browser.post(f"/element/{button[ELEMENT]}/click", {})
+            browser.wait()
+            self.assertNotIn(browser.canvas(), seen)
+            seen.add(browser.canvas())
+            self.assertEqual(self.mark(browser), [SIZE[0] / 2, SIZE[1] / 2])
+            self.assertIn("rgb", browser.run("return getComputedStyle(document.querySelector('#defects .shown')).color"))
+        browser.drag(20, 0, button=2)
+        x, y = self.mark(browser)
+        self.assertAlmostEqual(x, SIZE[0] / 2 + 20, delta=1)
+        self.assertAlmostEqual(y, SIZE[1] / 2, delta=1)
+        browser.run("document.activeElement.blur()")
+        browser.press("f")
+        self.assertIsNone(self.mark(browser))
+        self.assertEqual(browser.canvas(), first)
+        self.assertEqual(browser.errors(), [])
+
+    def mark(self, browser):
+        """Returns where the mark's centre is on the canvas, or None."""
+        return browser.run("""const mark = document.getElementById("mark");
+          return mark.hidden ? null : [mark.offsetLeft, mark.offsetTop];""")
+
+    def test_says_how_many_defects_it_leaves_out(self):
+        corners = [(i + dx, dy, 0) for i in range(0, 240, 2) for dx, dy in ((0, 0), (1, 0), (0, 1))]
+        (self.folder / "leaves.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(
+            f"f {i} {i + 1} {i + 2}\n" for i in range(1, len(corners), 3)))
+        page = self.raymap("render", "leaves.obj", "-o", "leaves.html", "--resolution", "32", "--size", "64", "48")
+        browser = self.canvas(page)
+        text = browser.run("return document.querySelector('#defects details').textContent")
+        self.assertTrue(text.startswith("Holes: 120The 100 largest of 120 places:"), text[:80])
+
+    def test_a_field_has_no_list_of_defects(self):
+        self.assertTrue(self.canvas(self.page()).run("return document.getElementById('defects').hidden"))
+
+    def test_compares_two_fields(self):
+        self.raymap("convert", "field.nrrd", "-o", "moved.nrrd", "--translate", "0.1", "0.05", "0")
+        written = subprocess.run([RAYMAP, "render", "field.nrrd", "moved.nrrd", "-o", "two.html", "--size",
+                                  *map(str, SIZE)], cwd=self.folder, check=True, capture_output=True, text=True).stdout
+        self.assertIn("it shows moved.nrrd on the grid of field.nrrd", written)
+        page = self.folder / "two.html"
+        data = json.loads(re.search(r'id="page">(.*?)</script>', page.read_text())[1])
+        browser = self.canvas(page)
+        self.assertShows(browser, self.picture())
+        first = browser.canvas()
+        browser.press("b")
+        other = browser.canvas()
+        self.assertNotEqual(other, first)
+        browser.set("field", 0)
+        self.assertEqual(browser.canvas(), first)
+        browser.set("colours", 1)
+        coloured = browser.canvas()
+        self.assertNotEqual(coloured, first)
+        browser.set("range", 0.3)
+        self.assertNotEqual(browser.canvas(), coloured)
+        least, most = browser.run("return ['least', 'most'].map(id => Number(document.getElementById(id).textContent))")
+        self.assertGreater(most, 0.01)
+        self.assertEqual(least, -most)
+        browser.set("slice", "z")
+        browser.set("sliceAt", 0)
+        browser.press("1")
+        self.assertColours(browser, "B − A", [[at * most, *colour] for at, *colour in data["difference"]])
+        gaps = []
+        for text, *_ in browser.run(READ_OFF):
+            if "B − A" in text:
+                a, b, gap = [float(value) for value in re.findall(r"[AB] (-?[\d.e-]+)", text)]
+                self.assertAlmostEqual(b - a, gap, delta=2e-3 * max(abs(a), abs(b)))
+                gaps.append(abs(gap))
+        self.assertGreater(max(gaps), 0.05)
+        self.assertLess(max(gaps), 0.1121)
+        self.assertEqual(browser.errors(), [])
+
+    def test_shows_two_meshes_on_a_grid_over_both(self):
+        self.raymap("convert", "mesh.ply", "-o", "far.ply", "--translate", "3", "0", "0")
+        page = self.raymap("render", "mesh.ply", "far.ply", "-o", "far.html", "--resolution", "32", "--size", "64", "48")
+        browser = self.canvas(page)
+        browser.press("b")
+        x = [float(found[1]) for text, *_ in browser.run(READ_OFF) if (found := re.match(r"\((-?[\d.e-]+)", text))]
+        self.assertGreater(len(x), 10)
+        self.assertGreater(min(x), 1.5)
+
+    def test_refuses_two_fields_but_in_a_page(self):
+        for output, *options in (["two.png"], ["two.html", "--as", "winding"], ["two.html", "--slice", "z"]):
+            done = subprocess.run([RAYMAP, "render", "field.nrrd", "field.nrrd", "-o", output, *options],
+                                  cwd=self.folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stderr)
 
     def test_shows_larger_fields_on_a_coarser_grid(self):
         page = self.page("--max-size", "24")

@@ -40,7 +40,7 @@ TEST_F(CliRender, WritesPages) {
   expectFailure("render torus.nrrd -o page.html --slice z", ErrorCode::Usage, "leave out --slice");
   expectFailure("render torus.nrrd -o page.html --max-size 1", ErrorCode::Usage, "at least 2 samples");
   succeed("generate torus.ply -o d.nrrd --winding w.nrrd --resolution 8");
-  expectFailure("render w.nrrd -o page.html", ErrorCode::Usage, "a page shows distances");
+  expectFailure("render w.nrrd -o page.html", ErrorCode::Usage, "it has no distances");
 }
 
 TEST_F(CliRender, DrawsFilesOfPrintersAndCadWithZUp) {

@@ -657,6 +657,20 @@ static int is_red(const uint8_t* pixel) {
   return pixel[0] > 150 && pixel[1] < 100 && pixel[2] < 100;
 }
 
+/* Returns whether a file holds a text. */
+static int file_holds(const char* path, const char* text) {
+  FILE* file = fopen(path, "rb");
+  if (file == NULL) return 0;
+  fseek(file, 0, SEEK_END);
+  const size_t bytes = (size_t)ftell(file);
+  char* content = calloc(bytes + 1, 1);
+  rewind(file);
+  const int found = fread(content, 1, bytes, file) == bytes && strstr(content, text) != NULL;
+  free(content);
+  fclose(file);
+  return found;
+}
+
 static void test_pictures(const char* folder) {
   char path[4096];
   raymap_mesh* mesh = make_box(10);
@@ -695,6 +709,27 @@ static void test_pictures(const char* folder) {
   CHECK_FAILS(raymap_render_slice(field, 3, -1, 0, NULL), RAYMAP_ERROR_USAGE, "axis");
   CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "colour"), RAYMAP_ERROR_USAGE, "confidence");
   CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "winding"), RAYMAP_ERROR_USAGE, "winding");
+
+  view.width = 90;
+  raymap_page_options page = RAYMAP_INIT(raymap_page_options);
+  page.title = "a box";
+  page.mesh = mesh;
+  page.max_size = 5;
+  snprintf(path, sizeof path, "%s/c_api.html", folder);
+  CHECK(raymap_write_page(field, path, &view, &page, options) == RAYMAP_OK);
+  CHECK(file_holds(path, "<h1>a box</h1>") && file_holds(path, "\"name\":\"Holes\"") && file_holds(path, "\"dims\":[5,"));
+  page.other = field;
+  page.other_title = "another box";
+  CHECK(raymap_write_page(field, path, &view, &page, options) == RAYMAP_OK);
+  CHECK(file_holds(path, "<h1>a box and another box</h1>"));
+  CHECK(raymap_write_page(field, path, &view, NULL, options) == RAYMAP_OK);
+  CHECK(file_holds(path, "<h1>c_api</h1>") && !file_holds(path, "\"name\":\"Holes\""));
+  page.max_size = -1;
+  CHECK_FAILS(raymap_write_page(field, path, &view, &page, options), RAYMAP_ERROR_USAGE, "at least 2 samples");
+  page.max_size = 0;
+  page.array = "winding";
+  CHECK_FAILS(raymap_write_page(field, path, &view, &page, options), RAYMAP_ERROR_USAGE, "winding");
+  CHECK_FAILS(raymap_write_page(NULL, path, NULL, NULL, NULL), RAYMAP_ERROR_USAGE, "the field");
   raymap_field_free(field);
   raymap_options_free(options);
   raymap_mesh_free(mesh);

@@ -37,9 +37,16 @@ std::vector<uint8_t> decoded(const std::string& text) {
   return bytes;
 }
 
-/// Returns the distances that a page holds, in samples.
-std::vector<double> distancesOf(const std::string& page, const glm::ivec3& dims, double step) {
-  const std::vector<uint8_t> packed = decoded(scriptOf(page, "samples"));
+nlohmann::json dataOf(const std::string& page) {
+  return nlohmann::json::parse(scriptOf(page, "page"));
+}
+
+/// Returns an array that a page holds, in its unit.
+std::vector<double> numbersOf(const std::string& page, size_t array) {
+  const auto data = dataOf(page);
+  const glm::ivec3 dims(data["dims"][0], data["dims"][1], data["dims"][2]);
+  const double step = data["arrays"][array]["step"];
+  const std::vector<uint8_t> packed = decoded(scriptOf(page, "array" + std::to_string(array)));
   const size_t count = size_t(dims.x) * size_t(dims.y) * size_t(dims.z);
   std::vector<uint8_t> bytes(2 * count);
   uLongf size = uLongf(bytes.size());
@@ -47,7 +54,7 @@ std::vector<double> distancesOf(const std::string& page, const glm::ivec3& dims,
   EXPECT_EQ(size, bytes.size());
   const Grid grid{.dims = dims};
   std::vector<int16_t> values(count);
-  std::vector<double> distances(count);
+  std::vector<double> numbers(count);
   for (int k = 0; k < dims.z; ++k)
     for (int j = 0; j < dims.y; ++j)
       for (int i = 0; i < dims.x; ++i) {
@@ -60,10 +67,12 @@ std::vector<double> distancesOf(const std::string& page, const glm::ivec3& dims,
         }
         const size_t s = grid.index({i, j, k});
         values[s] = static_cast<int16_t>(suggested + (bytes[s] | bytes[count + s] << 8));
-        distances[s] = values[s] * step;
+        numbers[s] = values[s] * step;
       }
-  return distances;
+  return numbers;
 }
+
+const RenderOptions kSmall{.width = 32, .height = 24};
 
 Field sphereField(const glm::ivec3& dims, double radius, double spacing) {
   const Grid grid{.dims = dims, .origin = -0.5 * spacing * glm::dvec3(dims - 1), .spacing = spacing};
@@ -73,17 +82,21 @@ Field sphereField(const glm::ivec3& dims, double radius, double spacing) {
 TEST(Page, HoldsTheDistances) {
   const TemporaryFolder folder;
   const Field field = sphereField({19, 23, 17}, 6.0, 0.25);
-  const PageContent content = writePage(folder.path() / "a&b.html", field, {.width = 32, .height = 24});
+  const Page written = writePage(folder.path() / "a&b.html", field, kSmall);
   const std::string page = readBytes(folder.path() / "a&b.html");
-  EXPECT_EQ(content.bytes, page.size());
-  EXPECT_EQ(content.grid.dims, field.grid.dims);
+  EXPECT_EQ(written.html, page);
+  EXPECT_EQ(written.grid, field.grid);
+  EXPECT_EQ(makePage(field, kSmall, {.title = "a&b"}).html, page);
   EXPECT_NE(page.find("<title>a&amp;b</title>"), std::string::npos);
   EXPECT_NE(page.find("<th>Spacing</th><td>0.25</td>"), std::string::npos);
-  const auto data = nlohmann::json::parse(scriptOf(page, "page"));
+  const auto data = dataOf(page);
   EXPECT_EQ(data["dims"], nlohmann::json({19, 23, 17}));
   EXPECT_EQ(data["spacing"], 0.25);
-  const double step = data["step"];
-  const std::vector<double> distances = distancesOf(page, field.grid.dims, step);
+  EXPECT_EQ(data["arrays"].size(), 1u);
+  EXPECT_EQ(data["fields"].size(), 1u);
+  EXPECT_TRUE(data["defects"].empty());
+  const double step = data["arrays"][0]["step"];
+  const std::vector<double> distances = numbersOf(page, 0);
   double largest = 0.0;
   for (size_t s = 0; s < distances.size(); ++s) {
     EXPECT_NEAR(distances[s], field.distance[s] / 0.25, 0.501 * step);
@@ -93,26 +106,125 @@ TEST(Page, HoldsTheDistances) {
 }
 
 TEST(Page, ShowsLargeFieldsOnACoarserGrid) {
-  const TemporaryFolder folder;
   const Field field = sphereField({33, 20, 17}, 6.0, 0.25);
-  const PageContent content = writePage(folder.path() / "p.html", field, {.width = 32, .height = 24},
-                                        {.title = "ball", .maxSize = 9});
-  EXPECT_EQ(content.grid.dims, glm::ivec3(9, 6, 5));
-  EXPECT_EQ(content.grid.spacing, 1.0);
-  EXPECT_EQ(content.grid.origin, field.grid.origin);
-  const std::string page = readBytes(folder.path() / "p.html");
-  EXPECT_NE(page.find("<th>Samples</th><td>33 × 20 × 17</td>"), std::string::npos);
-  EXPECT_NE(page.find("<th>In this page</th><td>9 × 6 × 5</td>"), std::string::npos);
-  const double step = nlohmann::json::parse(scriptOf(page, "page"))["step"];
-  const std::vector<double> distances = distancesOf(page, content.grid.dims, step);
+  const Page page = makePage(field, kSmall, {.title = "ball", .maxSize = 9});
+  EXPECT_EQ(page.grid.dims, glm::ivec3(9, 6, 5));
+  EXPECT_EQ(page.grid.spacing, 1.0);
+  EXPECT_EQ(page.grid.origin, field.grid.origin);
+  EXPECT_NE(page.html.find("<th>Samples</th><td>33 × 20 × 17</td>"), std::string::npos);
+  EXPECT_NE(page.html.find("<th>In this page</th><td>9 × 6 × 5, spacing 1</td>"), std::string::npos);
+  const double step = dataOf(page.html)["arrays"][0]["step"];
+  const std::vector<double> distances = numbersOf(page.html, 0);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 5; ++j)
       for (int i = 0; i < 9; ++i)
-        EXPECT_NEAR(distances[content.grid.index({i, j, k})],
+        EXPECT_NEAR(distances[page.grid.index({i, j, k})],
                     field.distance[field.grid.index({4 * i, 4 * j, 4 * k})], 0.501 * step);
-  const PageContent same =
-      writePage(folder.path() / "q.html", field, {.width = 32, .height = 24}, {.maxSize = 33});
-  EXPECT_EQ(same.grid.dims, field.grid.dims);
+  EXPECT_EQ(makePage(field, kSmall, {.maxSize = 33}).grid.dims, field.grid.dims);
+}
+
+/// A field whose winding numbers and confidences are linear.
+Field fieldWithNumbers() {
+  Field field = sphereField({17, 9, 13}, 3.0, 0.25);
+  for (Buffer<float>* numbers : {&field.winding, &field.confidence})
+    numbers->resizeUninitialized(field.grid.sampleCount());
+  for (int k = 0; k < 13; ++k)
+    for (int j = 0; j < 9; ++j)
+      for (int i = 0; i < 17; ++i) {
+        field.winding[field.grid.index({i, j, k})] = float(0.5 * i - j);
+        field.confidence[field.grid.index({i, j, k})] = float(k / 12.0);
+      }
+  return field;
+}
+
+TEST(Page, HoldsWindingNumbersAndConfidences) {
+  const Field field = fieldWithNumbers();
+  const std::string page = makePage(field, kSmall, {.array = FieldArray::Confidence}).html;
+  const auto data = dataOf(page);
+  ASSERT_EQ(data["arrays"].size(), 3u);
+  EXPECT_EQ(data["colours"], "confidence");
+  EXPECT_EQ(data["arrays"][1]["name"], "winding number");
+  EXPECT_EQ(data["arrays"][1]["least"], -8.0);
+  EXPECT_EQ(data["arrays"][1]["most"], 8.0);
+  EXPECT_EQ(data["arrays"][1]["isOnSurface"], false);
+  EXPECT_EQ(data["arrays"][2]["isOnSurface"], true);
+  EXPECT_NE(page.find("<th>Winding numbers</th><td>-8 to 8</td>"), std::string::npos);
+  EXPECT_NEAR(double(data["arrays"][1]["step"]), 8.0 / 2000.0, 1e-9);
+  EXPECT_NEAR(double(data["arrays"][2]["step"]), 1.0 / 250.0, 1e-9);
+  const std::vector<double> winding = numbersOf(page, 1), confidence = numbersOf(page, 2);
+  for (size_t s = 0; s < winding.size(); ++s) {
+    EXPECT_NEAR(winding[s], field.winding[s], 0.501 * 8.0 / 2000.0);
+    EXPECT_NEAR(confidence[s], field.confidence[s], 0.501 / 250.0);
+  }
+}
+
+TEST(Page, ShowsAllArraysOnACoarserGrid) {
+  const Field field = fieldWithNumbers();
+  const Page page = makePage(field, kSmall, {.maxSize = 8});
+  const glm::ivec3 dims = page.grid.dims;
+  EXPECT_EQ(dims, glm::ivec3(8, 5, 7));
+  const std::vector<double> winding = numbersOf(page.html, 1), confidence = numbersOf(page.html, 2);
+  for (int k = 0; k < dims.z; ++k)
+    for (int j = 0; j < dims.y; ++j)
+      for (int i = 0; i < dims.x; ++i) {
+        const glm::dvec3 s = glm::min(glm::dvec3(i, j, k) * 16.0 / 7.0, glm::dvec3(16.0, 8.0, 12.0));
+        EXPECT_NEAR(winding[page.grid.index({i, j, k})], 0.5 * s.x - s.y, 5e-3);
+        EXPECT_NEAR(confidence[page.grid.index({i, j, k})], s.z / 12.0, 3e-3);
+      }
+}
+
+TEST(Page, NamesFieldsWithoutANameToo) {
+  const Field field = sphereField({9, 9, 9}, 3.0, 0.5);
+  const std::string page = makePage(field, kSmall, {.other = &field}).html;
+  EXPECT_NE(page.find("<h1>Field and Other field</h1>"), std::string::npos);
+  EXPECT_NE(page.find("<caption>A: Field</caption>"), std::string::npos);
+  EXPECT_NE(page.find("<caption>B: Other field</caption>"), std::string::npos);
+  EXPECT_EQ(dataOf(page)["fields"][1]["name"], "Other field");
+  EXPECT_EQ(page.find("In this page"), std::string::npos);
+}
+
+TEST(Page, HasASecondFieldOnTheGridOfTheFirst) {
+  const Field first = sphereField({17, 17, 17}, 5.0, 0.25), second = sphereField({31, 33, 35}, 12.0, 0.125);
+  const std::string page =
+      makePage(first, kSmall, {.title = "one", .other = &second, .otherTitle = "</script>"}).html;
+  const auto data = dataOf(page);
+  ASSERT_EQ(data["fields"].size(), 2u);
+  EXPECT_EQ(data["fields"][0]["name"], "one");
+  EXPECT_EQ(data["fields"][1]["name"], "</script>");
+  EXPECT_NE(page.find("<th>Samples</th><td>31 × 33 × 35</td>"), std::string::npos);
+  EXPECT_NEAR(double(data["fields"][0]["shape"]["radius"]), 5.0 * std::sqrt(3.0), 0.3);
+  EXPECT_NEAR(double(data["fields"][1]["shape"]["radius"]), 6.0 * std::sqrt(3.0), 0.3);
+  ASSERT_EQ(data["arrays"].size(), 2u);
+  const double step = data["arrays"][0]["step"];
+  EXPECT_EQ(data["arrays"][1]["step"], step);  // So that whole numbers can be subtracted.
+  const std::vector<double> distances = numbersOf(page, 1);
+  for (int k = 2; k < 15; k += 3)
+    for (int i = 2; i < 15; ++i) {
+      const glm::dvec3 p = first.grid.position({i, 8, k});
+      EXPECT_NEAR(distances[first.grid.index({i, 8, k})] * 0.25, analytic::sphere(p, 1.5), 0.02);
+    }
+}
+
+TEST(Page, ListsTheDefectsOfAMesh) {
+  Mesh mesh;
+  for (uint32_t t = 0; t < kMostDefectPlaces + 3; ++t) {
+    const auto size = float(t + 1), x = float(1000 * t);
+    mesh.vertices.insert(mesh.vertices.end(), {{x, 0.0f, 0.0f}, {x + size, 0.0f, 0.0f}, {x, size, 0.0f}});
+    mesh.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  const Field field = sphereField({9, 9, 9}, 3.0, 0.5);
+  const auto kinds = dataOf(makePage(field, kSmall, {.mesh = mesh}).html)["defects"];
+  ASSERT_EQ(kinds.size(), 1u);
+  EXPECT_EQ(kinds[0]["name"], "Holes");
+  EXPECT_EQ(kinds[0]["count"], 3 * (kMostDefectPlaces + 3));
+  EXPECT_EQ(kinds[0]["places"], kMostDefectPlaces + 3);
+  ASSERT_EQ(kinds[0]["listed"].size(), kMostDefectPlaces);
+  const auto& first = kinds[0]["listed"][0];  // The last triangle; the grid begins at -2.
+  EXPECT_NEAR(double(first["at"][0]), (1000.0 * (kMostDefectPlaces + 2) + 2.0) / 0.5, 200.0);
+  EXPECT_NEAR(double(first["at"][2]), 4.0, 1e-9);
+  EXPECT_EQ(first["count"], 3);
+  EXPECT_GT(double(first["radius"]), 100.0);
+  EXPECT_LT(double(first["radius"]), 206.0);
 }
 
 TEST(Page, RefusesWhatItCannotShow) {
@@ -121,6 +233,20 @@ TEST(Page, RefusesWhatItCannotShow) {
   EXPECT_EQ(codeOf([&] { writePage(folder.path() / "p.html", field, {}, {.maxSize = 1}); }),
             ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { writePage(folder.path() / "p.html", Field{}); }), ErrorCode::Usage);
+  const Field none;
+  EXPECT_EQ(codeOf([&] { makePage(field, {}, {.array = FieldArray::Winding}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, {}, {.other = &none}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, {.width = 0}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.mesh = Mesh{}}); }), ErrorCode::Input);
+  Field odd = fieldWithNumbers();
+  EXPECT_EQ(codeOf([&] { makePage(odd, {}, {.array = FieldArray::Winding, .other = &field}); }),
+            ErrorCode::Usage);
+  odd.triangle.resizeUninitialized(odd.grid.sampleCount());
+  EXPECT_EQ(codeOf([&] { makePage(odd, {}, {.array = FieldArray::Triangle}); }), ErrorCode::Usage);
+  odd.confidence[7] = NAN;
+  EXPECT_EQ(codeOf([&] { makePage(odd); }), ErrorCode::Input);
+  odd.confidence = Buffer<float>(5);
+  EXPECT_EQ(codeOf([&] { makePage(odd); }), ErrorCode::Usage);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "p.html"));
 }
 

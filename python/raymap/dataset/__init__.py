@@ -58,6 +58,7 @@ def generate(
     workers: int | None = None,
     time_limit: float = 600.0,
     retry: bool = False,
+    pages: bool = False,
     client: Any = None,
     **options: Unpack[Options],
 ) -> Summary:
@@ -88,6 +89,8 @@ def generate(
             its own.
         time_limit: Most seconds that a mesh may take.
         retry: Whether to try quarantined meshes again although nothing has changed.
+        pages: Whether to write a page beside each field, ``out/MESH.html``, as ``raymap.Field.to_html`` does, with the
+            mesh's defects. ``index.html`` links to them. A finished mesh that lacks its page is made again.
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
         **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
             ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
@@ -110,7 +113,7 @@ def generate(
     """
     start = time.monotonic()
     folder = Path(out).resolve()
-    jobs = make_jobs(paths_or_folder, folder, what, format, time_limit, retry, options)
+    jobs = make_jobs(paths_or_folder, folder, what, format, time_limit, retry, bool(pages), options)
     parquet = None if table is None else parquet_path(table)
     workers = _worker_count(workers)
     with only_writer(folder):

@@ -42,6 +42,7 @@ from .._mesh import Mesh, load_mesh, tetrahedron
 from .._raymap import write_whole
 from .._repair import info
 from .._samples import sample_points, save_as_npz
+from .files import readable
 
 _IDLE_SECONDS = 60.0
 _THUMBNAIL = {"width": 192, "height": 144, "device": "cpu"}
@@ -153,10 +154,15 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
     field = generate(mesh, **job["options"], threads=job["threads"], memory_limit=job["memory_limit"])
     picture = _picture(field, job["threads"])
+    page = None
+    if job["page"] is not None:
+        page = field.to_html(title=readable(os.path.basename(job["mesh"])), mesh=mesh, device="cpu", threads=job["threads"])
 
     def write() -> None:
         save_as(field, job["result"], "." + job["format"])
         write_whole(job["thumbnail"], picture)
+        if page is not None:
+            write_whole(job["page"], page.encode())
 
     return write, {"field": _field_figures(field)}
 

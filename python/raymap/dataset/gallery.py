@@ -20,6 +20,7 @@ body { font: 14px sans-serif; margin: 1em; }
 main { display: grid; grid-template-columns: repeat(auto-fill, minmax(144px, 1fr)); gap: 1em; }
 figure { margin: 0; max-width: 288px; }
 figure img { display: block; width: 100%; height: auto; background: #eee; }
+figcaption p { margin: 0; }
 figcaption, td { overflow-wrap: anywhere; }
 td { padding: 0.2em 1em 0.2em 0; vertical-align: top; }
 nav { display: flex; flex-wrap: wrap; gap: 0.5em 1em; align-items: center; margin-bottom: 1em; }
@@ -42,7 +43,12 @@ function make(figure) {
   link.href = figure.link;
   const image = link.appendChild(new Image(192, 144));
   [image.loading, image.alt, image.src] = ["lazy", "", figure.image];
-  element.appendChild(document.createElement("figcaption")).innerText = figure.caption;
+  const caption = element.appendChild(document.createElement("figcaption"));
+  caption.innerText = figure.caption;
+  if (figure.page) {
+    const page = caption.appendChild(document.createElement("p")).appendChild(document.createElement("a"));
+    [page.href, page.innerText] = [figure.page, "Look at it"];
+  }
   made.set(figure, element);
   return element;
 }
@@ -117,6 +123,7 @@ def _figure(job: Job, row: dict[str, Any]) -> dict[str, Any]:
     return {
         "link": _link(job, job.result),
         "image": _link(job, job.thumbnail),
+        "page": _link(job, job.page) if job.page.exists() else "",
         "caption": f"{row['mesh']}\n{row['triangles']} triangles, {found}",
         "text": " ".join(words).replace("_", " ").lower(),
         "triangles": row["triangles"],
@@ -128,6 +135,8 @@ def _figure(job: Job, row: dict[str, Any]) -> dict[str, Any]:
 
 def _element(figure: dict[str, Any]) -> str:
     caption = html.escape(figure["caption"]).replace("\n", "<br>")
+    if figure["page"]:
+        caption += f'<p><a href="{html.escape(figure["page"])}">Look at it</a></p>'
     return (
         f'<figure><a href="{html.escape(figure["link"])}"><img src="{html.escape(figure["image"])}" alt="" loading=lazy '
         f"width=192 height=144></a><figcaption>{caption}</figcaption></figure>"

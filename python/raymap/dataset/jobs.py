@@ -40,6 +40,7 @@ def make_jobs(
     format: str,
     time_limit: float,
     retry: bool,
+    pages: bool,
     options: Options,
 ) -> list[Job]:
     """Returns the jobs of `raymap.dataset.generate`, in the order of their names. Checks all arguments."""
@@ -47,6 +48,8 @@ def make_jobs(
         raise UsageError(f"what must be 'field' or 'points', not {what!r}")
     if what == "points" and format != "npz":
         raise UsageError(f"points are written as npz only, not {format!r}")
+    if what == "points" and pages:
+        raise UsageError("pages show fields; leave them out for points")
     if format not in FORMATS:
         raise UsageError(f"format must be one of {', '.join(FORMATS)}, not {format!r}")
     if not time_limit > 0:
@@ -57,7 +60,7 @@ def make_jobs(
         raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
     result_options = _field_options(options) if what == "field" else _point_options(options)
     return [
-        Job(str(mesh), name, str(out), what, format, result_options, threads, memory_limit, time_limit, retry)
+        Job(str(mesh), name, str(out), what, format, result_options, threads, memory_limit, time_limit, retry, pages)
         for name, mesh in sorted(_meshes(given, out).items())
     ]
 

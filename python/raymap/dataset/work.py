@@ -51,6 +51,8 @@ class Job:
     time_limit: float
     retry: bool
     """Whether a quarantined mesh is tried again."""
+    pages: bool = False
+    """Whether a page that shows the field is made, too."""
 
     def path(self, ending: str) -> Path:
         """Returns the path of one of the mesh's files."""
@@ -65,6 +67,11 @@ class Job:
     def thumbnail(self) -> Path:
         """Path of the picture."""
         return self.path(".png")
+
+    @property
+    def page(self) -> Path:
+        """Path of the page for a browser."""
+        return self.path(".html")
 
     @property
     def marker(self) -> Path:
@@ -115,12 +122,11 @@ def work(job: Job, children: Children | None = None) -> Outcome:
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(job.result) as folder:
-            result, thumbnail = folder / "result", folder / "thumbnail"
-            answer = (children or _children).do(_request(job, result, thumbnail), job.time_limit)
+            answer = (children or _children).do(_request(job, folder), job.time_limit)
             inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
             marker = {**inputs, "raymap": version()}
             if not isinstance(answer, Failure):
-                _publish(job, result, thumbnail, {**marker, **answer})
+                _publish(job, folder, {**marker, **answer})
                 return Outcome(job.name, "done", True)
             if answer.is_machine and None not in hashes["buffers"].values():
                 return Outcome(job.name, "unfinished", False, answer.reason)
@@ -156,7 +162,8 @@ def _finished(job: Job, key: str) -> State | None:
     if marker is None or marker["key"] != key:
         return None
     if marker["state"] == "done":
-        return "done" if _size(job.result) == marker["bytes"] and job.thumbnail.exists() else None
+        is_whole = job.thumbnail.exists() and (job.page.exists() or not job.pages)
+        return "done" if _size(job.result) == marker["bytes"] and is_whole else None
     is_kept = not job.retry and marker["limits"] == job.limits and (job.quarantine / "reason.txt").exists()
     return "quarantined" if is_kept else None
 
@@ -168,7 +175,7 @@ def _size(path: Path) -> int | None:
         return None
 
 
-def _request(job: Job, result: Path, thumbnail: Path) -> dict[str, Any]:
+def _request(job: Job, folder: Path) -> dict[str, Any]:
     return {
         "mesh": job.mesh,
         "what": job.what,
@@ -176,19 +183,24 @@ def _request(job: Job, result: Path, thumbnail: Path) -> dict[str, Any]:
         "options": job.options,
         "threads": job.threads,
         "memory_limit": job.memory_limit,
-        "result": str(result),
-        "thumbnail": str(thumbnail),
+        "result": str(folder / "result"),
+        "thumbnail": str(folder / "thumbnail"),
+        "page": str(folder / "page") if job.pages else None,
     }
 
 
-def _publish(job: Job, result: Path, thumbnail: Path, marker: dict[str, Any]) -> None:
+def _publish(job: Job, folder: Path, marker: dict[str, Any]) -> None:
     """Puts a whole result in the place of an earlier one.
 
     The marker is removed first and written last: it vouches for all other files.
     """
     earlier = _take_marker(job)
-    result.replace(job.result)
-    thumbnail.replace(job.thumbnail)
+    (folder / "result").replace(job.result)
+    (folder / "thumbnail").replace(job.thumbnail)
+    if job.pages:
+        (folder / "page").replace(job.page)
+    else:
+        job.page.unlink(missing_ok=True)  # It would show an earlier result.
     if earlier is not None and earlier != job.result:
         earlier.unlink(missing_ok=True)
     with suppress(FileNotFoundError):
@@ -200,7 +212,7 @@ def _quarantine(job: Job, failure: Failure, marker: dict[str, Any]) -> None:
     """Writes why there is no result. An earlier one, of another mesh or other options, moves beside the reason."""
     job.quarantine.mkdir(parents=True, exist_ok=True)
     if (earlier := _take_marker(job)) is not None:
-        for path in earlier, job.thumbnail:
+        for path in earlier, job.thumbnail, job.page:
             with suppress(FileNotFoundError):
                 path.replace(job.quarantine / path.name)
     write_whole(job.quarantine / "log.txt", failure.log.encode())

@@ -9,11 +9,16 @@ struct PagePush {
   RenderShape shape;
   RenderSceneData scene;
   uint width, height;
-  uint rays;  // Rays of a pixel, 1 or 4.
+  uint rays;           // Rays of a pixel, 1 or 4.
+  uint colours;        // What they show: 0, distances; 1, `values`; 2, `values` on the surface too.
+  vec4 stops[11];      // Colours, and the values in w that have them, ascending.
+  uint stopCount;
+  float lineStep;      // Between iso-lines.
 };
 
 layout(location = 0) uniform PagePush push;
 layout(location = 200) uniform highp sampler3D samples;
+layout(location = 201) uniform highp sampler3D values;
 layout(location = 0) out vec4 colour;
 
 float trilinear(vec3 q) {
@@ -22,11 +27,57 @@ float trilinear(vec3 q) {
 
 #include "scene/shade.glsl"
 
+float valueAt(vec3 p) {
+  return texture(values, (p + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
+}
+
+vec3 colourOf(float value) {
+  vec3 mixed = push.stops[0].rgb;
+  for (uint i = 1; i < push.stopCount; ++i) {
+    const float low = push.stops[i - 1].w, high = push.stops[i].w;
+    mixed = mix(mixed, push.stops[i].rgb, clamp((value - low) / (high - low), 0, 1));
+  }
+  return mixed;
+}
+
+// Returns the colour of a point inside. `pixel` is a pixel's size there. Lines of numbers that are not distances lie
+// half a step off zero: large regions have whole numbers.
+vec3 pointColour(vec3 p, float pixel) {
+  const float d = fieldDistance(p);
+  if (push.colours == 0)
+    return drawContour(push.scene, drawIsoLines(colourOf(d), d, pixel, push.lineStep), d, pixel);
+  const float value = valueAt(p);
+  vec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    vec3 step = vec3(0);
+    step[a] = 0.5;
+    gradient[a] = valueAt(p + step) - valueAt(p - step);
+  }
+  const float slope = pixel * length(gradient);
+  vec3 ground = colourOf(value);
+  if (slope > 1e-3 * pixel * push.lineStep)
+    ground = drawIsoLines(ground, value - 0.5 * push.lineStep, slope, push.lineStep);
+  return drawContour(push.scene, ground, d, pixel);
+}
+
+vec3 seen(vec2 at) {
+  float skipped;
+  const Ray ray = cameraRay(push.scene, at, skipped);
+  const float slice = traceSlice(push.scene, ray);
+  const float t = traceRay(ray);
+  if (slice >= 0 && (t < 0 || slice < t))
+    return pointColour(ray.origin + slice * ray.direction, (skipped + slice) * push.scene.pixelAngle);
+  if (t < 0) return background(push.scene, ray, at, skipped);
+  const vec3 p = ray.origin + t * ray.direction;
+  if (push.colours != 0 && isOnCutFace(p)) return pointColour(p, (skipped + t) * push.scene.pixelAngle);
+  RenderSceneData scene = push.scene;
+  if (push.colours == 2) scene.clay = colourOf(valueAt(p));
+  return surface(scene, ray, t, skipped);
+}
+
 void main() {
   const vec2 pixel = vec2(gl_FragCoord.x - 0.5, float(push.height) - gl_FragCoord.y - 0.5);
   vec3 sum = vec3(0);
-  float away;
-  for (uint i = 0; i < push.rays; ++i)
-    sum += light(push.scene, pixel + (push.rays == 1 ? vec2(0.5) : kSubPixels[i]), away);
+  for (uint i = 0; i < push.rays; ++i) sum += seen(pixel + (push.rays == 1 ? vec2(0.5) : kSubPixels[i]));
   colour = vec4(encodeSrgb(sum / push.rays), 1);
 }

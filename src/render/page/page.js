@@ -15,10 +15,10 @@ function turn(v, axis, angle) {  // Rodrigues
   return sum([Math.cos(angle), v], [Math.sin(angle), cross(axis, v)], [(1 - Math.cos(angle)) * dot(axis, v), axis]);
 }
 
-// Samples, as whole multiples of page.step. Each is stored as its difference from what its neighbours before it suggest,
-// all low bytes before all high bytes.
-async function readSamples() {
-  const packed = Uint8Array.from(atob(byId("samples").textContent), c => c.charCodeAt(0));
+// Returns the samples of an array as whole multiples of its step. Each is stored as its difference from what its
+// neighbours before it suggest, all low bytes before all high bytes.
+async function readSamples(number) {
+  const packed = Uint8Array.from(atob(byId("array" + number).textContent), c => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
   const count = nx * ny * nz, values = new Int16Array(count);
@@ -34,16 +34,29 @@ async function readSamples() {
   return values;
 }
 
-// Half floats, which every WebGL 2 filters. They have their finest steps where the surface is.
-function halves(values) {
+// Half floats, which every WebGL 2 filters. They have their finest steps at 0, where the surface is.
+function halves({ values, step }) {
   const table = new Uint16Array(65536), float = new Float32Array(1), bits = new Uint32Array(float.buffer);
   for (let v = -32768; v < 32768; ++v) {
-    float[0] = Math.abs(v) * page.step;
+    float[0] = Math.abs(v) * step;
     const exponent = (bits[0] >>> 23) - 112, rounded = bits[0] + 0x1000;
     const half = exponent <= 0 ? Math.round(float[0] * 16777216) : Math.min((rounded - (112 << 23)) >>> 13, 0x7bff);
     table[v & 0xffff] = half | (v < 0 ? 0x8000 : 0);
   }
   return Uint16Array.from(values, v => table[v & 0xffff]);
+}
+
+// Returns the difference of two fields as an array to show in colour. At first, its colours reach to the largest
+// difference within a sample of either surface.
+function difference(a, b) {
+  const near = 1 / a.step;
+  let most = 0;
+  const values = a.values.map((v, i) => {
+    const gap = b.values[i] - v;
+    if (Math.min(Math.abs(v), Math.abs(b.values[i])) < near) most = Math.max(most, Math.abs(gap));
+    return gap >> 1;
+  });
+  return { name: "difference B − A", values, step: 2 * a.step, unit: a.unit, isOnSurface: true, range: Math.max(most, 1) * a.step };
 }
 
 function compile(gl) {
@@ -62,29 +75,60 @@ void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3
 }
 
 class Viewer {
-  constructor(gl, values) {
+  // Shows fields, and arrays in colour: distances first, of whichever field is shown.
+  constructor(gl, fields, colours) {
     this.gl = gl;
-    this.values = values;
+    this.fields = fields;
+    this.colours = colours;
     this.program = compile(gl);
     this.uniforms = new Map();
     this.target = gl.createFramebuffer();
     this.buffer = gl.createRenderbuffer();
     this.share = 0.5;  // Of the pixels along a side, while somebody turns the shape.
-    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
+    for (const array of new Set([...fields, ...colours])) this.upload(array);
+    this.frame();
+  }
+
+  upload(array) {
+    const { gl } = this;
+    array.texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_3D, array.texture);
     for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R])
       gl.texParameteri(gl.TEXTURE_3D, side, gl.CLAMP_TO_EDGE);
     for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
       gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-    gl.texImage3D(gl.TEXTURE_3D, 0, gl.R16F, nx, ny, nz, 0, gl.RED, gl.HALF_FLOAT, halves(values));
-    this.frame();
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.R16F, nx, ny, nz, 0, gl.RED, gl.HALF_FLOAT, halves(array));
   }
 
   frame() {  // The view of the picture.
     const { eye, forward } = page.scene;
     this.forward = forward;
-    this.distance = dot(sum([1, page.shape.centre], [-1, eye]), forward);
+    this.distance = dot(sum([1, page.fields[0].shape.centre], [-1, eye]), forward);
     this.centre = sum([1, eye], [this.distance, forward]);
+    this.mark = undefined;
+  }
+
+  // Looks from outside at a ball, and marks it.
+  goTo({ at, radius }) {
+    const h = Math.max(radius, 1), field = this.fields[this.settings.field];
+    const axes = [[h, 0, 0], [0, h, 0], [0, 0, h]];
+    const outward = axes.map(axis => this.value(sum([1, at], [1, axis]), field) - this.value(sum([1, at], [-1, axis]), field));
+    if (Math.hypot(...outward) > 0.1 * h) this.look(sum([-1, outward]));
+    this.centre = at;
+    this.distance = Math.max(15 * radius, 0.7 * page.fields[0].shape.radius);
+    this.mark = { at, radius };
+  }
+
+  showMark() {
+    const { mark } = this, style = byId("mark").style, canvas = this.gl.canvas;
+    const { right, up, eye } = this.axes(), way = mark && sum([1, mark.at], [-1, eye]);
+    byId("mark").hidden = !mark || dot(way, this.forward) <= 0;
+    if (byId("mark").hidden) return;
+    const scale = 1 / (dot(way, this.forward) * this.pixelAngle(canvas.clientHeight));
+    style.left = `${canvas.clientWidth / 2 + scale * dot(way, right)}px`;
+    style.top = `${canvas.clientHeight / 2 - scale * dot(way, up)}px`;
+    style.width = style.height = `${Math.max(2.4 * scale * mark.radius, 26)}px`;
   }
 
   look(forward) {
@@ -125,28 +169,31 @@ class Viewer {
   zoom(factor, x, y) {
     const ray = this.ray(x, y), hit = this.pick(ray)?.p;
     const towards = hit ?? sum([1, ray.eye], [this.distance, ray.direction]);
-    const least = 1e-3 * page.shape.radius;
-    const share = clamp(factor * this.distance, least, 100 * page.shape.radius) / this.distance;
+    const { radius } = page.fields[0].shape, least = 1e-3 * radius;
+    const share = clamp(factor * this.distance, least, 100 * radius) / this.distance;
     this.distance *= share;
     this.centre = sum([share, this.centre], [1 - share, towards]);
   }
 
-  value(p) {  // distance in samples
-    const q = p.map((v, a) => clamp(v, 0, page.dims[a] - 1));
+  inGrid(q, { values, step }) {
     const low = q.map((v, a) => Math.min(Math.floor(v), Math.max(page.dims[a] - 2, 0))), t = q.map((v, a) => v - low[a]);
-    let inGrid = 0;
+    let value = 0;
     for (let corner = 0; corner < 8; ++corner) {
       const [x, y, z] = [0, 1, 2].map(a => Math.min(low[a] + (corner >> a & 1), page.dims[a] - 1));
       const weight = [0, 1, 2].reduce((w, a) => w * (corner >> a & 1 ? t[a] : 1 - t[a]), 1);
-      inGrid += weight * page.step * this.values[(z * ny + y) * nx + x];
+      value += weight * step * values[(z * ny + y) * nx + x];
     }
-    const outside = Math.hypot(...p.map((v, a) => v - q[a]));
+    return value;
+  }
+
+  value(p, field) {  // distance in samples
+    const q = closest(p), inGrid = this.inGrid(q, field), outside = Math.hypot(...p.map((v, a) => v - q[a]));
     return outside === 0 ? inGrid : Math.hypot(outside, Math.max(inGrid, 0));
   }
 
   shapeDistance(p) {
-    const { shape } = this.settings;
-    const d = this.value(p) - shape.level;
+    const { shape, field } = this.settings;
+    const d = this.value(p, this.fields[field]) - shape.level;
     const solid = shape.wall > 0 ? Math.max(d, -(d + shape.wall)) : d;
     return Math.max(solid, dot(shape.cutNormal, p) - shape.cutOffset);
   }
@@ -171,7 +218,9 @@ class Viewer {
     const { gl } = this;
     if (!this.uniforms.has(name)) this.uniforms.set(name, gl.getUniformLocation(this.program, "push." + name));
     const at = this.uniforms.get(name);
-    if (["width", "height", "rays", "shape.nx", "shape.ny", "shape.nz"].includes(name)) gl.uniform1ui(at, value);
+    if (["width", "height", "rays", "colours", "stopCount", "shape.nx", "shape.ny", "shape.nz"].includes(name))
+      gl.uniform1ui(at, value);
+    else if (name === "stops") gl.uniform4fv(at, value.flat());
     else if (value.length) gl.uniform3fv(at, value.flat());
     else gl.uniform1f(at, value);
   }
@@ -182,11 +231,20 @@ class Viewer {
     const camera = { eye, right, up, forward: this.forward, pixelAngle: this.pixelAngle(height),
       toLight: unit(sum([a, right], [b, this.forward], [c, floorNormal])),
       sliceNormal: settings.sliceNormal, sliceOffset: settings.sliceOffset };
+    const field = this.fields[settings.field], colours = settings.colours > 0 ? this.colours[settings.colours] : field;
     gl.useProgram(this.program);
+    for (const [unit, name, array] of [[0, "samples", field], [1, "values", colours]]) {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_3D, array.texture);
+      gl.uniform1i(gl.getUniformLocation(this.program, name), unit);
+    }
     for (const [name, value] of Object.entries(settings.shape)) this.set("shape." + name, value);
     for (const [name, value] of Object.entries({ ...page.scene, ...(isDark.matches ? page.dark : {}), ...camera }))
       this.set("scene." + name, value);
-    for (const [name, value] of Object.entries({ width, height, rays })) this.set(name, value);
+    const { stops, lineStep } = settings, stopCount = stops.length;
+    for (const [name, value] of Object.entries({ width, height, rays, stopCount, lineStep,
+      stops: stops.map(([at, ...colour]) => [...colour, at]), colours: settings.colours === 0 ? 0 : colours.isOnSurface ? 2 : 1 }))
+      this.set(name, value);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.viewport(0, 0, width, height);
     gl.enable(gl.SCISSOR_TEST);
@@ -221,6 +279,7 @@ class Viewer {
     await new Promise(requestAnimationFrame);
     if (turn !== this.turn) return;
     this.fit();
+    this.showMark();
     const { gl } = this, { width, height } = gl.canvas;
     const [w, h] = [width, height].map(side => Math.max(Math.round(side * this.share), 1));
     const start = performance.now();
@@ -246,9 +305,36 @@ class Viewer {
 
 const isDark = matchMedia("(prefers-color-scheme: dark)");
 const shortened = value => Number(value.toPrecision(4)).toString();
+const closest = p => p.map((v, a) => clamp(v, 0, page.dims[a] - 1));  // Of the box of the samples.
+const roundedUp = length => {  // To 1, 2 or 5 times a power of ten.
+  const power = 10 ** Math.floor(Math.log10(length));
+  return power * [1, 2, 5, 10].find(factor => length <= 1.000001 * factor * power);
+};
+
+// Shows the colours from one value to another.
+function showLegend({ unit }, stops, least, most) {
+  const encode = c => Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
+  const places = stops.map(([at, ...colour]) => `rgb(${colour.map(encode)}) ${100 * (at - least) / (most - least || 1)}%`);
+  byId("ramp").style.background = `linear-gradient(to right, ${places})`;
+  [byId("least").textContent, byId("most").textContent] = [least, most].map(value => shortened(value * unit));
+}
+
+// Returns the colours that the controls choose: stops, and the step of the lines.
+function readColours(viewer) {
+  const colours = Number(byId("colours").value), array = viewer.colours[colours];
+  for (const id of ["ranges", "meaning"]) byId(id).hidden = array.range === undefined;
+  if (array.range === undefined) {
+    const [first, last] = [array.stops[0][0], array.stops.at(-1)[0]];
+    showLegend(array, array.stops, Math.max(first, array.least), Math.min(last, array.most));
+    return { colours, stops: array.stops, lineStep: array.lineStep };
+  }
+  const range = array.range * byId("range").value, stops = page.difference.map(([at, ...colour]) => [at * range, ...colour]);
+  showLegend(array, stops, -range, range);
+  return { colours, stops, lineStep: roundedUp(range * array.unit / 5) / array.unit };
+}
 
 // Returns what the shader draws, as the controls say.
-function readControls() {
+function readControls(viewer) {
   const axis = name => ["x", "y", "z"].indexOf(byId(name).value);
   const normal = a => [0, 1, 2].map(b => (a === b ? 1 : 0));
   const place = (name, a) => (a < 0 ? 0 : byId(name + "At").value * (page.dims[a] - 1));
@@ -259,15 +345,21 @@ function readControls() {
   byId("shellText").textContent = shell > 0 ? shortened(shell * page.spacing) : "none";
   for (const name of ["cutAt", "flip"]) byId(name).disabled = cut < 0;
   byId("sliceAt").disabled = slice < 0;
+  const field = Number(byId("field").value), { shape } = page.fields[field];
   return {
-    shape: { ...page.shape, radius: page.shape.radius + Math.max(iso, 0), level: page.shape.level + iso, wall: shell, cutNormal: sum([side, normal(cut)]),
-      cutOffset: cut < 0 ? 3e38 : side * place("cut", cut) },
+    ...readColours(viewer), field,
+    shape: { ...shape, radius: shape.radius + Math.max(iso, 0), level: shape.level + iso, wall: shell,
+      cutNormal: sum([side, normal(cut)]), cutOffset: cut < 0 ? 3e38 : side * place("cut", cut) },
     sliceNormal: normal(slice), sliceOffset: place("slice", slice),
   };
 }
 
-function setControls() {
-  const initial = page.shape, cut = initial.cutNormal.findIndex(v => v !== 0);
+function addOptions(name, labels, chosen) {
+  byId(name).replaceChildren(...labels.map((label, i) => new Option(label, i, i === chosen, i === chosen)));
+}
+
+function setControls(viewer) {
+  const initial = page.fields[0].shape, cut = initial.cutNormal.findIndex(v => v !== 0);
   const limit = name => {
     const input = byId(name);
     const most = page.scene.depth;
@@ -281,12 +373,44 @@ function setControls() {
   byId("cutAt").defaultValue = cut < 0 ? 0.5 : initial.cutNormal[cut] * initial.cutOffset / Math.max(page.dims[cut] - 1, 1);
   byId("flip").defaultChecked = cut >= 0 && initial.cutNormal[cut] < 0;
   byId("sliceAt").defaultValue = 0.5;
+  const names = viewer.colours.map(array => array.name);
+  addOptions("colours", names, Math.max(names.indexOf(page.colours), 0));
+  addOptions("field", page.fields.map(({ name }, i) => (page.fields.length > 1 ? `${"AB"[i]}: ${name}` : name)), 0);
+  for (const id of ["fields", "switch", "switches"]) byId(id).hidden = page.fields.length < 2;
+  [byId("range").min, byId("range").max, byId("range").step, byId("range").defaultValue] = [0.01, 1, 0.01, 1];
   byId("controls").reset();
+}
+
+// Lists the places of the mesh's defects. A click leads there.
+function listDefects(viewer) {
+  const create = (parent, kind, text = "") => {
+    const element = parent.appendChild(document.createElement(kind));
+    element.textContent = text;
+    return element;
+  };
+  const section = byId("defects");
+  section.hidden = page.defects.length === 0;
+  for (const { name, unit, count, isComplete, places, listed } of page.defects) {
+    const details = create(section, "details");
+    create(details, "summary", `${name}: ${name === "Holes" ? places : (isComplete ? "" : "at least ") + count}`);
+    if (places > listed.length) create(details, "p", `The ${listed.length} largest of ${places} places:`);
+    const list = create(details, "ol");
+    for (const place of listed) {
+      const size = 2 * place.radius * page.spacing;
+      const button = create(create(list, "li"), "button", `${place.count} ${unit}${place.count > 1 ? "s" : ""}, ${shortened(size)} across`);
+      button.onclick = () => {
+        for (const shown of section.querySelectorAll(".shown")) shown.classList.remove("shown");
+        button.classList.add("shown");
+        viewer.goTo(place);
+        viewer.update();
+      };
+    }
+  }
 }
 
 function listen(viewer) {
   const { canvas } = viewer.gl, form = byId("controls");
-  const read = () => { viewer.settings = readControls(); viewer.update(); };
+  const read = () => { viewer.settings = readControls(viewer); viewer.update(); };
   form.oninput = read;
   form.onreset = () => { viewer.frame(); setTimeout(read); };
   isDark.onchange = () => viewer.update();
@@ -338,8 +462,9 @@ function listen(viewer) {
       ArrowUp: () => viewer.orbit(0, -0.1), ArrowDown: () => viewer.orbit(0, 0.1),
       "+": () => viewer.zoom(0.9, ...middle), "-": () => viewer.zoom(1 / 0.9, ...middle),
       1: () => viewer.look(front), 3: () => viewer.look(side), 7: () => viewer.look(sum([-1, up], [1e-3, front])),
-      f: () => viewer.frame(), h: () => { byId("help").open = !byId("help").open; },
+      b: () => { byId("field").selectedIndex = 1 - byId("field").selectedIndex; read(); }, f: () => viewer.frame(), h: () => { byId("help").open = !byId("help").open; },
     };
+    if (page.fields.length < 2) delete actions.b;
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action) return;
     event.preventDefault();
@@ -352,7 +477,11 @@ function hover(viewer, { x, y }) {
   const hit = viewer.pick(viewer.ray(x, y));
   if (!hit) return byId("place").textContent = "";
   const at = hit.p.map((v, a) => shortened(page.origin[a] + v * page.spacing)).join(", ");
-  byId("place").textContent = `(${at})` + (hit.isSlice ? `, distance ${shortened(viewer.value(hit.p) * page.spacing)}` : "");
+  const read = array => shortened(viewer.inGrid(closest(hit.p), array) * array.unit);
+  const isTwo = viewer.fields.length > 1, fields = isTwo || hit.isSlice ? viewer.fields : [];
+  const values = fields.map((field, i) => `${isTwo ? "AB"[i] : "distance"} ${read(field)}`);
+  values.push(...viewer.colours.slice(1).map(array => `${isTwo ? "B − A" : array.name} ${read(array)}`));
+  byId("place").textContent = [`(${at})`, ...values].join(", ");
 }
 
 async function start() {
@@ -360,9 +489,12 @@ async function start() {
   if (!gl) throw Error("this browser has no WebGL 2");
   const most = gl.getParameter(gl.MAX_3D_TEXTURE_SIZE);
   if (Math.max(nx, ny, nz) > most) throw Error(`this browser draws at most ${most} samples along a side`);
-  const viewer = new Viewer(gl, await readSamples());
-  setControls();
-  viewer.settings = readControls();
+  const arrays = await Promise.all(page.arrays.map(async (array, i) => ({ ...array, values: await readSamples(i) })));
+  const fields = arrays.slice(0, page.fields.length), [a, b] = fields;
+  const viewer = new Viewer(gl, fields, b ? [a, difference(a, b)] : arrays);
+  setControls(viewer);
+  viewer.settings = readControls(viewer);
+  listDefects(viewer);
   byId("still").hidden = true;
   for (const id of ["canvas", "controls", "help"]) byId(id).hidden = false;
   canvas.addEventListener("webglcontextlost", () => fail(Error("the browser has lost its GPU; load the page again")));
@@ -370,7 +502,7 @@ async function start() {
 }
 
 function fail(error) {
-  for (const id of ["canvas", "controls", "help"]) byId(id).hidden = true;
+  for (const id of ["canvas", "controls", "help", "defects", "mark"]) byId(id).hidden = true;
   byId("still").hidden = false;
   byId("trouble").hidden = false;
   byId("trouble").textContent = `Only a picture: ${error.message}.`;
