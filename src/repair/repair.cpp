@@ -318,6 +318,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   RepairReport& report = repaired.report;
   MachineOptions machine = asked;
   machine.warn = [&](const Warning& warning) {
+    if (warning.code == WarningCode::NothingInside) return;  // Repair says itself what its fields lack.
     report.warnings.push_back(warning);
     if (asked.warn) asked.warn(warning);
   };

@@ -27,6 +27,20 @@ TEST_F(CliGenerate, MakesAFieldOfAMesh) {
   for (const char* name : {"ids.npy", "w.npy", "c.npy"}) EXPECT_TRUE(fs::exists(path(name))) << name;
 }
 
+TEST_F(CliGenerate, WarnsIfNothingIsInside) {
+  writeMesh(path("plate.ply"), shapes::box({-1, -1, 0.04}, {1, 1, 0.06}));
+  const std::string make =
+      "generate plate.ply -o plate.npz --device cpu --bounds -1.2 -1.2 -.25 1.2 1.2 .25 ";
+  const Result result = runQuietly(make + "--voxel-size 0.1");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.err,
+            "raymap: warning: no sample is inside, because the mesh is thinner than the spacing 0.1; use a "
+            "spacing of 0.0098 (--voxel-size 0.0098)\n");
+  succeed(make + "--voxel-size 0.0098");
+  const Field field = readField(path("plate.npz"));
+  EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
+}
+
 TEST_F(CliGenerate, ReportsStatistics) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   mesh.triangles.pop_back();
@@ -139,7 +153,10 @@ TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
   EXPECT_EQ(json("r.json")["stats"]["left_out_faces"], faces);
   EXPECT_EQ(json("r.json")["stats"]["orientation_fits"], true);
   EXPECT_LT(least(path("ball.nrrd")), -0.95f);
-  succeed("generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json");
+  const std::string keep =
+      "generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json";
+  EXPECT_NE(runQuietly(keep).err.find("no sample is inside, because the faces enclose nothing"),
+            std::string::npos);
   EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], 0);
   EXPECT_GT(least(path("kept.nrrd")), 0.0f);
   const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;

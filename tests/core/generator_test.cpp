@@ -45,6 +45,74 @@ TEST(Generator, MakesSolidsOfSheets) {
   EXPECT_THROW(generate(mesh, grid, options), Error);
 }
 
+/// Returns the warnings of a field.
+std::vector<Warning> warningsOf(const Mesh& mesh, const Grid& grid, const FieldOptions& options = {}) {
+  std::vector<Warning> warnings;
+  const auto warn = [&](const Warning& warning) { warnings.push_back(warning); };
+  generate(mesh, grid, options, {.device = "cpu", .warn = warn});
+  return warnings;
+}
+
+TEST(Generator, WarnsIfNothingIsInside) {
+  // A plate between two layers of samples.
+  const Mesh plate = shapes::box({-1, -1, 0.04}, {1, 1, 0.06});
+  const Grid grid{.dims = {24, 24, 5}, .origin = {-1.15, -1.15, -0.2}, .spacing = 0.1};
+  for (const bool invert : {false, true}) {
+    const std::vector<Warning> warnings = warningsOf(plate, grid, {.invert = invert});
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0].code, WarningCode::NothingInside);
+    EXPECT_EQ(
+        warnings[0].message,
+        "no sample is inside, because the mesh is thinner than the spacing 0.1; use a spacing of 0.0098");
+    EXPECT_DOUBLE_EQ(warnings[0].fields.voxelSize, 0.0098);  // 0.08 / 8.16, rounded down.
+    EXPECT_EQ(warnings[0].fields.length, 0.0);
+  }
+  // What it advises helps.
+  EXPECT_TRUE(warningsOf(plate, fitGrid(plate, {.voxelSize = 0.0098})).empty());
+}
+
+TEST(Generator, AdvisesAThicknessWhereNothingIsEnclosed) {
+  Mesh sheet = shapes::box({-1, -1, 0.04}, {1, 1, 0.06});
+  std::erase_if(sheet.triangles, [&](const glm::uvec3& t) {
+    return sheet.position(t.x).z < 0.05 || sheet.position(t.y).z < 0.05 || sheet.position(t.z).z < 0.05;
+  });
+  ASSERT_EQ(sheet.triangles.size(), 2u);
+  const Grid grid = fitGrid(sheet, {.voxelSize = 0.1});
+  const std::vector<Warning> warnings = warningsOf(sheet, grid);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, WarningCode::NothingInside);
+  EXPECT_EQ(warnings[0].fields.voxelSize, 0.0);
+  EXPECT_DOUBLE_EQ(warnings[0].fields.length, 0.2);
+  EXPECT_NE(warnings[0].message.find("with a thickness of 0.2"), std::string::npos) << warnings[0].message;
+  EXPECT_TRUE(warningsOf(sheet, grid, {.thickness = 0.2}).empty());
+  EXPECT_TRUE(warningsOf(sheet, grid, {.sign = SignMode::None}).empty());
+  // Both sides of it: closed, but without a volume.
+  Mesh both = sheet;
+  for (const glm::uvec3& t : sheet.triangles) both.triangles.push_back({t.x, t.z, t.y});
+  const std::vector<Warning> ofBoth = warningsOf(both, grid);
+  ASSERT_EQ(ofBoth.size(), 1u);
+  EXPECT_DOUBLE_EQ(ofBoth[0].fields.length, 0.2);
+}
+
+TEST(Generator, DoesNotWarnOfAMeshThatReachesBeyondTheGrid) {
+  const Mesh ball = shapes::sphere(1.0, 3);
+  // Beside the ball, a corner in its bounds.
+  const Grid grid{.dims = {8, 8, 8}, .origin = glm::dvec3(0.9), .spacing = 0.1};
+  EXPECT_TRUE(warningsOf(ball, grid).empty());
+  // One sample in the middle is inside.
+  EXPECT_TRUE(warningsOf(ball, {.dims = {1, 1, 1}, .origin = glm::dvec3(0.0), .spacing = 2.0}).empty());
+  // The grid's cells end where the mesh does, its samples before: between four edges of the box.
+  const Mesh frame =
+      shapes::joined(shapes::box({-1, -1, -1}, {-0.99, 1, 1}), shapes::box({0.99, -1, -1}, {1, 1, 1}));
+  const Grid tight = fitGrid(frame, {.resolution = 4, .padding = 0.0});
+  EXPECT_EQ(warningsOf(frame, tight).size(), 1u);
+  Grid shorter = tight;
+  shorter.dims.x = 3;
+  EXPECT_TRUE(warningsOf(frame, shorter).empty());
+  shorter.origin.x += tight.spacing;
+  EXPECT_TRUE(warningsOf(frame, shorter).empty());
+}
+
 TEST(Generator, ReusesItsBuffersAndGivesTheSame) {
   const Mesh mesh = shapes::soup(200, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 32});
