@@ -217,8 +217,7 @@ class Field:
     def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
         if outside not in ("bound", "nan"):
             raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
-        shape = np.shape(points)
-        flat = _arrays.to_points(points)
+        flat, shape = _arrays.to_points(points)
         result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
         return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
 
