@@ -292,8 +292,9 @@ RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const do
 RAYMAP_API raymap_mesh* raymap_isosurface(const raymap_field* field, double iso,
                                           const raymap_options* options);
 
-/* Reads .nrrd, .npz, .npy, .vti or .vdb. Not in builds without files. */
-RAYMAP_API raymap_field* raymap_field_load(const char* path);
+/* Reads .nrrd, .npz, .npy, .vti or .vdb. Of the options only the warning callback counts; they may be NULL.
+ * It is called if the file has arrays that a field has not. Not in builds without files. */
+RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_options* options);
 /* Writes one array as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance" (or NULL), "winding",
  * "confidence" or "triangle". The file appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);

@@ -457,7 +457,8 @@ def _restore(
 def load_field(path: str | os.PathLike[str]) -> Field:
     """Reads a field, negative inside: .vdb, .nrrd, .npz, .npy or .vti by extension.
 
-    A .npy has no grid: the result has the origin 0 and the spacing 1.
+    A .npy has no grid: the result has the origin 0 and the spacing 1. A warning (``RaymapWarning``) names arrays of the
+    file that a field has no place for.
 
     Raises:
         UsageError: Another extension.

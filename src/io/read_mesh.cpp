@@ -64,7 +64,7 @@ std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, con
   const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, options.format, known);
-  if (contains(fields, found)) return readFieldAs(source, found);
+  if (contains(fields, found)) return readFieldAs(source, found, options.warn);
   if (contains(known, found)) return readMeshAs(source, found, options.warn);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
