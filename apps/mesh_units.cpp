@@ -203,8 +203,9 @@ std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, con
   return read;
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units) {
-  Mesh mesh = loadMesh(path, format);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
+              bool allowEmpty) {
+  Mesh mesh = loadMesh(path, format, allowEmpty);
   convertUnits(mesh, units, named(path, format));
   return mesh;
 }

@@ -72,7 +72,8 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
 // Read a file as the functions of terminal.h do, and convert it.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const MeshUnits& units);
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
+              bool allowEmpty = false);
 
 /// Returns the path of a file with the format that --format names appended. Its extension tells the format.
 std::filesystem::path named(const std::filesystem::path& path, const std::string& format);

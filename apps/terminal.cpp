@@ -327,13 +327,14 @@ void finishText() {
                   (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
 }
 
-std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
+                                          bool allowEmpty) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshOrField(path, {.format = format, .warn = warn});
+  return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty});
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, allowEmpty);
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }

@@ -113,7 +113,7 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
  *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
  *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
- *   "invert", "close_holes", "triangle", "winding", "confidence" (0)
+ *   "invert", "close_holes", "triangle", "winding", "confidence", "allow_empty" (0)
  *                       switches, as in raymap::FieldOptions */
 RAYMAP_API raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value);
 
@@ -157,8 +157,8 @@ typedef struct raymap_mesh_arrays {
   double origin[3];         /* Added to every position, in double precision. */
 } raymap_mesh_arrays;
 
-/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Of the options only the warning callback counts; they
- * may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
+/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Of the options, "allow_empty" and the warning callback
+ * count; they may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
 RAYMAP_API raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options);
 
 /* Wraps arrays without a copy. They must stay valid and unchanged until the mesh is freed. Checks nothing

@@ -27,6 +27,7 @@ namespace raymap {
 struct ReadOptions {
   std::string_view format = {};  ///< Extension that counts where the path has none that is known.
   WarningCallback warn = {};     ///< Called with what is odd in the file, but does not stop the call.
+  bool allowEmpty = false;       ///< Whether a mesh may have no triangles; see `FieldOptions`.
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL

@@ -66,6 +66,10 @@ struct FieldOptions {
   /// `confidence` and `closeHoles`, which need a sign. `GridOptions::thickness` makes place for it in the
   /// grid.
   double thickness = 0.0;
+
+  /// Whether a mesh may have no triangles. All samples are then outside and as far as numbers go: at the
+  /// band, or at the largest float without one; they have `kNoTriangle`, winding number 0 and confidence 1.
+  bool allowEmpty = false;
 };
 
 /// Costs of a run, and its findings about the mesh.

@@ -12,6 +12,7 @@
 #include "cpu/run_on_cpu.h"
 #include "mesh/packed_mesh.h"
 #include "method/check_options.h"
+#include "method/far_field.h"
 #include "method/thickness.h"
 
 namespace raymap {
@@ -87,6 +88,9 @@ struct Generator::Impl {
   MeshPacker packer;
 
   PackedMesh pack(const MeshView& view, size_t memoryLimit) {
+    if (view.triangleCount == 0)
+      throw Error(ErrorCode::Input,
+                  "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
     if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
     const PackedMesh mesh = packer.pack(view);
     validate(mesh);
@@ -105,6 +109,14 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
   Stats stats;
   try {
     checkOptions(grid, asked);
+    if (view.triangleCount == 0 && asked.allowEmpty) {
+      const size_t arrays = size_t{1} + asked.triangle + asked.winding + asked.confidence;
+      stats.bytes = arrays * grid.sampleCount() * sizeof(float);
+      if (machine.memoryLimit > 0) checkFieldMemory(stats.bytes, machine.memoryLimit);
+      fillFar(grid, asked, field);
+      stats.milliseconds = stopwatch.milliseconds();
+      return stats;
+    }
     const FieldOptions options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
     const PackedMesh mesh = impl_->pack(view, machine.memoryLimit);
     const auto onGpu = [&](GpuDevice& gpu, size_t number) {

@@ -13,7 +13,9 @@ using raymap::c::need;
 
 raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
   return create([&] {
-    return c::ownMesh(readMesh(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn}));
+    const raymap_options& given = c::optionsOr(options);
+    return c::ownMesh(readMesh(&need(path, "the path"),
+                               {.warn = given.machine.warn, .allowEmpty = given.field.allowEmpty}));
   });
 }
 

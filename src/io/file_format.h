@@ -39,7 +39,7 @@ Formats knownMeshFormats();
 Formats knownFieldFormats();
 
 // Read a file in a known format, which `formatOf` gave.
-Mesh readMeshAs(const SourceFile& source, std::string_view format, const WarningCallback& warn);
+Mesh readMeshAs(const SourceFile& source, std::string_view format, const ReadOptions& options);
 Field readFieldAs(const SourceFile& source, std::string_view format, const WarningCallback& warn);
 
 }  // namespace raymap

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cfloat>
+#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -39,6 +41,40 @@ TEST_F(CliGenerate, WarnsIfNothingIsInside) {
   succeed(make + "--voxel-size 0.0098");
   const Field field = readField(path("plate.npz"));
   EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
+}
+
+TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {
+  std::ofstream(path("empty.obj")) << "v 0 0 0\n";
+  std::ofstream(path("empty.off")) << "OFF\n0 0 0\n";
+  const std::string make = "generate empty.obj -o empty.npz ", box = "--bounds 0 0 0 2 1 1 --resolution 8 ";
+  expectFailure(make + box, ErrorCode::Input,
+                "empty.obj: the file has no triangles; --allow-empty makes a field that is far everywhere");
+  expectFailure(make + "--allow-empty", ErrorCode::Usage, "it has no bounds; add --bounds");
+  expectFailure(make + box + "--allow-empty --report-picture a.png", ErrorCode::Usage, "--report-picture");
+  expectFailure("info empty.obj", ErrorCode::Input, "the file has no triangles");
+  EXPECT_FALSE(fs::exists(path("empty.npz")));
+  const Result result = succeed(make + box +
+                                "--allow-empty --winding w.npy --confidence c.npy --triangle-ids t.npy "
+                                "--stats s.json --report r.json");
+  EXPECT_NE(result.out.find("empty.obj: no triangles, so the field is far everywhere\n"), std::string::npos);
+  EXPECT_NE(result.out.find("grid: 8 x 4 x 4"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("wrote t.npy"), std::string::npos) << result.out;
+  EXPECT_EQ(json("s.json")["diagnostics"]["triangles"], 0);
+  EXPECT_EQ(json("r.json")["guessed_share"], 0.0);
+  const auto expectAll = [&](const std::string& name, float value) {
+    const Field field = readField(path(name));
+    EXPECT_EQ(field.distance.size(), 128u) << name;
+    EXPECT_TRUE(std::ranges::all_of(field.distance, [&](float d) { return d == value; })) << name;
+  };
+  expectAll("empty.npz", FLT_MAX);
+  for (const std::string& extension : fieldExtensions()) {
+    const std::string name = "far" + extension;
+    succeed("generate empty.off -o " + name + " --allow-empty --invert " + box);
+    expectAll(name, -FLT_MAX);
+    succeed("generate empty.off -o " + name + " --allow-empty --band 2 " + box);
+    expectAll(name, 0.5f);
+    succeed("info " + name);
+  }
 }
 
 TEST_F(CliGenerate, ReportsStatistics) {

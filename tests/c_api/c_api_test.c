@@ -2,6 +2,7 @@
 
 #include <raymap/c.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -312,7 +313,7 @@ static void test_options(void) {
   CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
   static const char* const numbers[] = {"passes",       "threshold",    "band",      "thickness",
                                         "threads",      "memory_limit", "invert",    "close_holes",
-                                        "triangle", "winding",      "confidence"};
+                                        "triangle", "winding",      "confidence", "allow_empty"};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
     CHECK(raymap_options_set_number(options, numbers[i], 1) == RAYMAP_OK);
   CHECK_FAILS(raymap_options_set_text(options, "distance", "nearest"), RAYMAP_ERROR_USAGE, "neighbours");
@@ -721,6 +722,26 @@ static void test_far_stl(const char* folder) {
   raymap_mesh_free(mesh);
 }
 
+/* An empty mesh is an error, and on request a field that is far everywhere. */
+static void test_empty(const char* folder) {
+  char path[4096];
+  snprintf(path, sizeof path, "%s/empty.obj", folder);
+  FILE* file = fopen(path, "w");
+  CHECK(file != NULL && fputs("v 0 0 0\n", file) >= 0 && fclose(file) == 0);
+  raymap_options* options = raymap_options_create();
+  CHECK_FAILS(raymap_mesh_load(path, options), RAYMAP_ERROR_INPUT, "no triangles");
+  CHECK(raymap_options_set_number(options, "allow_empty", 1) == RAYMAP_OK);
+  raymap_mesh* mesh = raymap_mesh_load(path, options);
+  CHECK(mesh != NULL && raymap_mesh_triangle_count(mesh) == 0);
+  const raymap_grid grid = {{2, 3, 4}, {0, 0, 0}, 0.5};
+  CHECK_FAILS(raymap_generate(mesh, &grid, NULL), RAYMAP_ERROR_INPUT, "allow empty meshes");
+  raymap_field* field = raymap_generate(mesh, &grid, options);
+  CHECK(field != NULL && raymap_field_distance(field)[23] == FLT_MAX);
+  raymap_field_free(field);
+  raymap_mesh_free(mesh);
+  raymap_options_free(options);
+}
+
 static void count_warning(const char* code, const char* message, void* user) {
   CHECK(strcmp(code, "file_content") == 0 && strstr(message, "'heat'") != NULL);
   ++*(int*)user;
@@ -757,6 +778,7 @@ static void test_files(const char* folder) {
   raymap_mesh* read = raymap_mesh_load(path, NULL);
   CHECK(raymap_mesh_triangle_count(read) == 4);
   test_far_stl(folder);
+  test_empty(folder);
   test_left_out(folder);
   raymap_field* field = raymap_generate(read, &grid, NULL);
   CHECK(field != NULL);

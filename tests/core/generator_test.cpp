@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfloat>
 
 #include "any_threads.h"
 #include "reference.h"
@@ -111,6 +112,71 @@ TEST(Generator, DoesNotWarnOfAMeshThatReachesBeyondTheGrid) {
   EXPECT_TRUE(warningsOf(frame, shorter).empty());
   shorter.origin.x += tight.spacing;
   EXPECT_TRUE(warningsOf(frame, shorter).empty());
+}
+
+TEST(Generator, MakesTheFarFieldOfAnEmptyMesh) {
+  const Mesh empty;
+  const Grid grid{.dims = {3, 4, 5}, .origin = glm::dvec3(-1.0), .spacing = 0.5};
+  FieldOptions options{.triangle = true, .winding = true, .confidence = true};
+  try {
+    generate(empty, grid, options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Input);
+    EXPECT_STREQ(error.what(),
+                 "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
+  }
+  options.allowEmpty = true;
+  const auto expectAll = [](const auto& array, auto value) {
+    EXPECT_EQ(array.size(), 60u);
+    EXPECT_TRUE(std::ranges::all_of(array, [&](auto each) { return each == value; }));
+  };
+  for (const double band : {0.0, 3.0})
+    for (const bool invert : {false, true}) {
+      options.band = band;
+      options.invert = invert;
+      std::vector<Warning> warnings;
+      const auto [field, stats] = generate(
+          empty, grid, options, {.warn = [&](const Warning& warning) { warnings.push_back(warning); }});
+      expectAll(field.distance, (invert ? -1.0f : 1.0f) * (band > 0.0 ? 1.5f : FLT_MAX));
+      expectAll(field.triangle, kNoTriangle);
+      expectAll(field.winding, 0.0f);
+      expectAll(field.confidence, 1.0f);
+      EXPECT_EQ(field.grid, grid);
+      EXPECT_EQ(field.clampDistance, band * 0.5);
+      EXPECT_TRUE(field.surfaceBounds.isEmpty());
+      EXPECT_TRUE(warnings.empty());
+      EXPECT_EQ(stats.device, "");
+    }
+  // Without sides there is nothing to invert.
+  expectAll(
+      generate(empty, grid, {.sign = SignMode::None, .invert = true, .allowEmpty = true}).field.distance,
+      FLT_MAX);
+  const Field plate =
+      generate(empty, grid, {.sign = SignMode::None, .invert = true, .thickness = 0.1, .allowEmpty = true})
+          .field;
+  expectAll(plate.distance, -FLT_MAX);
+  EXPECT_TRUE(plate.triangle.empty() && plate.winding.empty() && plate.confidence.empty());
+  EXPECT_THROW(generate(empty, {}, {.allowEmpty = true}), Error);
+  EXPECT_THROW(generate(empty, grid, {.allowEmpty = true}, {.memoryLimit = 239}), Error);
+  EXPECT_NO_THROW(generate(empty, grid, {.allowEmpty = true}, {.memoryLimit = 240}));
+}
+
+TEST(Generator, ForgetsTheLastMeshForAnEmptyOne) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const Grid grid = fitGrid(ball, {.resolution = 8});
+  Generator generator;
+  Field field;
+  const FieldOptions options{.band = 2.0, .allowEmpty = true};
+  generator.generate(ball, grid, {.band = 2.0, .triangle = true}, field);
+  generator.generate(Mesh{}, grid, options, field);
+  EXPECT_TRUE(field.triangle.empty());
+  EXPECT_TRUE(field.surfaceBounds.isEmpty());
+  // Far samples of both frames are the same.
+  EXPECT_EQ(field.distance[0], float(2.0) * float(grid.spacing));
+  generator.generate(ball, grid, options, field);
+  EXPECT_EQ(field.distance[0], float(2.0) * float(grid.spacing));
+  EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
 }
 
 TEST(Generator, ReusesItsBuffersAndGivesTheSame) {
