@@ -470,7 +470,8 @@ typedef struct raymap_repair_options {
                             the least that no samples miss. */
   double drain_hole;     /* Diameter of the drain holes; 0 = none. */
   double drop_smaller;   /* Volume, in the mesh's units cubed, below which parts are dropped. */
-  double tolerance;      /* Largest deviation from the isosurface, to have fewer faces; 0 = all faces. */
+  double tolerance;      /* Largest deviation from the isosurface, or from faces that could be kept, to have
+                            fewer faces; 0 = all faces. */
   double down[3];        /* Direction of the drain holes, of any length; 0 = (0, 0, -1). */
   bool loses_thin_parts; /* Whether a `min_thickness` of 0 is none: what samples miss is lost. */
   uint64_t triangles;    /* Most triangles of the result, with the least tolerance that reaches it; 0 = no

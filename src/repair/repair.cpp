@@ -127,7 +127,8 @@ void keep(const PackedMesh& mesh, const RepairOptions& repair, const MachineOpti
   if (!keepFaces(mesh, repair, machine.warn, repaired)) return;
   RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
-  if (repair.triangles > 0 && repair.triangles < repaired.mesh.triangles.size())
+  if (repair.triangles > 0 ? repair.triangles < repaired.mesh.triangles.size()
+                           : repair.tolerance.value_or(0.0) > 0.0)
     simplifySurface(repaired.mesh, 0.0, 0.0, repair, machine, report.simplified);
   countPieces(repaired.mesh, report);
   if (repair.finish) repair.finish(repaired.mesh);

@@ -371,6 +371,16 @@ TEST(Simplify, GivesARepairAsFewTrianglesAsAskedFor) {
   const Repaired kept = repair(torus, grid, {}, {.triangles = torus.triangles.size()});
   EXPECT_EQ(kept.mesh.triangles.size(), torus.triangles.size());
   EXPECT_EQ(kept.report.simplified.tolerance, 0.0);
+  const Repaired within = repair(torus, grid, {}, {.tolerance = 0.01});
+  EXPECT_TRUE(within.report.kept);
+  EXPECT_TRUE(within.report.after.watertight);
+  EXPECT_LT(within.mesh.triangles.size(), torus.triangles.size() / 2);
+  EXPECT_EQ(within.report.simplified.tolerance, 0.01);
+  EXPECT_EQ(within.report.simplified.trianglesAfter, within.mesh.triangles.size());
+  EXPECT_LE(within.report.simplified.deviation, 0.01);
+  const Repaired exact = repair(torus, grid, {}, {.tolerance = 0.0});
+  EXPECT_EQ(exact.mesh.triangles.size(), torus.triangles.size());
+  EXPECT_EQ(exact.report.simplified.trianglesBefore, 0u);
   const Repaired limited =
       repair(torus, grid, {}, {.remesh = true, .tolerance = 0.02 * grid.spacing, .triangles = 800});
   ASSERT_EQ(limited.report.warnings.size(), 1u);
