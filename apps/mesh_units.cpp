@@ -188,7 +188,8 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
                                       " is a field; leave them out, or turn the mesh before");
   const double factor = factorFor(units, from);
   const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
-  for (float& distance : field.distance) distance = float(distance * factor);
+  for (float& distance : field.distance)
+    if (std::abs(distance) < FLT_MAX) distance = float(distance * factor);  // Else it is far in any unit.
   field.clampDistance *= factor;
   field.grid.spacing *= factor;
   field.grid.origin = factor * field.grid.origin + move;

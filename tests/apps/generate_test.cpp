@@ -67,6 +67,8 @@ TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {
     EXPECT_TRUE(std::ranges::all_of(field.distance, [&](float d) { return d == value; })) << name;
   };
   expectAll("empty.npz", FLT_MAX);
+  succeed("convert empty.npz -o twice.npz --scale 2");
+  expectAll("twice.npz", FLT_MAX);
   for (const std::string& extension : fieldExtensions()) {
     const std::string name = "far" + extension;
     succeed("generate empty.off -o " + name + " --allow-empty --invert " + box);
