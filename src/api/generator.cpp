@@ -63,7 +63,7 @@ void warnOfNothingInside(const PackedMesh& mesh, const Field& field, const Field
   const std::string begin = "no sample is inside, because ";
   // A plate has half of its thickness as volume over area.
   const double finer = found.balanced ? std::abs(found.signedVolume) / found.area : 0.0;
-  constexpr double kSheet = 1e-3;  // Share of the spacing; with fewer, samples would be too many.
+  constexpr double kSheet = 0.03;  // Share of the spacing; below it, samples would be too many.
   if (finer > kSheet * spacing && finer < spacing) {
     const double voxelSize = roundDown(finer);
     machine.warn({WarningCode::NothingInside,

@@ -93,6 +93,12 @@ TEST(Generator, AdvisesAThicknessWhereNothingIsEnclosed) {
   const std::vector<Warning> ofBoth = warningsOf(both, grid);
   ASSERT_EQ(ofBoth.size(), 1u);
   EXPECT_DOUBLE_EQ(ofBoth[0].fields.length, 0.2);
+  // A plate so thin that no grid would have place for its samples.
+  const Mesh foil = shapes::box({-1, -1, 0.05}, {1, 1, 0.051});
+  const std::vector<Warning> ofFoil =
+      warningsOf(foil, {.dims = {24, 24, 5}, .origin = {-1.15, -1.15, -0.2}, .spacing = 0.1});
+  ASSERT_EQ(ofFoil.size(), 1u);
+  EXPECT_DOUBLE_EQ(ofFoil[0].fields.length, 0.2);
 }
 
 TEST(Generator, DoesNotWarnOfAMeshThatReachesBeyondTheGrid) {
