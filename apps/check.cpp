@@ -40,7 +40,7 @@ struct Arguments {
 };
 
 void print(const Json& line) {
-  std::cout << line.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n' << std::flush;
+  std::cout << textOf(line, -1) << std::flush;
 }
 
 /// Checks a mesh and prints a line about it. Returns whether it is good.

@@ -22,16 +22,8 @@ void printLine(const char* what, const std::string& text) {
   std::printf("%-24s %s\n", what, text.c_str());
 }
 
-std::string textOf(const glm::dvec3& v) {
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "%.9g %.9g %.9g", v.x, v.y, v.z);
-  return text.data();
-}
-
-std::string numberText(double number, int digits = 9) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", digits, number);
-  return text.data();
+void printLine(const char* what, const glm::dvec3& v) {
+  std::printf("%-24s %.9g %.9g %.9g\n", what, v.x, v.y, v.z);
 }
 
 /// Returns the name of the values' line.
@@ -67,20 +59,24 @@ void print(const Field& field, const FieldInfo& info, const std::string& unit) {
   const std::string by = " x ", dims = std::to_string(grid.dims.x) + by + std::to_string(grid.dims.y) + by +
                                        std::to_string(grid.dims.z);
   printLine("samples", dims + " = " + grouped(info.samples));
-  printLine("first sample (origin)", textOf(grid.origin));
-  printLine("last sample", textOf(box.max));
-  printLine("spacing", numberText(grid.spacing));
+  printLine("first sample (origin)", grid.origin);
+  printLine("last sample", box.max);
+  std::printf("%-24s %.9g\n", "spacing", grid.spacing);
   printLine("unit", unit.empty() ? "not stated" : unit);
   printLine("arrays", listOf(heldArrays(field)));
-  printLine("surface, lowest", surface.isEmpty() ? "not known" : textOf(surface.min));
-  if (!surface.isEmpty()) printLine("surface, highest", textOf(surface.max));
+  if (surface.isEmpty()) {
+    printLine("surface, lowest", "not known");
+  } else {
+    printLine("surface, lowest", surface.min);
+    printLine("surface, highest", surface.max);
+  }
   if (field.clampDistance > 0.0)
-    printLine("distances clamped to", numberText(field.clampDistance) + ", " +
-                                          numberText(field.clampDistance / grid.spacing, 4) + " samples");
-  if (info.least) printLine(nameOf(info.array), numberText(*info.least) + " to " + numberText(*info.most));
+    std::printf("%-24s %.9g, %.4g samples\n", "distances clamped to", field.clampDistance,
+                field.clampDistance / grid.spacing);
+  if (info.least) std::printf("%-24s %.9g to %.9g\n", nameOf(info.array), *info.least, *info.most);
   if (info.array == FieldArray::Distance)
-    printLine("samples inside", grouped(info.inside) + ", " +
-                                    numberText(100.0 * double(info.inside) / double(info.samples), 4) + " %");
+    std::printf("%-24s %s, %.4g %%\n", "samples inside", grouped(info.inside).c_str(),
+                100.0 * double(info.inside) / double(info.samples));
   if (info.notFinite > 0) printLine("values not finite", grouped(info.notFinite));
 }
 

@@ -129,6 +129,7 @@ Json describe(const Arguments& arguments, const Report& report) {
             {"invert", arguments.options.invert},
             {"close_holes", arguments.options.closeHoles},
             {"thickness", arguments.options.thickness},
+            {"allow_empty", arguments.options.allowEmpty},
             {"threads", arguments.machine.threads}}},
           {"stats", toJson(report.stats)},
           {"peak_memory_bytes", peakMemory()}};
@@ -136,9 +137,11 @@ Json describe(const Arguments& arguments, const Report& report) {
 
 /// Defects of the mesh, and how many signs are uncertain.
 Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
+  const SelfIntersections crossings =
+      mesh.triangles.empty() ? SelfIntersections{} : findSelfIntersections(mesh);
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
-            {"diagnostics", toJson(Inspection{report.found, findSelfIntersections(mesh)})},
+            {"diagnostics", toJson(Inspection{report.found, crossings})},
             {"stats", toJson(report.stats)}};
   if (arguments.options.sign == SignMode::None) return json;
   constexpr float kSure = 0.5f;
@@ -155,6 +158,12 @@ void printGrid(const Grid& grid) {
 }
 
 void print(const Arguments& arguments, const Report& report) {
+  if (report.found.triangles == 0) {
+    std::printf("%s: no triangles, so the field is far everywhere\n", displayName(arguments.mesh).c_str());
+    printGrid(report.grid);
+    for (const fs::path& path : report.written) printWritten(path);
+    return;
+  }
   const glm::dvec3 size = report.found.bounds.size();
   std::printf("%s: %s, size %.4g x %.4g x %.4g, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
@@ -192,15 +201,33 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
   report.written.push_back(arguments.reportPicture);
 }
 
+/// Throws unless a mesh without triangles is allowed and the options say where its field lies. `bounds` is
+/// empty without those of other frames.
+void checkEmpty(const Arguments& arguments, const Box& bounds) {
+  const std::string name = displayName(arguments.mesh);
+  if (!arguments.options.allowEmpty)
+    throw Error(ErrorCode::Input,
+                name + ": the file has no triangles; --allow-empty makes a field that is far everywhere");
+  if (!arguments.grid.box && bounds.isEmpty())
+    throw Error(ErrorCode::Usage,
+                "--allow-empty: " + name + " has no triangles, so it has no bounds; add --bounds");
+  if (!arguments.reportPicture.empty())
+    throw Error(ErrorCode::Usage, "--report-picture: " + name + " has no triangles to draw; leave it out");
+}
+
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
 void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
           const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
+  const bool isEmpty = mesh.triangles.empty();
+  if (isEmpty) checkEmpty(arguments, bounds.value_or(Box{}));
   {
     ProgressLine line;
     const MachineOptions machine = withProgress(arguments.machine, line, title);
     // The summary line needs no more. The files list everything.
     const bool isBrief = arguments.stats.empty() && arguments.report.empty();
-    timeStep(report.before, "diagnose", [&] { report.found = diagnose(mesh, {.brief = isBrief}, machine); });
+    if (!isEmpty)
+      timeStep(report.before, "diagnose",
+               [&] { report.found = diagnose(mesh, {.brief = isBrief}, machine); });
     timeStep(report.before, "fit", [&] {
       report.grid = bounds ? fitGrid(*bounds, arguments.grid) : fitGrid(mesh, arguments.grid);
     });
@@ -218,7 +245,7 @@ void makeOne(const Arguments& arguments) {
   Generator generator;
   Field field;
   timeStep(report.before, "load",
-           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units); });
+           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units, true); });
   make(arguments, mesh, {}, "", generator, field, report, nullptr);
   report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
@@ -253,7 +280,7 @@ Mesh meshOf(Sequence& sequence, size_t i) {
 /// Makes a field for each frame, all on one grid. Holds one at a time.
 void makeFrames(const Arguments& arguments) {
   const Clock::time_point start = Clock::now();
-  Sequence sequence(arguments.frames, arguments.mesh, arguments.format.input, arguments.units);
+  Sequence sequence(arguments.frames, arguments.mesh, arguments.format.input, arguments.units, true);
   checkFrames(arguments, sequence);
   const Box bounds = arguments.grid.box ? *arguments.grid.box : sequence.bounds();
   Generator generator;
@@ -313,6 +340,7 @@ void addGenerate(CLI::App& app) {
   addFrameOptions(*command, arguments->frames);
   addUnitOptions(*command, arguments->units);
   addFieldOptions(*command, *arguments);
+  addOption(*command, "--allow-empty", arguments->options.allowEmpty);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });
 }

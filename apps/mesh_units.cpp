@@ -188,7 +188,8 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
                                       " is a field; leave them out, or turn the mesh before");
   const double factor = factorFor(units, from);
   const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
-  for (float& distance : field.distance) distance = float(distance * factor);
+  for (float& distance : field.distance)
+    if (std::abs(distance) < FLT_MAX) distance = float(distance * factor);  // Else it is far in any unit.
   field.clampDistance *= factor;
   field.grid.spacing *= factor;
   field.grid.origin = factor * field.grid.origin + move;
@@ -203,8 +204,9 @@ std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, con
   return read;
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units) {
-  Mesh mesh = loadMesh(path, format);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
+              bool allowEmpty) {
+  Mesh mesh = loadMesh(path, format, allowEmpty);
   convertUnits(mesh, units, named(path, format));
   return mesh;
 }

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "options.h"
+
 namespace raymap {
 
 /// What the numbers of a file mean, and where the mesh lies. Vectors are empty if they are not given.
@@ -28,6 +30,19 @@ void addUnitOptions(CLI::App& command, MeshUnits& units);
 
 /// Adds those, `--up` and `--recenter` to a command that writes a mesh.
 void addMeshOutputOptions(CLI::App& command, MeshUnits& units);
+
+/// Adds the options of a command that makes a mesh of a mesh: both files, their formats, figures and units.
+template <class Arguments>
+void addMeshFileOptions(CLI::App& command, Arguments& arguments) {
+  command.add_option("mesh", arguments.mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
+      ->type_name("MESH")
+      ->required();
+  addOption(command, "--output", arguments.result)->required();
+  addOption(command, "--format", arguments.format.given);
+  addFigureOptions(command, arguments.stats);
+  addOption(command, "--overwrite", arguments.mayOverwrite);
+  addMeshOutputOptions(command, arguments.units);
+}
 
 /// Returns the names of units, as `--unit` takes them.
 std::vector<std::string> unitNames();
@@ -57,7 +72,8 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
 // Read a file as the functions of terminal.h do, and convert it.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const MeshUnits& units);
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
+              bool allowEmpty = false);
 
 /// Returns the path of a file with the format that --format names appended. Its extension tells the format.
 std::filesystem::path named(const std::filesystem::path& path, const std::string& format);

@@ -125,6 +125,9 @@ constexpr OptionRow kRows[] = {
     {"--thickness", "", "Method", AboveZero, "LENGTH", "",
      "Make a solid of this thickness around the surface instead of a sign: for sheets"},
     {"--invert", "", "Method", Nothing, "", "", "Make inside positive and outside negative"},
+    {"--allow-empty", "", "Method", Nothing, "", "",
+     "Accept a mesh without triangles, in the box of --bounds. Its field is far everywhere: at --band, or at "
+     "the largest float"},
     {"--unsigned", "", "Method", Nothing, "", "", "Compute no sign: faster, for surfaces without an inside"},
     {"--iso", "", "Method", Number, "LENGTH", "0", "Distance at which the surface lies"},
 

@@ -127,14 +127,7 @@ void addRepair(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("repair", "Make a watertight solid from any mesh, for example to print it");
   const auto arguments = std::make_shared<RepairArguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
-      ->type_name("MESH")
-      ->required();
-  addOption(*command, "--output", arguments->result)->required();
-  addOption(*command, "--format", arguments->format.given);
-  addFigureOptions(*command, arguments->stats);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addMeshOutputOptions(*command, arguments->units);
+  addMeshFileOptions(*command, *arguments);
   addSpacingOptions(*command, arguments->grid);
   addOption(*command, "--orientation", arguments->orientation);
   addOption(*command, "--close-holes", arguments->repair.closeHoles);

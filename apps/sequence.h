@@ -30,10 +30,11 @@ std::filesystem::path framePath(const std::filesystem::path& pattern, int frame)
 /// The frames of an animated glTF file, or of numbered files.
 class Sequence {
  public:
-  /// `format` counts if the names of files do not tell. Throws `Error(Usage)` if the options contradict the
-  /// input, `Error(File)` if a numbered file is missing, and as `readAnimatedMesh` does.
+  /// `format` counts if the names of files do not tell. With `allowEmpty` meshes may have no triangles.
+  /// Throws `Error(Usage)` if the options contradict the input, `Error(File)` if a numbered file is missing,
+  /// and as `readAnimatedMesh` does.
   Sequence(const FrameArguments& arguments, const std::filesystem::path& input, const std::string& format,
-           const MeshUnits& units);
+           const MeshUnits& units, bool allowEmpty = false);
 
   size_t size() const { return size_; }
   int frame(size_t i) const { return first_ + static_cast<int>(i) * step_; }
@@ -60,6 +61,7 @@ class Sequence {
   std::filesystem::path input_;
   std::string format_;
   MeshUnits units_;
+  bool allowEmpty_;
   std::optional<AnimatedMesh> animated_;
 };
 

@@ -97,14 +97,7 @@ void run(Arguments& arguments) {
 void addSimplify(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simplify", "Make a watertight mesh of fewer triangles");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
-      ->type_name("MESH")
-      ->required();
-  addOption(*command, "--output", arguments->result)->required();
-  addOption(*command, "--format", arguments->format.given);
-  addFigureOptions(*command, arguments->stats);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addMeshOutputOptions(*command, arguments->units);
+  addMeshFileOptions(*command, *arguments);
   addOption(*command, "--tolerance", arguments->tolerance);
   addOption(*command, "--triangles", arguments->triangles);
   addOption(*command, "--threads", arguments->machine.threads);

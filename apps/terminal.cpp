@@ -4,6 +4,7 @@
 #include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
+#include <raymap/json.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <cstdio>
 #include <cstring>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -206,8 +206,7 @@ void ProgressPrinter::print(std::string_view stage, std::optional<double> done, 
     nlohmann::ordered_json json{
         {"stage", name}, {"done", nullptr}, {"seconds", std::round(100.0 * seconds) / 100.0}};
     if (done) json["done"] = std::round(1000.0 * *done) / 1000.0;
-    const auto replace = nlohmann::ordered_json::error_handler_t::replace;
-    std::fprintf(file_, "%s\n", json.dump(-1, ' ', false, replace).c_str());
+    std::fputs(textOf(json, -1).c_str(), file_);
   } else if (style_ == ProgressStyle::Plain && done)
     std::fprintf(file_, "raymap: %.0f s: %s %d %%\n", seconds, name.c_str(), percent);
   else if (style_ == ProgressStyle::Plain)
@@ -328,13 +327,14 @@ void finishText() {
                   (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
 }
 
-std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format) {
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
+                                          bool allowEmpty) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshOrField(path, {.format = format, .warn = warn});
+  return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty});
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, allowEmpty);
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }

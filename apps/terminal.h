@@ -158,10 +158,11 @@ std::string withDisplayNames(std::string message);
 void finishText();
 
 /// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
-/// name does not tell.
-std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "");
+/// name does not tell. A mesh without triangles is an error, unless `allowEmpty`.
+std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
+                                          bool allowEmpty = false);
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "");
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
 Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "");
 
 }  // namespace raymap

@@ -9,9 +9,10 @@ namespace raymap {
 
 namespace {
 
-std::string voxelSizeFlag(double size) {
+/// Returns a flag with its value; nothing if that is 0.
+std::string lengthFlag(const char* name, double length) {
   std::array<char, 40> text{};
-  if (size > 0.0) std::snprintf(text.data(), text.size(), "--voxel-size %g", size);
+  if (length > 0.0) std::snprintf(text.data(), text.size(), "%s %g", name, length);
   return text.data();
 }
 
@@ -28,7 +29,10 @@ std::string remedyOf(const Warning& warning) {
     case WarningCode::OrientationMisfit:
       return "raymap info MESH";
     case WarningCode::SolidLost:
-      return voxelSizeFlag(warning.fields.voxelSize);
+      return lengthFlag("--voxel-size", warning.fields.voxelSize);
+    case WarningCode::NothingInside:
+      return lengthFlag("--voxel-size", warning.fields.voxelSize) +
+             lengthFlag("--thickness", warning.fields.length);
     case WarningCode::SurfaceLost:
       return "--min-thickness T";
     case WarningCode::PartsDropped:

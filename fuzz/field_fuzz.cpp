@@ -14,7 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const std::string path = "/proc/self/fd/" + std::to_string(file);
   if (ftruncate(file, 0) != 0 || pwrite(file, data, size, 0) != ssize_t(size)) std::abort();
   try {
-    const raymap::Field field = raymap::RAYMAP_READER(raymap::SourceFile(path));
+    raymap::LeftOut leftOut;
+    const raymap::Field field = raymap::RAYMAP_READER(raymap::SourceFile(path), leftOut);
     for (const raymap::NamedArray& array : raymap::arraysOf(field))
       if (array.bytes.size() != field.grid.sampleCount() * elementSize(array.type)) std::abort();
   } catch (const raymap::Error& error) {

@@ -113,7 +113,7 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
  *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
  *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
- *   "invert", "close_holes", "triangle", "winding", "confidence" (0)
+ *   "invert", "close_holes", "triangle", "winding", "confidence", "allow_empty" (0)
  *                       switches, as in raymap::FieldOptions */
 RAYMAP_API raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value);
 
@@ -157,8 +157,8 @@ typedef struct raymap_mesh_arrays {
   double origin[3];         /* Added to every position, in double precision. */
 } raymap_mesh_arrays;
 
-/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Of the options only the warning callback counts; they
- * may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
+/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Of the options, "allow_empty" and the warning callback
+ * count; they may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
 RAYMAP_API raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options);
 
 /* Wraps arrays without a copy. They must stay valid and unchanged until the mesh is freed. Checks nothing
@@ -292,8 +292,9 @@ RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const do
 RAYMAP_API raymap_mesh* raymap_isosurface(const raymap_field* field, double iso,
                                           const raymap_options* options);
 
-/* Reads .nrrd, .npz, .npy, .vti or .vdb. Not in builds without files. */
-RAYMAP_API raymap_field* raymap_field_load(const char* path);
+/* Reads .nrrd, .npz, .npy, .vti or .vdb. Of the options only the warning callback counts; they may be NULL.
+ * It is called if the file has arrays that a field has not. Not in builds without files. */
+RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_options* options);
 /* Writes one array as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance" (or NULL), "winding",
  * "confidence" or "triangle". The file appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);
@@ -469,7 +470,8 @@ typedef struct raymap_repair_options {
                             the least that no samples miss. */
   double drain_hole;     /* Diameter of the drain holes; 0 = none. */
   double drop_smaller;   /* Volume, in the mesh's units cubed, below which parts are dropped. */
-  double tolerance;      /* Largest deviation from the isosurface, to have fewer faces; 0 = all faces. */
+  double tolerance;      /* Largest deviation from the isosurface, or from faces that could be kept, to have
+                            fewer faces; 0 = all faces. */
   double down[3];        /* Direction of the drain holes, of any length; 0 = (0, 0, -1). */
   bool loses_thin_parts; /* Whether a `min_thickness` of 0 is none: what samples miss is lost. */
   uint64_t triangles;    /* Most triangles of the result, with the least tolerance that reaches it; 0 = no

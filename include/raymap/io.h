@@ -27,6 +27,7 @@ namespace raymap {
 struct ReadOptions {
   std::string_view format = {};  ///< Extension that counts where the path has none that is known.
   WarningCallback warn = {};     ///< Called with what is odd in the file, but does not stop the call.
+  bool allowEmpty = false;       ///< Whether a mesh may have no triangles; see `FieldOptions`.
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
@@ -80,8 +81,9 @@ RAYMAP_API std::vector<std::string> writableMeshExtensions();
 /// Returns those that `readField` and `writeField` know.
 RAYMAP_API std::vector<std::string> fieldExtensions();
 
-/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: the result has origin 0 and spacing 1. Throws
-/// `Error`: Usage for another extension, File, Input, Memory, Unsupported.
+/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: the result has origin 0 and spacing 1. Warns of
+/// arrays of the file that a field has no place for. Throws `Error`: Usage for another extension, File,
+/// Input, Memory, Unsupported.
 RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.

@@ -14,9 +14,10 @@
 
 namespace raymap {
 
-/// Returns JSON as text, indented and with a line end. In strings, bytes that are no UTF-8 become U+FFFD.
-inline std::string textOf(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+/// Returns JSON as text with a line end: indented by so many blanks, or all on one line with -1. In strings,
+/// bytes that are no UTF-8 become U+FFFD.
+inline std::string textOf(const nlohmann::ordered_json& json, int indent = 2) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 /// Returns a result of the library (raymap/records.h), or a member of one. Face indices become their number.

@@ -67,6 +67,10 @@ struct FieldOptions {
   /// grid.
   double thickness = 0.0;
 
+  /// Whether a mesh may have no triangles. All samples are then outside and as far as numbers go: at the
+  /// band, or at the largest float without one; they have `kNoTriangle`, winding number 0 and confidence 1.
+  bool allowEmpty = false;
+
   bool operator==(const FieldOptions&) const = default;
 };
 

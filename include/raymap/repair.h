@@ -38,7 +38,7 @@ struct RepairOptions {
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
   bool remesh = false;        ///< Whether to make a mesh anew whose faces could be kept.
   /// Largest deviation of the result from the isosurface, to have fewer faces; 0 = none. By default a tenth
-  /// of the distance between samples.
+  /// of the distance between samples. Faces that could be kept are simplified only if it is given.
   std::optional<double> tolerance = {};
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach this
   /// number, and `tolerance` limits it. Faces that could be kept are simplified, too.

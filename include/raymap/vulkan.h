@@ -112,6 +112,9 @@ class RAYMAP_API Generator {
   /// an ownership transfer, unless the resources are VK_SHARING_MODE_CONCURRENT. Frames of one generator must
   /// not run at once on two queues. The bound compute pipeline and push constants are lost.
   ///
+  /// A mesh without triangles needs no buffers if `options.allowEmpty`. The buffers of `target` then need
+  /// VK_BUFFER_USAGE_TRANSFER_DST_BIT besides.
+  ///
   /// Faces are taken as they point, by `Orientation::Auto` too: the host would have to read back to reverse
   /// them. Triangles with an index out of range or a vertex that is not finite are left out, and `status`
   /// says so.

@@ -80,12 +80,17 @@ def _with_whole_rows(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.ascontiguousarray(array)
 
 
-def to_points(points: Any, *, keep_single: bool = False) -> npt.NDArray[Any]:
-    """Returns points of any shape (..., 3) as (n, 3) float64, or on request float32 as float32."""
+def to_points(points: Any, *, keep_single: bool = False) -> tuple[npt.NDArray[Any], tuple[int, ...]]:
+    """Returns points of any shape (..., 3) as (n, 3) float64, or on request float32 as float32; and their shape.
+
+    An empty list has the shape (0, 3).
+    """
     array = to_numpy(points)
+    if array.shape == (0,):
+        array = array.reshape(0, 3)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise InputError(f"points must be (..., 3) coordinates, not of the shape {array.shape}")
     if array.dtype.kind not in "fiub":
         raise InputError(f"points must be numbers, not {array.dtype}")
     dtype = np.float32 if keep_single and array.dtype == np.float32 else np.float64
-    return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype)
+    return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype), array.shape

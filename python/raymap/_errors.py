@@ -91,15 +91,16 @@ _REMEDIES = {
     "cavities_filled": "keep_cavities=True",
     "hollows_filled": "drain_hole",
     "no_hollow": "shell",
+    "nothing_inside": "voxel_size={voxel_size:g}",
 }
 
 
 def worded(code: str, message: str, fields: dict[str, Any]) -> str:
     """Returns the message of a warning with the argument or the function that helps, if there is one."""
-    nothing_helps = code == "solid_lost" and fields["voxel_size"] == 0.0
-    if nothing_helps or code not in _REMEDIES:
-        return message
-    return f"{message} ({_REMEDIES[code].format(**fields)})"
+    remedy = _REMEDIES.get(code, "")
+    if "voxel_size" in remedy and not fields["voxel_size"]:
+        remedy = "thickness={length:g}" if fields.get("length") else ""
+    return f"{message} ({remedy.format(**fields)})" if remedy else message
 
 
 def warn(code: str, message: str, fields: dict[str, Any]) -> None:

@@ -239,8 +239,7 @@ class Field:
     def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
         if outside not in ("bound", "nan"):
             raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
-        shape = np.shape(points)
-        flat = _arrays.to_points(points)
+        flat, shape = _arrays.to_points(points)
         result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
         return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
 
@@ -570,7 +569,8 @@ def _restore(
 def load_field(path: str | os.PathLike[str]) -> Field:
     """Reads a field, negative inside: .vdb, .nrrd, .npz, .npy or .vti by extension.
 
-    A .npy has no grid: the result has the origin 0 and the spacing 1.
+    A .npy has no grid: the result has the origin 0 and the spacing 1. A warning (``RaymapWarning``) names arrays of the
+    file that a field has no place for.
 
     Raises:
         UsageError: Another extension.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, TypedDict, Unpack, get_args
@@ -13,9 +14,9 @@ from . import _inputs, _raymap
 from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_whole
 from ._arrays import to_numpy
 from ._devices import to_machine
-from ._errors import UsageError
+from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._mesh import core_of
+from ._mesh import Mesh, core_of
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
 
@@ -48,6 +49,7 @@ class FieldOptions(SurfaceFieldOptions, total=False):
     """Keyword arguments of ``raymap.generate``, which documents them."""
 
     orientation: Orientation
+    allow_empty: bool
 
 
 def generate(
@@ -70,6 +72,7 @@ def generate(
     thickness: float | None = None,
     band: float | None = None,
     arrays: Iterable[FieldArray] = ("distance",),
+    allow_empty: bool = False,
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -109,6 +112,8 @@ def generate(
         band: Number of samples at which distances are clamped; None = not clamped.
         arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
             which every field has.
+        allow_empty: Whether the mesh may have no faces. Its field on the grid of ``bounds`` is far everywhere: at the
+            ``band``, or at the largest float32.
         device: Device that computes: ``"cpu"``, ``"vulkan"``, ``"vulkan:K"``, or ``"auto"``, a GPU if there is a real
             one, else the CPU; see ``raymap.devices``.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
@@ -154,6 +159,7 @@ def generate(
         thickness=thickness,
         band=band,
         arrays=arrays,
+        allow_empty=allow_empty,
         device=device,
         threads=threads,
         memory_limit=memory_limit,
@@ -185,12 +191,25 @@ class Generator:
         Arguments and errors are those of ``raymap.generate``.
         """
         check_names("generate", options, FieldOptions)
-        mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
+        mesh = core_of(_to_mesh(mesh_or_vertices, faces, options))
         core_options = to_options(options, options.get("orientation", "auto"))
+        core_options.allow_empty = bool(options.get("allow_empty", False))
         grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
             return field_of_core(self._core.generate(mesh, grid, core_options, machine, report))
+
+
+def _to_mesh(mesh_or_vertices: Any, faces: Any, options: FieldOptions) -> Mesh:
+    """Returns the mesh. One without faces must be allowed, and needs a box."""
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces, allow_empty=True)
+    if len(mesh.faces) == 0:
+        name = f"{mesh_or_vertices}: " if isinstance(mesh_or_vertices, (str, os.PathLike)) else ""
+        if not options.get("allow_empty", False):
+            raise InputError(f"{name}the mesh has no faces; with allow_empty=True its field is far everywhere")
+        if options.get("bounds") is None:
+            raise UsageError(f"{name}the mesh has no faces, so it has no bounds; give bounds")
+    return mesh
 
 
 def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:

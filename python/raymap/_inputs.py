@@ -13,8 +13,11 @@ from ._errors import InputError, UsageError
 from ._mesh import Mesh, load_mesh, mesh_of_arrays
 
 
-def to_mesh(mesh_or_vertices: Any, faces: Any = None) -> Mesh:
-    """Returns the mesh of any accepted argument. It may view given arrays, so it must not outlive the call."""
+def to_mesh(mesh_or_vertices: Any, faces: Any = None, *, allow_empty: bool = False) -> Mesh:
+    """Returns the mesh of any accepted argument. It may view given arrays, so it must not outlive the call.
+
+    A file without faces is an error, unless ``allow_empty``.
+    """
     given = mesh_or_vertices
     if faces is not None:
         vertices = to_numpy(given)
@@ -24,7 +27,7 @@ def to_mesh(mesh_or_vertices: Any, faces: Any = None) -> Mesh:
     if isinstance(given, Mesh):
         return given
     if isinstance(given, (str, os.PathLike)):
-        return load_mesh(given)
+        return load_mesh(given, allow_empty=allow_empty)
     return mesh_of_arrays(*checked_arrays(*_arrays_of(given)))
 
 

@@ -172,11 +172,15 @@ def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
     return Animation(_raymap.load_animation(os.fspath(path), to_whole("index", index)))
 
 
-def load_mesh(path: str | os.PathLike[str]) -> Mesh:
+def load_mesh(path: str | os.PathLike[str], *, allow_empty: bool = False) -> Mesh:
     """Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE by extension.
 
     Positions are those of the file, in its units (of a 3MF, in millimetres), with the transforms of its nodes. Polygons
     are cut into triangles; all meshes of the file are joined. Odd things in the file are warnings (``RaymapWarning``).
+
+    Args:
+        path: File to read.
+        allow_empty: Whether the mesh may have no faces.
 
     Raises:
         FileError: The file cannot be read.
@@ -187,4 +191,4 @@ def load_mesh(path: str | os.PathLike[str]) -> Mesh:
     >>> mesh.vertices.shape, mesh.faces.shape
     ((4, 3), (4, 3))
     """
-    return mesh_of_core(_raymap.load_mesh(os.fspath(path)))
+    return mesh_of_core(_raymap.load_mesh(os.fspath(path), allow_empty))

@@ -108,6 +108,7 @@ WarningCode = Literal[
     "no_hollow",
     "drain_holes_missing",
     "triangles_missed",
+    "nothing_inside",
 ]
 
 

@@ -222,6 +222,7 @@ def repair(
         remesh: Whether to make a mesh anew whose faces could be kept.
         tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
             triangles; None = a tenth of the distance between samples, or what ``triangles`` needs; 0 = all triangles.
+            Faces that could be kept are simplified only if it is given.
         triangles: Most triangles of the result, with the least tolerance that was found to reach it. Faces that could be
             kept are simplified, too.
         device: Device that computes; see ``raymap.devices``.

@@ -256,8 +256,7 @@ class Surface:
         if max_distance is not None:
             options.max_distance = to_number("max_distance", max_distance, above=0.0)
         machine = to_machine("cpu", threads)
-        flat = _arrays.to_points(points, keep_single=True)
-        shape = tuple(np.shape(points))
+        flat, shape = _arrays.to_points(points, keep_single=True)
         with reporting(progress) as report:
             found = self._core.query(flat, options, machine, report)
         for name, array in found.items():
@@ -319,8 +318,8 @@ class Surface:
         >>> found.part[0], bool((abs(found.diameter - 2) < 0.05).all())
         (np.str_('wall'), True)
         """
-        positions, numbers = _arrays.to_points(points), _arrays.to_numpy(triangles)
-        if numbers.shape != (len(positions),) or numbers.dtype.kind not in "iu":
+        (positions, _), numbers = _arrays.to_points(points), _arrays.to_numpy(triangles)
+        if numbers.shape != (len(positions),) or (numbers.size > 0 and numbers.dtype.kind not in "iu"):
             raise InputError(f"triangles must be ({len(positions)},) whole numbers, one for each point, not "
                              f"{numbers.dtype} of the shape {numbers.shape}")  # fmt: skip
         if numbers.size > 0 and not (0 <= numbers.min() and numbers.max() < 2**32):

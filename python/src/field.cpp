@@ -93,8 +93,9 @@ nb::ndarray<nb::numpy, float> samplePoints(const FieldHandle& handle, const Poin
 }
 
 std::shared_ptr<FieldHandle> load(const std::filesystem::path& path) {
+  Call call{nb::none()};
   auto handle = std::make_shared<FieldHandle>();
-  handle->field = readField(path);
+  call.run([&] { handle->field = readField(path, {.warn = call.warn()}); });
   return handle;
 }
 
@@ -131,7 +132,7 @@ void bindField(nb::module_& module) {
             writeField(path, self.field, {.array = fromName<FieldArray>(array), .format = format});
           },
           "path"_a, "array"_a, "format"_a = "", nb::call_guard<nb::gil_scoped_release>());
-  module.def("load_field", &load, "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  module.def("load_field", &load, "path"_a);
 }
 
 }  // namespace raymap::python

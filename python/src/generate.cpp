@@ -67,6 +67,7 @@ void bindOptions(nb::module_& module) {
       .def_rw("band", &FieldOptions::band)
       .def_rw("close_holes", &FieldOptions::closeHoles)
       .def_rw("thickness", &FieldOptions::thickness)
+      .def_rw("allow_empty", &FieldOptions::allowEmpty)
       .def_rw("triangle", &FieldOptions::triangle)
       .def_rw("winding", &FieldOptions::winding)
       .def_rw("confidence", &FieldOptions::confidence);
@@ -96,7 +97,7 @@ void bindGenerate(nb::module_& module) {
       "fit_grid",
       [](const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
          double padding, double thickness) {
-        validate(mesh.view);
+        if (!bounds) validate(mesh.view);
         return fit(mesh.view, resolution, voxelSize, bounds, padding, thickness);
       },
       "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a);

@@ -48,10 +48,10 @@ std::shared_ptr<MeshHandle> view(nb::object vertexArray, nb::object faceArray, c
   return handle;
 }
 
-std::shared_ptr<MeshHandle> load(const std::filesystem::path& path) {
+std::shared_ptr<MeshHandle> load(const std::filesystem::path& path, bool allowEmpty) {
   Call call{nb::none()};
   Mesh mesh;
-  call.run([&] { mesh = readMesh(path, {.warn = call.warn()}); });
+  call.run([&] { mesh = readMesh(path, {.warn = call.warn(), .allowEmpty = allowEmpty}); });
   return own(std::move(mesh));
 }
 
@@ -102,7 +102,7 @@ void bindMesh(nb::module_& module) {
             call.run([&] { writeMesh(path, mesh.view, {.warn = call.warn()}); });
           },
           "path"_a);
-  module.def("load_mesh", &load, "path"_a);
+  module.def("load_mesh", &load, "path"_a, "allow_empty"_a);
   nb::class_<AnimatedMesh>(module, "Animation")
       .def_prop_ro("duration", &AnimatedMesh::seconds)
       .def("mesh", &poseAt, "time"_a);

@@ -199,6 +199,13 @@ def test_a_named_array_can_be_saved(field):
     assert raymap.load_field("all.npz").arrays == ALL
 
 
+def test_arrays_that_are_left_out_are_told(field):
+    np.savez("more.npz", distance=field.distance, heat=[1.0], density=[2.0])
+    with pytest.warns(raymap.RaymapWarning, match="more.npz: it also holds 'heat' and 'density', which") as warned:
+        np.testing.assert_array_equal(raymap.load_field("more.npz").distance, field.distance)
+    assert warned[0].message.code == "file_content"
+
+
 def test_errors_of_files(field):
     with pytest.raises(raymap.UsageError):
         field.save("field.txt")

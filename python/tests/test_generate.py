@@ -141,6 +141,32 @@ def test_arguments_that_make_no_sense(ball, options, error, text):
         generate(ball, **options)
 
 
+def test_an_empty_mesh_is_far_on_request(ball):
+    vertices, faces = np.empty((0, 3)), np.empty((0, 3), np.int64)
+    box = dict(bounds=((0, 0, 0), (2, 1, 1)), resolution=8, allow_empty=True)
+    field = raymap.generate(vertices, faces, **box, arrays=("winding", "confidence", "triangle"))
+    assert field.shape == (8, 4, 4) and field.surface_bounds is None
+    assert (field.distance == np.finfo(np.float32).max).all() and (field.winding == 0).all()
+    assert (field.confidence == 1).all() and (field.triangle == raymap.NO_TRIANGLE).all()
+    assert (raymap.generate(vertices, faces, **box, band=3, invert=True).distance == -0.75).all()
+    Path("empty.obj").write_text("v 0 0 0\n")
+    from_file = raymap.generate("empty.obj", **box)
+    np.testing.assert_array_equal(from_file.distance, field.distance)
+    np.testing.assert_array_equal(from_file.sample([(1, 0.5, 0.5)]), [np.finfo(np.float32).max])
+    assert len(raymap.load_mesh("empty.obj", allow_empty=True).faces) == 0
+    with pytest.raises(raymap.InputError, match="empty.obj: the mesh has no faces; with allow_empty=True"):
+        raymap.generate("empty.obj", bounds=box["bounds"])
+    with pytest.raises(raymap.InputError, match="^the mesh has no faces; with allow_empty=True"):
+        raymap.generate(vertices, faces, bounds=box["bounds"])
+    with pytest.raises(raymap.UsageError, match="empty.obj: the mesh has no faces, so it has no bounds; give bounds"):
+        raymap.generate("empty.obj", allow_empty=True)
+    with pytest.raises(raymap.InputError, match="no triangles"):
+        raymap.load_mesh("empty.obj")
+    generator = raymap.Generator()
+    assert (generator.generate(ball, **box).distance < 0).any()
+    assert (generator.generate(vertices, faces, **box).distance > 1).all()
+
+
 def test_meshes_that_are_not_valid():
     corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.0)])
     with pytest.raises(raymap.InputError, match="3"):

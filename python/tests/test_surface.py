@@ -362,10 +362,11 @@ def test_arrays_that_only_know_dlpack(surface):
     np.testing.assert_array_equal(found, surface.signed_distance(points))
 
 
-@pytest.mark.parametrize("points", [np.empty((2, 0, 3))[0], np.empty((0, 3), np.float32)])
+@pytest.mark.parametrize("points", [np.empty((2, 0, 3))[0], np.empty((0, 3), np.float32), [], ()])
 def test_no_points_are_an_empty_answer(ball, points):
     surface = raymap.Surface(ball)
     assert surface.signed_distance(points).shape == surface.contains(points).shape == (0,)
     assert surface.closest(points).point.shape == (0, 3)
+    assert surface.thickness(points, []).inward.shape == (0, 3)
     field = raymap.generate(ball, resolution=8, device="cpu")
     assert field.sample(points).shape == (0,) and field.gradient(points).shape == (0, 3)

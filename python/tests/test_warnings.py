@@ -57,6 +57,20 @@ def test_an_orientation_that_fits_nothing_is_told(large_ball):
     assert str(warning).endswith("and mend it (raymap.info)")
 
 
+def test_a_field_without_an_inside_names_what_helps():
+    plate = raymap.Mesh(*box((-1, -1, 0.04), (1, 1, 0.06)))
+    bounds = ((-1.2, -1.2, -0.25), (1.2, 1.2, 0.25))
+    with pytest.warns(raymap.RaymapWarning, match=r"use a spacing of 0\.0098 \(voxel_size=0\.0098\)$") as caught:
+        field = raymap.generate(plate, voxel_size=0.1, bounds=bounds, device="cpu")
+    assert caught[0].message.code == "nothing_inside" and not (field.distance < 0).any()
+    assert (raymap.generate(plate, voxel_size=0.0098, device="cpu").distance < 0).any()
+    sheet = raymap.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    with pytest.warns(raymap.RaymapWarning, match=r" \(thickness=0\.2\)$") as caught:
+        raymap.generate(sheet, voxel_size=0.1, device="cpu")
+    assert caught[0].message.fields["length"] == 0.2
+    assert (raymap.generate(sheet, voxel_size=0.1, thickness=0.2, device="cpu").distance < 0).any()
+
+
 def test_a_refused_gpu_names_the_function_that_tests_it(monkeypatch):
     monkeypatch.setattr("raymap._raymap.device_to_test", lambda: "vulkan:99")
     with pytest.warns(raymap.RaymapWarning, match=r"\(raymap.test_device\('vulkan:99'\)\)$") as caught:

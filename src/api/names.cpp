@@ -120,17 +120,17 @@ template <>
 struct Names<WarningCode> {
   static constexpr std::string_view kKind = "warning code";
   static constexpr std::array kValues{
-      WarningCode::FileContent,    WarningCode::Rounding,          WarningCode::DeviceRefused,
-      WarningCode::DeviceFailed,   WarningCode::OrientationMisfit, WarningCode::BoxReached,
-      WarningCode::SolidLost,      WarningCode::SurfaceLost,       WarningCode::PartsDropped,
-      WarningCode::PartsKept,      WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
-      WarningCode::HollowsFilled,  WarningCode::NoHollow,          WarningCode::DrainHolesMissing,
-      WarningCode::TrianglesMissed};
-  static constexpr std::array<std::string_view, 16> kNames{
-      "file_content",       "rounding",    "device_refused",      "device_failed",
-      "orientation_misfit", "box_reached", "solid_lost",          "surface_lost",
-      "parts_dropped",      "parts_kept",  "parts_buried",        "cavities_filled",
-      "hollows_filled",     "no_hollow",   "drain_holes_missing", "triangles_missed"};
+      WarningCode::FileContent,     WarningCode::Rounding,          WarningCode::DeviceRefused,
+      WarningCode::DeviceFailed,    WarningCode::OrientationMisfit, WarningCode::BoxReached,
+      WarningCode::SolidLost,       WarningCode::SurfaceLost,       WarningCode::PartsDropped,
+      WarningCode::PartsKept,       WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
+      WarningCode::HollowsFilled,   WarningCode::NoHollow,          WarningCode::DrainHolesMissing,
+      WarningCode::TrianglesMissed, WarningCode::NothingInside};
+  static constexpr std::array<std::string_view, 17> kNames{
+      "file_content",     "rounding",        "device_refused", "device_failed", "orientation_misfit",
+      "box_reached",      "solid_lost",      "surface_lost",   "parts_dropped", "parts_kept",
+      "parts_buried",     "cavities_filled", "hollows_filled", "no_hollow",     "drain_holes_missing",
+      "triangles_missed", "nothing_inside"};
 };
 
 template <class Enum>

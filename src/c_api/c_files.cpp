@@ -13,7 +13,9 @@ using raymap::c::need;
 
 raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
   return create([&] {
-    return c::ownMesh(readMesh(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn}));
+    const raymap_options& given = c::optionsOr(options);
+    return c::ownMesh(readMesh(&need(path, "the path"),
+                               {.warn = given.machine.warn, .allowEmpty = given.field.allowEmpty}));
   });
 }
 
@@ -24,10 +26,10 @@ raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path, const
   });
 }
 
-raymap_field* raymap_field_load(const char* path) {
+raymap_field* raymap_field_load(const char* path, const raymap_options* options) {
   return create([&] {
     auto handle = std::make_unique<raymap_field>();
-    handle->field = readField(&need(path, "the path"));
+    handle->field = readField(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn});
     return handle;
   });
 }

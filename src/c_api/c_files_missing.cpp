@@ -22,7 +22,7 @@ raymap_result raymap_mesh_write(const raymap_mesh*, const char*, const raymap_op
   return fail();
 }
 
-raymap_field* raymap_field_load(const char*) {
+raymap_field* raymap_field_load(const char*, const raymap_options*) {
   fail();
   return nullptr;
 }

@@ -68,10 +68,13 @@ void setNumber(raymap_options& options, const std::string& option, double value)
     options.field.winding = isOn();
   else if (option == "confidence")
     options.field.confidence = isOn();
+  else if (option == "allow_empty")
+    options.field.allowEmpty = isOn();
   else
     throw Error(ErrorCode::Usage, "there is no option '" + option +
                                       "' with a number; use passes, threshold, band, thickness, threads, "
-                                      "memory_limit, invert, close_holes, triangle, winding or confidence");
+                                      "memory_limit, invert, close_holes, triangle, winding, confidence or "
+                                      "allow_empty");
 }
 
 }  // namespace

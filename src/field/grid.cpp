@@ -35,6 +35,8 @@ int samplesAlong(double length, double spacing) {
 }  // namespace
 
 Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
+  if (!options.box && mesh.triangleCount == 0)
+    throw Error(ErrorCode::Input, "the mesh has no triangles, so it has no bounds; give a box to cover");
   return fitGrid(options.box ? Box{} : bounds(mesh), options);
 }
 

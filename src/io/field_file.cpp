@@ -17,7 +17,8 @@ namespace {
 
 struct Format {
   std::string_view extension;
-  Field (*read)(const SourceFile& source);  ///< Null if this build lacks the library for the format.
+  Field (*read)(const SourceFile& source,
+                LeftOut& leftOut);  ///< Null if this build lacks the library for the format.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
 };
@@ -51,6 +52,15 @@ NamedArray arrayOf(const Field& field, FieldArray asked) {
   return *found;
 }
 
+/// Returns "'a', 'b' and 3 more".
+std::string listed(const LeftOut& names) {
+  constexpr size_t kMost = 8;
+  std::string text;
+  for (size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    text += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  return names.size() > kMost ? text + " and " + std::to_string(names.size() - kMost) + " more" : text;
+}
+
 }  // namespace
 
 std::vector<std::string> fieldExtensions() {
@@ -66,16 +76,22 @@ Formats knownFieldFormats() {
   return formats;
 }
 
-Field readFieldAs(const SourceFile& source, std::string_view format) {
+Field readFieldAs(const SourceFile& source, std::string_view format, const WarningCallback& warn) {
+  const std::string path = source.path().string();
   if (format.empty() && !formatOf(source, {}, knownMeshFormats()).empty())
-    throw Error(ErrorCode::Usage,
-                source.path().string() + ": it is a mesh, and a field is needed; generate one of it");
-  return findFormat(source.path(), format).read(source);
+    throw Error(ErrorCode::Usage, path + ": it is a mesh, and a field is needed; generate one of it");
+  LeftOut leftOut;
+  Field field = findFormat(source.path(), format).read(source, leftOut);
+  if (warn && !leftOut.empty())
+    warn({WarningCode::FileContent,
+          path + ": it also holds " + listed(leftOut) + ", which a field has no place for",
+          {.file = path}});
+  return field;
 }
 
 Field readField(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()));
+  return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options.warn);
 }
 
 void writeField(const fs::path& path, const Field& field, const FieldWriteOptions& options) {

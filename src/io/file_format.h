@@ -2,9 +2,7 @@
 
 // Formats of files, as extensions in lower case with the dot.
 
-#include <raymap/callbacks.h>
-#include <raymap/field.h>
-#include <raymap/mesh.h>
+#include <raymap/io.h>
 
 #include <filesystem>
 #include <functional>
@@ -41,7 +39,7 @@ Formats knownMeshFormats();
 Formats knownFieldFormats();
 
 // Read a file in a known format, which `formatOf` gave.
-Mesh readMeshAs(const SourceFile& source, std::string_view format, const WarningCallback& warn);
-Field readFieldAs(const SourceFile& source, std::string_view format);
+Mesh readMeshAs(const SourceFile& source, std::string_view format, const ReadOptions& options);
+Field readFieldAs(const SourceFile& source, std::string_view format, const WarningCallback& warn);
 
 }  // namespace raymap

@@ -28,7 +28,7 @@ constexpr std::array kFormats{Format{".obj", readObj}, Format{".ply", readPly}, 
 constexpr bool kHasAssimp = true;
 #else
 constexpr bool kHasAssimp = false;
-Mesh importMesh(const SourceFile& source, std::string_view, const WarningCallback&) {
+Mesh importMesh(const SourceFile& source, std::string_view, const MeshFile&) {
   throw Error(ErrorCode::Unsupported,
               source.path().string() + ": raymap was built without Assimp; build it with RAYMAP_ASSIMP=ON");
 }
@@ -45,17 +45,19 @@ Mesh importMesh(const SourceFile& source, std::string_view, const WarningCallbac
 
 }  // namespace
 
-Mesh readMeshAs(const SourceFile& source, std::string_view name, const WarningCallback& warn) {
+Mesh readMeshAs(const SourceFile& source, std::string_view name, const ReadOptions& options) {
   const auto* format = std::ranges::find(kFormats, name, &Format::extension);
   if (format == kFormats.end()) failFormat(source);
-  if (!format->read) return importMesh(source, format->extension, warn);
+  MeshFile file{{}, source.path(), options.warn, source.folder(), options.allowEmpty};
+  if (!format->read) return importMesh(source, format->extension, file);
   const Buffer<std::byte> bytes = loadFile(source);
-  return format->read({bytes, source.path(), warn, source.folder()});
+  file.bytes = bytes;
+  return format->read(file);
 }
 
 Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return readMeshAs(source, formatOf(source, options.format, knownMeshFormats()), options.warn);
+  return readMeshAs(source, formatOf(source, options.format, knownMeshFormats()), options);
 }
 
 std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const ReadOptions& options) {
@@ -64,8 +66,8 @@ std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, con
   const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, options.format, known);
-  if (contains(fields, found)) return readFieldAs(source, found);
-  if (contains(known, found)) return readMeshAs(source, found, options.warn);
+  if (contains(fields, found)) return readFieldAs(source, found, options.warn);
+  if (contains(known, found)) return readMeshAs(source, found, options);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
                   "known are " + listOf(known));

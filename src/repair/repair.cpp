@@ -127,7 +127,8 @@ void keep(const PackedMesh& mesh, const RepairOptions& repair, const MachineOpti
   if (!keepFaces(mesh, repair, machine.warn, repaired)) return;
   RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
-  if (repair.triangles > 0 && repair.triangles < repaired.mesh.triangles.size())
+  if (repair.triangles > 0 ? repair.triangles < repaired.mesh.triangles.size()
+                           : repair.tolerance.value_or(0.0) > 0.0)
     simplifySurface(repaired.mesh, 0.0, 0.0, repair, machine, report.simplified);
   countPieces(repaired.mesh, report);
   if (repair.finish) repair.finish(repaired.mesh);
@@ -318,6 +319,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   RepairReport& report = repaired.report;
   MachineOptions machine = asked;
   machine.warn = [&](const Warning& warning) {
+    if (warning.code == WarningCode::NothingInside) return;  // Repair says itself what its fields lack.
     report.warnings.push_back(warning);
     if (asked.warn) asked.warn(warning);
   };

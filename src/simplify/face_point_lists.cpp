@@ -13,6 +13,9 @@ namespace {
 
 // An edge is sharp if the other diagonal of its two faces is farther away than this share of the tolerance.
 constexpr double kSharp = 0.25;
+// A face with a longer side than so many steps has points besides its corners, on its edges too. Corners
+// alone cover the area of the others, of which the decimator wants a point for each two squares of a step.
+constexpr double kLarge = 1.25;
 
 }  // namespace
 
@@ -25,7 +28,7 @@ FacePointLists::FacePointLists(const PackedMesh& given, const CollapsibleMesh& m
       face_(given.vertices.size(), kNoIndex) {
   const auto at = [&](uint32_t vertex) { return glm::dvec3(given.vertices[vertex]); };
   const double mostOff = kSharp * kSharp * (tolerance * tolerance);
-  const double large = 2.0 * step;
+  const double large = kLarge * step;
   for (uint32_t h = 0; h < 3 * mesh.faceCount(); ++h) {
     const uint32_t t = mesh.twin(h);
     if (t < h) continue;

@@ -112,6 +112,20 @@ TEST_F(CliConvert, SaysWhatItDrops) {
   succeed("convert w.npz w.nrrd");
 }
 
+TEST_F(CliConvert, SaysWhatItDoesNotRead) {
+  Field field;
+  field.grid = {{2, 1, 1}, glm::dvec3(0.0), 1.0};
+  fill(field.distance, std::vector(2, 1.0F));
+  fill(field.winding, std::vector(2, 0.5F));
+  writeField(path("f.vti"), field);
+  std::string bytes = readBytes(path("f.vti"));
+  bytes.replace(bytes.find("winding"), 7, "density");
+  std::ofstream(path("f.vti"), std::ios::binary) << bytes;
+  for (const char* command : {"convert f.vti f.nrrd", "info f.vti", "render f.vti -o f.png --slice z"})
+    EXPECT_EQ(run(command).err,
+              "raymap: warning: f.vti: it also holds 'density', which a field has no place for\n");
+}
+
 TEST_F(CliConvert, NamesTheCommandForTheOtherKind) {
   writeTorus();
   succeed("generate torus.ply -o t.npz --resolution 8");

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cfloat>
+#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -25,6 +27,56 @@ TEST_F(CliGenerate, MakesAFieldOfAMesh) {
   const int inside = int((2.0 - field.grid.origin.x) / field.grid.spacing);
   EXPECT_LT(field.distance[field.grid.index({inside, middle.y, middle.z})], -0.5);  // and in its tube.
   for (const char* name : {"ids.npy", "w.npy", "c.npy"}) EXPECT_TRUE(fs::exists(path(name))) << name;
+}
+
+TEST_F(CliGenerate, WarnsIfNothingIsInside) {
+  writeMesh(path("plate.ply"), shapes::box({-1, -1, 0.04}, {1, 1, 0.06}));
+  const std::string make =
+      "generate plate.ply -o plate.npz --device cpu --bounds -1.2 -1.2 -.25 1.2 1.2 .25 ";
+  const Result result = runQuietly(make + "--voxel-size 0.1");
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.err,
+            "raymap: warning: no sample is inside, because the mesh is thinner than the spacing 0.1; use a "
+            "spacing of 0.0098 (--voxel-size 0.0098)\n");
+  succeed(make + "--voxel-size 0.0098");
+  const Field field = readField(path("plate.npz"));
+  EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
+}
+
+TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {
+  std::ofstream(path("empty.obj")) << "v 0 0 0\n";
+  std::ofstream(path("empty.off")) << "OFF\n0 0 0\n";
+  const std::string make = "generate empty.obj -o empty.npz ", box = "--bounds 0 0 0 2 1 1 --resolution 8 ";
+  expectFailure(make + box, ErrorCode::Input,
+                "empty.obj: the file has no triangles; --allow-empty makes a field that is far everywhere");
+  expectFailure(make + "--allow-empty", ErrorCode::Usage, "it has no bounds; add --bounds");
+  expectFailure(make + box + "--allow-empty --report-picture a.png", ErrorCode::Usage, "--report-picture");
+  expectFailure("info empty.obj", ErrorCode::Input, "the file has no triangles");
+  EXPECT_FALSE(fs::exists(path("empty.npz")));
+  const Result result = succeed(make + box +
+                                "--allow-empty --winding w.npy --confidence c.npy --triangle-ids t.npy "
+                                "--stats s.json --report r.json");
+  EXPECT_NE(result.out.find("empty.obj: no triangles, so the field is far everywhere\n"), std::string::npos);
+  EXPECT_NE(result.out.find("grid: 8 x 4 x 4"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("wrote t.npy"), std::string::npos) << result.out;
+  EXPECT_EQ(json("s.json")["diagnostics"]["triangles"], 0);
+  EXPECT_EQ(json("r.json")["guessed_share"], 0.0);
+  const auto expectAll = [&](const std::string& name, float value) {
+    const Field field = readField(path(name));
+    EXPECT_EQ(field.distance.size(), 128u) << name;
+    EXPECT_TRUE(std::ranges::all_of(field.distance, [&](float d) { return d == value; })) << name;
+  };
+  expectAll("empty.npz", FLT_MAX);
+  succeed("convert empty.npz -o twice.npz --scale 2");
+  expectAll("twice.npz", FLT_MAX);
+  for (const std::string& extension : fieldExtensions()) {
+    const std::string name = "far" + extension;
+    succeed("generate empty.off -o " + name + " --allow-empty --invert " + box);
+    expectAll(name, -FLT_MAX);
+    succeed("generate empty.off -o " + name + " --allow-empty --band 2 " + box);
+    expectAll(name, 0.5f);
+    succeed("info " + name);
+  }
 }
 
 TEST_F(CliGenerate, ReportsStatistics) {
@@ -139,7 +191,10 @@ TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
   EXPECT_EQ(json("r.json")["stats"]["left_out_faces"], faces);
   EXPECT_EQ(json("r.json")["stats"]["orientation_fits"], true);
   EXPECT_LT(least(path("ball.nrrd")), -0.95f);
-  succeed("generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json");
+  const std::string keep =
+      "generate ball.ply -o kept.nrrd --resolution 48 --device cpu --orientation keep --stats s.json";
+  EXPECT_NE(runQuietly(keep).err.find("no sample is inside, because the faces enclose nothing"),
+            std::string::npos);
   EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], 0);
   EXPECT_GT(least(path("kept.nrrd")), 0.0f);
   const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;

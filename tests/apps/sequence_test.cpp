@@ -51,6 +51,23 @@ class CliSequence : public Cli {
   }
 };
 
+TEST_F(CliSequence, AllowsFramesWithoutTriangles) {
+  writeNumbered();
+  std::ofstream(path("t4.ply"))
+      << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float "
+         "y\nproperty float z\nelement face 0\nproperty list uchar int "
+         "vertex_indices\nend_header\n";
+  const std::string make = "generate t%d.ply --frames 3:5 -o f%d.npz --resolution 16 --band 2 --device cpu";
+  EXPECT_NE(run(make).err.find("t4.ply: the file has no triangles; --allow-empty"), std::string::npos);
+  succeed(make + " --allow-empty");
+  const Field before = readField(path("f3.npz")), empty = readField(path("f4.npz")),
+              after = readField(path("f5.npz"));
+  EXPECT_EQ(empty.grid, before.grid);  // That of the other frames.
+  EXPECT_EQ(empty.distance[0], before.distance[0]);
+  EXPECT_TRUE(std::ranges::all_of(empty.distance, [&](float d) { return d == before.distance[0]; }));
+  EXPECT_LT(*std::ranges::min_element(after.distance), 0.0f);
+}
+
 TEST_F(CliSequence, MakesTheFieldsOfSinglePoses) {
   writeTori();
   const Result result = succeed(

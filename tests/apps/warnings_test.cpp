@@ -16,6 +16,8 @@ TEST_F(CliWarnings, NameTheirRemedy) {
             "raymap devices --test vulkan:3");
   EXPECT_EQ(remedyOf({WarningCode::SolidLost, "", {.voxelSize = 0.015}}), "--voxel-size 0.015");
   EXPECT_EQ(remedyOf({WarningCode::SolidLost, "", {}}), "");
+  EXPECT_EQ(remedyOf({WarningCode::NothingInside, "", {.voxelSize = 0.02}}), "--voxel-size 0.02");
+  EXPECT_EQ(remedyOf({WarningCode::NothingInside, "", {.length = 0.2}}), "--thickness 0.2");
 }
 
 TEST_F(CliWarnings, NameFlagsThatThereAre) {

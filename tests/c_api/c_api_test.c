@@ -2,6 +2,7 @@
 
 #include <raymap/c.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -312,7 +313,7 @@ static void test_options(void) {
   CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
   static const char* const numbers[] = {"passes",       "threshold",    "band",      "thickness",
                                         "threads",      "memory_limit", "invert",    "close_holes",
-                                        "triangle", "winding",      "confidence"};
+                                        "triangle", "winding",      "confidence", "allow_empty"};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
     CHECK(raymap_options_set_number(options, numbers[i], 1) == RAYMAP_OK);
   CHECK_FAILS(raymap_options_set_text(options, "distance", "nearest"), RAYMAP_ERROR_USAGE, "neighbours");
@@ -756,6 +757,53 @@ static void test_far_stl(const char* folder) {
   raymap_mesh_free(mesh);
 }
 
+/* An empty mesh is an error, and on request a field that is far everywhere. */
+static void test_empty(const char* folder) {
+  char path[4096];
+  snprintf(path, sizeof path, "%s/empty.obj", folder);
+  FILE* file = fopen(path, "w");
+  CHECK(file != NULL && fputs("v 0 0 0\n", file) >= 0 && fclose(file) == 0);
+  raymap_options* options = raymap_options_create();
+  CHECK_FAILS(raymap_mesh_load(path, options), RAYMAP_ERROR_INPUT, "no triangles");
+  CHECK(raymap_options_set_number(options, "allow_empty", 1) == RAYMAP_OK);
+  raymap_mesh* mesh = raymap_mesh_load(path, options);
+  CHECK(mesh != NULL && raymap_mesh_triangle_count(mesh) == 0);
+  const raymap_grid grid = {{2, 3, 4}, {0, 0, 0}, 0.5};
+  CHECK_FAILS(raymap_generate(mesh, &grid, NULL), RAYMAP_ERROR_INPUT, "allow empty meshes");
+  raymap_field* field = raymap_generate(mesh, &grid, options);
+  CHECK(field != NULL && raymap_field_distance(field)[23] == FLT_MAX);
+  raymap_field_free(field);
+  raymap_mesh_free(mesh);
+  raymap_options_free(options);
+}
+
+static void count_warning(const char* code, const char* message, void* user) {
+  CHECK(strcmp(code, "file_content") == 0 && strstr(message, "'heat'") != NULL);
+  ++*(int*)user;
+}
+
+/* A file that holds more than a field is read with a warning. */
+static void test_left_out(const char* folder) {
+  char path[4096];
+  snprintf(path, sizeof path, "%s/more.vti", folder);
+  FILE* file = fopen(path, "w");
+  CHECK(file != NULL &&
+        fputs("<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 0 0 0\">"
+              "<Piece Extent=\"0 1 0 0 0 0\"><PointData>"
+              "<DataArray type=\"Float32\" Name=\"distance\" format=\"ascii\">1 2</DataArray>"
+              "<DataArray type=\"Float32\" Name=\"heat\" format=\"ascii\">1 2</DataArray>"
+              "</PointData></Piece></ImageData></VTKFile>",
+              file) >= 0 &&
+        fclose(file) == 0);
+  int warnings = 0;
+  raymap_options* options = raymap_options_create();
+  CHECK(raymap_options_set_warning(options, count_warning, &warnings) == RAYMAP_OK);
+  raymap_field* field = raymap_field_load(path, options);
+  CHECK(field != NULL && raymap_field_distance(field)[1] == 2.0f && warnings == 1);
+  raymap_field_free(field);
+  raymap_options_free(options);
+}
+
 static void test_files(const char* folder) {
   char path[4096];
   raymap_mesh* mesh = make_tetrahedron();
@@ -765,11 +813,13 @@ static void test_files(const char* folder) {
   raymap_mesh* read = raymap_mesh_load(path, NULL);
   CHECK(raymap_mesh_triangle_count(read) == 4);
   test_far_stl(folder);
+  test_empty(folder);
+  test_left_out(folder);
   raymap_field* field = raymap_generate(read, &grid, NULL);
   CHECK(field != NULL);
   snprintf(path, sizeof path, "%s/c_api.nrrd", folder);
   CHECK(raymap_field_write(field, path, NULL) == RAYMAP_OK);
-  raymap_field* again = raymap_field_load(path);
+  raymap_field* again = raymap_field_load(path, NULL);
   CHECK(again != NULL);
   CHECK(memcmp(raymap_field_distance(again), raymap_field_distance(field),
                sample_count(&grid) * sizeof(float)) == 0);
@@ -867,7 +917,7 @@ static void test_null(void) {
   CHECK(raymap_render_slice(NULL, 0, 0, 0, NULL) == NULL && raymap_picture_rgb(NULL) == NULL);
   CHECK(raymap_picture_width(NULL) == 0 && raymap_picture_height(NULL) == 0);
   CHECK(raymap_picture_write_png(NULL, "a.png") == usage);
-  CHECK(raymap_field_load(NULL) == NULL);
+  CHECK(raymap_field_load(NULL, NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);
   CHECK(raymap_devices_count(NULL) == 0 && raymap_devices_get(NULL, 0, &device) == usage);
   grid.origin[1] = NAN;

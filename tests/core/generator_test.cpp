@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfloat>
 
 #include "any_threads.h"
 #include "reference.h"
@@ -43,6 +44,145 @@ TEST(Generator, MakesSolidsOfSheets) {
   options.thickness = 0.4;
   options.winding = true;
   EXPECT_THROW(generate(mesh, grid, options), Error);
+}
+
+/// Returns the warnings of a field.
+std::vector<Warning> warningsOf(const Mesh& mesh, const Grid& grid, const FieldOptions& options = {}) {
+  std::vector<Warning> warnings;
+  const auto warn = [&](const Warning& warning) { warnings.push_back(warning); };
+  generate(mesh, grid, options, {.device = "cpu", .warn = warn});
+  return warnings;
+}
+
+TEST(Generator, WarnsIfNothingIsInside) {
+  // A plate between two layers of samples.
+  const Mesh plate = shapes::box({-1, -1, 0.04}, {1, 1, 0.06});
+  const Grid grid{.dims = {24, 24, 5}, .origin = {-1.15, -1.15, -0.2}, .spacing = 0.1};
+  for (const bool invert : {false, true}) {
+    const std::vector<Warning> warnings = warningsOf(plate, grid, {.invert = invert});
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0].code, WarningCode::NothingInside);
+    EXPECT_EQ(
+        warnings[0].message,
+        "no sample is inside, because the mesh is thinner than the spacing 0.1; use a spacing of 0.0098");
+    EXPECT_DOUBLE_EQ(warnings[0].fields.voxelSize, 0.0098);  // 0.08 / 8.16, rounded down.
+    EXPECT_EQ(warnings[0].fields.length, 0.0);
+  }
+  // What it advises helps.
+  EXPECT_TRUE(warningsOf(plate, fitGrid(plate, {.voxelSize = 0.0098})).empty());
+}
+
+TEST(Generator, AdvisesAThicknessWhereNothingIsEnclosed) {
+  Mesh sheet = shapes::box({-1, -1, 0.04}, {1, 1, 0.06});
+  std::erase_if(sheet.triangles, [&](const glm::uvec3& t) {
+    return sheet.position(t.x).z < 0.05 || sheet.position(t.y).z < 0.05 || sheet.position(t.z).z < 0.05;
+  });
+  ASSERT_EQ(sheet.triangles.size(), 2u);
+  const Grid grid = fitGrid(sheet, {.voxelSize = 0.1});
+  const std::vector<Warning> warnings = warningsOf(sheet, grid);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, WarningCode::NothingInside);
+  EXPECT_EQ(warnings[0].fields.voxelSize, 0.0);
+  EXPECT_DOUBLE_EQ(warnings[0].fields.length, 0.2);
+  EXPECT_NE(warnings[0].message.find("with a thickness of 0.2"), std::string::npos) << warnings[0].message;
+  EXPECT_TRUE(warningsOf(sheet, grid, {.thickness = 0.2}).empty());
+  EXPECT_TRUE(warningsOf(sheet, grid, {.sign = SignMode::None}).empty());
+  // Both sides of it: closed, but without a volume.
+  Mesh both = sheet;
+  for (const glm::uvec3& t : sheet.triangles) both.triangles.push_back({t.x, t.z, t.y});
+  const std::vector<Warning> ofBoth = warningsOf(both, grid);
+  ASSERT_EQ(ofBoth.size(), 1u);
+  EXPECT_DOUBLE_EQ(ofBoth[0].fields.length, 0.2);
+  // A plate so thin that no grid would have place for its samples.
+  const Mesh foil = shapes::box({-1, -1, 0.05}, {1, 1, 0.051});
+  const std::vector<Warning> ofFoil =
+      warningsOf(foil, {.dims = {24, 24, 5}, .origin = {-1.15, -1.15, -0.2}, .spacing = 0.1});
+  ASSERT_EQ(ofFoil.size(), 1u);
+  EXPECT_DOUBLE_EQ(ofFoil[0].fields.length, 0.2);
+}
+
+TEST(Generator, DoesNotWarnOfAMeshThatReachesBeyondTheGrid) {
+  const Mesh ball = shapes::sphere(1.0, 3);
+  // Beside the ball, a corner in its bounds.
+  const Grid grid{.dims = {8, 8, 8}, .origin = glm::dvec3(0.9), .spacing = 0.1};
+  EXPECT_TRUE(warningsOf(ball, grid).empty());
+  // One sample in the middle is inside.
+  EXPECT_TRUE(warningsOf(ball, {.dims = {1, 1, 1}, .origin = glm::dvec3(0.0), .spacing = 2.0}).empty());
+  // The grid's cells end where the mesh does, its samples before: between four edges of the box.
+  const Mesh frame =
+      shapes::joined(shapes::box({-1, -1, -1}, {-0.99, 1, 1}), shapes::box({0.99, -1, -1}, {1, 1, 1}));
+  const Grid tight = fitGrid(frame, {.resolution = 4, .padding = 0.0});
+  EXPECT_EQ(warningsOf(frame, tight).size(), 1u);
+  Grid shorter = tight;
+  shorter.dims.x = 3;
+  EXPECT_TRUE(warningsOf(frame, shorter).empty());
+  shorter.origin.x += tight.spacing;
+  EXPECT_TRUE(warningsOf(frame, shorter).empty());
+}
+
+TEST(Generator, MakesTheFarFieldOfAnEmptyMesh) {
+  const Mesh empty;
+  const Grid grid{.dims = {3, 4, 5}, .origin = glm::dvec3(-1.0), .spacing = 0.5};
+  FieldOptions options{.triangle = true, .winding = true, .confidence = true};
+  try {
+    generate(empty, grid, options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Input);
+    EXPECT_STREQ(error.what(),
+                 "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
+  }
+  options.allowEmpty = true;
+  const auto expectAll = [](const auto& array, auto value) {
+    EXPECT_EQ(array.size(), 60u);
+    EXPECT_TRUE(std::ranges::all_of(array, [&](auto each) { return each == value; }));
+  };
+  for (const double band : {0.0, 3.0})
+    for (const bool invert : {false, true}) {
+      options.band = band;
+      options.invert = invert;
+      std::vector<Warning> warnings;
+      const auto [field, stats] = generate(
+          empty, grid, options, {.warn = [&](const Warning& warning) { warnings.push_back(warning); }});
+      expectAll(field.distance, (invert ? -1.0f : 1.0f) * (band > 0.0 ? 1.5f : FLT_MAX));
+      expectAll(field.triangle, kNoTriangle);
+      expectAll(field.winding, 0.0f);
+      expectAll(field.confidence, 1.0f);
+      EXPECT_EQ(field.grid, grid);
+      EXPECT_EQ(field.clampDistance, band * 0.5);
+      EXPECT_TRUE(field.surfaceBounds.isEmpty());
+      EXPECT_TRUE(warnings.empty());
+      EXPECT_EQ(stats.device, "");
+    }
+  // Without sides there is nothing to invert.
+  expectAll(
+      generate(empty, grid, {.sign = SignMode::None, .invert = true, .allowEmpty = true}).field.distance,
+      FLT_MAX);
+  const Field plate =
+      generate(empty, grid, {.sign = SignMode::None, .invert = true, .thickness = 0.1, .allowEmpty = true})
+          .field;
+  expectAll(plate.distance, -FLT_MAX);
+  EXPECT_TRUE(plate.triangle.empty() && plate.winding.empty() && plate.confidence.empty());
+  EXPECT_THROW(generate(empty, {}, {.allowEmpty = true}), Error);
+  EXPECT_THROW(generate(empty, grid, {.allowEmpty = true}, {.memoryLimit = 239}), Error);
+  EXPECT_NO_THROW(generate(empty, grid, {.allowEmpty = true}, {.memoryLimit = 240}));
+}
+
+TEST(Generator, ForgetsTheLastMeshForAnEmptyOne) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const Grid grid = fitGrid(ball, {.resolution = 8});
+  Generator generator;
+  Field field;
+  const FieldOptions options{.band = 2.0, .allowEmpty = true};
+  generator.generate(ball, grid, {.band = 2.0, .triangle = true}, field);
+  generator.generate(Mesh{}, grid, options, field);
+  EXPECT_TRUE(field.triangle.empty());
+  EXPECT_TRUE(field.surfaceBounds.isEmpty());
+  // Far samples of both frames are the same.
+  EXPECT_EQ(field.distance[0], float(2.0) * float(grid.spacing));
+  generator.generate(ball, grid, options, field);
+  EXPECT_EQ(field.distance[0], float(2.0) * float(grid.spacing));
+  EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
 }
 
 TEST(Generator, ReusesItsBuffersAndGivesTheSame) {

@@ -15,6 +15,18 @@ TEST(Grid, CoversThePaddedBounds) {
   EXPECT_NEAR(grid.origin.x, -0.2 + 0.05, 1e-12);
 }
 
+TEST(Grid, OfAnEmptyMeshNeedsABox) {
+  const Box box{glm::dvec3(0.0), glm::dvec3(1.0)};
+  EXPECT_EQ(fitGrid(Mesh{}, {.resolution = 4, .box = box}).dims, glm::ivec3(4));
+  try {
+    fitGrid(Mesh{});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Input);
+    EXPECT_STREQ(error.what(), "the mesh has no triangles, so it has no bounds; give a box to cover");
+  }
+}
+
 TEST(Grid, OfARepairHoldsThePaddingAndAPositiveOffset) {
   const Mesh mesh = shapes::box({0, 0, 0}, {2, 1, 1});
   GridOptions options{.voxelSize = 0.1, .padding = 0.2};

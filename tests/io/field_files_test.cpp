@@ -231,6 +231,43 @@ std::string asWrittenBefore(const std::string& file) {
                      "clamp_distance", "band");
 }
 
+TEST_P(FieldFiles, NameTheArraysThatAreLeftOut) {
+  if (GetParam() == ".npy" || GetParam() == ".nrrd") return;  // They hold one array.
+  const Field field = sphereField(oddGrid(), 0.4);
+  writeField(file(), field);
+  std::vector<Warning> warnings;
+  const auto read = [&] {
+    warnings.clear();
+    return readField(file(), {.warn = [&](const Warning& warning) { warnings.push_back(warning); }});
+  };
+  read();
+  EXPECT_TRUE(warnings.empty());
+  setBytes(replacedAll(bytes(), "confidence", "temperatur"));
+  const Field back = read();
+  expectSameBits(back.winding, field.winding);
+  EXPECT_TRUE(back.confidence.empty());
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].code, WarningCode::FileContent);
+  EXPECT_EQ(warnings[0].message,
+            file().string() + ": it also holds 'temperatur', which a field has no place for");
+  EXPECT_EQ(warnings[0].fields.file, file().string());
+  setBytes(replacedAll(bytes(), "winding", "density"));
+  read();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].message.find(" 'density' and 'temperatur', which"), std::string::npos)
+      << warnings[0].message;
+}
+
+TEST_P(FieldFiles, NameTheForeignGridsThatAreLeftOut) {
+  if (GetParam() != ".vdb") return;
+  writeField(file(), sphereField({{12, 12, 12}, {-1, 2, 3}, 0.5}, 0.75));
+  setBytes(madeForeign(bytes()));
+  std::string message;
+  const Field back = readField(file(), {.warn = [&](const Warning& warning) { message = warning.message; }});
+  EXPECT_NE(message.find("'confidence', 'triangle' and 'winding', which"), std::string::npos) << message;
+  EXPECT_EQ(back.clampDistance, 0.75);  // It took the level set.
+}
+
 TEST_P(FieldFiles, ReadTheClampDistanceOfEarlierVersions) {
   if (GetParam() == ".npy" || GetParam() == ".npz") return;  // zip_test.cpp has the other.
   Field field = sphereField({{12, 12, 12}, {-1, 2, 3}, 0.5}, 0.75);

@@ -119,6 +119,19 @@ TEST(Vti, ReadsItsOwnArraysBesideOthers) {
   EXPECT_THROW(readField(twice.path()), Error);
 }
 
+TEST(Vti, NamesTheArraysThatItLeavesOut) {
+  std::string more, cells;
+  for (int k = 0; k < 9; ++k) more += "<DataArray type=\"Float32\" Name=\"p" + std::to_string(k) + "\"/>";
+  std::string text = vtiWithMore("<DataArray type=\"Float64\" Name=\"TimeValue\"/>", more);
+  text.insert(text.find("</PointData>") + 12, "<CellData><DataArray Name=\"c\"/></CellData>");
+  const TemporaryFile file("field.vti", text);
+  std::string message;
+  readField(file.path(), {.warn = [&](const Warning& warning) { message += warning.message; }});
+  EXPECT_EQ(message, file.path().string() +
+                         ": it also holds 'p0', 'p1', 'p2', 'p3', 'p4', 'p5', 'p6', 'p7' and 2 more, which a "
+                         "field has no place for");
+}
+
 TEST(Vti, ReadsCompressedBlocks) {
   const std::vector<std::string> parts = blocks();
   const std::string header = blocksHeader(parts), data = parts[0] + parts[1] + parts[2];

@@ -322,6 +322,16 @@ TEST(Simplify, RefusesMeshesThatAreNotClosed) {
   EXPECT_THROW(simplify(shapes::sphere(1.0, 2), {.tolerance = 0.1, .step = -1.0}), Error);
 }
 
+// Faces nearly as large as the step, or twice as large, once had too few points to grow.
+TEST(Simplify, TakesAnyStep) {
+  std::vector<glm::ivec3> cells;
+  for (int i = 0; i < 1000; ++i) cells.emplace_back(i % 10, i / 10 % 10, i / 100);
+  const Mesh cube = shapes::voxels(cells, 1);  // Its edges are 1 and 1.41 long.
+  ASSERT_EQ(cube.triangles.size(), 1200u);
+  for (const double step : {0.3, 0.5, 0.6, 0.7, 0.75, 0.8, 0.9, 1.0, 1.1, 1.2, 1.5, 2.0, 3.0})
+    EXPECT_LE(simplify(cube, {.tolerance = 0.01, .step = step}).mesh.triangles.size(), 150u) << step;
+}
+
 TEST(Simplify, IsPartOfARepair) {
   const Mesh box = shapes::box(dvec3(-1.0, -0.7, -0.8), dvec3(1.0, 0.7, 0.8));
   RepairOptions how{.remesh = true};
@@ -361,6 +371,16 @@ TEST(Simplify, GivesARepairAsFewTrianglesAsAskedFor) {
   const Repaired kept = repair(torus, grid, {}, {.triangles = torus.triangles.size()});
   EXPECT_EQ(kept.mesh.triangles.size(), torus.triangles.size());
   EXPECT_EQ(kept.report.simplified.tolerance, 0.0);
+  const Repaired within = repair(torus, grid, {}, {.tolerance = 0.01});
+  EXPECT_TRUE(within.report.kept);
+  EXPECT_TRUE(within.report.after.watertight);
+  EXPECT_LT(within.mesh.triangles.size(), torus.triangles.size() / 2);
+  EXPECT_EQ(within.report.simplified.tolerance, 0.01);
+  EXPECT_EQ(within.report.simplified.trianglesAfter, within.mesh.triangles.size());
+  EXPECT_LE(within.report.simplified.deviation, 0.01);
+  const Repaired exact = repair(torus, grid, {}, {.tolerance = 0.0});
+  EXPECT_EQ(exact.mesh.triangles.size(), torus.triangles.size());
+  EXPECT_EQ(exact.report.simplified.trianglesBefore, 0u);
   const Repaired limited =
       repair(torus, grid, {}, {.remesh = true, .tolerance = 0.02 * grid.spacing, .triangles = 800});
   ASSERT_EQ(limited.report.warnings.size(), 1u);

@@ -1,5 +1,6 @@
 #include "vulkan/stages/field_image.h"
 
+#include <cfloat>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
@@ -9,6 +10,30 @@
 
 namespace raymap::vulkan {
 namespace {
+
+TEST_F(VulkanGenerator, FillsImagesOfEmptyMeshes) {
+  const Mesh mesh = holedSphere();
+  const Grid grid = fitGrid(mesh, {.resolution = 9});
+  const FieldOptions options{.allowEmpty = true};
+  for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT}) {
+    const ProbeImage image(device(), format, grid.dims);
+    DeviceBuffer texels(device(), "texels", MemoryUse::ReadBack);
+    texels.resize<std::byte>(grid.sampleCount() * (format == VK_FORMAT_R32_SFLOAT ? 4 : 2));
+    Room room = roomFor(mesh, grid, options);
+    room.image = format;
+    generator().reserve(room);
+    run([&](Commands& commands) {
+      generator().record(commands.handle(), {}, grid, options,
+                         {.image = image.handle(), .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
+      image.recordCopy(commands, texels);
+    });
+    for (size_t s = 0; s < grid.sampleCount(); ++s)
+      if (format == VK_FORMAT_R32_SFLOAT)
+        ASSERT_EQ(texels.mapped<float>()[s], FLT_MAX) << s;
+      else
+        ASSERT_EQ(glm::unpackHalf1x16(texels.mapped<uint16_t>()[s]), 65504.0f) << s;
+  }
+}
 
 TEST_F(VulkanGenerator, FillsImages) {
   const Mesh mesh = holedSphere();

@@ -61,6 +61,36 @@ TEST_F(VulkanGenerator, AcceptsVerticesAmongOtherData) {
   expectSameBits(download<float>(outputs.distance), hostField(mesh, grid, {}).distance, "distance");
 }
 
+TEST_F(VulkanGenerator, MakesTheFarFieldOfAnEmptyMesh) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const Grid grid = fitGrid(ball, {.resolution = 9});
+  FieldOptions options = everything(DistanceMode::Exact, SignMode::Harmonic);
+  generator().reserve(roomFor(ball, grid, options));
+  const Outputs outputs(grid.sampleCount());
+  const auto record = [&] {
+    run([&](Commands& commands) {
+      generator().record(commands.handle(), {}, grid, options, outputs.target(options));
+    });
+  };
+  EXPECT_THROW(record(), Error);
+  options.allowEmpty = true;
+  for (const double band : {0.0, 3.0})
+    for (const bool invert : {false, true}) {
+      options.band = band;
+      options.invert = invert;
+      distances(ball, grid, options);  // The status of another frame must not stay.
+      record();
+      const Field expected = generate(Mesh{}, grid, options).field;
+      expectSameBits(download<float>(outputs.distance), expected.distance, "distance");
+      expectSameBits(download<uint32_t>(outputs.triangle), expected.triangle, "triangle");
+      expectSameBits(download<float>(outputs.winding), expected.winding, "winding");
+      expectSameBits(download<float>(outputs.confidence), expected.confidence, "confidence");
+      EXPECT_FALSE(generator().status().error);
+      EXPECT_FALSE(generator().status(outputs.written()).error);
+      EXPECT_EQ(generator().status(outputs.written()).doubtfulShare, 0.0);
+    }
+}
+
 TEST_F(VulkanGenerator, AcceptsSmallerMeshesAndOtherPlaces) {
   const Mesh large = holedSphere(4), small = shapes::box({-1, 0, 0}, {1, 1, 2});
   Mesh far = holedSphere(2);

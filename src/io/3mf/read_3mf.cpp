@@ -63,7 +63,8 @@ class Scene {
     positions_.reserve(all.vertices);
     triangles_.reserve(all.triangles);
     for (const Placement3mf& item : root.items) append(item, glm::dmat4(1.0));
-    if (triangles_.empty()) parts_.file().fail(root_ + ": its build places no triangles");
+    if (triangles_.empty() && !parts_.file().allowEmpty)
+      parts_.file().fail(root_ + ": its build places no triangles");
     models_.clear();
     return finishMesh(parts_.file(), std::move(positions_), std::move(triangles_));
   }

@@ -4,24 +4,26 @@
 
 #include <iosfwd>
 
-// One reader and one writer per format, for `readField` and `writeField`. The arrays passed to writers fit
-// the grid.
+// One reader and one writer per format, for `readField` and `writeField`. Readers add the names of the arrays
+// that they leave out. The arrays passed to writers fit the grid.
 
 namespace raymap {
 
-Field readNrrd(const SourceFile& source);
+using LeftOut = std::vector<std::string>;
+
+Field readNrrd(const SourceFile& source, LeftOut& leftOut);
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readNpy(const SourceFile& source);
+Field readNpy(const SourceFile& source, LeftOut& leftOut);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readNpz(const SourceFile& source);
+Field readNpz(const SourceFile& source, LeftOut& leftOut);
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readVti(const SourceFile& source);
+Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 
-Field readVdb(const SourceFile& source);
+Field readVdb(const SourceFile& source, LeftOut& leftOut);
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array);
 
 }  // namespace raymap

@@ -121,7 +121,7 @@ void readNpyArray(const std::filesystem::path& path, Field& field, std::string_v
   readArray(path, field, name, layout, read);
 }
 
-Field readNpy(const SourceFile& source) {
+Field readNpy(const SourceFile& source, LeftOut&) {
   const std::filesystem::path& path = source.path();
   InputFile file(source);
   const ReadBytes read = [&](void* to, size_t count) { file.read(to, count); };

@@ -66,7 +66,7 @@ bool isKnown(std::string_view name) {
 
 }  // namespace
 
-Field readNpz(const SourceFile& source) {
+Field readNpz(const SourceFile& source, LeftOut& leftOut) {
   const std::filesystem::path& path = source.path();
   const uint64_t most = inflatedBound(InputFile(source).remaining());
   const ZipReader zip(source);
@@ -76,7 +76,10 @@ Field readNpz(const SourceFile& source) {
   std::set<std::string> seen;
   for (size_t i = 0; i < zip.entries().size(); ++i) {
     const std::string name = arrayName(zip.entries()[i].name);
-    if (!isKnown(name)) continue;
+    if (!isKnown(name)) {
+      leftOut.push_back(name);
+      continue;
+    }
     if (!seen.insert(name).second) throwInvalid(path, "it has '" + name + "' twice");
     ZipContent content = zip.open(i);
     const ReadBytes read = [&](void* to, size_t count) {

@@ -97,7 +97,7 @@ void readPlacement(const std::filesystem::path& path, const Header& header, Grid
 
 }  // namespace
 
-Field readNrrd(const SourceFile& source) {
+Field readNrrd(const SourceFile& source, LeftOut&) {
   const std::filesystem::path& path = source.path();
   auto file = std::make_shared<InputFile>(source);
   const Header header = readHeader(*file);

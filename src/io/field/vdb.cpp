@@ -11,6 +11,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <cstdio>
 #include <ostream>
@@ -75,7 +76,8 @@ Background backgroundOf(const Field& field) {
   if (field.clampDistance > 0.0 && largest <= field.clampDistance * (1.0 + kRounding))
     return {largest < field.clampDistance * (1.0 - kRounding) ? float(field.clampDistance) : largest,
             "band: distances are clamped to this magnitude"};
-  const float above = largest > 0.0F ? std::nextafter(largest, INFINITY) : float(field.grid.spacing);
+  const float above =
+      largest > 0.0F ? std::min(std::nextafter(largest, INFINITY), FLT_MAX) : float(field.grid.spacing);
   return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
 }
 

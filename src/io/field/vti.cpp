@@ -218,7 +218,7 @@ void writeFieldData(std::ostream& out, const Field& field) {
 
 }  // namespace
 
-Field readVti(const SourceFile& source) {
+Field readVti(const SourceFile& source, LeftOut& leftOut) {
   const fs::path& path = source.path();
   VtiFile file;
   file.path = path;
@@ -241,7 +241,11 @@ Field readVti(const SourceFile& source) {
   if (std::array<double, 6> box{}; readNumbers(file, image, kSurfaceBounds, box))
     setSurfaceBounds(path, box, field);
   checkPlacement(path, field);
-  for (const pugi::xml_node& array : findArrays(file, image)) readSamples(file, array, dims, field);
+  const std::vector<pugi::xml_node> arrays = findArrays(file, image);
+  for (const pugi::xml_node& array : arrays) readSamples(file, array, dims, field);
+  for (const char* data : {"PointData", "CellData"})
+    for (const pugi::xml_node& array : image.child("Piece").child(data).children())
+      if (std::ranges::count(arrays, array) == 0) leftOut.emplace_back(array.attribute("Name").as_string());
   return field;
 }
 

@@ -3,13 +3,11 @@
 #include "io/field/field_array.h"
 #include "io/import/import_stream.h"
 #include "io/import/importer.h"
-#include "io/mesh/mesh_file.h"
 
 namespace raymap {
 
-Mesh importMesh(const SourceFile& source, std::string_view format, const WarningCallback& warn) {
+Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFile& file) {
   const std::filesystem::path& path = source.path();
-  const MeshFile file{{}, path, warn};
   Importer importer(source, format, regularFileSize(source));
   if (!importer.warning().empty()) file.warnThat(importer.warning());
   MeshHeader header;

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <raymap/callbacks.h>
-#include <raymap/mesh.h>
-
 #include <string_view>
 
 #include "base/source_file.h"
+#include "io/mesh/mesh_file.h"
 
 namespace raymap {
 
-/// Reads a mesh with Assimp, in a child process (see Importer).
-Mesh importMesh(const SourceFile& source, std::string_view format, const WarningCallback& warn);
+/// Reads a mesh with Assimp, in a child process (see Importer). `file` says how; its bytes do not count.
+Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFile& file);
 
 }  // namespace raymap

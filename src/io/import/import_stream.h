@@ -14,8 +14,10 @@ inline constexpr uint32_t kImportMagic = 0x35494d52;  // RMI5
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
-  uint32_t failure = 0;       ///< 0 for success, else 1 + ErrorCode; the message then gives the reason.
-  uint64_t messageBytes = 0;  ///< Length of the message, which without an error is a warning or empty.
+  uint32_t failure = 0;  ///< 0 for success, else 1 + ErrorCode; the message then gives the reason.
+  /// Length of the message. Without an error it is a warning of a mesh, or the names of the grids that are
+  /// left out, a line each.
+  uint64_t messageBytes = 0;
 };
 static_assert(sizeof(ImportHeader) == 16);
 

@@ -27,10 +27,9 @@ bool isOurs(const openvdb::GridBase& grid) {
 
 /// Returns the names of the grids to read: all that raymap wrote, or else the first level set, or else the
 /// first grid of floats, or else of integers.
-std::vector<std::string> chooseGrids(openvdb::io::File& file) {
-  const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+std::vector<std::string> chooseGrids(const openvdb::GridPtrVec& grids) {
   std::vector<std::string> ours, levelSets, floats, integers;
-  for (const auto& grid : *grids) {
+  for (const auto& grid : grids) {
     if (isOurs(*grid)) ours.push_back(grid->getName());
     const bool isLevelSet = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
     if (grid->isType<openvdb::FloatGrid>()) (isLevelSet ? levelSets : floats).push_back(grid->getName());
@@ -42,6 +41,15 @@ std::vector<std::string> chooseGrids(openvdb::io::File& file) {
   for (const auto* names : {&levelSets, &floats, &integers})
     if (!names->empty()) return {names->front()};
   throw Error(ErrorCode::Unsupported, "it holds no grid of floats");
+}
+
+/// Returns the names of the other grids, a line each.
+std::string othersThan(const std::vector<std::string>& chosen, const openvdb::GridPtrVec& grids) {
+  std::set<std::string> first(chosen.begin(), chosen.end());
+  std::string names;
+  for (const auto& grid : grids)
+    if (first.erase(grid->getName()) == 0) names += grid->getName() + "\n";
+  return names;
 }
 
 /// Returns the largest magnitude of a foreign level set's distances, its background; 0 if that is none. Only
@@ -121,7 +129,8 @@ void sendVdb(const char* path) {
   openvdb::io::File file(path);
   file.setCopyMaxBytes(0);
   file.open(false);
-  const std::vector<std::string> names = chooseGrids(file);
+  const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
+  const std::vector<std::string> names = chooseGrids(*grids);
   for (size_t g = 0; g < names.size(); ++g) {
     const openvdb::GridBase::Ptr grid = file.readGrid(names[g]);
     openvdb::CoordBBox box;
@@ -130,7 +139,7 @@ void sendVdb(const char* path) {
     if (g == 0) {
       // The remaining time grows with the number of samples, which the parent process limits.
       limitSeconds(RLIM_INFINITY);
-      sendSuccess("");
+      sendSuccess(othersThan(names, *grids));
     }
     put(&header, sizeof header);
     if (header.isWhole != 0)

@@ -1,6 +1,8 @@
 // Reads .vdb files in a child process (see Importer). OpenVDB trusts its files, so a damaged one may crash it
 // or request any amount of memory.
 
+#include <sstream>
+
 #include "io/field/field_formats.h"
 #include "io/import/import_stream.h"
 #include "io/import/importer.h"
@@ -43,7 +45,7 @@ uint64_t readGrid(Importer& importer, const std::filesystem::path& path, uint64_
 
 }  // namespace
 
-Field readVdb(const SourceFile& source) {
+Field readVdb(const SourceFile& source, LeftOut& leftOut) {
   const std::filesystem::path& path = source.path();
   constexpr std::array<char, 4> kMagic{' ', 'B', 'D', 'V'};
   InputFile file(source);
@@ -53,6 +55,8 @@ Field readVdb(const SourceFile& source) {
   if (magic != kMagic) throwInvalid(path, "does not begin as a VDB");
 
   Importer importer(source, ".vdb", fileBytes);
+  std::istringstream names(importer.warning());
+  for (std::string name; std::getline(names, name);) leftOut.push_back(name);
   Field field;
   while (readGrid(importer, path, fileBytes, field) > 0) {
   }

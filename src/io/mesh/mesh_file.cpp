@@ -71,6 +71,7 @@ template <class Vec>
 template <class Vec>
 Box checkedBounds(const MeshFile& file, const std::vector<Vec>& positions,
                   const std::vector<glm::uvec3>& triangles) {
+  if (triangles.empty() && file.allowEmpty) return {glm::dvec3(0.0), glm::dvec3(0.0)};
   if (triangles.empty()) file.fail("the file has no triangles");
   if (triangles.size() >= UINT32_MAX || positions.size() >= UINT32_MAX)
     throw Error(ErrorCode::Unsupported, file.path.string() + ": more than 2^32 triangles or vertices");

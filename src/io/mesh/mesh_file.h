@@ -24,6 +24,7 @@ struct MeshFile {
   std::filesystem::path path;
   WarningCallback warn;
   std::filesystem::path folder = path.parent_path();  ///< Folder of the files that the mesh file refers to.
+  bool allowEmpty = false;                            ///< Whether it may have no triangles.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;
@@ -72,8 +73,9 @@ std::string outOfRange(int64_t vertex, uint64_t vertexCount);
 /// Warns of polygons with fewer than three corners, if there are any.
 void warnDropped(const MeshFile& file, uint64_t polygons);
 
-/// Checks that there is a triangle and that all used vertices are finite. Then centres the mesh on its
-/// bounds, in double precision. Single-precision positions are moved in place, without a second array.
+/// Checks that there is a triangle, unless the file may be empty, and that all used vertices are finite. Then
+/// centres the mesh on its bounds, in double precision. Single-precision positions are moved in place,
+/// without a second array.
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles);
 Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles);
 

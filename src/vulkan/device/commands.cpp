@@ -94,10 +94,10 @@ void Commands::bind(ComputePipeline& kernel, const void* push, uint32_t pushByte
   vkCmdPushConstants(buffer_, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, pushBytes, push);
 }
 
-void Commands::fill(const DeviceBuffer& buffer, uint32_t value) {
-  if (buffer.bytes() == 0) return;
+void Commands::fill(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize bytes, uint32_t value) {
+  if (bytes == 0) return;
   barrier();
-  vkCmdFillBuffer(buffer_, buffer.handle(), buffer.offset(), buffer.bytes(), value);
+  vkCmdFillBuffer(buffer_, buffer, offset, bytes, value);
 }
 
 void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size) {

@@ -52,7 +52,10 @@ class Commands {
     if (!isMore) barrier();
     dispatchIndirectBytes(kernel, &push, sizeof push, arguments, offset);
   }
-  void fill(const DeviceBuffer& buffer, uint32_t value);
+  void fill(const DeviceBuffer& buffer, uint32_t value) {
+    fill(buffer.handle(), buffer.offset(), buffer.bytes(), value);
+  }
+  void fill(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize bytes, uint32_t value);
   /// Writes a value known when recording: at most 65,536 bytes, a multiple of 4.
   template <class T>
   void update(const DeviceBuffer& buffer, const T& value) {

@@ -1,6 +1,6 @@
 #include "vulkan/runtime/frame_backend.h"
 
-#include <cstring>
+#include <bit>
 
 namespace raymap::vulkan {
 
@@ -30,6 +30,24 @@ void FrameBackend::take(const Frame& frame, const Grid& grid, const FieldOptions
   if (results.distance == 0) results.distance = image_.distance();
   start(frame.commands, grid, options);
   setResults(results);
+}
+
+void FrameBackend::recordFar(Commands commands, const Target& target, float distance) {
+  const auto fill = [&](const BufferRange& range, uint32_t value) {
+    if (range.buffer) commands.fill(range.buffer, range.offset, sampleCount() * sizeof value, value);
+  };
+  waitForAll(commands.handle());
+  fill(target.distance, std::bit_cast<uint32_t>(distance));
+  fill(target.triangle, kNoTriangle);
+  fill(target.winding, std::bit_cast<uint32_t>(0.0f));
+  fill(target.confidence, std::bit_cast<uint32_t>(1.0f));
+  if (target.image) {
+    commands.fill(image_.buffer(), std::bit_cast<uint32_t>(distance));
+    image_.record(commands, target.image, target.imageLayout);
+  }
+  commands.fill(findings_, 0);
+  if (target.status.buffer) commands.fill(target.status.buffer, target.status.offset, sizeof(Findings), 0);
+  showAll(commands.handle());
 }
 
 void FrameBackend::begin() {

@@ -25,6 +25,9 @@ class FrameBackend : public StageRecorder {
   /// Sets what the next run of the pipeline records. Grid and options must live until then.
   void take(const Frame& frame, const Grid& grid, const FieldOptions& options);
 
+  /// Records a frame without triangles: every sample has this distance.
+  void recordFar(Commands commands, const Target& target, float distance);
+
   template <class Work>
   void stage(const char*, Work&& work) {
     work();

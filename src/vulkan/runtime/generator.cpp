@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "method/check_options.h"
 #include "method/device_name.h"
+#include "method/far_field.h"
 #include "method/pipeline.h"
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/device/command_buffer.h"
@@ -30,8 +31,10 @@ void checkRoom(const Room& room) {
 }
 
 void checkMesh(const MeshBuffers& mesh, const Room& room) {
+  require(mesh.triangleCount > 0,
+          "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
   require(mesh.vertices.buffer && mesh.triangles.buffer, "the mesh has no buffer of vertices or triangles");
-  require(mesh.vertexCount > 0 && mesh.triangleCount > 0, "the mesh has no vertices or triangles");
+  require(mesh.vertexCount > 0, "the mesh has no vertices");
   require(mesh.vertexCount <= room.vertices && mesh.triangleCount <= room.triangles,
           "the mesh has " + std::to_string(mesh.vertexCount) + " vertices and " +
               std::to_string(mesh.triangleCount) + " triangles, the capacity is " +
@@ -158,9 +161,12 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
   if (options.thickness > 0.0)
     throw Error(ErrorCode::Unsupported,
                 "a thickness is for fields on the host only; subtract half of it from an unsigned field");
-  checkMesh(mesh, room);
   checkTarget(target, room);
-  impl_->record({.commands = Commands(commands, impl_->device.pipelineLayout(), nullptr),
+  const Commands into(commands, impl_->device.pipelineLayout(), nullptr);
+  if (mesh.triangleCount == 0 && options.allowEmpty)
+    return impl_->backend.recordFar(into, target, farDistance(options, grid.spacing));
+  checkMesh(mesh, room);
+  impl_->record({.commands = into,
                  .mesh = impl_->sourceOf(mesh),
                  .results = {.distance = impl_->addressOf(target.distance),
                              .triangle = impl_->addressOf(target.triangle),

@@ -17,6 +17,8 @@ class FieldImageStage {
   void reserve(const glm::ivec3& dims, VkFormat format);
   /// Address that the distances must be written to; 0 without reserved memory.
   VkDeviceAddress distance() const { return distance_.bytes() > 0 ? distance_.address() : 0; }
+  /// Buffer at this address.
+  const DeviceBuffer& buffer() const { return distance_; }
   /// Leaves the image in `layout`, readable by all later commands.
   void record(Commands& commands, VkImage image, VkImageLayout layout);
 
