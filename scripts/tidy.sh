@@ -10,7 +10,7 @@ if ! "$env/bin/pip" show clang-tidy 2>/dev/null | grep -qxF "Version: $version";
 fi
 # Each file by itself: this is also the check that it includes what it needs, as the other builds compile several together.
 cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null
-cmake --build build/tidy --target raymap_vulkan_shaders raymap_page_text >/dev/null
+cmake --build build/tidy --target raymap_vulkan_shaders raymap_page_text raymap_view_shaders >/dev/null
 files=("$@")
 # Clang does not compile Boost's headers of Debian 12 any more, which OpenVDB's include.
 if [[ ${#files[@]} -eq 0 ]]; then

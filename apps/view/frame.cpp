@@ -9,7 +9,7 @@ Frame::Frame(const Gpu& gpu) : gpu_(gpu), isFree_(makeSemaphore(gpu)) {
                                          .queueFamilyIndex = gpu.handles().queueFamily};
   VkCommandPool pool = VK_NULL_HANDLE;
   check(vkCreateCommandPool(gpu.device(), &poolInfo, nullptr, &pool), "making a command pool");
-  pool_ = {gpu.device(), pool, vkDestroyCommandPool};
+  pool_ = own(gpu.device(), pool, vkDestroyCommandPool);
   const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                          .commandPool = pool,
                                          .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -19,13 +19,13 @@ Frame::Frame(const Gpu& gpu) : gpu_(gpu), isFree_(makeSemaphore(gpu)) {
                                     .flags = VK_FENCE_CREATE_SIGNALED_BIT};
   VkFence fence = VK_NULL_HANDLE;
   check(vkCreateFence(gpu.device(), &fenceInfo, nullptr, &fence), "making a fence");
-  isDone_ = {gpu.device(), fence, vkDestroyFence};
+  isDone_ = own(gpu.device(), fence, vkDestroyFence);
   const VkQueryPoolCreateInfo stampInfo{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                         .queryCount = kMaxStamps};
   VkQueryPool stamps = VK_NULL_HANDLE;
   check(vkCreateQueryPool(gpu.device(), &stampInfo, nullptr, &stamps), "making timestamps");
-  stamps_ = {gpu.device(), stamps, vkDestroyQueryPool};
+  stamps_ = own(gpu.device(), stamps, vkDestroyQueryPool);
 }
 
 void Frame::begin() {

@@ -145,7 +145,7 @@ Owned<VkDeviceMemory> Gpu::allocate(const VkMemoryRequirements& needs, VkMemoryP
                                   .memoryTypeIndex = memoryType(needs.memoryTypeBits, flags)};
   VkDeviceMemory memory = VK_NULL_HANDLE;
   check(vkAllocateMemory(device(), &info, nullptr, &memory), "allocating memory on the device");
-  return {device(), memory, vkFreeMemory};
+  return own(device(), memory, vkFreeMemory);
 }
 
 Buffer Gpu::makeBuffer(VkDeviceSize bytes, bool isForHost) const {
@@ -158,7 +158,7 @@ Buffer Gpu::makeBuffer(VkDeviceSize bytes, bool isForHost) const {
                                          VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
   VkBuffer handle = VK_NULL_HANDLE;
   check(vkCreateBuffer(device(), &info, nullptr, &handle), "making a buffer");
-  buffer.handle = {device(), handle, vkDestroyBuffer};
+  buffer.handle = own(device(), handle, vkDestroyBuffer);
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device(), handle, &needs);
   buffer.memory =
@@ -197,7 +197,7 @@ Image Gpu::makeImage(VkExtent2D size, VkFormat format, VkImageUsageFlags usage,
                                .usage = usage};
   VkImage handle = VK_NULL_HANDLE;
   check(vkCreateImage(device(), &info, nullptr, &handle), "making an image");
-  image.handle = {device(), handle, vkDestroyImage};
+  image.handle = own(device(), handle, vkDestroyImage);
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device(), handle, &needs);
   image.memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, false);
@@ -209,7 +209,7 @@ Image Gpu::makeImage(VkExtent2D size, VkFormat format, VkImageUsageFlags usage,
                                        .subresourceRange = {aspect, 0, 1, 0, 1}};
   VkImageView view = VK_NULL_HANDLE;
   check(vkCreateImageView(device(), &viewInfo, nullptr, &view), "making a view of an image");
-  image.view = {device(), view, vkDestroyImageView};
+  image.view = own(device(), view, vkDestroyImageView);
   return image;
 }
 
@@ -219,7 +219,7 @@ Owned<VkShaderModule> Gpu::makeShader(std::span<const uint32_t> code) const {
                                       .pCode = code.data()};
   VkShaderModule shader = VK_NULL_HANDLE;
   check(vkCreateShaderModule(device(), &info, nullptr, &shader), "making a shader");
-  return {device(), shader, vkDestroyShaderModule};
+  return own(device(), shader, vkDestroyShaderModule);
 }
 
 void barrier(VkCommandBuffer commands) {

@@ -4,9 +4,10 @@
 #include <vulkan/vulkan.h>
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 namespace raymap::view {
@@ -14,37 +15,24 @@ namespace raymap::view {
 /// Throws `Error` that says what was tried, unless the result is a success.
 void check(VkResult result, const char* what);
 
+/// Destroys a Vulkan object of a device.
+template <class Handle>
+struct Destroyer {
+  VkDevice device = VK_NULL_HANDLE;
+  void(VKAPI_PTR* destroy)(VkDevice, Handle, const VkAllocationCallbacks*) = nullptr;
+
+  void operator()(Handle handle) const { destroy(device, handle, nullptr); }
+};
+
 /// A Vulkan object that is destroyed with its owner.
 template <class Handle>
-class Owned {
- public:
-  using Destroy = void(VKAPI_PTR*)(VkDevice, Handle, const VkAllocationCallbacks*);
+using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Destroyer<Handle>>;
 
-  Owned() = default;
-  Owned(VkDevice device, Handle handle, Destroy destroy)
-      : device_(device), handle_(handle), destroy_(destroy) {}
-  ~Owned() {
-    if (handle_) destroy_(device_, handle_, nullptr);
-  }
-  Owned(Owned&& other) noexcept { swap(other); }
-  Owned& operator=(Owned&& other) noexcept {
-    Owned(std::move(other)).swap(*this);
-    return *this;
-  }
-  Handle get() const { return handle_; }
-  explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
-
- private:
-  void swap(Owned& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(handle_, other.handle_);
-    std::swap(destroy_, other.destroy_);
-  }
-
-  VkDevice device_ = VK_NULL_HANDLE;
-  Handle handle_ = VK_NULL_HANDLE;
-  Destroy destroy_ = nullptr;
-};
+template <class Handle>
+Owned<Handle> own(VkDevice device, Handle handle,
+                  void(VKAPI_PTR* destroy)(VkDevice, Handle, const VkAllocationCallbacks*)) {
+  return Owned<Handle>(handle, Destroyer<Handle>{device, destroy});
+}
 
 struct Buffer {
   Owned<VkDeviceMemory> memory;

@@ -15,7 +15,7 @@ MeshPass::MeshPass(const Gpu& gpu) {
                                         .pPushConstantRanges = &push};
   VkPipelineLayout layout = VK_NULL_HANDLE;
   check(vkCreatePipelineLayout(gpu.device(), &info, nullptr, &layout), "making a pipeline's layout");
-  layout_ = {gpu.device(), layout, vkDestroyPipelineLayout};
+  layout_ = own(gpu.device(), layout, vkDestroyPipelineLayout);
   makePipeline(gpu);
 }
 
@@ -88,7 +88,7 @@ void MeshPass::makePipeline(const Gpu& gpu) {
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateGraphicsPipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
         "making a pipeline");
-  pipeline_ = {gpu.device(), pipeline, vkDestroyPipeline};
+  pipeline_ = own(gpu.device(), pipeline, vkDestroyPipeline);
 }
 
 void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style, const Camera& camera,

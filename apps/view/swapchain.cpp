@@ -10,7 +10,7 @@ Owned<VkSemaphore> makeSemaphore(const Gpu& gpu) {
   const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
   VkSemaphore semaphore = VK_NULL_HANDLE;
   check(vkCreateSemaphore(gpu.device(), &info, nullptr, &semaphore), "making a semaphore");
-  return {gpu.device(), semaphore, vkDestroySemaphore};
+  return own(gpu.device(), semaphore, vkDestroySemaphore);
 }
 
 Swapchain::Swapchain(const Gpu& gpu) : gpu_(gpu) {
@@ -54,7 +54,7 @@ void Swapchain::makeOverlay() {
                                     .pSubpasses = &subpass};
   VkRenderPass pass = VK_NULL_HANDLE;
   check(vkCreateRenderPass(gpu_.device(), &info, nullptr, &pass), "making a render pass");
-  overlay_ = {gpu_.device(), pass, vkDestroyRenderPass};
+  overlay_ = own(gpu_.device(), pass, vkDestroyRenderPass);
 }
 
 void Swapchain::resize(VkExtent2D window) {
@@ -84,7 +84,7 @@ void Swapchain::resize(VkExtent2D window) {
   images_.clear();
   VkSwapchainKHR chain = VK_NULL_HANDLE;
   check(vkCreateSwapchainKHR(gpu_.device(), &info, nullptr, &chain), "making the window's images");
-  chain_ = {gpu_.device(), chain, vkDestroySwapchainKHR};
+  chain_ = own(gpu_.device(), chain, vkDestroySwapchainKHR);
 
   uint32_t count = 0;
   check(vkGetSwapchainImagesKHR(gpu_.device(), chain, &count, nullptr), "listing the window's images");
@@ -100,7 +100,7 @@ void Swapchain::resize(VkExtent2D window) {
                                          .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
     VkImageView view = VK_NULL_HANDLE;
     check(vkCreateImageView(gpu_.device(), &viewInfo, nullptr, &view), "making a view of an image");
-    target.view = {gpu_.device(), view, vkDestroyImageView};
+    target.view = own(gpu_.device(), view, vkDestroyImageView);
     const VkFramebufferCreateInfo frameInfo{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                             .renderPass = overlay_.get(),
                                             .attachmentCount = 1,
@@ -110,7 +110,7 @@ void Swapchain::resize(VkExtent2D window) {
                                             .layers = 1};
     VkFramebuffer frame = VK_NULL_HANDLE;
     check(vkCreateFramebuffer(gpu_.device(), &frameInfo, nullptr, &frame), "making a frame buffer");
-    target.frame = {gpu_.device(), frame, vkDestroyFramebuffer};
+    target.frame = own(gpu_.device(), frame, vkDestroyFramebuffer);
     target.isDrawn = makeSemaphore(gpu_);
   }
 }

@@ -138,7 +138,7 @@ Gui::Gui(const Window& window, const Gpu& gpu, const Swapchain& swapchain) {
                                             .pPoolSizes = &font};
   VkDescriptorPool pool = VK_NULL_HANDLE;
   check(vkCreateDescriptorPool(gpu.device(), &poolInfo, nullptr, &pool), "making descriptors");
-  pool_ = {gpu.device(), pool, vkDestroyDescriptorPool};
+  pool_ = own(gpu.device(), pool, vkDestroyDescriptorPool);
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // Nothing is written to the folder where it runs.
   ImGui::StyleColorsLight();
@@ -175,7 +175,7 @@ void Gui::uploadFont(const Gpu& gpu) const {
                                          .queueFamilyIndex = gpu.handles().queueFamily};
   VkCommandPool pool = VK_NULL_HANDLE;
   check(vkCreateCommandPool(gpu.device(), &poolInfo, nullptr, &pool), "making a command pool");
-  const Owned<VkCommandPool> owned(gpu.device(), pool, vkDestroyCommandPool);
+  const Owned<VkCommandPool> owned = own(gpu.device(), pool, vkDestroyCommandPool);
   const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                          .commandPool = pool,
                                          .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
