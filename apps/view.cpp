@@ -83,6 +83,7 @@ std::string fieldWords(const view::FieldSettings& field) {
   add("--distance", options.distance, usual.distance, named(options.distance));
   add("--sign", options.sign, usual.sign, named(options.sign));
   add("--orientation", options.orientation, usual.orientation, named(options.orientation));
+  add("--sampling", options.sampling, usual.sampling, named(options.sampling));
   add("--passes", options.passes, usual.passes, std::to_string(options.passes));
   add("--threshold", options.threshold, usual.threshold, numbers({options.threshold}));
   add("--band", options.band, usual.band, numbers({options.band}));
@@ -166,7 +167,10 @@ void open(Arguments& arguments) {
   options.state.clip = arguments.clip;
   setState(arguments.view, options.state);
   options.load = load;
-  options.command = commandFor;
+  options.command = [&arguments](const fs::path& path, const view::ViewState& state) {
+    const fs::path& offsets = arguments.offsets;
+    return commandFor(path, state) + (offsets.empty() ? "" : " --offsets " + quoted(offsets.string()));
+  };
   options.apply = applyCommand;
   options.write = [](const Picture& picture, const std::string& command) {
     const fs::path path = freeName(".png");

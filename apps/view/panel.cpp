@@ -169,7 +169,7 @@ void showProbed(const PanelFigures& figures) {
   if (probed.winding) add("winding number ", text(*probed.winding));
   if (probed.confidence) add("confidence ", text(*probed.confidence));
   if (probed.triangle) add("triangle ", std::to_string(*probed.triangle));
-  ImGui::TextUnformatted(values.c_str());
+  ImGui::TextWrapped("%s", values.c_str());
 }
 
 }  // namespace
@@ -178,7 +178,7 @@ Wishes showPanel(ViewState& state, const PanelFigures& figures, bool isRecording
   Wishes wishes;
   const float unit = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({unit, unit}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({24.0F * unit, 0.0F}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({26.0F * unit, 0.0F}, {26.0F * unit, FLT_MAX});
   ImGui::Begin("raymap", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::TextUnformatted(figures.content.title.c_str());
   showView(state, wishes, figures);

@@ -122,7 +122,7 @@ class Viewer {
   Clock::time_point lastStep_ = Clock::now(), lastLook_ = Clock::now();
   /// A button that is held down, and how far the cursor has moved since.
   struct Drag {
-    int button = 0;
+    Window::Mouse start;
     double length = 0.0;
   };
   std::optional<Drag> drag_;
@@ -416,17 +416,17 @@ void Viewer::takeMouse() {
   for (const Window::Mouse& mouse : window_.takeMouse()) {
     const glm::dvec2 moved = mouse.cursor - std::exchange(cursor_, mouse.cursor);
     if (mouse.kind == Kind::Press && !isOverPanel) {
-      if (!drag_) drag_ = Drag{.button = mouse.button};
-    } else if (mouse.kind == Kind::Release && drag_ && drag_->button == mouse.button) {
+      if (!drag_) drag_ = Drag{.start = mouse};
+    } else if (mouse.kind == Kind::Release && drag_ && drag_->start.button == mouse.button) {
       if (drag_->length < 3.0 && mouse.button == GLFW_MOUSE_BUTTON_LEFT) click();
       drag_.reset();
     } else if (mouse.kind == Kind::Wheel && !isOverPanel) {
       camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, windowSize());
     } else if (mouse.kind == Kind::Move && drag_) {
       drag_->length += glm::length(moved);
-      if (drag_->button != GLFW_MOUSE_BUTTON_LEFT || mouse.hasShift)
+      if (drag_->start.button != GLFW_MOUSE_BUTTON_LEFT || drag_->start.hasShift)
         camera_.pan(moved, windowSize());
-      else if (mouse.hasControl)
+      else if (drag_->start.hasControl)
         movePlane(moved);
       else
         camera_.orbit(moved, windowSize());

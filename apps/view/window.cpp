@@ -37,9 +37,11 @@ Window::Window(const std::string& title, const WindowSize& size) {
     if (action != GLFW_RELEASE)
       of(window).keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
   });
-  glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int) {
-    of(window).note(
-        {.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release, .button = button});
+  glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int modifiers) {
+    of(window).note({.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release,
+                     .button = button,
+                     .hasShift = (modifiers & GLFW_MOD_SHIFT) != 0,
+                     .hasControl = (modifiers & GLFW_MOD_CONTROL) != 0});
   });
   // The cursor's place is that of the event: by now, it may be elsewhere.
   glfwSetCursorPosCallback(handle_, [](GLFWwindow* window, double x, double y) {
@@ -58,14 +60,9 @@ Window& Window::of(GLFWwindow* window) {
   return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
-/// Adds what the window knows of the mouse and the keys beside it.
+/// Adds where the cursor is.
 void Window::note(Mouse mouse) {
   mouse.cursor = cursor_;
-  const auto isDown = [this](int left, int right) {
-    return glfwGetKey(handle_, left) == GLFW_PRESS || glfwGetKey(handle_, right) == GLFW_PRESS;
-  };
-  mouse.hasShift = isDown(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
-  mouse.hasControl = isDown(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
   mouse_.push_back(mouse);
 }
 

@@ -46,10 +46,10 @@ class Window {
   struct Mouse {
     enum class Kind { Press, Release, Move, Wheel };
     Kind kind;
-    glm::dvec2 cursor{0.0};  ///< In pixels.
-    double wheel = 0.0;      ///< Notches, away from its user.
-    int button = 0;          ///< GLFW's number.
-    bool hasShift = false, hasControl = false;
+    glm::dvec2 cursor{0.0};                     ///< In pixels.
+    double wheel = 0.0;                         ///< Notches, away from its user.
+    int button = 0;                             ///< GLFW's number.
+    bool hasShift = false, hasControl = false;  ///< Of a press.
   };
   std::vector<Mouse> takeMouse() { return std::exchange(mouse_, {}); }
   /// Returns the keys that were pressed since the last call, with their modifiers; GLFW's numbers.

@@ -8,8 +8,8 @@ class CliMain : public Cli {};
 TEST_F(CliMain, PrintsHelpAndVersion) {
   EXPECT_NE(succeed("--version").out.find("raymap 0."), std::string::npos);
   const std::string help = succeed("--help").out;
-  for (const char* word : {"generate", "info", "check", "query", "mesh", "render", "repair", "compare",
-                           "convert", "example", "devices", "Exit codes"})
+  for (const char* word : {"generate", "info", "check", "query", "mesh", "render", "view", "repair",
+                           "compare", "convert", "example", "devices", "Exit codes"})
     EXPECT_NE(help.find(word), std::string::npos) << word;
   const std::string generate = succeed("generate --help").out;
   for (const char* option :
@@ -25,8 +25,8 @@ TEST_F(CliMain, PrintsHelpAndVersion) {
 }
 
 TEST_F(CliMain, ShowsOptionsAsTheyAreWritten) {
-  for (const char* command : {"generate", "info", "check", "query", "mesh", "render", "repair", "compare",
-                              "convert", "example", "devices"}) {
+  for (const char* command : {"generate", "info", "check", "query", "mesh", "render", "view", "repair",
+                              "compare", "convert", "example", "devices"}) {
     const std::string help = succeed(std::string(command) + " --help").out;
     for (const char* oddity : {"{false}", "{true}", "[0]", "(=1024b)", "INT in ["})
       EXPECT_EQ(help.find(oddity), std::string::npos) << help;
@@ -45,10 +45,10 @@ TEST_F(CliMain, FailsWhereItsTextIsLost) {
 TEST_F(CliMain, NamesTheCommands) {
   expectFailure(
       "", ErrorCode::Usage,
-      "name a command: generate info check query sample mesh render repair simplify compare convert "
+      "name a command: generate info check query sample mesh render view repair simplify compare convert "
       "example devices completion manual;");
   expectFailure("paint torus.ply", ErrorCode::Usage,
-                "unknown command 'paint'; use one of: generate info check query sample mesh render");
+                "unknown command 'paint'; use one of: generate info check query sample mesh render view");
 }
 
 }  // namespace

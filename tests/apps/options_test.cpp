@@ -61,7 +61,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   std::map<std::string, std::string> known;
   std::map<std::string, std::set<std::string>> users;
   const std::vector<std::string> all = commands();
-  ASSERT_EQ(all.size(), 15u);
+  ASSERT_EQ(all.size(), 16u);
   for (const std::string& command : all)
     for (const auto& [option, text] : entries(command)) {
       const auto [same, isNew] = known.emplace(option, text);
@@ -73,9 +73,10 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
     EXPECT_EQ(users[option], wanted) << option;
   };
   expectIn("--threads",
-           {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify"});
-  expectIn("--memory-limit", {"generate", "info", "check", "query", "sample", "mesh", "render", "repair"});
-  expectIn("--device", {"generate", "mesh", "render", "repair"});
+           {"generate", "info", "check", "query", "sample", "mesh", "render", "view", "repair", "simplify"});
+  expectIn("--memory-limit",
+           {"generate", "info", "check", "query", "sample", "mesh", "render", "view", "repair"});
+  expectIn("--device", {"generate", "mesh", "render", "view", "repair"});
   expectIn("--stats", {"generate", "query", "sample", "mesh", "repair", "simplify"});
   expectIn("--json", {"generate", "info", "check", "query", "sample", "mesh", "repair", "simplify", "compare",
                       "devices"});
@@ -84,13 +85,13 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
     expectIn(option, {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify",
                       "convert"});
-  expectIn("--up", {"info", "mesh", "render", "repair", "simplify", "convert"});
+  expectIn("--up", {"info", "mesh", "render", "view", "repair", "simplify", "convert"});
   expectIn("--recenter", {"mesh", "repair", "simplify", "convert"});
   expectIn("--tolerance", {"mesh", "repair", "simplify"});
   expectIn("--triangles", {"mesh", "repair", "simplify"});
   expectIn("--bounds", {"generate", "mesh", "render"});
   expectIn("--voxel-size", {"generate", "mesh", "render", "repair"});
-  expectIn("--close-holes", {"generate", "mesh", "repair"});
+  expectIn("--close-holes", {"generate", "mesh", "view", "repair"});
   expectIn("--quiet", {all.begin(), all.end()});
   expectIn("--verbose", {all.begin(), all.end()});
   expectIn("--progress", {all.begin(), all.end()});
