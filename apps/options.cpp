@@ -182,6 +182,8 @@ constexpr OptionRow kRows[] = {
      "Direction in which the camera looks"},
     {"--cut", "", "Picture", Nothing, "", "", "Cut the shape open and show half of it"},
     {"--eye", "", "Picture", Vector, "X Y Z", "where the shape fills the picture", "Place of the camera"},
+    {"--frame", "", "Picture", Takes::Box, "X0 Y0 Z0 X1 Y1 Z1", "the shape",
+     "Box that fills the picture and decides the floor and the step of lines, so that pictures are alike"},
     {"--cut-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
      "Cut the shape open at this plane instead of its middle: what lies on the side of the normal is "
      "removed. "

@@ -119,7 +119,7 @@ void renderFrames(Arguments& arguments) {
   checkFrames(arguments, sequence);
   const Box bounds = sequence.bounds();
   const double pad = 0.5 * arguments.options.thickness;
-  arguments.view.frame = Box{bounds.min - pad, bounds.max + pad};
+  if (!arguments.view.frame) arguments.view.frame = Box{bounds.min - pad, bounds.max + pad};
   testBeforeFirstUse(arguments.machine.device);
   Generator generator;
   Field field;

@@ -106,6 +106,7 @@ std::string commandFor(const fs::path& path, const view::ViewState& state) {
   if (!hasExtension(path, fieldExtensions())) command += fieldWords(state.field);
   command += " --up " + numbers(view.up) + " --direction " + numbers(view.direction);
   if (view.eye) command += " --eye " + numbers(*view.eye);
+  if (view.frame) command += " --frame " + numbers(view.frame->min) + "," + numbers(view.frame->max);
   if (view.iso != 0.0) command += " --iso " + numbers({view.iso});
   if (view.shell != 0.0) command += " --shell " + numbers({view.shell});
   if (view.cutPlane) command += " --cut-plane " + numbers(*view.cutPlane);

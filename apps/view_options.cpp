@@ -31,6 +31,7 @@ void addViewOptions(CLI::App& command, ViewArguments& arguments) {
 
 void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view) {
   addOption(command, "--eye", arguments.eye);
+  addOption(command, "--frame", arguments.frame);
   addOption(command, "--iso", view.iso);
   addOption(command, "--shell", view.shell);
   addOption(command, "--cut", view.cut);
@@ -60,6 +61,8 @@ void setView(const ViewArguments& arguments, bool isZUp, RenderOptions& options)
   options.up = arguments.up.empty() ? defaultView(isZUp).up : vector(arguments.up);
   options.direction = arguments.direction.empty() ? lookingDown(options.up) : vector(arguments.direction);
   if (!arguments.eye.empty()) options.eye = vector(arguments.eye);
+  if (const std::vector<double>& f = arguments.frame; !f.empty())
+    options.frame = Box{{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
   const auto plane = [&](const std::vector<double>& numbers) -> std::optional<Plane> {
     if (numbers.empty()) return {};
     return Plane{.normal = vector(numbers), .offset = numbers[3]};

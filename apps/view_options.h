@@ -12,7 +12,7 @@ namespace raymap {
 /// Arguments that say how to look at a picture.
 struct ViewArguments {
   std::vector<int> size{1024, 768};
-  std::vector<double> direction, up, eye, cutPlane, slicePlane;
+  std::vector<double> direction, up, eye, frame, cutPlane, slicePlane;
 };
 
 /// Adds the options of every picture.

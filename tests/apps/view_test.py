@@ -168,8 +168,8 @@ class ViewTest(unittest.TestCase):
                                                                       if "--frames" in words else "")
         subprocess.run([RAYMAP, *words[1:], "--overwrite", "-q"], cwd=self.folder, check=True)
         mean, far = differ(picture, read_png(output))
-        self.assertLess(mean, 0.5)
-        self.assertLess(far, 0.005)
+        self.assertLess(mean, 0.1)  # What docs/cli.md says of any two devices.
+        self.assertLess(far, 0.002)
 
     def test_shows_what_render_draws(self):
         window = self.open(self.mesh, "--resolution", "48")
