@@ -95,21 +95,6 @@ vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
   return drawContour(scene, drawIsoLines(ground, d, slope, scene.lineStep), d, slope);
 }
 
-// Returns the light of a point of the picture. `away` is the distance from the eye to what is seen there,
-// the largest float where nothing is.
-vec3 light(RenderSceneData scene, vec2 at, out float away) {
-  float skipped;
-  const Ray ray = cameraRay(scene, at, skipped);
-  const float slice = traceSlice(scene, ray);
-  const float t = traceRay(ray);
-  if (slice >= 0 && (t < 0 || slice < t)) {
-    away = skipped + slice;
-    return sliceColour(scene, ray.origin + slice * ray.direction, away * scene.pixelAngle);
-  }
-  away = t >= 0 ? skipped + t : kNothingThere;
-  return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
-}
-
 vec3 encodeSrgb(vec3 linear) {
   linear = clamp(linear, 0, 1);
   return mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));

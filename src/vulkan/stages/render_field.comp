@@ -36,6 +36,19 @@ float trilinear(vec3 q) {
 
 #include "scene/shade.glsl"
 
+// Returns the light of a point of the picture. Notes the distance from the eye to what is seen there first, so that no
+// register holds it while the shadows are traced.
+vec3 light(RenderSceneData scene, vec2 at, uint local) {
+  float skipped;
+  const Ray ray = cameraRay(scene, at, skipped);
+  const float t = traceRay(ray);
+  const float slice = traceSlice(scene, ray);
+  const bool isSlice = slice >= 0 && (t < 0 || slice < t);
+  depths[local] = isSlice ? skipped + slice : t >= 0 ? skipped + t : kNothingThere;
+  if (isSlice) return sliceColour(scene, ray.origin + slice * ray.direction, (skipped + slice) * scene.pixelAngle);
+  return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
+}
+
 uint encoded(vec3 linear) {
   const uvec3 bytes = uvec3(255 * encodeSrgb(linear) + 0.5);
   return bytes.r | bytes.g << 8 | bytes.b << 16 | 0xff000000u;
@@ -49,8 +62,7 @@ void main() {
   uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
   const bool isInside = pixel.x < push.width && pixel.y < push.rows;
   pixel.y += push.firstRow;
-  if (isInside)
-    lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount], depths[local]);
+  if (isInside) lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount], local);
   barrier();
   if (!isInside || local % kSubPixelCount != 0) return;
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];
