@@ -255,6 +255,8 @@ void addRender(CLI::App& app) {
   addOption(*command, "--thickness", arguments->options.thickness);
   addViewOptions(*command, arguments->camera);
   addSceneOptions(*command, arguments->camera, arguments->view);
+  addOption(*command, "--frame", arguments->camera.frame);
+  addOption(*command, "--cut", arguments->view.cut);
   addOption(*command, "--index", arguments->index)->needs(addOption(*command, "--slice", arguments->slice));
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--max-size", arguments->page.maxSize);

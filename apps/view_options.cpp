@@ -31,10 +31,8 @@ void addViewOptions(CLI::App& command, ViewArguments& arguments) {
 
 void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view) {
   addOption(command, "--eye", arguments.eye);
-  addOption(command, "--frame", arguments.frame);
   addOption(command, "--iso", view.iso);
   addOption(command, "--shell", view.shell);
-  addOption(command, "--cut", view.cut);
   addOption(command, "--cut-plane", arguments.cutPlane);
   addOption(command, "--slice-plane", arguments.slicePlane);
 }
