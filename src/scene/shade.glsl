@@ -86,15 +86,6 @@ float traceSlice(RenderSceneData scene, Ray ray) {
   return all(greaterThanEqual(p, vec3(-0.5))) && all(lessThanEqual(p, last + 0.5)) ? t : -1;
 }
 
-vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
-  const float d = fieldDistance(p);
-  const float far = min(abs(d) / scene.sliceRange, 1);
-  const vec3 ground = d < 0 ? insideColour(scene, d)
-                      : far < 0.5 ? mix(scene.outside[0], scene.outside[1], 2 * far)
-                                  : mix(scene.outside[1], scene.outside[2], 2 * far - 1);
-  return drawContour(scene, drawIsoLines(ground, d, slope, scene.lineStep), d, slope);
-}
-
 vec3 encodeSrgb(vec3 linear) {
   linear = clamp(linear, 0, 1);
   return mix(1.055 * pow(linear, vec3(1 / 2.4)) - 0.055, 12.92 * linear, lessThanEqual(linear, vec3(0.0031308)));

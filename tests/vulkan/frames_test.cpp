@@ -2,6 +2,10 @@
 
 #include <raymap/raymap.h>
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
 #include <functional>
 
 #include "analytic_fields.h"
@@ -85,6 +89,28 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
     for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
   }
   expectClose(ours, renderField(field, options));
+
+  // The same in parts, with the depth: the largest float in a corner, less than to the far side in the
+  // middle.
+  DeviceBuffer parts(device(), "parts"), depth(device(), "depth");
+  parts.resize<uint32_t>(80 * 60);
+  depth.resize<float>(80 * 60);
+  for (const auto& [first, rows] : {std::pair(0, 25), std::pair(25, 0)})
+    run([&, firstRow = first, count = rows](Commands& commands) {
+      renderer.record(commands.handle(), onDevice, options,
+                      {.pixels = range(parts), .depth = range(depth), .firstRow = firstRow, .rows = count});
+    });
+  EXPECT_EQ(download<uint32_t>(parts), download<uint32_t>(pixels));
+  const std::vector<float> depths = download<float>(depth);
+  EXPECT_EQ(depths.front(), std::numeric_limits<float>::max());
+  EXPECT_GT(std::ranges::count_if(depths, [](float d) { return d < 20.0F; }), 400);
+  for (const auto& [first, rows] : {std::pair(-1, 10), std::pair(60, 0), std::pair(50, 11), std::pair(0, -1)})
+    EXPECT_EQ(refusal([&, firstRow = first, count = rows](VkCommandBuffer commands) {
+                renderer.record(commands, onDevice, options,
+                                {.pixels = range(pixels), .firstRow = firstRow, .rows = count});
+              }),
+              ErrorCode::Usage)
+        << first << " " << rows;
 
   const auto refused = [&](const auto& change) {
     FieldBuffer changed = onDevice;

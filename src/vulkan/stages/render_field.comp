@@ -36,6 +36,15 @@ float trilinear(vec3 q) {
 
 #include "scene/shade.glsl"
 
+vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
+  const float d = fieldDistance(p);
+  const float far = min(abs(d) / scene.sliceRange, 1);
+  const vec3 ground = d < 0 ? insideColour(scene, d)
+                      : far < 0.5 ? mix(scene.outside[0], scene.outside[1], 2 * far)
+                                  : mix(scene.outside[1], scene.outside[2], 2 * far - 1);
+  return drawContour(scene, drawIsoLines(ground, d, slope, scene.lineStep), d, slope);
+}
+
 // Returns the light of a point of the picture. Notes the distance from the eye to what is seen there first, so that no
 // register holds it while the shadows are traced.
 vec3 light(RenderSceneData scene, vec2 at, uint local) {
