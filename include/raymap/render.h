@@ -10,8 +10,8 @@
 
 namespace raymap {
 
-/// Draws the surface at distance zero on a light background. The camera stands where the shape fills the
-/// picture. The grid's box cuts off what reaches it.
+/// Draws the surface at the distance `iso` on a light background. Without `eye`, the camera stands where the
+/// shape fills the picture. The grid's box cuts off what reaches it.
 ///
 /// A field without a negative sample, such as an unsigned one, has no inside. It is drawn as a skin around
 /// its surface, 0.7 of the spacing thick, the least without gaps between samples.
@@ -26,8 +26,8 @@ namespace raymap {
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 
-/// Draws a mesh's triangles and its defects in colour. Of the options only those of the view count, of
-/// `machine` `threads` and `progress`.
+/// Draws a mesh's triangles and its defects in colour. Of the options only the size, `direction`, `up`
+/// and `fieldOfView` count, of `machine` `threads` and `progress`.
 ///
 /// Edges with one face are red, with more than two violet. Faces that cross others are orange, those that
 /// point against their neighbours blue, double-sided ones green, duplicates yellow, backs darker. Of faces in
