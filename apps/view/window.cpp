@@ -157,16 +157,18 @@ Gui::Gui(const Window& window, const Gpu& gpu, const Swapchain& swapchain) {
   info.ImageCount = std::max(swapchain.count(), 2u);
   info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
   info.CheckVkResultFn = [](VkResult result) { check(result, "drawing the panels"); };
-#if IMGUI_VERSION_NUM >= 19100
+#if IMGUI_VERSION_NUM >= 19030
   info.RenderPass = swapchain.overlay();
-  ImGui_ImplVulkan_Init(&info);  // Uploads its font by itself.
+  ImGui_ImplVulkan_Init(&info);
 #else
   ImGui_ImplVulkan_Init(&info, swapchain.overlay());
+#endif
+#if IMGUI_VERSION_NUM < 19000  // Later ones do it themselves.
   uploadFont(gpu);
 #endif
 }
 
-#if IMGUI_VERSION_NUM < 19100
+#if IMGUI_VERSION_NUM < 19000
 void Gui::uploadFont(const Gpu& gpu) const {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .queueFamilyIndex = gpu.handles().queueFamily};
