@@ -82,10 +82,14 @@ void Frame::readTimes() {
 
 void Frame::upload(std::span<const std::byte> bytes, const Buffer& to) {
   if (bytes.empty()) return;
-  const Buffer& staging = keep(gpu_.stage(bytes));
-  const VkBufferCopy all{.size = bytes.size()};
   barrier(commands_);
-  vkCmdCopyBuffer(commands_, staging.handle.get(), to.handle.get(), 1, &all);
+  if (constexpr size_t kMostInCommands = 65536; bytes.size() <= kMostInCommands) {
+    vkCmdUpdateBuffer(commands_, to.handle.get(), 0, bytes.size(), bytes.data());  // Allocates nothing.
+  } else {
+    const Buffer& staging = keep(gpu_.stage(bytes));
+    const VkBufferCopy all{.size = bytes.size()};
+    vkCmdCopyBuffer(commands_, staging.handle.get(), to.handle.get(), 1, &all);
+  }
   barrier(commands_);
 }
 

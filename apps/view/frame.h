@@ -8,7 +8,7 @@
 
 namespace raymap::view {
 
-/// What one frame on its way needs for itself.
+/// The command buffer, fence, semaphore and timestamps of one of the frames in flight.
 class Frame {
  public:
   explicit Frame(const Gpu& gpu);
@@ -26,7 +26,7 @@ class Frame {
 
   /// Keeps a buffer until the device has ended this work.
   const Buffer& keep(Buffer buffer) { return kept_.emplace_back(std::move(buffer)); }
-  /// Copies bytes of the host to the device within this work.
+  /// Copies bytes of the host to the device within this work. Their number is a multiple of 4.
   void upload(std::span<const std::byte> bytes, const Buffer& to);
 
   /// A stage of the work and its time.
