@@ -45,10 +45,16 @@ view::Content load(const fs::path& path, const std::string& clip) {
   view::Content content;
   if (hasExtension(path, {".gltf", ".glb"})) {
     const WaitingLine line("reading " + displayName(path.filename()));
+    std::vector<Warning> warnings;
+    const ReadOptions options{.warn = [&](const Warning& warning) { warnings.push_back(warning); }};
     AnimatedMesh mesh =
-        clip.empty() ? readAnimatedMesh(path, size_t{0}) : readAnimatedMesh(path, clip, {.warn = warn});
-    content = mesh.seconds() > 0.0 ? view::contentOf(std::move(mesh)) : view::contentOf(posed(mesh, 0.0));
-  } else {
+        clip.empty() ? readAnimatedMesh(path, size_t{0}, options) : readAnimatedMesh(path, clip, options);
+    if (mesh.seconds() > 0.0) {
+      for (const Warning& warning : warnings) warn(warning);
+      content = view::contentOf(std::move(mesh));
+    }
+  }
+  if (content.bounds.isEmpty()) {  // Nothing in it moves.
     std::variant<Mesh, Field> read = loadMeshOrField(path);
     content = std::visit([](auto& each) { return view::contentOf(std::move(each)); }, read);
   }
@@ -181,10 +187,9 @@ void open(Arguments& arguments) {
     std::fflush(stdout);
     return path.string();
   };
-  options.record = [](int width, int height) -> std::function<void(const Picture*)> {
-    constexpr double kFps = 24.0;
+  options.record = [](int width, int height, double fps) -> std::function<void(const Picture*)> {
     const fs::path path = freeName(".mp4");
-    const auto movie = std::make_shared<Movie>(path, width, height, kFps);
+    const auto movie = std::make_shared<Movie>(path, width, height, fps);
     return [movie, path](const Picture* picture) {
       if (picture) return movie->add(*picture);
       movie->finish();

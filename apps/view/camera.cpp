@@ -24,7 +24,7 @@ Camera::Camera(const RenderOptions& view, const Box& box, const WindowSize& wind
       tangent_(std::tan(view.fieldOfView * std::numbers::pi / 360.0)) {
   frame(box, window);
   if (!view.eye) return;
-  // What it looks at is as deep as the middle of the box.
+  // The target is as far away as the middle of the box.
   distance_ = std::max(glm::dot(box.centre() - *view.eye, forward_), 1e-3 * distance_);
   target_ = *view.eye + distance_ * forward_;
 }

@@ -11,14 +11,14 @@
 
 namespace raymap::view {
 
-/// What is shown: a mesh, an animated mesh or a field.
+/// A mesh, an animated mesh or a field to show.
 struct Content {
   std::string title = {};
   Mesh mesh = {};  ///< At rest, if it is animated; empty for a field.
   std::optional<AnimatedMesh> animated = {};
   std::vector<std::string> clips = {};  ///< Names of the file's animations.
   std::optional<Field> field = {};
-  Box bounds = {};  ///< Of the surface, in all poses.
+  Box bounds = {};  ///< Bounds of the surface, in all poses.
 
   double seconds() const { return animated ? animated->seconds() : 0.0; }
 };

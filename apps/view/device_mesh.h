@@ -12,7 +12,7 @@ class DeviceMesh {
  public:
   DeviceMesh(const Gpu& gpu, const Content& content);
 
-  /// Records what moves its vertices to a pose. `first` uploads what never changes; see `isUploaded`.
+  /// Records the commands that move its vertices to the pose of a time. The first call uploads the mesh.
   void record(Frame& frame, double seconds);
 
   vulkan::MeshBuffers buffers() const;

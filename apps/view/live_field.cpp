@@ -13,10 +13,6 @@ namespace {
 constexpr double kLiveMilliseconds = 60.0;  // Time of a field while things move.
 constexpr int kLeastResolution = 24;
 
-double bandOf(const FieldOptions& options, const Grid& grid) {
-  return options.band * grid.spacing;
-}
-
 }  // namespace
 
 LiveField::LiveField(const Gpu& gpu, const Content& content, DeviceMesh* mesh, bool isOnDevice,
@@ -96,7 +92,7 @@ bool LiveField::recordOnDevice(Frame& frame, const FieldSettings& settings, doub
     return false;
   }
   grid_ = wish.grid;
-  clampDistance_ = bandOf(wish.options, wish.grid);
+  clampDistance_ = wish.options.band * wish.grid.spacing;
   hasField_ = true;
   return true;
 }

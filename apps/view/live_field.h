@@ -9,7 +9,7 @@
 
 namespace raymap::view {
 
-/// What the field should be.
+/// Settings of the field of a mesh.
 struct FieldSettings {
   int resolution = 128;  ///< Samples along the longest side.
   FieldOptions options = {};
@@ -56,7 +56,7 @@ class LiveField {
   bool isOnDevice_;
   std::unique_ptr<vulkan::Generator> generator_;
   std::unique_ptr<FieldWorker> worker_;
-  std::optional<FieldWish> wish_;  ///< What the field is of.
+  std::optional<FieldWish> wish_;  ///< Settings and pose of the field on the device.
   Buffer distance_;
   Grid grid_ = {};
   double clampDistance_ = 0.0;

@@ -14,8 +14,9 @@ class MeshPass {
   explicit MeshPass(const Gpu& gpu);
 
   struct Target {
-    const Image& picture;       ///< In VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL.
-    const Image& nearest;       ///< Of `kDepthFormat`, in VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL.
+    const Image& picture;  ///< In VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL.
+    const Image&
+        nearest;  ///< Its format is `kDepthFormat`, its layout VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL.
     VkExtent2D size = {};       ///< Part of both images that is drawn.
     VkDeviceAddress depth = 0;  ///< Depth of the field's picture, in rows of `size`; 0: there is none.
   };

@@ -14,7 +14,7 @@ using uint = uint32_t;
 #define RAYMAP_VIEW_ADDRESS(Type) Type
 #endif
 
-// What both shaders of the mesh get. Positions are relative to the eye.
+// Push constants of the mesh's two shaders. Positions are relative to the eye.
 struct MeshPush {
   mat4 toClip;
   RAYMAP_VIEW_ADDRESS(Vectors) vertices;

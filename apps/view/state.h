@@ -37,7 +37,7 @@ struct ViewState {
   bool isHelpShown = false;
 };
 
-/// What a point of the picture shows.
+/// A point under the cursor, and the values there that are known.
 struct Probed {
   glm::dvec3 position{0.0};
   std::optional<double> distance = {};
@@ -46,19 +46,19 @@ struct Probed {
   std::optional<uint32_t> triangle = {};
 };
 
-/// What the panel tells.
+/// Figures and messages that the panel shows.
 struct PanelFigures {
   const Content& content;
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
   const std::vector<float>& history;  ///< Milliseconds of the last frames.
-  std::string message = {};           ///< What went wrong, or was done.
+  std::string message = {};           ///< Last error or result.
   std::optional<Probed> probed = {};
   std::vector<glm::dvec3> measured = {};
 };
 
-/// What was asked for by a button or a key.
+/// Actions that the user asked for by a button or a key.
 struct Wishes {
   bool frame = false;    ///< Show all.
   int axis = 0;          ///< 1, 2 or 3: look along x, y or z; negative: from the other side.

@@ -23,9 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kIdle = 0.25;         // Seconds to wait for an event while nothing moves.
-constexpr double kRecordedFps = 24.0;  // Frames of a record per second.
-constexpr size_t kHistory = 120;       // Frames whose times are shown.
+constexpr double kMaking = 1.0 / 60.0;  // Seconds to wait for an event while the CPU makes a field.
+constexpr double kIdle = 0.25;          // Seconds to wait for an event while nothing moves.
+constexpr size_t kHistory = 120;        // Frames whose times are shown.
 
 /// A frame takes faces as they point. So those that point the wrong way are turned once, beforehand, and the
 /// other sides of double-sided ones are removed.
@@ -43,7 +43,7 @@ void turnWrongFaces(Content& content, const FieldOptions& options, const Machine
     }
 }
 
-/// What is shown, and what the device and other threads hold of it.
+/// A mesh or field in the window, and the objects of the device and of other threads that belong to it.
 struct Shown {
   Shown(Content given, const Gpu& gpu, bool isOnDevice, const MachineOptions& machine)
       : content(std::move(given)),
@@ -56,7 +56,7 @@ struct Shown {
   Probe probe;
 };
 
-/// Where the cursor was in a frame, and the depth there once the device has ended it.
+/// The ray under the cursor in a frame. The device writes the depth along it.
 struct Hover {
   Buffer depth;
   std::optional<glm::dvec3> eye;
@@ -72,7 +72,7 @@ fs::file_time_type timeOf(const fs::path& path) {
 class Viewer {
  public:
   explicit Viewer(ViewerOptions& options);
-  ~Viewer() { gpu_.waitIdle(); }
+  ~Viewer() { vkDeviceWaitIdle(gpu_.device()); }  // Of a lost device, there is nothing to wait for.
 
   /// Runs until the window is closed.
   void run();
@@ -103,6 +103,8 @@ class Viewer {
   void askHover(Frame& frame, size_t slot);
   void advance(double seconds);
   void takePicture(Frame& frame);
+  void writePictures();
+  void endRecord();
   Picture readPicture() const;
   PanelFigures figures() const;
   RenderOptions view() const;
@@ -216,7 +218,9 @@ void Viewer::watchFile() {
     show(options_.input, true);
 }
 
+/// A movie has pictures of one size, so it ends here.
 void Viewer::resize() {
+  endRecord();
   gpu_.waitIdle();
   swapchain_.resize(window_.size());
   picture_.resize(swapchain_.size());
@@ -225,9 +229,8 @@ void Viewer::resize() {
 
 void Viewer::run() {
   while (!window_.isClosed()) {
-    const bool isBusy = isMoving_ || isStill() || !shown_->field.isCurrent() || shown_->field.isBusy() ||
-                        !picture_.isFinished();
-    window_.wait(isBusy ? 0.0 : kIdle);
+    const bool isDrawing = shown_->field.isReady() && (isMoving_ || !picture_.isFinished());
+    window_.wait(isDrawing || isStill() ? 0.0 : shown_->field.isCurrent() ? kIdle : kMaking);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
     const VkExtent2D size = window_.size();
@@ -235,7 +238,7 @@ void Viewer::run() {
     if (size.width != swapchain_.size().width || size.height != swapchain_.size().height) resize();
     step();
   }
-  if (recorder_) recorder_(nullptr);
+  endRecord();
 }
 
 void Viewer::advance(double seconds) {
@@ -273,13 +276,31 @@ void Viewer::step() {
   const bool fits = swapchain_.present(*image);
   if (isTaken) {
     gpu_.waitIdle();
-    const Picture picture = readPicture();
-    if (isPictureWanted_) message_ = "wrote " + options_.write(picture, command());
-    isPictureWanted_ = false;
-    if (recorder_) recorder_(&picture);
-    if (recorder_) advance(1.0 / kRecordedFps);
+    writePictures();
   }
   if (!fits) resize();
+}
+
+/// A file that cannot be written ends the record, not the window.
+void Viewer::writePictures() {
+  const Picture picture = readPicture();
+  try {
+    if (std::exchange(isPictureWanted_, false)) message_ = "wrote " + options_.write(picture, command());
+    if (recorder_) recorder_(&picture);
+    if (recorder_) advance(1.0 / options_.fps);
+  } catch (const Error& error) {
+    message_ = error.what();
+    recorder_ = {};
+  }
+}
+
+void Viewer::endRecord() {
+  if (!recorder_) return;
+  try {
+    std::exchange(recorder_, {})(nullptr);
+  } catch (const Error& error) {
+    message_ = error.what();
+  }
 }
 
 RenderOptions Viewer::view() const {
@@ -294,7 +315,7 @@ RenderOptions Viewer::view() const {
   // What the iso value adds must fit too.
   const double pad = std::max(view.iso, 0.0) + 0.5 * state.field.options.thickness;
   view.frame = Box{content().bounds.min - pad, content().bounds.max + pad};
-  const double band = state.field.options.band * shown_->field.grid().spacing;
+  const double band = shown_->field.buffer().clampDistance;
   if (band > 0.0) view.shell = std::min(view.shell, 0.99 * band);
   if (band > 0.0) view.iso = std::clamp(view.iso, -0.99 * band, 0.99 * band);
   return view;
@@ -311,7 +332,6 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   if (shown_->mesh) shown_->mesh->record(frame, state.seconds);
   const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_);
   if (isNew && shown_->field.isOnDevice()) frame.stamp("field");
-  if (!shown_->field.error().empty()) message_ = shown_->field.error();
   try {
     picture_.record(frame,
                     {.field = shown_->field,
@@ -464,13 +484,9 @@ void Viewer::obey(const Wishes& wishes) {
   }
   if (wishes.clip) show(options_.input, true);
   if (!wishes.record) return;
-  if (recorder_) {
-    recorder_(nullptr);
-    recorder_ = {};
-    return;
-  }
+  if (recorder_) return endRecord();
   try {
-    recorder_ = options_.record(windowSize().width, windowSize().height);
+    recorder_ = options_.record(windowSize().width, windowSize().height, options_.fps);
   } catch (const Error& error) {
     message_ = error.what();
   }
@@ -518,7 +534,7 @@ PanelFigures Viewer::figures() const {
           .grid = grid,
           .times = std::move(times),
           .history = history_,
-          .message = message_,
+          .message = field.error().empty() ? message_ : field.error(),
           .probed = probed_,
           .measured = measured_};
 }

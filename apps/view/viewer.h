@@ -19,8 +19,9 @@ struct ViewerOptions {
   std::function<std::string(const std::filesystem::path& path, const ViewState& state)> command = {};
   /// Takes the view that a command describes. Throws `Error(Usage)`.
   std::function<void(const std::string& command, ViewState& state)> apply = {};
+  double fps = 24.0;  ///< Frames of a record per second.
   /// Begins to record pictures of this size, and returns what takes each; null ends the record.
-  std::function<std::function<void(const Picture*)>(int width, int height)> record = {};
+  std::function<std::function<void(const Picture*)>(int width, int height, double fps)> record = {};
   /// Writes a picture that a command draws too, and returns its name.
   std::function<std::string(const Picture& picture, const std::string& command)> write = {};
 };

@@ -193,6 +193,18 @@ class ViewTest(unittest.TestCase):
             seen.append(picture)
         self.close()
 
+    def test_copies_a_view_and_takes_it_back(self):
+        window = self.open(self.mesh, "--resolution", "32")
+        window.keys("x")
+        first = window.picture()[0]
+        window.keys("ctrl+c")
+        window.drag(1, (400, 200), (450, 210), (500, 240))
+        window.keys("x")
+        self.assertGreater(differ(window.picture()[0], first)[1], 0.01)
+        window.keys("ctrl+v")
+        self.assertLess(differ(window.picture()[0], first)[1], 0.001)
+        self.close()
+
     def test_makes_fields_on_the_device_too(self):
         window = self.open(self.mesh, "--resolution", "40", "--device", "vulkan")
         picture, command = window.picture()
