@@ -28,6 +28,7 @@ constexpr double kWarp = 32.0;
 constexpr double kInstructionsPerOperation = 1.15;
 constexpr double kWorthARow = 0.02;  ///< Share of the whole time that a kernel needs for a row of its own.
 constexpr const char* kReadBack = "read_back";
+constexpr int kMeasuredRuns = 5;
 
 /// Tells the counter which stage is being recorded.
 class CountedBackend : public vulkan::Backend {
@@ -225,17 +226,51 @@ std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mesh
   return commands;
 }
 
+/// Returns the name of a stage's kernel among measured times.
+std::string partName(const std::string& stage, const std::string& part) {
+  return stage + "/" + part;
+}
+
+/// Returns the milliseconds of each stage's kernels, fills and copies: the least of a few runs.
+std::map<std::string, double> measureParts(const vulkan::DeviceOptions& where, const Mesh& mesh,
+                                           const Grid& grid, const FieldOptions& options) {
+  vulkan::WorkCounter timer(vulkan::Measured::Time);
+  vulkan::Device device(where);
+  const StopAtEnd end{timer};
+  std::map<std::string, double> least;
+  timer.start(device);
+  CountedBackend backend(device, timer);
+  Field field;
+  Progress progress;
+  for (int run = 0; run < kMeasuredRuns; ++run) {
+    timer.clear();
+    backend.take({mesh, grid, options, progress, field});
+    runPipeline(backend);
+    if (run == 0) continue;  // It allocates.
+    std::map<std::string, double> times;
+    for (const CountedCommand& command : timer.commands())
+      times[partName(command.stage, command.name)] += command.milliseconds;
+    for (const auto& [name, milliseconds] : times) {
+      const auto [at, isNew] = least.try_emplace(name, milliseconds);
+      if (!isNew) at->second = std::min(at->second, milliseconds);
+    }
+  }
+  return least;
+}
+
+bool isSoftware(const vulkan::DeviceOptions& where) {
+  return vulkan::Device(where).info().type == DeviceType::Software;
+}
+
 /// Returns the milliseconds of each stage, and of all from the mesh to the field, without counters.
 std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
                                       const FieldOptions& options) {
   vulkan::Device device(where);
   std::map<std::string, double> times;
-  if (device.info().type == DeviceType::Software) return times;
   vulkan::Backend backend(device);
   Field field;
   Progress progress;
-  constexpr int kRuns = 5;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < kMeasuredRuns; ++run) {
     backend.take({mesh, grid, options, progress, field});
     runPipeline(backend);
     if (run == 0) continue;  // It allocates.
@@ -249,7 +284,9 @@ std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const 
   return times;
 }
 
-void printRow(const std::string& name, const Work& work, const std::map<std::string, double>& times) {
+/// Prints a row. `key` is its name among the measured times.
+void printRow(const std::string& name, const std::string& key, const Work& work,
+              const std::map<std::string, double>& times) {
   std::string bounds;
   for (const auto& [bound, seconds] : work.bounds) {
     if (seconds < 0.1 * work.seconds) continue;
@@ -259,8 +296,8 @@ void printRow(const std::string& name, const Work& work, const std::map<std::str
   std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f | %.3f | %s |", name.c_str(), work.steps,
               work.commands, 1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds,
               1e3 * work.least, 1e3 * work.seconds, bounds.c_str());
-  if (const auto time = times.find(name); time != times.end()) std::printf(" %.3f |", time->second);
-  std::puts(times.contains(name) ? "" : " |");
+  if (const auto time = times.find(key); time != times.end()) std::printf(" %.3f |", time->second);
+  std::puts(times.contains(key) ? "" : " |");
 }
 
 void printTable(const std::vector<CountedCommand>& commands, const Card& card,
@@ -278,18 +315,28 @@ void printTable(const std::vector<CountedCommand>& commands, const Card& card,
   all.seconds += waits;
   all.bounds["waits for the host"] += waits;
   for (const auto& [name, work, parts] : stages) {
-    printRow(name, work, times);
+    printRow(name, name, work, times);
     for (const StageWork& part : parts)
       if (parts.size() > 1 && part.work.seconds > kWorthARow * all.seconds)
-        printRow("– " + part.name, part.work, {});
+        printRow("– " + part.name, partName(name, part.name), part.work, times);
   }
-  printRow("all", all, times);
+  printRow("all", "all", all, times);
+}
+
+void printTimes(const std::map<std::string, double>& times) {
+  std::puts("| stage/kernel | ms |\n|---|---|");
+  for (const auto& [name, milliseconds] : times) std::printf("| %s | %.3f |\n", name.c_str(), milliseconds);
 }
 
 void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution,
-               const FieldOptions& options, const Card& card) {
+               const FieldOptions& options, const Card& card, bool timesOnly) {
   const Grid grid = fitGrid(mesh, {.resolution = resolution});
-  const std::map<std::string, double> times = measure(where, mesh, grid, options);
+  std::map<std::string, double> times;
+  if (timesOnly || !isSoftware(where)) {
+    times = measure(where, mesh, grid, options);
+    times.merge(measureParts(where, mesh, grid, options));
+  }
+  if (timesOnly) return printTimes(times);
   printTable(count(where, mesh, grid, options), card, times);
 }
 
@@ -307,7 +354,7 @@ void countWork(const CountOptions& options) {
         std::printf("\n%s, %zu triangles, %s, %d samples:\n\n", name.c_str(), mesh.triangles.size(),
                     setting.c_str(), resolution);
         try {
-          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.card);
+          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.card, options.timesOnly);
         } catch (const Error& error) {
           if (error.code() != ErrorCode::Memory) throw;
           std::puts(error.what());

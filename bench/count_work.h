@@ -21,10 +21,11 @@ struct CountOptions {
   std::vector<std::string> meshes = {"bunny", "million"};
   std::vector<std::string> settings = {"default", "quick"};
   std::vector<int> resolutions = {50, 128, 256, 512};
+  bool timesOnly = false;  ///< Measures the times of all kernels, and counts nothing.
 };
 
 /// Counts the work of fields stage by stage, and prints tables with the times that follow from it. Beside
-/// them stand the times of a run without counters, unless the device computes in software.
+/// them stand the times of runs without counters, unless the device computes in software.
 void countWork(const CountOptions& options);
 
 }  // namespace raymap::bench

@@ -23,33 +23,19 @@ uint32_t faceHash(const PackedMesh& mesh, const glm::uvec3& t) {
   return uint32_t(hashOf(sum(0), sum(1), sum(2)) >> 32);
 }
 
-/// Counts hashes up to two. There are 16 slots or more for each face, so few faces share a slot by accident.
+/// Counts hashes up to two.
 class HashCounter {
  public:
-  explicit HashCounter(size_t faces)
-      : shift_(32 - std::min<int>(std::bit_width(std::max<size_t>(16 * faces, 64) - 1), 32)),
-        once_((size_t{1} << (32 - shift_)) / 64),
-        twice_(once_.size()) {}
+  explicit HashCounter(size_t slots) : once_(slots / 64), twice_(slots / 64) {}
 
-  void add(uint32_t hash) {
-    const uint32_t slot = hash >> shift_;
+  void add(size_t slot) {
     const uint64_t bit = uint64_t{1} << slot % 64, once = once_[slot / 64];
     if (once & bit) twice_[slot / 64] |= bit;
     once_[slot / 64] = once | bit;
   }
-  void add(const HashCounter& other) {
-    for (size_t w = 0; w < once_.size(); ++w) {
-      twice_[w] |= other.twice_[w] | (once_[w] & other.once_[w]);
-      once_[w] |= other.once_[w];
-    }
-  }
-  bool hasTwo(uint32_t hash) const {
-    const uint32_t slot = hash >> shift_;
-    return (twice_[slot / 64] >> slot % 64 & 1) != 0;
-  }
+  bool hasTwo(size_t slot) const { return (twice_[slot / 64] >> slot % 64 & 1) != 0; }
 
  private:
-  int shift_;
   std::vector<uint64_t> once_, twice_;
 };
 
@@ -67,24 +53,35 @@ void forEachRun(std::span<const uint64_t> pairs, Work&& work) {
   }
 }
 
+/// Returns the number of slots, a power of two, to count the hashes of faces in. There are 16 or more for each
+/// face, so few faces share a slot by accident.
+uint64_t slotCount(size_t faces) {
+  return std::min(std::bit_ceil(std::max<uint64_t>(16 * uint64_t{faces}, 64)), uint64_t{1} << 32);
+}
+
 /// Returns the faces whose hash is that of another face too, and a few more, each paired with its hash.
+/// Each part counts the hashes in its share of the slots.
 std::vector<uint64_t> findCandidates(const PackedMesh& mesh) {
-  const size_t count = mesh.triangles.size(), parts = std::min(parallelThreads(), count / 65536 + 1);
-  const auto forEachFace = [&](auto&& work) {
-    parallelFor(parts, 1, [&](size_t part, size_t) {
-      for (size_t f = count * part / parts; f < count * (part + 1) / parts; ++f) work(part, f);
-    });
-  };
+  const size_t count = mesh.triangles.size();
   Buffer<uint32_t> hashes(count);
-  std::vector<HashCounter> counters(parts, HashCounter(count));
-  forEachFace([&](size_t part, size_t f) {
-    hashes[f] = faceHash(mesh, mesh.triangles[f]);
-    counters[part].add(hashes[f]);
+  parallelFor(count, kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t f = begin; f < end; ++f) hashes[f] = faceHash(mesh, mesh.triangles[f]);
   });
-  for (size_t part = 1; part < parts; ++part) counters[0].add(counters[part]);
+  const uint64_t slots = slotCount(count);
+  const uint64_t parts = std::bit_ceil(std::min<uint64_t>(parallelThreads(), count / kCheapGrain + 1));
+  const uint64_t slotsEach = std::max<uint64_t>(slots / parts, 64);
+  const int shift = 32 - std::countr_zero(slots);
   std::vector<std::vector<uint64_t>> found(parts);
-  forEachFace([&](size_t part, size_t f) {
-    if (counters[0].hasTwo(hashes[f])) found[part].push_back(paired(hashes[f], uint32_t(f)));
+  parallelFor(parts, 1, [&](size_t part, size_t) {
+    std::vector<uint64_t>& pairs = found[part];
+    HashCounter counter(slotsEach);
+    for (size_t f = 0; f < count; ++f) {
+      const uint64_t slot = hashes[f] >> shift;
+      if (slot / slotsEach != part) continue;
+      counter.add(slot % slotsEach);
+      pairs.push_back(paired(hashes[f], uint32_t(f)));
+    }
+    std::erase_if(pairs, [&](uint64_t pair) { return !counter.hasTwo((pair >> 32 >> shift) % slotsEach); });
   });
   std::vector<uint64_t> candidates;
   for (const std::vector<uint64_t>& part : found)

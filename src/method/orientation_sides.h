@@ -93,10 +93,11 @@ void orientFaces(B& backend) {
   const FieldOptions& options = backend.options();
   if (!mayTurnFaces(options)) return;
   FaceSides& sides = backend.faceSides();
-  sides.doubtfulShare = backend.doubtfulShare();
   const bool isForced = options.orientation == Orientation::Repair;
+  // Before the host waits for the device's findings, so that it searches meanwhile.
   const ExaminedMesh examined{
       .mesh = backend.mesh(), .doubleSided = backend.doubleSidedFaces(), .spacing = backend.spacing()};
+  sides.doubtfulShare = backend.doubtfulShare();
   const bool hasDouble = !examined.doubleSided.empty();
   if (sides.doubtfulShare == 0.0 && !isForced && !hasDouble) return;
 

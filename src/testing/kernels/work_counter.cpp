@@ -30,7 +30,12 @@ struct PipelineInfo {
 }  // namespace
 
 struct WorkCounter::State {
+  Measured measured = Measured::Work;
   DeviceBuffer counters, log;
+  QueryPool stamps;  // Times of the commands, after one of the submission's beginning.
+  double period = 0.0;
+  VkDevice device = VK_NULL_HANDLE;
+  size_t submitted = 0;  // Commands of other submissions than the one that is recorded.
   std::mutex mutex;  // Kernels may be made on several threads.
   std::map<VkShaderModule, std::string> modules;
   std::map<VkPipeline, PipelineInfo> pipelines;
@@ -54,7 +59,10 @@ struct WorkCounter::State {
                         .work = work});
   }
   uint64_t touchableBytes() const;
+  void stamp(VkCommandBuffer buffer);
   void harvest();
+  void harvestWork();
+  void harvestTimes();
 };
 
 /// Sums the sizes of the buffers from the pointers on, each buffer once.
@@ -73,8 +81,32 @@ uint64_t WorkCounter::State::touchableBytes() const {
   return sum;
 }
 
-/// Reads the log of a completed submission.
+/// Writes the time at which the last command ends.
+void WorkCounter::State::stamp(VkCommandBuffer buffer) {
+  if (measured != Measured::Time) return;
+  const size_t query = commands.size() - submitted;
+  if (query >= kLogEntries) throw std::length_error("more commands than there are queries for their times");
+  vkCmdWriteTimestamp2(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps.get(), uint32_t(query));
+}
+
 void WorkCounter::State::harvest() {
+  if (measured == Measured::Time) harvestTimes();
+  harvestWork();
+  ++submission;
+}
+
+void WorkCounter::State::harvestTimes() {
+  std::vector<uint64_t> ticks(commands.size() - submitted + 1);
+  check(vkGetQueryPoolResults(device, stamps.get(), 0, uint32_t(ticks.size()), ticks.size() * sizeof(uint64_t),
+                              ticks.data(), sizeof(uint64_t),
+                              VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "reading the times of commands");
+  for (size_t i = 1; i < ticks.size(); ++i)
+    commands[submitted + i - 1].milliseconds = 1e-6 * period * double(ticks[i] - ticks[i - 1]);
+}
+
+/// Reads the log of a completed submission.
+void WorkCounter::State::harvestWork() {
   const std::span<const LogEntry> entries = log.mapped<const LogEntry>();
   for (size_t i = 0; i < pending.size(); ++i) {
     CountedCommand& command = commands[pending[i]];
@@ -84,7 +116,6 @@ void WorkCounter::State::harvest() {
     command.groups = uint64_t{groups.x} * groups.y * groups.z;
   }
   pending.clear();
-  ++submission;
 }
 
 /// The entries of Vulkan's function table that count.
@@ -105,16 +136,19 @@ struct WorkCounter::Entries {
   ReplacedEntry<PFN_vkCmdUpdateBuffer> update{vkCmdUpdateBuffer, updateBuffer};
   ReplacedEntry<PFN_vkCmdCopyBuffer> copy{vkCmdCopyBuffer, copyBuffer};
   ReplacedEntry<PFN_vkCmdPipelineBarrier2> barrier{vkCmdPipelineBarrier2, placeBarrier};
+  ReplacedEntry<PFN_vkBeginCommandBuffer> begin{vkBeginCommandBuffer, beginCommands};
   ReplacedEntry<PFN_vkWaitForFences> wait{vkWaitForFences, waitForFences};
 
   static VKAPI_ATTR VkResult VKAPI_CALL makeModule(VkDevice device, const VkShaderModuleCreateInfo* info,
                                                    const VkAllocationCallbacks* allocator,
                                                    VkShaderModule* module) {
-    const std::vector<uint32_t> code =
-        withCounters({info->pCode, info->codeSize / sizeof(uint32_t)}, state->counters.address());
+    std::vector<uint32_t> code;
     VkShaderModuleCreateInfo counting = *info;
-    counting.codeSize = code.size() * sizeof(uint32_t);
-    counting.pCode = code.data();
+    if (state->measured == Measured::Work) {
+      code = withCounters({info->pCode, info->codeSize / sizeof(uint32_t)}, state->counters.address());
+      counting.codeSize = code.size() * sizeof(uint32_t);
+      counting.pCode = code.data();
+    }
     const VkResult result = current->createModule.real()(device, &counting, allocator, module);
     const std::lock_guard lock(state->mutex);
     if (result == VK_SUCCESS) state->modules[*module] = shaderName(*info);
@@ -180,6 +214,10 @@ struct WorkCounter::Entries {
 
   static VKAPI_ATTR void VKAPI_CALL dispatchFrom(VkCommandBuffer buffer, VkBuffer arguments,
                                                  VkDeviceSize offset) {
+    if (state->measured == Measured::Time) {
+      current->dispatchIndirect.real()(buffer, arguments, offset);
+      return addDispatch(buffer, 0);
+    }
     const VkBufferCopy region{.srcOffset = offset,
                               .dstOffset = logOffset() + offsetof(LogEntry, groups),
                               .size = sizeof(VkDispatchIndirectCommand)};
@@ -193,23 +231,36 @@ struct WorkCounter::Entries {
                                                VkDeviceSize size, uint32_t value) {
     current->fill.real()(buffer, to, offset, size, value);
     state->add("fill", 0, 0, {.bytesWritten = size});
+    state->stamp(buffer);
   }
 
   static VKAPI_ATTR void VKAPI_CALL updateBuffer(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset,
                                                  VkDeviceSize size, const void* values) {
     current->update.real()(buffer, to, offset, size, values);
     state->add("update", 0, 0, {.bytesWritten = size});
+    state->stamp(buffer);
   }
 
   static VKAPI_ATTR void VKAPI_CALL copyBuffer(VkCommandBuffer buffer, VkBuffer from, VkBuffer to,
                                                uint32_t count, const VkBufferCopy* regions) {
     current->copy.real()(buffer, from, to, count, regions);
     state->add("copy", 0, 0, {.bytesRead = regions->size, .bytesWritten = regions->size});
+    state->stamp(buffer);
   }
 
   static VKAPI_ATTR void VKAPI_CALL placeBarrier(VkCommandBuffer buffer, const VkDependencyInfo* info) {
     current->barrier.real()(buffer, info);
     ++state->step;
+  }
+
+  static VKAPI_ATTR VkResult VKAPI_CALL beginCommands(VkCommandBuffer buffer,
+                                                      const VkCommandBufferBeginInfo* info) {
+    const VkResult result = current->begin.real()(buffer, info);
+    if (result != VK_SUCCESS || !state->stamps) return result;
+    state->submitted = state->commands.size();
+    vkCmdResetQueryPool(buffer, state->stamps.get(), 0, kLogEntries);
+    state->stamp(buffer);
+    return result;
   }
 
   static VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, const VkFence* fences,
@@ -221,8 +272,13 @@ struct WorkCounter::Entries {
 
   static VkDeviceSize logOffset() { return state->log.offset() + state->pending.size() * sizeof(LogEntry); }
 
-  /// Moves the counters of the dispatch before into the log, and clears them.
   static void logDispatch(VkCommandBuffer buffer, uint64_t groups) {
+    if (state->measured == Measured::Work) logCounters(buffer);
+    addDispatch(buffer, groups);
+  }
+
+  /// Moves the counters of the dispatch before into the log, and clears them.
+  static void logCounters(VkCommandBuffer buffer) {
     if (state->pending.size() == kLogEntries) throw std::length_error("more dispatches than the log holds");
     const DeviceBuffer& counters = state->counters;
     const VkBufferCopy region{
@@ -232,14 +288,18 @@ struct WorkCounter::Entries {
     wholeBarrier(buffer);
     current->fill.real()(buffer, counters.handle(), counters.offset(), counters.bytes(), 0);
     wholeBarrier(buffer);
+    state->pending.push_back(state->commands.size());
+  }
+
+  static void addDispatch(VkCommandBuffer buffer, uint64_t groups) {
     const bool isMore = !state->commands.empty() && state->commands.back().step == state->step &&
                         state->commands.back().name == state->bound.name &&
                         state->pointers == state->pointersBefore;
     state->pointersBefore = state->pointers;
-    state->pending.push_back(state->commands.size());
     state->add(state->bound.name, groups, state->bound.groupSize, {});
     state->commands.back().touchableBytes = state->touchableBytes();
     state->commands.back().isMore = isMore;
+    state->stamp(buffer);
   }
 
   static void wholeBarrier(VkCommandBuffer buffer) {
@@ -255,7 +315,8 @@ struct WorkCounter::Entries {
   }
 };
 
-WorkCounter::WorkCounter() : state_(std::make_unique<State>()) {
+WorkCounter::WorkCounter(Measured measured) : state_(std::make_unique<State>()) {
+  state_->measured = measured;
   sharedInstance();  // Loads the functions.
   Entries::state = state_.get();
   entries_ = std::make_unique<Entries>();
@@ -269,6 +330,15 @@ WorkCounter::~WorkCounter() {
 }
 
 void WorkCounter::start(Device& device) {
+  if (state_->measured == Measured::Time) {
+    state_->device = device.handle();
+    state_->period = device.limits().timestampPeriod;
+    const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                     .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                     .queryCount = kLogEntries};
+    create(state_->stamps, device.handle(), vkCreateQueryPool, info, "making queries for times");
+    return clear();
+  }
   state_->counters = DeviceBuffer(device, "work counters");
   state_->counters.resize<WorkCounters>(1);
   state_->log = DeviceBuffer(device, "log of the work counters", MemoryUse::ReadBack);
@@ -280,6 +350,7 @@ void WorkCounter::start(Device& device) {
 }
 
 void WorkCounter::stop() {
+  state_->stamps = {};
   state_->counters.release();
   state_->log.release();
 }
@@ -291,6 +362,7 @@ void WorkCounter::setStage(const std::string& stage) {
 void WorkCounter::clear() {
   state_->commands.clear();
   state_->pending.clear();
+  state_->submitted = 0;
   state_->step = state_->submission = 0;
 }
 

@@ -20,19 +20,26 @@ struct CountedCommand {
   uint64_t touchableBytes = 0;  ///< Sum of the sizes of the buffers that its push constants point into.
   bool isMore = false;          ///< Whether it is a further part of the dispatch before.
   WorkCounters work{};
+  double milliseconds = 0.0;  ///< From the end of the command before to its end; 0 unless times are measured.
 };
 
-/// Counts what a device does: every command, barrier and submission that the product records, and the work of
-/// every dispatch. The product runs as it is. Its kernels are changed to count their own work, which makes
-/// them slower. Construct one before the `Device`, make all kernels while it lives; one at a time.
+/// What is measured of a command besides what the product records.
+enum class Measured {
+  Work,  ///< The work of every dispatch. Kernels are changed to count it themselves, which makes them slower.
+  Time   ///< The time of every command, by the device's clock. Kernels stay as they are.
+};
+
+/// Measures what a device does: every command, barrier and submission that the product records, and the work
+/// or the time of each. The product runs as it is. Construct one before the `Device`, make all kernels while
+/// it lives; one at a time.
 class WorkCounter {
  public:
-  WorkCounter();
+  explicit WorkCounter(Measured measured = Measured::Work);
   ~WorkCounter();
   WorkCounter(const WorkCounter&) = delete;
   WorkCounter& operator=(const WorkCounter&) = delete;
 
-  /// Reserves memory for the counters. Kernels must be made afterwards.
+  /// Reserves memory for the counters, and queries for the times. Kernels must be made afterwards.
   void start(Device& device);
   /// Releases the memory; call it before the device is destroyed.
   void stop();

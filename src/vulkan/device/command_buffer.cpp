@@ -23,7 +23,7 @@ Commands CommandBuffer::begin() {
   return {buffer_, device_->pipelineLayout(), &timer_};
 }
 
-void CommandBuffer::submitAndWait() {
+void CommandBuffer::submit() {
   showAll(buffer_);
   check(vkEndCommandBuffer(buffer_), "recording commands");
   const VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
@@ -34,6 +34,10 @@ void CommandBuffer::submitAndWait() {
   const VkFence fence = fence_.get();
   check(vkResetFences(device_->handle(), 1, &fence), "resetting a fence");
   check(vkQueueSubmit2(device_->queue(), 1, &submit, fence), "submitting work to the device");
+}
+
+void CommandBuffer::wait() {
+  const VkFence fence = fence_.get();
   check(vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX), "waiting for the device");
 }
 

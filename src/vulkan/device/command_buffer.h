@@ -9,10 +9,16 @@ class CommandBuffer {
  public:
   explicit CommandBuffer(Device& device);
 
-  /// Discards what was recorded. The result is valid until `submitAndWait`.
+  /// Discards what was recorded. The result is valid until `submit`.
   Commands begin();
-  /// Submits what was recorded and waits. The host can then read the results.
-  void submitAndWait();
+  /// Submits what was recorded.
+  void submit();
+  /// Waits for what was submitted. The host can then read the results.
+  void wait();
+  void submitAndWait() {
+    submit();
+    wait();
+  }
   /// Returns the times of the last run's stages.
   std::span<const StageTime> times() { return timer_.read(); }
 

@@ -113,10 +113,10 @@ void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, 
 }
 
 void Commands::copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to,
-                        VkDeviceSize bytes) {
+                        VkDeviceSize at, VkDeviceSize bytes) {
   if (bytes == 0) return;
   barrier();
-  const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = to.offset(), .size = bytes};
+  const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = to.offset() + at, .size = bytes};
   vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "base/memory.h"
+#include "base/parallel.h"
 
 namespace raymap::vulkan {
 
@@ -15,11 +16,18 @@ namespace {
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
 
-/// Returns the bytes of a field to copy at once: a quarter. A lower limit keeps the wait shorter than the
-/// copy; an upper limit keeps the piece in the host's caches.
+/// Returns the bytes of the buffer through which a field comes: a quarter of the field. A lower limit keeps
+/// the wait shorter than the copy; an upper limit keeps the buffer in the host's caches.
 uint64_t pieceBytes(uint64_t fieldBytes) {
   constexpr uint64_t kLeast = uint64_t{1} << 20, kMost = uint64_t{1} << 24;
   return std::min(fieldBytes, std::clamp(fieldBytes / 4, kLeast, kMost));
+}
+
+/// Copies from a buffer that the host shares with the device: for one thread that takes longer than the bus.
+void copyToHost(std::byte* to, const std::byte* from, size_t bytes) {
+  constexpr size_t kGrain = size_t{1} << 18;
+  parallelFor(bytes, kGrain,
+              [&](size_t begin, size_t end) { std::memcpy(to + begin, from + begin, end - begin); });
 }
 
 }  // namespace
@@ -106,10 +114,13 @@ void Backend::stopStage() {
   openStage_ = nullptr;
 }
 
-void Backend::run() {
+template <class Work>
+void Backend::runBeside(Work&& work) {
   const char* const stage = openStage_;
   if (stage) stopStage();
-  commandBuffer_.submitAndWait();
+  commandBuffer_.submit();
+  work();
+  commandBuffer_.wait();
   for (const StageTime& time : commandBuffer_.times()) {
     const double end = time.start + time.milliseconds;
     if (time.name == std::string_view(kMeshStage)) meshReady_ = end;
@@ -121,6 +132,10 @@ void Backend::run() {
   }
   continueIn(newCommands());
   if (stage) startStage(stage);
+}
+
+void Backend::run() {
+  runBeside([] {});
 }
 
 Commands Backend::newCommands() {
@@ -137,8 +152,23 @@ void Backend::onProgress(double done) {
 
 double Backend::doubtfulShare() {
   if (doubtfulShare_) return *doubtfulShare_;
+  return countDoubtful([] {});
+}
+
+DoubleSidedFaces Backend::doubleSidedFaces() {
+  DoubleSidedFaces faces;
+  const auto search = [&] { faces = findDoubleSidedFaces(mesh()); };
+  if (doubtfulShare_)
+    search();
+  else
+    countDoubtful(search);
+  return faces;
+}
+
+template <class Work>
+double Backend::countDoubtful(Work&& work) {
   recordFindings(findings_.handle(), findings_.offset());
-  run();
+  runBeside(work);
   const Findings& findings = findings_.mapped<Findings>().front();
   if (std::optional<Error> error = failureOf(findings.crossings)) throw *error;
   doubtfulShare_ = double(findings.doubtful) / double(sampleCount());
@@ -219,7 +249,7 @@ void Backend::finish() {
 
 bool Backend::complete() {
   recordFindings(findings_.handle(), findings_.offset());
-  recordPiece(distance_, 0);
+  recordPart(distance_, 0);
   run();
   const Findings& findings = findings_.mapped<Findings>().front();
   if (fits(findings)) return true;
@@ -238,21 +268,34 @@ void Backend::readResults() {
   readBack(confidence_, field.confidence.data());
 }
 
-void Backend::recordPiece(const DeviceBuffer& result, uint64_t first) {
+uint64_t Backend::partBytes(const DeviceBuffer& result) const {
+  return result.bytes() <= piece_.bytes() ? result.bytes() : piece_.bytes() / 8 * 4;
+}
+
+/// Records the copy of a part to its half of the buffer for the host.
+void Backend::recordPart(const DeviceBuffer& result, uint64_t first) {
+  const uint64_t each = partBytes(result);
   startStage(kReadBackStage);
-  commands().copyPart(result, first, piece_, std::min(piece_.bytes(), result.bytes() - first));
+  commands().copyPart(result, first, piece_, first / each % 2 * each, std::min(each, result.bytes() - first));
   stopStage();
 }
 
-/// Copies piece by piece: a read-back buffer for the whole field would take a sixth of a run's memory.
+/// Copies part by part: a buffer for the whole field would take a sixth of a run's memory. The device fills
+/// one half of the buffer while the host empties the other.
 void Backend::readBack(const DeviceBuffer& result, void* to, bool isFirstThere) {
-  for (uint64_t done = 0; done < result.bytes(); done += piece_.bytes()) {
-    if (done > 0 || !isFirstThere) {
-      recordPiece(result, done);
-      run();
-    }
-    std::memcpy(static_cast<std::byte*>(to) + done, piece_.mapped<std::byte>().data(),
-                std::min(piece_.bytes(), result.bytes() - done));
+  const uint64_t bytes = result.bytes(), each = partBytes(result);
+  if (bytes > 0 && !isFirstThere) {
+    recordPart(result, 0);
+    run();
+  }
+  for (uint64_t first = 0; first < bytes; first += each) {
+    const auto keep = [&] {
+      copyToHost(static_cast<std::byte*>(to) + first,
+                 piece_.mapped<std::byte>().data() + first / each % 2 * each, std::min(each, bytes - first));
+    };
+    if (first + each >= bytes) return keep();
+    recordPart(result, first + each);
+    runBeside(keep);
   }
 }
 

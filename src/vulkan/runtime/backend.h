@@ -39,7 +39,8 @@ class Backend : public StageRecorder, private RecordingListener {
   double doubtfulShare();
 
   FaceSides& faceSides() { return faceSides_; }
-  DoubleSidedFaces doubleSidedFaces() { return findDoubleSidedFaces(mesh()); }
+  /// Searches while the device works on what is recorded.
+  DoubleSidedFaces doubleSidedFaces();
   void turnFaces(const Turns& turns);
   double misfit();
   bool contradictsParity() const { return orientationStage().contradictsParity(); }
@@ -64,7 +65,12 @@ class Backend : public StageRecorder, private RecordingListener {
  private:
   void startStage(const char* name);
   void stopStage();
-  /// Runs all recorded work.
+  /// Runs all recorded work, and meanwhile `work` on the host.
+  template <class Work>
+  void runBeside(Work&& work);
+  /// Reads the share of doubtful samples, and does `work` on the host until it is there.
+  template <class Work>
+  double countDoubtful(Work&& work);
   void run();
   /// Returns commands that record into our command buffer from its beginning.
   Commands newCommands();
@@ -73,7 +79,9 @@ class Backend : public StageRecorder, private RecordingListener {
   Extent extentOf(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options) const;
   void reserveResults();
   std::span<const float> measureRises(float farSides);
-  void recordPiece(const DeviceBuffer& result, uint64_t first);
+  /// Returns the bytes of a result that are copied at once.
+  uint64_t partBytes(const DeviceBuffer& result) const;
+  void recordPart(const DeviceBuffer& result, uint64_t first);
   void readBack(const DeviceBuffer& result, void* to, bool isFirstThere = false);
 
   Device* device_;

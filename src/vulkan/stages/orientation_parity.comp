@@ -3,9 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/orientation.glsl"
+#include "vulkan/stages/sixth.glsl"
 
 void main() {
   const uint index = invocationIndex();
   if (index >= sampleCount()) return;
-  push.field.at[index] = float(countOddRays(sampleAt(index))) / 6.0;
+  push.field.at[index] = sixth(countOddRays(sampleAt(index)));
 }
