@@ -59,29 +59,40 @@ uint64_t slotCount(size_t faces) {
   return std::min(std::bit_ceil(std::max<uint64_t>(16 * uint64_t{faces}, 64)), uint64_t{1} << 32);
 }
 
+/// Calls `work(face)` for each face whose hash begins with the bits `part`, of which there are `32 - shift`.
+template <class Work>
+void forEachFaceOf(uint64_t part, int shift, std::span<const uint32_t> hashes, Work&& work) {
+  std::array<uint32_t, 1024> faces;  // Chosen without branches, which no processor could predict.
+  for (size_t begin = 0; begin < hashes.size(); begin += faces.size()) {
+    size_t chosen = 0;
+    for (size_t f = begin; f < std::min(begin + faces.size(), hashes.size()); ++f) {
+      faces[chosen] = uint32_t(f);
+      chosen += uint64_t{hashes[f]} >> shift == part ? 1 : 0;
+    }
+    for (size_t k = 0; k < chosen; ++k) work(faces[k]);
+  }
+}
+
 /// Returns the faces whose hash is that of another face too, and a few more, each paired with its hash.
-/// Each part counts the hashes in its share of the slots.
+/// Each part counts the hashes that begin with its bits, so that its counter stays in a processor's cache.
 std::vector<uint64_t> findCandidates(const PackedMesh& mesh) {
+  constexpr size_t kGrain = size_t{1} << 13;
   const size_t count = mesh.triangles.size();
   Buffer<uint32_t> hashes(count);
-  parallelFor(count, kCheapGrain, [&](size_t begin, size_t end) {
+  parallelFor(count, kGrain, [&](size_t begin, size_t end) {
     for (size_t f = begin; f < end; ++f) hashes[f] = faceHash(mesh, mesh.triangles[f]);
   });
-  const uint64_t slots = slotCount(count);
-  const uint64_t parts = std::bit_ceil(std::min<uint64_t>(parallelThreads(), count / kCheapGrain + 1));
-  const uint64_t slotsEach = std::max<uint64_t>(slots / parts, 64);
-  const int shift = 32 - std::countr_zero(slots);
+  const uint64_t parts = std::bit_ceil(std::min<uint64_t>(parallelThreads(), count / kGrain + 1));
+  const uint64_t slotsEach = std::max<uint64_t>(slotCount(count) / parts, 64);
+  const int partShift = 32 - std::countr_zero(parts), slotShift = partShift - std::countr_zero(slotsEach);
+  const auto slotOf = [&](size_t f) { return hashes[f] >> slotShift & (slotsEach - 1); };
   std::vector<std::vector<uint64_t>> found(parts);
   parallelFor(parts, 1, [&](size_t part, size_t) {
-    std::vector<uint64_t>& pairs = found[part];
     HashCounter counter(slotsEach);
-    for (size_t f = 0; f < count; ++f) {
-      const uint64_t slot = hashes[f] >> shift;
-      if (slot / slotsEach != part) continue;
-      counter.add(slot % slotsEach);
-      pairs.push_back(paired(hashes[f], uint32_t(f)));
-    }
-    std::erase_if(pairs, [&](uint64_t pair) { return !counter.hasTwo((pair >> 32 >> shift) % slotsEach); });
+    forEachFaceOf(part, partShift, hashes, [&](uint32_t f) { counter.add(slotOf(f)); });
+    forEachFaceOf(part, partShift, hashes, [&](uint32_t f) {
+      if (counter.hasTwo(slotOf(f))) found[part].push_back(paired(hashes[f], f));
+    });
   });
   std::vector<uint64_t> candidates;
   for (const std::vector<uint64_t>& part : found)

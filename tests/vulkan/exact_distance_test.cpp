@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "exact_cases.h"
 #include "mesh_folder.h"
@@ -34,8 +35,9 @@ class VulkanExactDistance : public VulkanTest {
     ExactDistanceStage exact;
   };
   static Stages& stagesLike(const Imitated& imitated) {
-    static std::map<std::pair<uint32_t, int32_t>, Stages> stages;
-    return stages.try_emplace({imitated.subgroups, imitated.rootError}, imitated).first->second;
+    static std::map<std::tuple<uint32_t, int32_t, uint32_t>, Stages> stages;
+    return stages.try_emplace({imitated.subgroups, imitated.rootError, imitated.mostWork}, imitated)
+        .first->second;
   }
 
   /// Distances in the mesh's units.
@@ -218,6 +220,27 @@ TEST_P(VulkanExactDistanceGroups, FinishBlocksWithTooMuchWork) {
   const Found found = find(mesh, grid, 0.0, {GetParam()});
   EXPECT_LT(largestExactError(mesh, grid, found.distance, found.triangle, 40), kAllowed);
   EXPECT_TRUE(found == find(mesh, grid, 0.0, {1}));
+}
+
+/// The search for single samples must find what blocks find, wherever these stop.
+TEST_P(VulkanExactDistanceGroups, FinishHeavyBlocksSampleBySample) {
+  const std::vector<std::tuple<Mesh, GridOptions, double>> cases = {
+      {shapes::sphere(1.0, 3), {.resolution = 13}, 0.0},
+      {shapes::torus(1.0, 0.3, 80, 40), {.resolution = 18}, 2.5},
+      {shapes::soup(2000, 2), {.resolution = 9}, 0.0}};
+  for (const auto& [mesh, options, band] : cases) {
+    SCOPED_TRACE(mesh.triangles.size());
+    const Grid grid = fitGrid(mesh, options);
+    const Found whole = find(mesh, grid, band, {GetParam()});
+    for (const uint32_t mostWork : {1u, 100u}) {
+      const Found alone = find(mesh, grid, band, {GetParam(), 0, mostWork});
+      EXPECT_TRUE(alone == find(mesh, grid, band, {1, 0, mostWork}));
+      for (size_t s = 0; s < whole.distance.size(); ++s)
+        ASSERT_NEAR(whole.distance[s], alone.distance[s], 1e-6) << s << ", work " << mostWork;
+      if (band > 0.0) continue;
+      EXPECT_LT(largestExactError(mesh, grid, alone.distance, alone.triangle, 300), kAllowed);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Subgroups, VulkanExactDistanceGroups, ::testing::Values(1u, 2u, 4u),

@@ -158,13 +158,14 @@ uint32_t Device::memoryType(MemoryUse use, uint32_t allowed) const {
   constexpr VkMemoryPropertyFlags kMapped =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
-  VkMemoryPropertyFlags wishes[] = {kMapped, kMapped};  // In order of preference.
+  std::array<VkMemoryPropertyFlags, 4> wishes{};  // In order of preference.
+  wishes.fill(kMapped);
   if (use == MemoryUse::ReadBack) wishes[0] |= kCached;
-  if (use == MemoryUse::Device) wishes[0] = wishes[1] = kOwn;
-  if (use == MemoryUse::Device && guards_) {  // The host reads the guards.
-    wishes[0] = kOwn | kMapped;
-    wishes[1] = kMapped;
-  }
+  if (use == MemoryUse::Device) wishes.fill(kOwn);
+  // The host reads the guards after every run. A card's own memory would take it a microsecond a byte. Images
+  // have no guards, and may lie in no other memory.
+  if (use == MemoryUse::Device && guards_)
+    wishes = {kOwn | kMapped | kCached, kMapped | kCached, kMapped, kOwn};
   for (const VkMemoryPropertyFlags wish : wishes)
     for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
       if ((allowed >> i & 1U) != 0 && (memory_.memoryTypes[i].propertyFlags & wish) == wish) return i;

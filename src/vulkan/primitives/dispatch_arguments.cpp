@@ -19,7 +19,7 @@ DispatchArguments::DispatchArguments(Device& device, const std::string& name, ui
 }
 
 void DispatchArguments::record(Commands& commands, uint32_t index, const Entry& entry) {
-  if (entry.parts > 1 && entry.mostGroups > kMaxGroups)
+  if (entry.parts > 1 && entry.mostGroups > kMaxGroups && entry.mostGroups % kMaxGroups != 0)
     throw std::logic_error("surplus groups of a part would be groups of the next one");
   const DispatchArgumentsPush push{.count = entry.count.address,
                                    .entry = entries_.address() + index * sizeof(DispatchArgumentsEntry),

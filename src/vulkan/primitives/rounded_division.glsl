@@ -25,7 +25,8 @@ uint stepTowards(uint a, uint b, uint quotient) {
   return uint(2 * rest > divisor) - uint(below < -divisor);
 }
 
-// Returns the float nearest to a / b. Where one of the three is not ordinary, the device rounds as it likes.
+// Returns the float nearest to a / b. Where one of the three is not ordinary, or b exceeds 2^126, the device rounds as it
+// likes.
 float divideRounded(float a, float b) {
   const uint aBits = floatBitsToUint(a), bBits = floatBitsToUint(b);
   uint quotient = floatBitsToUint(a / b);

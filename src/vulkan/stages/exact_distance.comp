@@ -236,5 +236,6 @@ void main() {
     const Closest found = closest == kNoneClosest ? Closest(0, kNoneClosest) : readSample(s);
     writeSample(at, found);
   }
-  if (isTooMuchWork() && lane() == 0) push.unfinished.at[1 + atomicAdd(push.unfinished.at[0], 1)] = index;
+  if (isTooMuchWork() && lane() == 0)
+    push.heavy.at[1 + atomicAdd(push.heavy.at[0], kBlockSamples) / kBlockSamples] = index;
 }

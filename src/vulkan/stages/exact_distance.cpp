@@ -9,6 +9,8 @@
 
 #include <algorithm>
 
+#include "base/ceil_div.h"
+#include "shaders/exact_distance_alone_spv.h"
 #include "shaders/exact_distance_blocks_spv.h"
 #include "shaders/exact_distance_rest_spv.h"
 #include "shaders/exact_distance_spv.h"
@@ -18,6 +20,18 @@ namespace raymap::vulkan {
 namespace {
 
 static_assert(kNoneClosest == kNoTriangle);
+
+constexpr uint32_t kBlockSamples = 64;
+/// Some drivers in software end loops after 65,535 iterations. From here on it is too much work for them.
+constexpr uint32_t kMostLoops = 20000;
+/// Work from which on a block keeps a card waiting. With many blocks, others run meanwhile.
+/// (docs/decisions/vulkan_exact_distance.md).
+uint32_t heavyWorkOf(uint64_t blocks) {
+  constexpr uint64_t kFewBlocks = 16384;
+  return blocks <= kFewBlocks ? 2000 : 5000;
+}
+/// Groups of one dispatch. A multiple of the most along an axis, so that no part has surplus groups.
+constexpr uint32_t kAloneGroups = 16 * kMaxGroups;
 
 /// Limits a group to four subgroups, each of which needs 4.6 KB of shared memory. In software it has one
 /// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).
@@ -39,24 +53,39 @@ uint32_t groupSizeOf(const Device& device, uint32_t subgroups) {
 
 ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch, const Imitated& imitated)
     : hasShortLoops_(device.info().type == DeviceType::Software),
+      heavyWork_(imitated.mostWork > 0 ? imitated.mostWork : hasShortLoops_ ? kMostLoops : 0),
       maxSubgroup_(device.limits().maxSubgroupSize),
       groupSize_(groupSizeOf(device, imitated.subgroups)),
       blocks_(device, shaders::kExactDistanceBlocks, groupSize_,
               {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
       samples_(device, shaders::kExactDistance, groupSize_,
                {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
+      alone_(device, shaders::kExactDistanceAlone, groupSize_,
+             {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
       rest_(device, shaders::kExactDistanceRest, groupSize_,
             {groupSize_ / device.limits().minSubgroupSize, static_cast<uint32_t>(imitated.rootError)}),
-      arguments_(device, "exact distance arguments", 1),
+      aloneArguments_(device, "dispatches over samples of heavy blocks"),
+      restArguments_(device, "dispatches over samples that are left"),
       lists_{DeviceBuffer(device, "lists of large blocks", scratch),
              DeviceBuffer(device, "lists of blocks", scratch)},
-      unfinished_(device, "unfinished blocks") {}
+      heavy_(device, "heavy blocks", scratch),
+      left_(device, "samples that are left", scratch) {}
 
 void ExactDistanceStage::reserve(const glm::ivec3& dims) {
   dims_ = dims;
   for (uint32_t level = 0; level < kSmallest; ++level)
     lists_[level].resize<uint32_t>(blocks(level) * kListWords);
-  if (hasShortLoops_) unfinished_.resize<uint32_t>(1 + blocks(kSmallest));
+  heavy_.resize<uint32_t>(1 + blocks(kSmallest));
+  left_.resize<uint32_t>(hasShortLoops_ ? 1 + samples() : 0);
+  aloneArguments_.reserve(static_cast<uint32_t>(ceilDiv(mostAloneGroups(), kAloneGroups)));
+}
+
+uint32_t ExactDistanceStage::heavyWork() const {
+  return heavyWork_ > 0 ? heavyWork_ : heavyWorkOf(blocks(kSmallest));
+}
+
+uint64_t ExactDistanceStage::mostAloneGroups() const {
+  return ceilDiv(blocks(kSmallest) * kBlockSamples, groupSize_ / maxSubgroup_);
 }
 
 uint64_t ExactDistanceStage::blocks(uint32_t level) const {
@@ -70,7 +99,8 @@ ExactDistancePush ExactDistanceStage::pushOf(const SurfaceTreeStage& tree, const
           .discs = tree.discs().address(),
           .distance = fields.distance,
           .triangle = fields.triangle,
-          .unfinished = unfinished_.address(),
+          .heavy = heavy_.address(),
+          .left = hasShortLoops_ ? left_.address() : 0,
           .dimX = static_cast<uint32_t>(dims_.x),
           .dimY = static_cast<uint32_t>(dims_.y),
           .dimZ = static_cast<uint32_t>(dims_.z),
@@ -94,26 +124,45 @@ void ExactDistanceStage::recordAddition(Commands& commands, const SurfaceTreeSta
 }
 
 void ExactDistanceStage::recordBlocks(Commands& commands, ExactDistancePush push) {
-  commands.fill(unfinished_, 0);
+  commands.concurrent([&] {
+    commands.fill(heavy_.handle(), heavy_.offset(), sizeof(uint32_t), 0);
+    if (hasShortLoops_) commands.fill(left_.handle(), left_.offset(), sizeof(uint32_t), 0);
+  });
   for (uint32_t level = 0; level <= kSmallest; ++level) {
     push.side = kSides[level];
     push.parents = level > 0 ? lists_[level - 1].address() : 0;
     push.blocksPerParent = level > 0 ? kSides[level - 1] / kSides[level] : 0;
     push.lists = level < kSmallest ? lists_[level].address() : 0;
+    push.mostWork = level == kSmallest ? heavyWork() : hasShortLoops_ ? kMostLoops : 0;
     commands.dispatch(level < kSmallest ? blocks_ : samples_, push, blocks(level) * maxSubgroup_);
   }
+  recordAlone(commands, push);
   if (hasShortLoops_) recordRest(commands, push);
 }
 
-/// Finishes blocks that are unfinished because some drivers end loops too early. Those blocks test all
-/// leaves, some in each pass.
+/// Finishes heavy blocks: a subgroup for each of their samples.
+void ExactDistanceStage::recordAlone(Commands& commands, ExactDistancePush push) {
+  push.mostWork = hasShortLoops_ ? kMostLoops : 0;
+  const auto parts = static_cast<uint32_t>(ceilDiv(mostAloneGroups(), kAloneGroups));
+  const auto most = static_cast<uint32_t>(blocks(kSmallest) * kBlockSamples);
+  aloneArguments_.record(commands, 0,
+                         {.count = {.most = most, .address = heavy_.address()},
+                          .itemsPerGroup = groupSize_ / maxSubgroup_,
+                          .parts = parts,
+                          .mostGroups = kAloneGroups});
+  for (uint32_t part = 0; part < parts; ++part) {
+    push.firstGroup = part * kAloneGroups;
+    aloneArguments_.dispatch(commands, alone_, push, part, part > 0);
+  }
+}
+
+/// Finishes samples that some drivers end too early. Each tests all leaves, some in each pass.
 void ExactDistanceStage::recordRest(Commands& commands, ExactDistancePush push) {
-  const auto most = static_cast<uint32_t>(blocks(kSmallest));
-  arguments_.record(commands, 0,
-                    {.count = {.most = most, .address = unfinished_.address()},
-                     .itemsPerGroup = groupSize_ / maxSubgroup_});
+  restArguments_.record(commands, 0,
+                        {.count = {.most = static_cast<uint32_t>(samples()), .address = left_.address()},
+                         .itemsPerGroup = groupSize_ / maxSubgroup_});
   for (; push.restLeaf < push.leafCount; push.restLeaf += kRestLeaves)
-    arguments_.dispatch(commands, rest_, push, 0);
+    restArguments_.dispatch(commands, rest_, push, 0);
 }
 
 }  // namespace raymap::vulkan

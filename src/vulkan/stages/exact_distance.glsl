@@ -16,16 +16,14 @@ shared uint stackNodes[kMaxSubgroups * kStack];
 shared float stackBounds[kMaxSubgroups * kStack];
 shared float cornerDistances[kMaxSubgroups * 8];
 
-// Approximate number of loop iterations so far. Some drivers end a loop after 65,535 iterations; from
-// `kMostWork` on it is too much work.
+// Approximate number of loop iterations so far.
 uint work = 0;
-const uint kMostWork = 20000;
 
 // Returns the same value in the whole subgroup.
 bool isTooMuchWork() {
-  if (uint64_t(push.unfinished) == 0) return false;
+  if (push.mostWork == 0) return false;
   work = subgroupMax(work);
-  return work > kMostWork;
+  return work > push.mostWork;
 }
 
 uint lane() {
@@ -184,6 +182,17 @@ uint listedNode(List list, uint index) {
   return uint64_t(push.parents) == 0 || index >= list.count ? 0 : push.parents.at[list.at + index];
 }
 
+// Finds the closest triangle to a point below the nodes of a list.
+void findClosestOfList(vec3 point, List list, inout Closest closest) {
+  uint size = 0;
+  for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
+    const uint node = listedNode(list, first + lane());
+    const float bound = squaredDistance(readDisc(push.discs, node), point);
+    pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
+  }
+  findClosest(point, size, closest);
+}
+
 uint gridIndex(uvec3 place) {
   return (place.z * push.dimY + place.y) * push.dimX + place.x;
 }
@@ -205,13 +214,7 @@ uint findCentre(Block block, List list) {
   const float hinted = squaredDistance(readTriangle(push.frames, list.hint), block.centre), band = bandOf(block);
   const float reach = 1.000001 * (band + length(block.reach)), limit = band > 0 ? reach * reach : kLargestFloat;
   Closest closest = hinted < limit ? Closest(hinted, list.hint) : Closest(limit, kNoneClosest);
-  uint size = 0;
-  for (uint first = 0; first < list.count; first += gl_SubgroupSize) {
-    const uint node = listedNode(list, first + lane());
-    const float bound = squaredDistance(readDisc(push.discs, node), block.centre);
-    pushNodes(size, first + lane() < list.count && bound < closest.squared, node, bound);
-  }
-  findClosest(block.centre, size, closest);
+  findClosestOfList(block.centre, list, closest);
   if (closest.triangle == kNoneClosest && (band == 0 || isTooMuchWork())) return list.hint;
   return closest.triangle;
 }

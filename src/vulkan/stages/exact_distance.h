@@ -21,6 +21,7 @@ class ExactDistanceStage {
   struct Imitated {
     uint32_t subgroups = 0;  ///< Subgroups per group: 1, 2 or 4; 0: what suits the device.
     int32_t rootError = 0;   ///< Units in the last place by which roots for bounds are off.
+    uint32_t mostWork = 0;   ///< Loop iterations from which on a block is heavy; 0: what suits the device.
   };
 
   explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr)
@@ -44,15 +45,22 @@ class ExactDistanceStage {
   uint64_t blocks(uint32_t level) const;
   ExactDistancePush pushOf(const SurfaceTreeStage& tree, const Fields& fields) const;
   void recordBlocks(Commands& commands, ExactDistancePush push);
+  void recordAlone(Commands& commands, ExactDistancePush push);
   void recordRest(Commands& commands, ExactDistancePush push);
+  uint64_t samples() const { return uint64_t(dims_.x) * uint64_t(dims_.y) * uint64_t(dims_.z); }
+  /// Returns the work of a block from which on it is heavy.
+  uint32_t heavyWork() const;
+  /// Returns the number of groups that search for single samples, if all blocks are heavy.
+  uint64_t mostAloneGroups() const;
 
   bool hasShortLoops_;
+  uint32_t heavyWork_;  // 0: depends on the grid.
   uint32_t maxSubgroup_;
   uint32_t groupSize_;
   glm::ivec3 dims_{0};
-  Kernel<ExactDistancePush> blocks_, samples_, rest_;
-  DispatchArguments arguments_;
-  DeviceBuffer lists_[kSmallest], unfinished_;
+  Kernel<ExactDistancePush> blocks_, samples_, alone_, rest_;
+  DispatchArguments aloneArguments_, restArguments_;
+  DeviceBuffer lists_[kSmallest], heavy_, left_;
 };
 
 }  // namespace raymap::vulkan

@@ -9,7 +9,7 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 RAYMAP_CONSTANT uint kListNodes = 222;            // Maximum number of nodes in a block's list.
 RAYMAP_CONSTANT uint kListWords = 224;            // Number of nodes, triangle closest to the centre, nodes.
 RAYMAP_CONSTANT uint kNoneClosest = 0xffffffffu;  // The public kNoTriangle.
-RAYMAP_CONSTANT uint kRestLeaves = 2048;          // Leaves per pass over the unfinished blocks.
+RAYMAP_CONSTANT uint kRestLeaves = 2048;          // Leaves per pass over the samples that are left.
 
 struct ExactDistancePush {
   RAYMAP_ADDRESS(Vec4s) frames;
@@ -18,19 +18,22 @@ struct ExactDistancePush {
   RAYMAP_ADDRESS(Uints) lists;    // Lists of these blocks; unused for the smallest.
   RAYMAP_ADDRESS(Floats) distance;
   RAYMAP_ADDRESS(Uints) triangle;  // 0: not requested.
-  RAYMAP_ADDRESS(Uints)
-  unfinished;  // Small blocks with too much work: their number, then their indices. 0: nothing is too much.
+  // Small blocks with too much work: the number of their samples, then their indices.
+  RAYMAP_ADDRESS(Uints) heavy;
+  RAYMAP_ADDRESS(Uints) left;  // Samples with too much work: their number, then their indices.
   uint dimX, dimY, dimZ;
   uint side;             // Samples along a block.
   uint blocksPerParent;  // Blocks along one of the blocks above.
   uint firstLeaf;        // Index of the first leaf among all nodes.
   uint leafCount;
-  uint restLeaf;    // First leaf of a pass over the unfinished blocks, as an index among leaves.
+  uint restLeaf;    // First leaf of a pass over the samples that are left, as an index among leaves.
   float band;       // In cells; 0: none.
   float tolerance;  // In cells: candidates that can win by at most this are dropped.
   uint isAddition;  // Writes only samples closer to these triangles than `distance`, as kNoneClosest.
+  uint mostWork;    // Most loop iterations of a subgroup, about; 0: any number.
+  uint firstGroup;  // Number of groups before this dispatch.
   uint unused;
 };
-RAYMAP_CHECK_SIZE(ExactDistancePush, 104);
+RAYMAP_CHECK_SIZE(ExactDistancePush, 120);
 
 RAYMAP_SHARED_END

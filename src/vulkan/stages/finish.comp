@@ -7,7 +7,12 @@
 layout(push_constant, scalar) uniform Push { FinishPush push; };
 
 void main() {
-  const uint i = invocationIndex();
-  if (i >= push.count) return;
-  push.distance.at[i] = clamp(push.distance.at[i], -push.band, push.band) * push.scale;
+  const uint first = groupIndex() * kFinishedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  float distances[kFinishedEach];
+  [[unroll]] for (uint n = 0; n < kFinishedEach; ++n)
+    distances[n] = push.distance.at[min(first + n * gl_WorkGroupSize.x, push.count - 1)];
+  [[unroll]] for (uint n = 0; n < kFinishedEach; ++n) {
+    const uint i = first + n * gl_WorkGroupSize.x;
+    if (i < push.count) push.distance.at[i] = clamp(distances[n], -push.band, push.band) * push.scale;
+  }
 }

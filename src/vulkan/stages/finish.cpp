@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/ceil_div.h"
 #include "shaders/finish_spv.h"
 
 namespace raymap::vulkan {
@@ -17,7 +18,7 @@ void FinishStage::record(Commands& commands, VkDeviceAddress distance, uint32_t 
                      .count = count,
                      .band = band > 0.0 ? static_cast<float>(band) : INFINITY,
                      .scale = static_cast<float>(spacing)},
-                    count);
+                    ceilDiv(count, kFinishedEach));
 }
 
 }  // namespace raymap::vulkan

@@ -6,6 +6,8 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
+RAYMAP_CONSTANT uint kFinishedEach = 4;  // Samples of an invocation: more of them are on their way at once.
+
 struct FinishPush {
   RAYMAP_ADDRESS(Floats) distance;
   uint count;

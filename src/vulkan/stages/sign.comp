@@ -26,14 +26,26 @@ float rate(float w, bool inside, ivec3 s, ivec3 dims) {
   return min(margin, 1.0) * (6.0 + float(agreeing)) / 12.0;
 }
 
-void main() {
-  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
-  const uint i = invocationIndex();
-  if (i >= push.gridX * push.gridY * push.gridZ) return;
-  const float w = abs(push.winding.at[i]);
-  const bool inside = w > push.threshold;
-  if (inside != (push.isInverted != 0)) push.distance.at[i] = -push.distance.at[i];
-  if (uint64_t(push.confidence) == 0) return;
+void writeConfidence(uint i, float w, bool inside) {
   const uint row = i / push.gridX;
+  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
   push.confidence.at[i] = rate(w, inside, ivec3(i % push.gridX, row % push.gridY, row / push.gridY), dims);
+}
+
+void main() {
+  const uint count = push.gridX * push.gridY * push.gridZ;
+  const uint first = groupIndex() * kSignedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  float distances[kSignedEach], windings[kSignedEach];
+  [[unroll]] for (uint n = 0; n < kSignedEach; ++n) {
+    const uint i = min(first + n * gl_WorkGroupSize.x, count - 1);
+    distances[n] = push.distance.at[i];
+    windings[n] = abs(push.winding.at[i]);
+  }
+  [[unroll]] for (uint n = 0; n < kSignedEach; ++n) {
+    const uint i = first + n * gl_WorkGroupSize.x;
+    if (i >= count) return;
+    const bool inside = windings[n] > push.threshold;
+    if (inside != (push.isInverted != 0)) push.distance.at[i] = -distances[n];
+    if (uint64_t(push.confidence) != 0) writeConfidence(i, windings[n], inside);
+  }
 }

@@ -2,6 +2,7 @@
 
 #include "vulkan/stages/sign.h"
 
+#include "base/ceil_div.h"
 #include "shaders/sign_spv.h"
 
 namespace raymap::vulkan {
@@ -20,7 +21,7 @@ void SignStage::record(Commands& commands, const Fields& fields, const glm::uvec
                      .gridZ = dims.z,
                      .threshold = static_cast<float>(threshold),
                      .isInverted = isInverted ? 1U : 0U},
-                    uint64_t{dims.x} * dims.y * dims.z);
+                    ceilDiv(uint64_t{dims.x} * dims.y * dims.z, kSignedEach));
 }
 
 }  // namespace raymap::vulkan

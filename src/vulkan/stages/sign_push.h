@@ -6,6 +6,8 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
+RAYMAP_CONSTANT uint kSignedEach = 4;  // Samples of an invocation: more of them are on their way at once.
+
 struct SignPush {
   RAYMAP_ADDRESS(Ints) rays[3];  // The ray map, by axis, for the confidence.
   RAYMAP_ADDRESS(Floats) winding;

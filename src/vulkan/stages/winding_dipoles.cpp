@@ -108,7 +108,7 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   push.disagreeing = fields.disagreeing;
   push.mostListed = static_cast<uint32_t>(mostListed());
   commands.fill(doubtful_, 0);
-  commands.dispatch(doubts_, push, samplesOf(dims_));
+  commands.dispatch(doubts_, push, ceilDiv(samplesOf(dims_), kDoubtsEach));
   const Count doubts{.most = static_cast<uint32_t>(samplesOf(dims_)), .address = doubtful_.address()};
   commands.concurrent([&] {
     gate_.record(commands, doubts.address);

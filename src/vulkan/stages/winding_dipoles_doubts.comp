@@ -6,14 +6,20 @@
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 
-void main() {
-  if (push.disagreeing.at[0] == 0) return;
-  const uint i = invocationIndex();
-  const bool isFound = i < sampleCount() && isDoubtful(i);
+void list(bool isFound, uint sampleIndex) {
   const uvec4 found = subgroupBallot(isFound);
   const uint count = subgroupBallotBitCount(found);
   uint first = 0;
   if (count > 0 && subgroupElect()) first = atomicAdd(push.doubts.at[0], count);
   const uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(found);
-  if (isFound && place < push.mostListed) push.doubts.at[1 + place] = i;
+  if (isFound && place < push.mostListed) push.doubts.at[1 + place] = sampleIndex;
+}
+
+void main() {
+  if (push.disagreeing.at[0] == 0) return;
+  const uint first = groupIndex() * kDoubtsEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  for (uint n = 0; n < kDoubtsEach; ++n) {
+    const uint i = first + n * gl_WorkGroupSize.x;
+    list(i < sampleCount() && isDoubtful(i), i);
+  }
 }

@@ -7,6 +7,7 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
+RAYMAP_CONSTANT uint kDoubtsEach = 8;  // Samples that an invocation looks at: a card takes time to start one.
 RAYMAP_CONSTANT uint kMomentVectors = 3;    // Per node: the area vector, the symmetric second moment.
 RAYMAP_CONSTANT uint kMostTreeLevels = 10;  // Enough for 2^29 triangles.
 // The list of doubtful samples has capacity for one of this many samples of the grid.
