@@ -63,6 +63,15 @@ def steps_of(device, is_quick):
     ]
 
 
+def data_folders():
+    """Returns the folders in which the loader looks for drivers. In some containers NVIDIA's lies in one that it does not
+    search by itself. A driver that is found twice has each device twice."""
+    folders = os.environ.get("XDG_DATA_DIRS", "/usr/local/share:/usr/share")
+    installed = [pathlib.Path(folder, "vulkan/icd.d") for folder in ("/etc", *folders.split(":"))]
+    is_found = any(next(folder.glob("*nvidia*"), None) for folder in installed)
+    return folders if is_found else folders + ":/usr/local/nvidia/share"
+
+
 def environment(device, scratch):
     """Returns the environment of all steps."""
     return {
@@ -72,8 +81,7 @@ def environment(device, scratch):
         "RAYMAP_MESHES": str(BUNDLE / "meshes"),
         "RAYMAP_REQUIRE_VULKAN": "1",
         "RAYMAP_VULKAN_VALIDATION": "off",  # The layer is not in the bundle.
-        # Containers find NVIDIA's driver in a folder that the loader does not search by itself.
-        "XDG_DATA_DIRS": os.environ.get("XDG_DATA_DIRS", "/usr/local/share:/usr/share") + ":/usr/local/nvidia/share",
+        "XDG_DATA_DIRS": data_folders(),
         **({"RAYMAP_VULKAN_DEVICE": device.rpartition(":")[2]} if device else {}),
     }
 

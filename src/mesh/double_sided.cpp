@@ -53,8 +53,8 @@ void forEachRun(std::span<const uint64_t> pairs, Work&& work) {
   }
 }
 
-/// Returns the number of slots, a power of two, to count the hashes of faces in. There are 16 or more for each
-/// face, so few faces share a slot by accident.
+/// Returns the number of slots, a power of two, to count the hashes of faces in. There are 16 or more for
+/// each face, so few faces share a slot by accident.
 uint64_t slotCount(size_t faces) {
   return std::min(std::bit_ceil(std::max<uint64_t>(16 * uint64_t{faces}, 64)), uint64_t{1} << 32);
 }

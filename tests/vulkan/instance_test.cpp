@@ -91,5 +91,20 @@ TEST_F(VulkanInstance, SeesDriversOfASubsetOfVulkan) {
   EXPECT_FALSE(physicalDevices(instance.handle()).empty());
 }
 
+TEST_F(VulkanInstance, SaysWhyADriverDoesNotStart) {
+  const TemporaryFolder folder;
+  const std::string manifest = folder.path() / "broken.json";
+  std::ofstream(manifest) << R"({"file_format_version": "1.0.0",
+                                 "ICD": {"library_path": "/absent/libbroken.so", "api_version": "1.3.0"}})";
+  const ScopedVariable drivers("VK_DRIVER_FILES", manifest), icds("VK_ICD_FILENAMES", manifest);
+  try {
+    const Instance instance;
+    FAIL() << "a driver without a library starts";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Unsupported);
+    EXPECT_NE(std::string(error.what()).find("/absent/libbroken.so"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace raymap::vulkan

@@ -163,5 +163,51 @@ TEST_F(VulkanWorkCounter, NumbersStepsAndSubmissions) {
   EXPECT_EQ(commands[3].touchableBytes, 4u + 4u * 3 * kGroup + 2 * Guards::kBytes);
 }
 
+class VulkanCommandTimes : public VulkanTest {};
+
+TEST_F(VulkanCommandTimes, AddUpToThatOfTheStage) {
+  WorkCounter timer(Measured::Time);
+  Device device({.guards = true});
+  timer.start(device);
+  DeviceBuffer values(device, "values"), sums(device, "sums");
+  values.resize<uint32_t>(1000);
+  sums.resize<uint32_t>(kGroup);
+  DispatchArguments arguments(device, "arguments", 1);
+  Kernel<CountedLoopsPush> loops(device, shaders::kCountedLoops, kGroup);
+  const CountedLoopsPush push{.values = values.address(), .sums = sums.address(), .first = 1000, .more = 0};
+  CommandBuffer buffer(device);
+  for (int turn = 0; turn < 2; ++turn) {
+    timer.clear();
+    buffer.begin().fill(values, 5);  // Dropped.
+    Commands commands = buffer.begin();
+    commands.fill(values, turn + 1);
+    commands.startStage("loops");
+    arguments.record(commands, 0, {.count = {.most = kGroup}, .itemsPerGroup = kGroup});
+    commands.dispatch(loops, push, kGroup);
+    arguments.dispatch(commands, loops, push, 0);
+    commands.stopStage();
+    buffer.submitAndWait();
+    ASSERT_EQ(timer.commands().size(), 5u);
+    const std::span<const CountedCommand> found = std::span(timer.commands()).subspan(1);
+    const char* const names[] = {"fill", "dispatch_arguments", "unknown shader", "unknown shader"};
+    double sum = 0.0;
+    for (size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].name, names[i]);
+      EXPECT_EQ(found[i].work.operations, 0u);
+      EXPECT_GE(found[i].milliseconds, 0.0);
+      if (i > 0) sum += found[i].milliseconds;
+    }
+    EXPECT_GT(found[2].milliseconds, 0.0);
+    // The stage begins after the end of the fill, and ends after the last command.
+    const double lasting = buffer.times().front().milliseconds;
+    EXPECT_GE(lasting, found[2].milliseconds + found[3].milliseconds);
+    EXPECT_GT(sum, 0.0);
+    Probe probe(device);
+    for (const uint32_t value : probe.download<uint32_t>(sums)) EXPECT_EQ(value, 1000u * (turn + 1));
+    timer.clear();
+  }
+  timer.stop();
+}
+
 }  // namespace
 }  // namespace raymap::vulkan

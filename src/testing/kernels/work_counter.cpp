@@ -36,7 +36,7 @@ struct WorkCounter::State {
   double period = 0.0;
   VkDevice device = VK_NULL_HANDLE;
   size_t submitted = 0;  // Commands of other submissions than the one that is recorded.
-  std::mutex mutex;  // Kernels may be made on several threads.
+  std::mutex mutex;      // Kernels may be made on several threads.
   std::map<VkShaderModule, std::string> modules;
   std::map<VkPipeline, PipelineInfo> pipelines;
   std::map<VkBuffer, VkDeviceSize> sizes;
@@ -97,8 +97,8 @@ void WorkCounter::State::harvest() {
 
 void WorkCounter::State::harvestTimes() {
   std::vector<uint64_t> ticks(commands.size() - submitted + 1);
-  check(vkGetQueryPoolResults(device, stamps.get(), 0, uint32_t(ticks.size()), ticks.size() * sizeof(uint64_t),
-                              ticks.data(), sizeof(uint64_t),
+  check(vkGetQueryPoolResults(device, stamps.get(), 0, uint32_t(ticks.size()),
+                              ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading the times of commands");
   for (size_t i = 1; i < ticks.size(); ++i)

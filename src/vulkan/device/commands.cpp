@@ -112,8 +112,8 @@ void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, 
   vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
 }
 
-void Commands::copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to,
-                        VkDeviceSize at, VkDeviceSize bytes) {
+void Commands::copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize at,
+                        VkDeviceSize bytes) {
   if (bytes == 0) return;
   barrier();
   const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = to.offset() + at, .size = bytes};

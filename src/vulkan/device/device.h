@@ -19,7 +19,8 @@ struct DeviceOptions {
   std::optional<size_t> index;  ///< Index in `listDevices`; none selects the best usable device.
   Validation validation = validationFromEnvironment();
   MessageCallback message;  ///< Receives the validation layer's messages.
-  bool guards = false;      ///< Puts guard bytes around every buffer, for tests; a card then works in the host's memory.
+  bool guards =
+      false;  ///< Puts guard bytes around every buffer, for tests; a card then works in the host's memory.
 };
 
 struct DeviceLimits {

@@ -33,16 +33,58 @@ VKAPI_ATTR VkBool32 VKAPI_CALL passMessage(VkDebugUtilsMessageSeverityFlagBitsEX
   return VK_FALSE;
 }
 
-/// Returns whether the loader lists drivers that are not all of Vulkan, such as MoltenVK, only if it is asked
-/// to.
-bool hidesPortabilityDrivers() {
+bool hasExtension(const char* name) {
   uint32_t count = 0;
   check(vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr), "listing Vulkan's extensions");
   std::vector<VkExtensionProperties> found(count);
   check(vkEnumerateInstanceExtensionProperties(nullptr, &count, found.data()), "listing Vulkan's extensions");
-  return std::any_of(found.begin(), found.end(), [](const VkExtensionProperties& extension) {
-    return std::strcmp(extension.extensionName, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME) == 0;
+  return std::any_of(found.begin(), found.end(), [name](const VkExtensionProperties& extension) {
+    return std::strcmp(extension.extensionName, name) == 0;
   });
+}
+
+/// Returns whether the loader lists drivers that are not all of Vulkan, such as MoltenVK, only if it is asked
+/// to.
+bool hidesPortabilityDrivers() {
+  return hasExtension(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL keepFirst(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                         VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* kept) {
+  auto& first = *static_cast<std::string*>(kept);
+  if (first.empty() && !std::strstr(data->pMessage, "Found no drivers")) first = data->pMessage;
+  return VK_FALSE;
+}
+
+/// Starts Vulkan once more, and returns what the loader has against the first driver; empty if there is none.
+/// A driver of a container often lacks another library.
+std::string reasonAgainstDriver() {
+  if (!hasExtension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME)) return {};
+  std::string reason;
+  const VkDebugUtilsMessengerCreateInfoEXT listener{
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT,
+      .pfnUserCallback = keepFirst,
+      .pUserData = &reason};
+  const char* const extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                  .pNext = &listener,
+                                  .enabledExtensionCount = 1,
+                                  .ppEnabledExtensionNames = &extension};
+  VkInstance instance = VK_NULL_HANDLE;
+  if (vkCreateInstance(&info, nullptr, &instance) == VK_SUCCESS)
+    extensionFunction<PFN_vkDestroyInstance>(instance, "vkDestroyInstance")(instance, nullptr);
+  return reason;
+}
+
+[[noreturn]] void throwNoDriver() {
+  const std::string reason = reasonAgainstDriver();
+  throw Error(ErrorCode::Unsupported,
+              "there is no Vulkan driver that starts; install the GPU's, or mesa-vulkan-drivers for one in "
+              "software" +
+                  (reason.empty() ? "" : "; Vulkan's loader says: " + reason));
 }
 
 VkResult createInstance(Validation validation, VkInstance* instance) {
@@ -93,9 +135,7 @@ Instance::Instance(Validation validation, MessageCallback message) : message_(st
   openLoader();
   if (validation != Validation::Off) requireLayer();
   const VkResult result = createInstance(validation, &instance_);
-  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw Error(ErrorCode::Unsupported,
-                "there is no Vulkan driver; install the GPU's, or mesa-vulkan-drivers for one in software");
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throwNoDriver();
   check(result, "starting Vulkan");
   loadFunctions(instance_);
   if (validation != Validation::Off) listen();

@@ -21,8 +21,9 @@ class DispatchArguments {
     uint32_t itemsPerGroup = 1;
     uint32_t fewestGroups = 0;
     uint32_t scale = 1;
-    uint32_t parts = 1;                ///< Number of entries to write, from `index` on.
-    uint32_t mostGroups = UINT32_MAX;  ///< Groups of each of them but the last; above kMaxGroups a multiple of it.
+    uint32_t parts = 1;  ///< Number of entries to write, from `index` on.
+    uint32_t mostGroups =
+        UINT32_MAX;  ///< Groups of each of them but the last; above kMaxGroups a multiple of it.
   };
 
   DispatchArguments(Device& device, const std::string& name, uint32_t entries = 1);

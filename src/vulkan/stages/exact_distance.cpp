@@ -21,7 +21,6 @@ namespace {
 
 static_assert(kNoneClosest == kNoTriangle);
 
-constexpr uint32_t kBlockSamples = 64;
 /// Some drivers in software end loops after 65,535 iterations. From here on it is too much work for them.
 constexpr uint32_t kMostLoops = 20000;
 /// Work from which on a block keeps a card waiting. With many blocks, others run meanwhile.
@@ -53,7 +52,9 @@ uint32_t groupSizeOf(const Device& device, uint32_t subgroups) {
 
 ExactDistanceStage::ExactDistanceStage(Device& device, ScratchMemory* scratch, const Imitated& imitated)
     : hasShortLoops_(device.info().type == DeviceType::Software),
-      heavyWork_(imitated.mostWork > 0 ? imitated.mostWork : hasShortLoops_ ? kMostLoops : 0),
+      heavyWork_(imitated.mostWork > 0 ? imitated.mostWork
+                 : hasShortLoops_      ? kMostLoops
+                                       : 0),
       maxSubgroup_(device.limits().maxSubgroupSize),
       groupSize_(groupSizeOf(device, imitated.subgroups)),
       blocks_(device, shaders::kExactDistanceBlocks, groupSize_,

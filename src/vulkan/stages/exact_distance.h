@@ -39,7 +39,7 @@ class ExactDistanceStage {
 
  private:
   /// Sides of the blocks in samples, from large to small.
-  static constexpr uint32_t kSides[] = {16, 8, 4};
+  static constexpr uint32_t kSides[] = {16, 8, kBlockSide};
   static constexpr uint32_t kSmallest = std::size(kSides) - 1;
 
   uint64_t blocks(uint32_t level) const;

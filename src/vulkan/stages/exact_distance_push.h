@@ -6,6 +6,8 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
+RAYMAP_CONSTANT uint kBlockSide = 4;              // Samples along the smallest blocks.
+RAYMAP_CONSTANT uint kBlockSamples = 64;          // Samples of such a block.
 RAYMAP_CONSTANT uint kListNodes = 222;            // Maximum number of nodes in a block's list.
 RAYMAP_CONSTANT uint kListWords = 224;            // Number of nodes, triangle closest to the centre, nodes.
 RAYMAP_CONSTANT uint kNoneClosest = 0xffffffffu;  // The public kNoTriangle.

@@ -1,8 +1,5 @@
 // Samples of a block, and the closest triangle of each so far.
 
-const uint kBlockSide = 4;  // Side of these blocks: push.side.
-const uint kBlockSamples = kBlockSide * kBlockSide * kBlockSide;
-
 // Bits of nonnegative floats, which keep the floats' order.
 shared uint sampleSquared[kMaxSubgroups * kBlockSamples];
 shared uint sampleTriangle[kMaxSubgroups * kBlockSamples];
