@@ -38,11 +38,12 @@ class LiveField {
   /// Returns the time that the CPU took for the last field; 0 if the device made it.
   double milliseconds() const { return milliseconds_; }
   bool isOnDevice() const { return isOnDevice_; }
+  /// Returns the grid of a mesh's field, at full resolution.
+  Grid gridFor(const FieldSettings& settings) const;
   /// Returns why there is no new field; empty if nothing is wrong.
   const std::string& error() const { return error_; }
 
  private:
-  Grid gridFor(const FieldSettings& settings) const;
   bool recordGiven(Frame& frame);
   bool recordOnDevice(Frame& frame, const FieldSettings& settings, double seconds);
   bool recordFromWorker(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving);

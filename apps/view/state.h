@@ -33,6 +33,7 @@ struct ViewState {
   double seconds = 0.0;  ///< Time of the animation.
   double speed = 1.0;
   std::string clip = {};
+  std::optional<Box> box = {};  ///< Box of the grid of an animated mesh, which all its poses share.
   bool isMeasuring = false;
   bool isHelpShown = false;
 };

@@ -144,6 +144,11 @@ class Viewer {
   std::function<void(const Picture*)> recorder_;
 };
 
+/// Returns the box of the cells around a grid's samples.
+Box boxOf(const Grid& grid) {
+  return {grid.position(glm::dvec3(-0.5)), grid.position(glm::dvec3(grid.dims) - 0.5)};
+}
+
 /// Puts a plane that was never moved into the middle.
 void centre(MovingPlane& plane, const Box& box) {
   if (!plane.isOn) plane.offset = glm::dot(plane.normal, box.centre());
@@ -229,12 +234,17 @@ void Viewer::resize() {
 
 void Viewer::run() {
   while (!window_.isClosed()) {
+    const bool isSeen = !window_.isMinimised();
     const bool isDrawing = shown_->field.isReady() && (isMoving_ || !picture_.isFinished());
-    window_.wait(isDrawing || isStill() ? 0.0 : shown_->field.isCurrent() ? kIdle : kMaking);
+    const bool isCurrent = !isSeen || shown_->field.isCurrent();
+    window_.wait(isSeen && (isDrawing || isStill()) ? 0.0 : isCurrent ? kIdle : kMaking);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
+    if (window_.isMinimised()) {
+      lastStep_ = Clock::now();  // Time rests.
+      continue;
+    }
     const VkExtent2D size = window_.size();
-    if (size.width == 0 || size.height == 0) continue;  // Minimised.
     if (size.width != swapchain_.size().width || size.height != swapchain_.size().height) resize();
     step();
   }
@@ -495,6 +505,7 @@ void Viewer::obey(const Wishes& wishes) {
 std::string Viewer::command() const {
   ViewState state = options_.state;
   state.view = view();
+  if (content().animated) state.box = boxOf(shown_->field.gridFor(state.field));
   return options_.command(options_.input, state);
 }
 
