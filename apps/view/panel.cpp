@@ -153,6 +153,7 @@ void showTimes(const PanelFigures& figures) {
   if (!figures.history.empty())
     ImGui::PlotLines("ms a frame", figures.history.data(), int(figures.history.size()), 0, nullptr, 0.0F,
                      FLT_MAX, {0.0F, 48.0F});
+  if (figures.isFieldMoved) ImGui::TextUnformatted("field       moved");
   for (const Frame::Time& time : figures.times) ImGui::Text("%-8s %8.2f ms", time.stage, time.milliseconds);
 }
 

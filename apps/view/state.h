@@ -53,6 +53,7 @@ struct PanelFigures {
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
+  bool isFieldMoved = false;          ///< Whether the field needed no time, as it moved.
   const std::vector<float>& history;  ///< Milliseconds of the last frames.
   std::string message = {};           ///< Last error or result.
   std::optional<Probed> probed = {};

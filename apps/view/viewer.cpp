@@ -340,7 +340,9 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   lastView_ = now;
   lastRest_ = rest;
   if (shown_->mesh) shown_->mesh->record(frame, state.seconds);
-  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_);
+  // The edges of the grid are seen on a slice, and by a surface outside of the mesh.
+  const bool mayMove = !state.slice.isOn && now.iso <= 0.0;
+  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_, mayMove);
   if (isNew && shown_->field.isOnDevice()) frame.stamp("field");
   try {
     picture_.record(frame,
@@ -539,11 +541,13 @@ PanelFigures Viewer::figures() const {
     grid = text;
   }
   std::vector<Frame::Time> times = times_;
-  if (field.milliseconds() > 0.0) times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
+  if (field.milliseconds() > 0.0 && !field.isMoved())
+    times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
   return {.content = content(),
           .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
           .grid = grid,
           .times = std::move(times),
+          .isFieldMoved = field.isMoved(),
           .history = history_,
           .message = field.error().empty() ? message_ : field.error(),
           .probed = probed_,

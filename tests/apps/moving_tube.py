@@ -60,3 +60,9 @@ def bend(path):
     """Writes a tube that bends to one side and back in two seconds."""
     half = 0.5 ** 0.5
     write_tube(path, [(0, (0, 0, 0, 1), (0, 0, 0)), (1, (half, 0, 0, half), (0, 0, 0)), (2, (0, 0, 0, 1), (0, 0, 0))])
+
+
+def tumble(path):
+    """Writes a tube that turns and moves as a whole for a second, and then stands still for another."""
+    turned = np.array([0.3, 0.2, 0.5, 0.8]) / np.linalg.norm([0.3, 0.2, 0.5, 0.8])
+    write_tube(path, [(0, (0, 0, 0, 1), (0, 0, 0)), (1, turned, (0.4, -0.3, 0.2)), (2, turned, (0.4, -0.3, 0.2))], "all")
