@@ -42,6 +42,8 @@ class LiveField {
   bool isBusy() const;
   /// Returns the time that the CPU took for the last field; 0 if the device made it.
   double milliseconds() const { return milliseconds_; }
+  /// Returns the bytes of the device's memory that it holds.
+  uint64_t bytes() const { return distance_.bytes + (generator_ ? generator_->bytes() : 0); }
   bool isOnDevice() const { return isOnDevice_; }
   /// Returns the grid of a mesh's field, at full resolution.
   Grid gridFor(const FieldSettings& settings) const;

@@ -53,9 +53,11 @@ struct PanelFigures {
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
-  bool isFieldMoved = false;          ///< Whether the field needed no time, as it moved.
-  const std::vector<float>& history;  ///< Milliseconds of the last frames.
-  std::string message = {};           ///< Last error or result.
+  bool isFieldMoved = false;               ///< Whether the field needed no time, as it moved.
+  uint64_t fieldBytes = 0;                 ///< Memory of the device that the field and its making take.
+  std::optional<Gpu::Memory> memory = {};  ///< What the driver says about memory.
+  const std::vector<float>& history;       ///< Milliseconds of the last frames.
+  std::string message = {};                ///< Last error or result.
   std::optional<Probed> probed = {};
   std::vector<glm::dvec3> measured = {};
 };

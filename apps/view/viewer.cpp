@@ -548,6 +548,8 @@ PanelFigures Viewer::figures() const {
           .grid = grid,
           .times = std::move(times),
           .isFieldMoved = field.isMoved(),
+          .fieldBytes = field.bytes(),
+          .memory = gpu_.memory(),
           .history = history_,
           .message = field.error().empty() ? message_ : field.error(),
           .probed = probed_,
