@@ -117,11 +117,23 @@ std::string Sequence::title(size_t i) const {
          std::to_string(frame(size_ - 1)) + ": ";
 }
 
+/// Returns the animation's pose. Its numbers are finite, but their product may not be.
+Mesh Sequence::pose(size_t i) const {
+  Mesh mesh = posed(*animated_, seconds(i));
+  try {
+    validate(mesh);
+  } catch (const Error& error) {
+    throw Error(error.code(),
+                displayName(input_) + ": frame " + std::to_string(frame(i)) + ": " + error.what());
+  }
+  return mesh;
+}
+
 std::variant<Mesh, Field> Sequence::read(size_t i) {
   const fs::path path = named(input(i), format_);
   std::variant<Mesh, Field> result;
   if (animated_)
-    result = posed(*animated_, seconds(i));
+    result = pose(i);
   else
     result = readMeshOrField(
         input(i),

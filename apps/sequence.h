@@ -53,6 +53,7 @@ class Sequence {
  private:
   void parse(const std::string& frames);
   void warnOfEnd() const;
+  Mesh pose(size_t i) const;
   double seconds(size_t i) const { return frame(i) / fps_; }
 
   int first_ = 0, step_ = 1;

@@ -62,9 +62,9 @@ view::Content load(const fs::path& path, const std::string& clip) {
   return content;
 }
 
-std::string numbers(std::initializer_list<double> values) {
+std::string numbers(std::initializer_list<double> values, int digits = 9) {
   std::ostringstream text;
-  text.precision(9);
+  text.precision(digits);
   for (const double value : values) text << (text.tellp() > 0 ? "," : "") << value;
   return text.str();
 }
@@ -102,7 +102,7 @@ std::string fieldWords(const view::FieldSettings& field) {
 /// Returns the command that draws the view.
 std::string commandFor(const fs::path& path, const view::ViewState& state) {
   const RenderOptions& view = state.view;
-  const bool isFrame = state.seconds > 0.0;
+  const bool isFrame = state.box.has_value();
   std::string command = "raymap render " + quoted(path.string()) +
                         (isFrame ? " -o view.%d.png" : " -o view.png") + " --size " +
                         std::to_string(view.width) + " " + std::to_string(view.height);
@@ -110,6 +110,10 @@ std::string commandFor(const fs::path& path, const view::ViewState& state) {
   if (isFrame) command += " --fps 1000 --frames " + std::to_string(std::lround(1000.0 * state.seconds));
   if (isFrame && !state.clip.empty()) command += " --clip " + quoted(state.clip);
   if (!hasExtension(path, fieldExtensions())) command += fieldWords(state.field);
+  // With all digits it is the same grid.
+  if (const std::optional<Box>& box = state.box)
+    command +=
+        " --bounds " + numbers({box->min.x, box->min.y, box->min.z, box->max.x, box->max.y, box->max.z}, 17);
   command += " --up " + numbers(view.up) + " --direction " + numbers(view.direction);
   if (view.eye) command += " --eye " + numbers(*view.eye);
   if (view.frame) command += " --frame " + numbers(view.frame->min) + "," + numbers(view.frame->max);

@@ -16,6 +16,17 @@ void add(Box& all, const Box& box) {
   all.max = glm::max(all.max, box.max);
 }
 
+/// Returns the bounds of a pose. The numbers of an animation are finite, but their product may not be.
+Box boundsAt(const AnimatedMesh& mesh, double seconds) {
+  const Mesh pose = posed(mesh, seconds);
+  try {
+    validate(pose);
+  } catch (const Error& error) {
+    throw Error(error.code(), "at " + std::to_string(seconds) + " s: " + error.what());
+  }
+  return bounds(pose);
+}
+
 }  // namespace
 
 Content contentOf(Mesh mesh) {
@@ -41,7 +52,7 @@ Content contentOf(AnimatedMesh mesh) {
   if (mesh.rest.triangles.empty()) throw Error(ErrorCode::Input, "the mesh has no face to show");
   Content content;
   for (int pose = 0; pose < kPoses; ++pose)
-    add(content.bounds, bounds(posed(mesh, mesh.seconds() * pose / (kPoses - 1))));
+    add(content.bounds, boundsAt(mesh, mesh.seconds() * pose / (kPoses - 1)));
   content.mesh = mesh.rest;
   content.clips = mesh.clips;
   content.animated = std::move(mesh);

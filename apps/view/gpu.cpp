@@ -2,9 +2,9 @@
 
 #include <raymap/error.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <optional>
 
 namespace raymap::view {
 
@@ -40,6 +40,14 @@ VkPhysicalDeviceProperties propertiesOf(VkPhysicalDevice device) {
   VkPhysicalDeviceProperties result;
   vkGetPhysicalDeviceProperties(device, &result);
   return result;
+}
+
+bool hasExtension(VkPhysicalDevice device, std::string_view name) {
+  uint32_t count = 0;
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "listing extensions");
+  std::vector<VkExtensionProperties> all(count);
+  check(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "listing extensions");
+  return std::ranges::any_of(all, [&](const auto& each) { return name == each.extensionName; });
 }
 
 }  // namespace
@@ -116,15 +124,33 @@ void Gpu::makeDevice() {
                                       .queueFamilyIndex = handles_.queueFamily,
                                       .queueCount = 1,
                                       .pQueuePriorities = &priority};
-  const char* const extensions[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+  knowsMemory_ = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  const char* const extensions[] = {VK_KHR_SWAPCHAIN_EXTENSION_NAME, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &v10,
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queue,
-                                .enabledExtensionCount = 1,
+                                .enabledExtensionCount = knowsMemory_ ? 2U : 1U,
                                 .ppEnabledExtensionNames = extensions};
   check(vkCreateDevice(handles_.physical, &info, nullptr, &handles_.device), "starting the device");
   vkGetDeviceQueue(handles_.device, handles_.queueFamily, 0, &handles_.queue);
+}
+
+std::optional<Gpu::Memory> Gpu::memory() const {
+  if (!knowsMemory_) return {};
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  VkPhysicalDeviceMemoryProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+                                               .pNext = &budget};
+  vkGetPhysicalDeviceMemoryProperties2(handles_.physical, &properties);
+  Memory memory;
+  for (uint32_t heap = 0; heap < properties.memoryProperties.memoryHeapCount; ++heap) {
+    if ((properties.memoryProperties.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) == 0)
+      continue;
+    memory.held += budget.heapUsage[heap];
+    memory.most += budget.heapBudget[heap];
+  }
+  return memory;
 }
 
 uint32_t Gpu::memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -72,6 +73,14 @@ class Gpu {
   /// Returns the nanoseconds of a step of its clock; 0 if it has none.
   double nanosecondsPerTick() const { return nanosecondsPerTick_; }
 
+  /// Bytes of the device's own memory that this program holds, and those that it may hold.
+  struct Memory {
+    VkDeviceSize held = 0;
+    VkDeviceSize most = 0;
+  };
+  /// Returns what the driver says about memory; none if it says nothing.
+  std::optional<Memory> memory() const;
+
   /// Makes a buffer in the device's own memory, or in memory that the host sees.
   Buffer makeBuffer(VkDeviceSize bytes, bool isForHost = false) const;
   /// Makes a buffer for the host that holds these bytes.
@@ -91,7 +100,7 @@ class Gpu {
   vulkan::DeviceHandles handles_;
   VkSurfaceKHR surface_ = VK_NULL_HANDLE;
   std::string name_;
-  bool isSoftware_ = false;
+  bool isSoftware_ = false, knowsMemory_ = false;
   double nanosecondsPerTick_ = 0.0;
 };
 

@@ -19,6 +19,7 @@ LiveField::LiveField(const Gpu& gpu, const Content& content, DeviceMesh* mesh, b
                      const MachineOptions& machine)
     : gpu_(gpu), content_(content), mesh_(mesh), isOnDevice_(isOnDevice) {
   if (content.field) return;
+  if (content.animated) poses_.emplace(*content.animated);
   if (isOnDevice_) {
     generator_ = std::make_unique<vulkan::Generator>(gpu.handles());
     return;
@@ -37,13 +38,27 @@ bool LiveField::isBusy() const {
   return worker_ && worker_->wish();
 }
 
-bool LiveField::record(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving) {
+/// Returns the motion by which a field that was made serves for a wish, whatever its grid; none if it does
+/// not.
+std::optional<RigidMotion> LiveField::motionTo(const FieldWish& wish, const FieldWish& made) const {
+  if (made.options != wish.options) return {};
+  if (made.seconds == wish.seconds) return RigidMotion();
+  if (!poses_ || !error_.empty()) return {};
+  const std::optional<RigidMotion> motion = poses_->between(made.seconds, wish.seconds);
+  return mayMove_ || motion == RigidMotion() ? motion : std::nullopt;
+}
+
+bool LiveField::record(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving,
+                       bool mayMove) {
   isCurrent_ = true;
+  mayMove_ = mayMove;
   if (content_.field) return recordGiven(frame);
-  if (isOnDevice_) return recordOnDevice(frame, settings, seconds);
-  const bool isNew = recordFromWorker(frame, settings, seconds, isMoving);
-  isCurrent_ = wish_ && wish_->grid == gridFor(settings) && wish_->options == settings.options &&
-               wish_->seconds == seconds;
+  const FieldWish wish{.grid = gridFor(settings), .options = settings.options, .seconds = seconds};
+  const bool isNew =
+      isOnDevice_ ? recordOnDevice(frame, wish) : recordFromWorker(frame, settings, wish, isMoving);
+  const std::optional<RigidMotion> motion = wish_ ? motionTo(wish, *wish_) : std::nullopt;
+  motion_ = motion.value_or(RigidMotion());
+  if (!isOnDevice_) isCurrent_ = motion && wish_->grid == wish.grid;
   return isNew;
 }
 
@@ -67,9 +82,8 @@ bool LiveField::recordGiven(Frame& frame) {
   return true;
 }
 
-bool LiveField::recordOnDevice(Frame& frame, const FieldSettings& settings, double seconds) {
-  const FieldWish wish{.grid = gridFor(settings), .options = settings.options, .seconds = seconds};
-  if (wish_ == wish) return false;
+bool LiveField::recordOnDevice(Frame& frame, const FieldWish& wish) {
+  if (wish_ && wish_->grid == wish.grid && motionTo(wish, *wish_)) return false;
   const bool isRoomy = wish_ && wish_->grid.dims == wish.grid.dims &&
                        wish_->options.distance == wish.options.distance &&
                        wish_->options.sign == wish.options.sign;
@@ -109,26 +123,29 @@ void LiveField::take(Frame& frame, MadeField made) {
   liveResolution_ = std::max(kLeastResolution, int(resolution * std::clamp(factor, 0.5, 1.5)));
 }
 
-bool LiveField::recordFromWorker(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving) {
+bool LiveField::recordFromWorker(Frame& frame, const FieldSettings& settings, const FieldWish& fine,
+                                 bool isMoving) {
   FieldSettings live = settings;
   live.resolution = std::min(liveResolution_, settings.resolution);
-  const FieldWish fine{.grid = gridFor(settings), .options = settings.options, .seconds = seconds};
-  const FieldWish coarse{.grid = gridFor(live), .options = settings.options, .seconds = seconds};
+  FieldWish coarse = fine;
+  coarse.grid = gridFor(live);
   std::optional<MadeField> made = worker_->take();
   const bool isNew = made && made->error.empty();
   if (made) take(frame, std::move(*made));
   if (const std::optional<FieldWish> making = worker_->wish()) {
     // A coarse field that is late is better than none.
-    const bool isLate = *making != fine && making->grid.dims == fine.grid.dims;
+    const bool isLate =
+        making->grid.dims == fine.grid.dims && !(making->grid == fine.grid && motionTo(fine, *making));
     if (isLate && live.resolution < settings.resolution) worker_->cancel();
     return isNew;
   }
-  if (wish_ == fine) return isNew;
-  const bool isRough = wish_ && wish_->options == fine.options && wish_->seconds == seconds;
-  if (!isMoving && isRough)
-    worker_->ask(fine);
-  else if (!isRough)
+  const bool isThere = wish_ && motionTo(fine, *wish_);  // At any resolution.
+  if (isThere && wish_->grid == fine.grid) return isNew;
+  // A finer field is worth its time while nothing moves, or if it can move along.
+  if (!isThere)
     worker_->ask(coarse);
+  else if (!isMoving || wish_->seconds != fine.seconds)
+    worker_->ask(fine);
   return isNew;
 }
 

@@ -6,6 +6,7 @@
 
 #include "device_mesh.h"
 #include "field_worker.h"
+#include "rigid_motion.h"
 
 namespace raymap::view {
 
@@ -24,12 +25,16 @@ class LiveField {
             const MachineOptions& machine);
 
   /// Records what is to do for these settings at a time. Returns whether the field changed. May wait for the
-  /// device if settings changed.
-  bool record(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving);
+  /// device if settings changed. With `mayMove`, a rigid motion moves the grid of the field that is there.
+  bool record(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving, bool mayMove);
 
   /// Returns whether there is a field yet.
   bool isReady() const { return hasField_; }
-  vulkan::FieldBuffer buffer() const { return {distance_.range(), grid_, clampDistance_}; }
+  vulkan::FieldBuffer buffer() const {
+    return {distance_.range(), grid_, clampDistance_, motion_.rotation, motion_.translation};
+  }
+  /// Returns whether its grid has moved since it was made.
+  bool isMoved() const { return motion_ != RigidMotion(); }
   const Grid& grid() const { return grid_; }
   /// Returns whether the field is what was asked for last, at full resolution.
   bool isCurrent() const { return isCurrent_; }
@@ -37,15 +42,19 @@ class LiveField {
   bool isBusy() const;
   /// Returns the time that the CPU took for the last field; 0 if the device made it.
   double milliseconds() const { return milliseconds_; }
+  /// Returns the bytes of the device's memory that it holds.
+  uint64_t bytes() const { return distance_.bytes + (generator_ ? generator_->bytes() : 0); }
   bool isOnDevice() const { return isOnDevice_; }
+  /// Returns the grid of a mesh's field, at full resolution.
+  Grid gridFor(const FieldSettings& settings) const;
   /// Returns why there is no new field; empty if nothing is wrong.
   const std::string& error() const { return error_; }
 
  private:
-  Grid gridFor(const FieldSettings& settings) const;
   bool recordGiven(Frame& frame);
-  bool recordOnDevice(Frame& frame, const FieldSettings& settings, double seconds);
-  bool recordFromWorker(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving);
+  bool recordOnDevice(Frame& frame, const FieldWish& wish);
+  bool recordFromWorker(Frame& frame, const FieldSettings& settings, const FieldWish& fine, bool isMoving);
+  std::optional<RigidMotion> motionTo(const FieldWish& wish, const FieldWish& made) const;
   void take(Frame& frame, MadeField made);
   void upload(Frame& frame, const Field& field);
   void makeRoom(Frame& frame, size_t samples);
@@ -57,6 +66,9 @@ class LiveField {
   std::unique_ptr<vulkan::Generator> generator_;
   std::unique_ptr<FieldWorker> worker_;
   std::optional<FieldWish> wish_;  ///< Settings and pose of the field on the device.
+  std::optional<RigidPoses> poses_;
+  bool mayMove_ = false;
+  RigidMotion motion_;  ///< Motion of the field's pose to the one that is shown.
   Buffer distance_;
   Grid grid_ = {};
   double clampDistance_ = 0.0;

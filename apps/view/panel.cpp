@@ -37,6 +37,12 @@ std::string text(const glm::dvec3& p) {
   return text(p.x) + ", " + text(p.y) + ", " + text(p.z);
 }
 
+std::string megabytes(uint64_t bytes) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.1f MB", 1e-6 * double(bytes));
+  return buffer;
+}
+
 template <class Enum>
 void choose(const char* label, Enum& value) {
   const std::string now(name(value));
@@ -148,11 +154,16 @@ void showAnimation(ViewState& state, const PanelFigures& figures, Wishes& wishes
 }
 
 void showTimes(const PanelFigures& figures) {
-  if (!ImGui::CollapsingHeader("Times")) return;
-  ImGui::TextUnformatted(figures.device.c_str());
+  if (!ImGui::CollapsingHeader("Times and memory")) return;
+  ImGui::TextWrapped("%s", figures.device.c_str());
+  std::string memory = "memory: " + megabytes(figures.fieldBytes) + " for fields";
+  if (const auto& all = figures.memory)
+    memory += ", " + megabytes(all->held) + " of " + megabytes(all->most) + " in all";
+  ImGui::TextWrapped("%s", memory.c_str());
   if (!figures.history.empty())
     ImGui::PlotLines("ms a frame", figures.history.data(), int(figures.history.size()), 0, nullptr, 0.0F,
                      FLT_MAX, {0.0F, 48.0F});
+  if (figures.isFieldMoved) ImGui::TextUnformatted("field       moved");
   for (const Frame::Time& time : figures.times) ImGui::Text("%-8s %8.2f ms", time.stage, time.milliseconds);
 }
 

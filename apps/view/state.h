@@ -33,6 +33,7 @@ struct ViewState {
   double seconds = 0.0;  ///< Time of the animation.
   double speed = 1.0;
   std::string clip = {};
+  std::optional<Box> box = {};  ///< Box of the grid of an animated mesh, which all its poses share.
   bool isMeasuring = false;
   bool isHelpShown = false;
 };
@@ -52,8 +53,11 @@ struct PanelFigures {
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
-  const std::vector<float>& history;  ///< Milliseconds of the last frames.
-  std::string message = {};           ///< Last error or result.
+  bool isFieldMoved = false;               ///< Whether the field needed no time, as it moved.
+  uint64_t fieldBytes = 0;                 ///< Memory of the device that the field and its making take.
+  std::optional<Gpu::Memory> memory = {};  ///< What the driver says about memory.
+  const std::vector<float>& history;       ///< Milliseconds of the last frames.
+  std::string message = {};                ///< Last error or result.
   std::optional<Probed> probed = {};
   std::vector<glm::dvec3> measured = {};
 };

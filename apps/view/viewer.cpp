@@ -144,6 +144,11 @@ class Viewer {
   std::function<void(const Picture*)> recorder_;
 };
 
+/// Returns the box of the cells around a grid's samples.
+Box boxOf(const Grid& grid) {
+  return {grid.position(glm::dvec3(-0.5)), grid.position(glm::dvec3(grid.dims) - 0.5)};
+}
+
 /// Puts a plane that was never moved into the middle.
 void centre(MovingPlane& plane, const Box& box) {
   if (!plane.isOn) plane.offset = glm::dot(plane.normal, box.centre());
@@ -229,12 +234,17 @@ void Viewer::resize() {
 
 void Viewer::run() {
   while (!window_.isClosed()) {
+    const bool isSeen = !window_.isMinimised();
     const bool isDrawing = shown_->field.isReady() && (isMoving_ || !picture_.isFinished());
-    window_.wait(isDrawing || isStill() ? 0.0 : shown_->field.isCurrent() ? kIdle : kMaking);
+    const bool isCurrent = !isSeen || shown_->field.isCurrent();
+    window_.wait(isSeen && (isDrawing || isStill()) ? 0.0 : isCurrent ? kIdle : kMaking);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
+    if (window_.isMinimised()) {
+      lastStep_ = Clock::now();  // Time rests.
+      continue;
+    }
     const VkExtent2D size = window_.size();
-    if (size.width == 0 || size.height == 0) continue;  // Minimised.
     if (size.width != swapchain_.size().width || size.height != swapchain_.size().height) resize();
     step();
   }
@@ -330,7 +340,9 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   lastView_ = now;
   lastRest_ = rest;
   if (shown_->mesh) shown_->mesh->record(frame, state.seconds);
-  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_);
+  // The edges of the grid are seen on a slice, and by a surface outside of the mesh.
+  const bool mayMove = !state.slice.isOn && now.iso <= 0.0;
+  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_, mayMove);
   if (isNew && shown_->field.isOnDevice()) frame.stamp("field");
   try {
     picture_.record(frame,
@@ -495,6 +507,7 @@ void Viewer::obey(const Wishes& wishes) {
 std::string Viewer::command() const {
   ViewState state = options_.state;
   state.view = view();
+  if (content().animated) state.box = boxOf(shown_->field.gridFor(state.field));
   return options_.command(options_.input, state);
 }
 
@@ -528,11 +541,15 @@ PanelFigures Viewer::figures() const {
     grid = text;
   }
   std::vector<Frame::Time> times = times_;
-  if (field.milliseconds() > 0.0) times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
+  if (field.milliseconds() > 0.0 && !field.isMoved())
+    times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
   return {.content = content(),
           .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
           .grid = grid,
           .times = std::move(times),
+          .isFieldMoved = field.isMoved(),
+          .fieldBytes = field.bytes(),
+          .memory = gpu_.memory(),
           .history = history_,
           .message = field.error().empty() ? message_ : field.error(),
           .probed = probed_,

@@ -111,6 +111,11 @@ VkExtent2D Window::size() const {
   return {uint32_t(width), uint32_t(height)};
 }
 
+bool Window::isMinimised() const {
+  const VkExtent2D now = size();
+  return now.width == 0 || now.height == 0 || glfwGetWindowAttrib(handle_, GLFW_ICONIFIED) != 0;
+}
+
 double Window::scale() const {
   int width = 1, height = 1;
   glfwGetWindowSize(handle_, &width, &height);

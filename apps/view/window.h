@@ -34,8 +34,10 @@ class Window {
   bool isClosed() const;
   void close();
   void setTitle(const std::string& title);
-  /// Returns its size in pixels; 0 while it is minimised.
+  /// Returns its size in pixels.
   VkExtent2D size() const;
+  /// Returns whether nothing of it is seen.
+  bool isMinimised() const;
   /// Returns the number of pixels of a point, in which the cursor is measured.
   double scale() const;
   /// Returns the text of the clipboard, or sets it.

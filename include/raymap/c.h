@@ -570,14 +570,21 @@ typedef struct raymap_view {
   double shell;         /* Thickness of the outer wall of a hollow shape; 0 = not hollow. */
   double frame_min[3];
   double frame_max[3];
+  bool has_eye;          /* Whether the camera stands at `eye`, not where the shape fills the picture. */
+  double eye[3];         /* Place of the camera, in the mesh's units. */
+  double iso;            /* Distance at which the surface lies, in the mesh's units. */
+  double cut_plane[4];   /* Plane of the cut, instead of the middle one: all points p with
+                          * dot(normal, p) = offset, as normal and offset. What lies on the side of the
+                          * normal is removed. Normal 0 = none. */
+  double slice_plane[4]; /* Plane on which distances are drawn, with their lines; normal 0 = none. */
 } raymap_view;
 
-/* Draws the surface of a field at distance zero. Of the options, "threads", "device" and the callbacks count.
- * `view` and `options` may be NULL for the defaults. */
+/* Draws the surface of a field at the distance `iso`. Of the options, "threads", "device" and the callbacks
+ * count. `view` and `options` may be NULL for the defaults. */
 RAYMAP_API raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
                                                const raymap_options* options);
-/* Draws a mesh with its defects in colour, which raymap/render.h lists. Options as above; `cut` and `shell`
- * do not count. */
+/* Draws a mesh with its defects in colour, which raymap/render.h lists. Of the view the size, `direction`,
+ * `up` and `field_of_view` count. Options as above. */
 RAYMAP_API raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
                                                  const raymap_options* options);
 /* Draws a slice of an array of a field across axis 0, 1 or 2 at sample `index`; -1 = the middle one. The
@@ -608,7 +615,8 @@ typedef struct raymap_page_options {
 } raymap_page_options;
 
 /* Writes a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. It
- * begins with the view. The file appears whole or not at all. `view`, `page` and `options` may be NULL. */
+ * begins with the view, without its slice. The file appears whole or not at all. `view`, `page` and `options`
+ * may be NULL. */
 RAYMAP_API raymap_result raymap_write_page(const raymap_field* field, const char* path,
                                            const raymap_view* view, const raymap_page_options* page,
                                            const raymap_options* options);

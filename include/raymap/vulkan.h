@@ -171,6 +171,10 @@ struct FieldBuffer {
   BufferRange distance = {};  ///< Floats, x fastest, in the mesh's units.
   Grid grid = {};
   double clampDistance = 0.0;  ///< `Field::clampDistance`, in the mesh's units.
+  /// Motion of the shape since the field was made: the grid's point p is drawn at `rotation` * p +
+  /// `translation`, in the mesh's units. A shape that moves rigidly needs no new field.
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
+  glm::dvec3 translation{0.0};
 };
 
 /// Destination of a picture.
@@ -194,7 +198,8 @@ class RAYMAP_API Renderer {
   Renderer& operator=(Renderer&&) noexcept;
 
   /// Draws a picture, or rows of it. `options.frame` is required, as only the device knows where the shape
-  /// is. Throws `Error`: Usage, Unsupported; nothing is recorded then.
+  /// is; it and all other options stay where they are when the grid moves. Throws `Error`: Usage,
+  /// Unsupported; nothing is recorded then.
   void record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
               const PictureTarget& target);
 

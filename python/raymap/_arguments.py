@@ -87,6 +87,12 @@ def to_vector(name: str, vector: Any) -> Vector:
     return x, y, z
 
 
+def to_plane(name: str, plane: Any) -> tuple[Vector, float]:
+    """Returns the normal and the offset of a plane."""
+    x, y, z, offset = _numbers(name, plane, (4,), "(nx, ny, nz, offset)").tolist()
+    return (x, y, z), offset
+
+
 def to_box(name: str, corners: npt.ArrayLike) -> tuple[Vector, Vector]:
     """Returns a box, whose sides may be 0."""
     low, high = _numbers(name, corners, (2, 3), "((x0, y0, z0), (x1, y1, z1))")

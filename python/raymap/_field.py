@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_threads, to_vector, to_whole
+from ._arguments import FINITE, to_box, to_length, to_number, to_plane, to_text, to_threads, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
 from ._mesh import Mesh, core_of, mesh_of_core
@@ -327,6 +327,11 @@ class Field:
         field_of_view: float = 30.0,
         cut: bool = False,
         shell: float = 0.0,
+        eye: tuple[float, float, float] | None = None,
+        iso: float = 0.0,
+        cut_plane: tuple[float, float, float, float] | None = None,
+        slice_plane: tuple[float, float, float, float] | None = None,
+        frame: npt.ArrayLike | None = None,
         device: str = "auto",
         threads: int | None = None,
         progress: Progress = None,
@@ -341,6 +346,13 @@ class Field:
             field_of_view: Angle from the bottom to the top of the picture, in degrees.
             cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
             shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
+            eye: Place of the camera, in the mesh's units; None = where the shape fills the picture.
+            iso: Distance at which the surface lies, in the mesh's units.
+            cut_plane: Plane of a cut, instead of the middle one, as (nx, ny, nz, offset): all points p with dot(n, p) =
+                offset. What lies on the side of the normal is removed.
+            slice_plane: Plane on which distances are drawn in the colours and with the lines of ``slice``.
+            frame: Box that the camera frames instead of the shape, ((x0, y0, z0), (x1, y1, z1)). Pictures of a moving
+                shape share one, so that the camera stands still.
             device: Device that draws; see ``raymap.devices``.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
@@ -349,11 +361,23 @@ class Field:
             UsageError: Arguments that make no picture.
             InputError: A sample is not finite.
 
-        >>> raymap.generate("ball.ply", resolution=16).render(width=64, height=48).shape
+        >>> field = raymap.generate("ball.ply", resolution=16)
+        >>> field.render(width=64, height=48).shape
+        (48, 64, 3)
+        >>> field.render(width=64, height=48, eye=(3, 1, 2), direction=(-3, -1, -2), cut_plane=(0, 0, 1, 0.4)).shape
         (48, 64, 3)
         """
         options = to_view(width, height, direction, up, field_of_view)
         options.cut, options.shell = bool(cut), to_number("shell", shell, least=0.0)
+        options.iso = to_number("iso", iso, least=-FINITE, most=FINITE)
+        if eye is not None:
+            options.stand_at(to_vector("eye", eye))
+        if cut_plane is not None:
+            options.cut_at(*to_plane("cut_plane", cut_plane))
+        if slice_plane is not None:
+            options.slice_at(*to_plane("slice_plane", slice_plane))
+        if frame is not None:
+            options.frame_box(*to_box("frame", frame))
         with reporting(progress) as report:
             return _raymap.render_field(self._core, options, to_machine(device, threads), report)
 

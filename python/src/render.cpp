@@ -91,7 +91,28 @@ void bindRender(nb::module_& module) {
       .def_rw("height", &RenderOptions::height)
       .def_rw("field_of_view", &RenderOptions::fieldOfView)
       .def_rw("cut", &RenderOptions::cut)
-      .def_rw("shell", &RenderOptions::shell);
+      .def_rw("shell", &RenderOptions::shell)
+      .def_rw("iso", &RenderOptions::iso)
+      .def(
+          "stand_at", [](RenderOptions& self, const Triple& eye) { self.eye = toVector(eye); }, "eye"_a)
+      .def(
+          "frame_box",
+          [](RenderOptions& self, const Triple& low, const Triple& high) {
+            self.frame = Box{toVector(low), toVector(high)};
+          },
+          "low"_a, "high"_a)
+      .def(
+          "cut_at",
+          [](RenderOptions& self, const Triple& normal, double offset) {
+            self.cutPlane = Plane{toVector(normal), offset};
+          },
+          "normal"_a, "offset"_a)
+      .def(
+          "slice_at",
+          [](RenderOptions& self, const Triple& normal, double offset) {
+            self.slice = Plane{toVector(normal), offset};
+          },
+          "normal"_a, "offset"_a);
   bindVector(options, "direction", &RenderOptions::direction);
   bindVector(options, "up", &RenderOptions::up);
   nb::class_<PageOptions>(module, "PageOptions")

@@ -255,6 +255,30 @@ def test_render(field):
         field.render(width=0)
 
 
+def test_render_from_a_place_what_a_plane_leaves(field):
+    def draw(of=field, **options):
+        return of.render(width=80, height=60, device="cpu", frame=((-1.2, -1.5, -1.8), (1.2, 1.5, 1.8)), **options).astype(int)
+
+    whole = draw()
+    near = field.render(width=80, height=60, device="cpu", frame=((0, 0, 0), (0.2, 0.2, 0.2)))
+    assert (near[:30] != whole[:30]).any(axis=2).mean() > 0.5  # A smaller frame is closer.
+    far, farther = (draw(eye=(0.2, 0.1, z), direction=(0, 0, -1)) for z in (6, 12))
+    sizes = [(picture[:, :, 0] - picture[:, :, 2] > 20).mean() for picture in (far, farther)]  # Of clay.
+    assert 3 < sizes[0] / sizes[1] < 6
+
+    middle = draw(cut=True)
+    assert (draw(cut_plane=(0, 0, 1, 0)) == middle).all() and (middle != whole).any()
+    assert (draw(cut_plane=(0, 0, 0.5, 0)) == middle).all()
+    assert (draw(cut_plane=(0, 0, 1, 0.3)) != middle).any()
+    sliced = draw(slice_plane=(0, 0, 1, 0.7))
+    assert (draw(slice_plane=(0, 0, 2, 1.4)) == sliced).all()
+    assert (sliced != whole).any() and (sliced != draw(slice_plane=(0, 1, 0, 0.7))).any()
+
+    grown = raymap.Field(field.distance - np.float32(0.25), origin=field.origin, spacing=field.spacing)
+    found = draw(iso=0.25)
+    assert np.abs(found - draw(grown)).mean() < 0.1 * np.abs(found - whole).mean()
+
+
 def test_html_shows_the_middle_slice(field):
     html = field._repr_html_()
     assert "25 × 31 × 37" in html and "negative inside" in html

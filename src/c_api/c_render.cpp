@@ -18,6 +18,12 @@ using raymap::c::need;
 
 namespace {
 
+/// Returns the plane of a normal and an offset; none if the normal is 0.
+std::optional<Plane> planeOf(const double (&numbers)[4]) {
+  const Plane plane{.normal = {numbers[0], numbers[1], numbers[2]}, .offset = numbers[3]};
+  return plane.normal == glm::dvec3(0.0) ? std::nullopt : std::optional(plane);
+}
+
 RenderOptions renderOptions(const raymap_view* view) {
   const raymap_view given = c::read(view);
   RenderOptions wanted{.cut = given.cut, .shell = given.shell};
@@ -28,6 +34,10 @@ RenderOptions renderOptions(const raymap_view* view) {
   if (const glm::dvec3 up = c::vectorOf(given.up); up != glm::dvec3(0.0)) wanted.up = up;
   if (given.field_of_view != 0.0) wanted.fieldOfView = given.field_of_view;
   if (given.has_frame) wanted.frame = Box{c::vectorOf(given.frame_min), c::vectorOf(given.frame_max)};
+  if (given.has_eye) wanted.eye = c::vectorOf(given.eye);
+  wanted.iso = given.iso;
+  wanted.cutPlane = planeOf(given.cut_plane);
+  wanted.slice = planeOf(given.slice_plane);
   return wanted;
 }
 

@@ -5,8 +5,11 @@
 #include <raymap/mesh_view.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <string>
+
+#include "base/text.h"
 
 namespace raymap {
 
@@ -106,6 +109,18 @@ JointMatrix rounded(const glm::dmat4& m, const glm::dvec3& from, const glm::dvec
   throw Error(ErrorCode::Input, "the animated mesh is not valid: " + what);
 }
 
+/// Fails with the first number of a value that is not finite.
+template <class Value>
+void checkFinite(const Value& value, const std::string& what) {
+  for (glm::length_t i = 0; i < value.length(); ++i)
+    if (!std::isfinite(value[i]))
+      fail(what + " holds " + numberText(double(value[i])) + ", which is not finite");
+}
+
+void checkFinite(const glm::dmat4& matrix, const std::string& what) {
+  for (glm::length_t column = 0; column < 4; ++column) checkFinite(matrix[column], what);
+}
+
 void validateVertices(const AnimatedMesh& mesh) {
   const size_t count = mesh.rest.vertices.size();
   if (mesh.joints.size() != count || mesh.weights.size() != count)
@@ -116,6 +131,27 @@ void validateVertices(const AnimatedMesh& mesh) {
       if (mesh.joints[v][k] >= mesh.skeleton.size())
         fail("vertex " + std::to_string(v) + " follows joint " + std::to_string(mesh.joints[v][k]) + " of " +
              std::to_string(mesh.skeleton.size()));
+  for (size_t v = 0; v < count; ++v) checkFinite(mesh.weights[v], "a weight of vertex " + std::to_string(v));
+}
+
+void validateNode(const AnimatedMesh& mesh, size_t index) {
+  const Node& node = mesh.nodes[index];
+  const std::string what = "node " + std::to_string(index);
+  if (node.parent >= static_cast<int>(index))
+    fail(what + " hangs on node " + std::to_string(node.parent) + ", which does not come before it");
+  checkFinite(node.translation, "the translation of " + what);
+  const glm::dquat& turn = node.rotation;
+  checkFinite(glm::dvec4(turn.x, turn.y, turn.z, turn.w), "the rotation of " + what);
+  checkFinite(node.scale, "the scale of " + what);
+  checkFinite(node.matrix, "the matrix of " + what);
+}
+
+void validateJoint(const AnimatedMesh& mesh, size_t index) {
+  const AnimatedMesh::Joint& joint = mesh.skeleton[index];
+  const std::string what = "joint " + std::to_string(index);
+  if (joint.node >= mesh.nodes.size())
+    fail(what + " is node " + std::to_string(joint.node) + " of " + std::to_string(mesh.nodes.size()));
+  checkFinite(joint.inverseBind, "the inverse bind matrix of " + what);
 }
 
 void validateTrack(const AnimatedMesh& mesh, size_t index) {
@@ -125,10 +161,19 @@ void validateTrack(const AnimatedMesh& mesh, size_t index) {
   if (track.node >= (isWeight ? mesh.morphs.size() : mesh.nodes.size()))
     fail(what + " moves " + (isWeight ? "morph " : "node ") + std::to_string(track.node));
   if (track.times.empty()) fail(what + " has no times");
-  if (!std::is_sorted(track.times.begin(), track.times.end())) fail(what + " goes back in time");
+  for (size_t i = 0; i < track.times.size(); ++i) {
+    if (!std::isfinite(track.times[i]))
+      fail("time " + std::to_string(i) + " of " + what + " is " + numberText(track.times[i]) +
+           ", which is not finite");
+    if (i > 0 && track.times[i] < track.times[i - 1])
+      fail(what + " goes back in time: time " + std::to_string(i) + " is " + numberText(track.times[i]) +
+           ", after " + numberText(track.times[i - 1]));
+  }
   if (track.values.size() != track.times.size() * valuesPerTime(track))
     fail(what + " has " + std::to_string(track.values.size()) + " values for " +
          std::to_string(track.times.size()) + " times");
+  for (size_t i = 0; i < track.values.size(); ++i)
+    checkFinite(track.values[i], "value " + std::to_string(i) + " of " + what);
 }
 
 void validateMorph(const AnimatedMesh& mesh, size_t index) {
@@ -137,6 +182,11 @@ void validateMorph(const AnimatedMesh& mesh, size_t index) {
   if (first > count || morph.offsets.size() > count - first)
     fail("morph " + std::to_string(index) + " moves vertex " +
          std::to_string(first + morph.offsets.size() - 1) + " of " + std::to_string(count));
+  if (!std::isfinite(morph.weight))
+    fail("morph " + std::to_string(index) + " has the weight " + numberText(morph.weight));
+  for (size_t v = 0; v < morph.offsets.size(); ++v)
+    checkFinite(morph.offsets[v],
+                "the offset of vertex " + std::to_string(first + v) + " by morph " + std::to_string(index));
 }
 
 }  // namespace
@@ -151,14 +201,8 @@ double AnimatedMesh::seconds() const {
 void validate(const AnimatedMesh& mesh) {
   validate(mesh.rest);
   validateVertices(mesh);
-  for (size_t n = 0; n < mesh.nodes.size(); ++n)
-    if (mesh.nodes[n].parent >= static_cast<int>(n))
-      fail("node " + std::to_string(n) + " hangs on node " + std::to_string(mesh.nodes[n].parent) +
-           ", which does not come before it");
-  for (size_t j = 0; j < mesh.skeleton.size(); ++j)
-    if (mesh.skeleton[j].node >= mesh.nodes.size())
-      fail("joint " + std::to_string(j) + " is node " + std::to_string(mesh.skeleton[j].node) + " of " +
-           std::to_string(mesh.nodes.size()));
+  for (size_t n = 0; n < mesh.nodes.size(); ++n) validateNode(mesh, n);
+  for (size_t j = 0; j < mesh.skeleton.size(); ++j) validateJoint(mesh, j);
   for (size_t t = 0; t < mesh.tracks.size(); ++t) validateTrack(mesh, t);
   for (size_t m = 0; m < mesh.morphs.size(); ++m) validateMorph(mesh, m);
 }

@@ -20,6 +20,23 @@ RenderShape describe(const Shape& shape) {
       .nz = dims.z};
 }
 
+void move(const GridMotion& motion, RenderShape& shape, RenderSceneData& scene) {
+  const auto turn = [&](glm::vec3& direction) { direction = glm::vec3(motion.turn * glm::dvec3(direction)); };
+  const auto place = [&](glm::vec3& point) {
+    point = glm::vec3(motion.turn * glm::dvec3(point) + motion.shift);
+  };
+  const auto plane = [&](glm::vec3& normal, float& offset) {
+    turn(normal);
+    offset += static_cast<float>(glm::dot(glm::dvec3(normal), motion.shift));
+  };
+  place(shape.centre);
+  plane(shape.cutNormal, shape.cutOffset);  // Without a cut, the normal is 0.
+  place(scene.eye);
+  for (glm::vec3* direction : {&scene.right, &scene.up, &scene.forward, &scene.toLight}) turn(*direction);
+  plane(scene.floorNormal, scene.floorHeight);
+  plane(scene.sliceNormal, scene.sliceOffset);
+}
+
 RenderSceneData describe(const Scene& scene) {
   const Camera& camera = scene.camera;
   return {.eye = camera.eye(),

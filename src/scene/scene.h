@@ -39,6 +39,16 @@ struct Scene {
   std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
 };
 
+/// Motion of a grid's samples: a point of the scene at q, in samples, lies at `turn` * q + `shift` of the
+/// grid.
+struct GridMotion {
+  glm::dmat3 turn{1.0};
+  glm::dvec3 shift{0.0};
+};
+
+/// Takes what shaders need to the coordinates of a grid that has moved.
+void move(const GridMotion& motion, RenderShape& shape, RenderSceneData& scene);
+
 /// Returns what shaders need of a shape, and of all else.
 RenderShape describe(const Shape& shape);
 RenderSceneData describe(const Scene& scene);

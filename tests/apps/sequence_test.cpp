@@ -14,11 +14,12 @@ std::string bytesOf(const std::vector<T>& values) {
 
 class CliSequence : public Cli {
  protected:
-  /// Writes a torus with two clips of a second: "slide" moves it by 4 along x, "swell" doubles its size.
-  void writeTori() const {
+  /// Writes a torus with two clips of a second: "slide" moves it by 4 along x, "swell" makes it larger by
+  /// a multiple of its size.
+  void writeTori(float swollen = 1.0F) const {
     const Mesh torus = shapes::torus(2.0, 0.7, 24, 12);
     const std::string positions = bytesOf(torus.vertices), triangles = bytesOf(torus.triangles);
-    const std::string keys = bytesOf<float>({0, 1, 0, 0, 0, 4, 0, 0, 0, 1});
+    const std::string keys = bytesOf<float>({0, 1, 0, 0, 0, 4, 0, 0, 0, swollen});
     const std::string buffer = positions + triangles + keys;
     const auto at = [](size_t offset) { return R"({"bufferView":0,"byteOffset":)" + std::to_string(offset); };
     const size_t end = positions.size() + triangles.size();
@@ -194,6 +195,12 @@ TEST_F(CliSequence, SaysWhatIsWrong) {
   expectFailure("generate t%d.ply --frames 3:6 -o t%d.vdb", ErrorCode::File,
                 "t6.ply: there is no such file, and --frames 3:6 asks for it");
   EXPECT_EQ(fileCount(), 4u);
+}
+
+TEST_F(CliSequence, NamesTheFrameThatGrowsBeyondAllNumbers) {
+  writeTori(3e38F);
+  expectFailure("render torus.glb --frames 0:24:24 --clip swell -o t%d.png", ErrorCode::Input,
+                "torus.glb: frame 24: vertex 0 of triangle 0 is not finite");
 }
 
 TEST_F(CliSequence, KeepsItsInputs) {

@@ -16,6 +16,8 @@ import unittest
 import zlib
 
 import numpy as np
+from moving_tube import bend, tumble
+from x11_events import Display
 
 RAYMAP = str(pathlib.Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 else None
 WIDTH, HEIGHT = 700, 420
@@ -70,17 +72,17 @@ def differ(a, b):
 class Window:
     """A running `raymap view`, in a folder of its own."""
 
-    def __init__(self, display, folder, *arguments, environment=None):
+    def __init__(self, display, folder, *arguments, environment=None, size=(WIDTH, HEIGHT)):
         self.folder = folder
+        self.display = Display(display)
         self.environment = {**os.environ, "DISPLAY": display, "RAYMAP_CACHE": "off",
                             "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation", **(environment or {})}
         self.out, self.err = folder / "out.txt", folder / "err.txt"
-        command = [RAYMAP, "view", *arguments, "--size", str(WIDTH), str(HEIGHT)]
+        command = [RAYMAP, "view", *arguments, "--size", *map(str, size)]
         with self.out.open("w") as out, self.err.open("w") as err:
             self.process = subprocess.Popen(command, cwd=folder, env=self.environment, stdout=out, stderr=err)
         self.id = self.until(self.find)
         self.tool("windowfocus", "--sync", self.id)
-        self.pictures = 0
 
     def until(self, done):
         """Waits for a result that is not empty."""
@@ -112,19 +114,23 @@ class Window:
 
     def picture(self):
         """Returns what the window shows once it is as fine as it will be, and the command that draws it."""
-        self.pictures += 1
+        before = len(self.lines(0))
         self.keys("s")
-        lines = self.until(lambda: self.lines(2 * self.pictures))
-        wrote, command = lines[2 * self.pictures - 2:2 * self.pictures]
+        wrote, command = self.until(lambda: self.lines(before + 2))[before:]
         return read_png(self.folder / wrote.removeprefix("wrote ").split(",")[0]), command
 
     def lines(self, count):
         lines = self.out.read_text().split("\n")[:-1]
         return lines if len(lines) >= count else None
 
+    def drop(self, *paths):
+        """Drops files on it. Returns whether it took them."""
+        return self.display.drop(int(self.id), paths, LONG)
+
     def close(self):
         self.keys("q")
         code = self.process.wait(LONG)
+        self.display.close()
         return code, self.err.read_text()
 
 
@@ -153,6 +159,21 @@ class ViewTest(unittest.TestCase):
             self.window.process.wait()
         self.scratch.cleanup()
 
+    def cube(self, name):
+        path = self.folder / name
+        path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+        return path
+
+    def recorder(self):
+        """Returns the environment for a stand-in of ffmpeg, which keeps the pixels as they are. One can look at them in
+        the file "recorded" while they come."""
+        stand_in = self.folder / "bin" / "ffmpeg"
+        stand_in.parent.mkdir()
+        stand_in.write_text("#!/bin/sh\nexec tee recorded >&3\n")
+        stand_in.chmod(0o755)
+        return {"PATH": f"{stand_in.parent}:{os.environ['PATH']}"}
+
     def open(self, *arguments, **options):
         self.window = Window(self.display, self.folder, *arguments, **options)
         return self.window
@@ -161,13 +182,17 @@ class ViewTest(unittest.TestCase):
         code, errors = self.window.close()
         self.assertEqual((code, errors), (0, ""))  # The validation layers would write there.
 
-    def check_as_render(self, picture, command):
-        """The command draws the same picture."""
+    def rendered(self, command):
+        """Returns the picture that the command draws."""
         words = shlex.split(command)
         output = self.folder / words[words.index("-o") + 1].replace("%d", words[words.index("--frames") + 1]
                                                                       if "--frames" in words else "")
         subprocess.run([RAYMAP, *words[1:], "--overwrite", "-q"], cwd=self.folder, check=True)
-        mean, far = differ(picture, read_png(output))
+        return read_png(output)
+
+    def check_as_render(self, picture, command):
+        """The command draws the same picture."""
+        mean, far = differ(picture, self.rendered(command))
         self.assertLess(mean, 0.1)  # What docs/cli.md says of any two devices.
         self.assertLess(far, 0.002)
 
@@ -217,10 +242,7 @@ class ViewTest(unittest.TestCase):
         picture, command = window.picture()
         self.check_as_render(picture, command)
         self.close()
-        cube = self.folder / "cube.obj"
-        cube.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
-        window = self.open(cube, "--resolution", "40", "--iso", "-0.05")
+        window = self.open(self.cube("cube.obj"), "--resolution", "40", "--iso", "-0.05")
         field = window.picture()[0]
         window.keys("w")
         edges = window.picture()[0]
@@ -252,6 +274,150 @@ class ViewTest(unittest.TestCase):
         picture, command = window.picture()
         self.assertEqual(picture.shape, (300, 500, 3))
         self.check_as_render(picture, command)
+        self.close()
+
+    def test_shows_a_dropped_file(self):
+        window = self.open(self.mesh, "--resolution", "32")
+        first = window.picture()[0]
+        self.assertTrue(window.drop(self.cube("a cube, 100 %.obj")))
+        picture, command = window.picture()
+        self.assertIn("a cube, 100 %.obj", command)
+        self.assertGreater(differ(picture, first)[1], 0.05)
+        self.check_as_render(picture, command)
+        bad = self.folder / "bad.obj"
+        bad.write_text("f 1 2 3\n")
+        self.assertTrue(window.drop(bad))
+        again, command = window.picture()
+        self.assertIn("a cube, 100 %.obj", command)
+        self.assertLess(differ(again, picture)[1], 0.001)
+        self.assertTrue(window.drop(bad, self.mesh))  # Of several, the last stays.
+        again, command = window.picture()
+        self.assertIn("globe.ply", command)
+        self.assertLess(differ(again, first)[1], 0.001)
+        self.close()
+
+    def test_records_each_frame(self):
+        tube = self.folder / "tube.glb"
+        bend(tube)
+        width, height = 240, 180
+        window = self.open(tube, "--resolution", "24", size=(width, height), environment=self.recorder())
+        command = window.picture()[1]
+        window.keys("r", "space")
+        recorded, size = self.folder / "recorded", 3 * width * height
+
+        def moving(path=recorded):
+            """Returns the pictures from the last on that stands still, before the animation plays."""
+            movie = np.fromfile(path, np.uint8) if path.exists() else np.zeros(0, np.uint8)
+            pictures = movie[:len(movie) // size * size].reshape(-1, height, width, 3)
+            moved = [(picture != pictures[0]).any() for picture in pictures]
+            return pictures[moved.index(True) - 1:] if True in moved else []
+
+        window.until(lambda: len(moving()) > 5)
+        window.keys("r")
+        window.until(lambda: window.lines(3))
+        self.assertIn("wrote view_0001.mp4", window.out.read_text())
+        movie = self.folder / "view_0001.mp4"
+        self.assertEqual(movie.stat().st_size % size, 0)
+        self.assertEqual(movie.read_bytes(), recorded.read_bytes())
+        for frame in (0, 1, 5):
+            with self.subTest(frame):
+                one = command.replace("--fps 1000 --frames 0", f"--fps 24 --frames {frame}")
+                self.check_as_render(moving(movie)[frame], one)
+        self.close()
+
+    def test_ends_a_record_with_the_window(self):
+        window = self.open(self.mesh, "--resolution", "24", size=(120, 90), environment=self.recorder())
+        window.keys("r")
+        recorded = self.folder / "recorded"
+        window.until(lambda: recorded.exists() and recorded.stat().st_size > 0)
+        window.tool("windowsize", "--sync", window.id, 100, 80)  # A movie has pictures of one size.
+        window.until(lambda: (self.folder / "view_0001.mp4").exists())
+        self.assertEqual((self.folder / "view_0001.mp4").stat().st_size % (3 * 120 * 90), 0)
+        window.keys("r")
+        window.until(lambda: recorded.stat().st_size >= 2 * 3 * 100 * 80)
+        self.close()
+        self.assertEqual((self.folder / "view_0002.mp4").read_bytes(), recorded.read_bytes())
+
+    def test_records_an_mp4(self):
+        if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
+            self.skipTest("ffmpeg is not installed")
+        window = self.open(self.mesh, "--resolution", "24", size=(120, 90))
+        window.keys("r")
+        window.picture()
+        window.keys("r")
+        window.until(lambda: window.lines(3))
+        self.close()
+        count = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-show_entries",
+                                "stream=nb_read_frames,width,height", "-of", "csv=p=0", "view_0001.mp4"], cwd=self.folder,
+                               text=True, capture_output=True, check=True).stdout.split(",")
+        self.assertEqual(count[:2], ["120", "90"])
+        self.assertGreater(int(count[2]), 0)
+
+    def test_rests_while_it_is_minimised(self):
+        tube = self.folder / "tube.glb"
+        bend(tube)
+        window = self.open(tube, "--resolution", "24", size=(240, 180), environment=self.recorder())
+        window.keys("r", "space")
+        recorded = self.folder / "recorded"
+        frames = lambda: recorded.stat().st_size if recorded.exists() else 0
+        window.until(frames)
+        window.display.minimise(int(window.id))
+
+        def rests():
+            before = frames()
+            time.sleep(1.0)
+            return frames() == before
+
+        window.until(rests)
+        before = frames()
+        window.display.restore(int(window.id))
+        window.until(lambda: frames() > before)
+        window.tool("windowfocus", "--sync", window.id)
+        window.keys("space", "r")
+        window.until(lambda: window.lines(1))
+        picture, command = window.picture()
+        self.check_as_render(picture, command)
+        self.close()
+
+    def test_moves_the_grid_with_what_moves_rigidly(self):
+        tube = self.folder / "tube.glb"
+        tumble(tube)
+        for device in ("cpu", "vulkan"):
+            window = self.open(tube, "--resolution", "40", "--device", device, size=(350, 210))
+
+            def stopped():
+                """Returns the picture and the command of a moment at which the tube stands where it ends."""
+                window.keys("space")
+                time.sleep(0.3)
+                window.keys("space")
+                picture, command = window.picture()
+                return (picture, command) if int(command.split("--frames ")[1].split()[0]) > 1000 else None
+
+            picture, command = window.until(stopped)
+            with self.subTest(device):
+                # The samples of a grid that turned lie elsewhere. If the field were made anew, they would not.
+                self.assertTrue(0.02 < differ(picture, self.rendered(command))[0] < 0.3)
+                window.keys("x")  # A slice shows the edges of the grid, so the field is made anew.
+                picture, command = window.picture()
+                self.assertLess(differ(picture, self.rendered(command))[0], 0.02)
+            self.close()
+
+    def test_holds_no_more_memory_with_every_frame(self):
+        tube = self.folder / "tube.glb"
+        bend(tube)
+        width, height = 64, 48
+        window = self.open(tube, "--resolution", "16", size=(width, height),
+                           environment={**self.recorder(), "VK_INSTANCE_LAYERS": ""})
+        window.keys("space", "r")
+        recorded = self.folder / "recorded"
+
+        def memory(frames):
+            """Returns kilobytes after so many frames, each with a field of its own."""
+            window.until(lambda: recorded.exists() and recorded.stat().st_size >= 3 * width * height * frames)
+            return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
+
+        before = memory(250)
+        self.assertLess(memory(2250), before + 4096)  # 2 kB a frame; its picture alone has 9
         self.close()
 
     def test_says_why_there_is_no_window(self):

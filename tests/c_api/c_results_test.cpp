@@ -350,6 +350,26 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
   using Drawn = Handle<raymap_picture, raymap_picture_free>;
   expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
              renderField(field, how, machine));
+  RenderOptions open = how;
+  open.eye = glm::dvec3(-4.0, -2.0, 3.0);
+  open.iso = 0.125;
+  open.cutPlane = Plane{{1, 0.5, 0.25}, 1.5};
+  open.slice = Plane{{0, 2, 1}, 0.75};
+  view.has_eye = true;
+  for (int a = 0; a < 3; ++a) {
+    view.eye[a] = (*open.eye)[a];
+    view.cut_plane[a] = open.cutPlane->normal[a];
+    view.slice_plane[a] = open.slice->normal[a];
+  }
+  view.iso = open.iso;
+  view.cut_plane[3] = open.cutPlane->offset;
+  view.slice_plane[3] = open.slice->offset;
+  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
+             renderField(field, open, machine));
+  // The first version of the struct ended before these.
+  view.size = offsetof(raymap_view, has_eye);
+  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
+             renderField(field, how, machine));
   expectSame(Drawn(raymap_render_defects(cMesh_.get(), &view, cOptions_.get())).get(),
              renderDefects(mesh_, how));
   expectSame(Drawn(raymap_render_field(cField.get(), nullptr, cOptions_.get())).get(),

@@ -153,8 +153,37 @@ TEST(AnimatedMesh, NamesWhatIsWrong) {
   EXPECT_EQ(errorWith([](Track&) {}), "");
   EXPECT_TRUE(contains(errorWith([](Track& t) { t.node = 2; }), "track 1 moves node 2"));
   EXPECT_TRUE(contains(errorWith([](Track& t) { t.times.clear(); }), "track 1 has no times"));
-  EXPECT_TRUE(contains(errorWith([](Track& t) { t.times[1] = -1; }), "track 1 goes back in time"));
+  EXPECT_TRUE(contains(errorWith([](Track& t) { t.times[1] = -1; }),
+                       "track 1 goes back in time: time 1 is -1, after 0"));
   EXPECT_TRUE(contains(errorWith([](Track& t) { t.values.pop_back(); }), "track 1 has 1 values for 2 times"));
+}
+
+TEST(AnimatedMesh, NamesNumbersThatAreNotFinite) {
+  const auto errorWith = [](const auto& change) {
+    AnimatedMesh mesh = triangle();
+    mesh.tracks = {{.node = 1, .times = {0.0, 1.0}, .values = {{0, 0, 0, 0}, {0, 0, 0, 0}}}};
+    mesh.morphs = {{.firstVertex = 1, .offsets = {{0, 0, 2}, {0, 0, 4}}}};
+    change(mesh);
+    return errorOf(mesh);
+  };
+  EXPECT_EQ(errorWith([](AnimatedMesh&) {}), "");
+  const auto expect = [&](const std::string& text, const auto& change) {
+    EXPECT_TRUE(contains(errorWith(change), text + ", which is not finite")) << errorWith(change);
+  };
+  expect("a weight of vertex 2 holds nan", [](AnimatedMesh& m) { m.weights[2][3] = NAN; });
+  expect("the translation of node 1 holds inf", [](AnimatedMesh& m) { m.nodes[1].translation.z = INFINITY; });
+  expect("the rotation of node 0 holds nan", [](AnimatedMesh& m) { m.nodes[0].rotation.w = NAN; });
+  expect("the scale of node 1 holds -inf", [](AnimatedMesh& m) { m.nodes[1].scale.x = -INFINITY; });
+  expect("the matrix of node 1 holds nan", [](AnimatedMesh& m) { m.nodes[1].matrix[3][3] = NAN; });
+  expect("the inverse bind matrix of joint 1 holds nan",
+         [](AnimatedMesh& m) { m.skeleton[1].inverseBind[0][0] = NAN; });
+  expect("time 1 of track 0 is inf", [](AnimatedMesh& m) { m.tracks[0].times[1] = INFINITY; });
+  expect("time 0 of track 0 is nan", [](AnimatedMesh& m) { m.tracks[0].times[0] = NAN; });
+  expect("value 1 of track 0 holds nan", [](AnimatedMesh& m) { m.tracks[0].values[1].w = NAN; });
+  expect("the offset of vertex 2 by morph 0 holds nan",
+         [](AnimatedMesh& m) { m.morphs[0].offsets[1].y = NAN; });
+  EXPECT_TRUE(
+      contains(errorWith([](AnimatedMesh& m) { m.morphs[0].weight = NAN; }), "morph 0 has the weight nan"));
 }
 
 }  // namespace

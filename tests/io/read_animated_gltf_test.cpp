@@ -179,8 +179,10 @@ TEST(ReadAnimatedGltf, NamesWhatIsWrongWithMorphs) {
     return errorOf(replaced(text, from, to), bytes, 1);
   };
   EXPECT_EQ(errorOf(text, bytes, 1), "");
-  EXPECT_TRUE(
-      contains(with(R"("weights":[0.5,0.25])", R"("weights":[0.5])"), "'weights' is not a list of 2"));
+  EXPECT_TRUE(contains(with(R"("weights":[0.5,0.25])", R"("weights":[0.5])"),
+                       "meshes[0]: 'weights' is not a list of 2"));
+  EXPECT_TRUE(contains(with(R"({"mesh":0})", R"({"mesh":0,"weights":[1]})"),
+                       "nodes[0]: 'weights' is not a list of 2"));
   EXPECT_TRUE(
       contains(with(R"("targets":[)", R"("targets":7,"others":[)"), "'targets' of a primitive are not"));
   EXPECT_TRUE(contains(with(R"({"POSITION":2})", "7"), "a morph target is not an object"));
@@ -191,8 +193,13 @@ TEST(ReadAnimatedGltf, NamesWhatIsWrongWithMorphs) {
                        "has 3 values for 2 times"));
   const std::string nan = raw(std::numeric_limits<float>::quiet_NaN());
   EXPECT_TRUE(contains(errorOf(text, std::string(bytes).replace(60 + 12, 4, nan), 1),
-                       "accessors[2]: the offset of vertex 1 of a morph target is not finite"));
-  EXPECT_TRUE(contains(errorOf(text, std::string(bytes).replace(132, 4, nan), 1), "value 0 is not finite"));
+                       "accessors[2]: the offset of vertex 1 of a morph target is not finite: nan, 0, 2"));
+  EXPECT_TRUE(contains(errorOf(text, std::string(bytes).replace(132, 4, nan), 1), "value 0 holds nan"));
+  EXPECT_TRUE(contains(errorOf(replaced(text, R"("targets":[{"POSITION":2},{"POSITION":3}]}])",
+                                        R"("targets":[{"POSITION":2},{"POSITION":3}]},)"
+                                        R"({"attributes":{"POSITION":0},"targets":[{"POSITION":2}]}])"),
+                               bytes, 1),
+                       "a mesh has primitives with 2 and with 1 morph target"));
 }
 
 TEST(ReadAnimatedGltf, ChoosesAClip) {
@@ -269,20 +276,78 @@ TEST(ReadAnimatedGltf, NamesWhatIsWrong) {
   EXPECT_TRUE(contains(errorWith(R"("output":6)", R"("output":6,"interpolation":"WILD")"),
                        "unknown interpolation WILD"));
   EXPECT_TRUE(contains(errorWith(kTarget, R"("target":3)"), "animations[0]: a channel has no target"));
+  EXPECT_TRUE(contains(errorWith("[1,0,0]", "[1,0]"), "nodes[2]: 'translation' is not a list of 3 numbers"));
+  EXPECT_TRUE(contains(errorWith("[1,0,0]", R"([1,"up",0])"),
+                       R"(nodes[2]: 'translation' holds "up", which is no number)"));
+  EXPECT_TRUE(contains(errorWith("[1,0,0]", "[1,NaN,0]"), "no valid JSON"));
   EXPECT_TRUE(contains(errorWith(R"("channels":[)", R"("canals":[)"), "has no list of channels"));
 }
 
 TEST(ReadAnimatedGltf, RefusesBadNumbers) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const auto errorAt = [&](size_t byte, float value) {
     return errorOf(json(), buffer().replace(byte, 4, raw(value)));
   };
   EXPECT_TRUE(contains(errorAt(0, nan), "not finite"));
-  EXPECT_TRUE(contains(errorAt(92, nan), "the inverse bind matrix of joint 0 is not finite"));
+  EXPECT_TRUE(contains(errorAt(92, nan),
+                       "skins[0]: the inverse bind matrix of joint 0 is not finite: its number 0 is nan"));
+  EXPECT_TRUE(contains(errorAt(92 + 64 + 52, nan), "matrix of joint 1 is not finite: its number 13 is nan"));
   EXPECT_TRUE(contains(errorAt(220, nan), "time 0 is nan"));
   EXPECT_TRUE(contains(errorAt(220, 2.0F), "time 1 is 1; times must be finite and ascend"));
-  EXPECT_TRUE(contains(errorAt(228, nan), "value 0 is not finite"));
+  EXPECT_TRUE(
+      contains(errorAt(228, nan), "animations[0].samplers[0]: value 0 holds nan; values must be finite"));
+  EXPECT_TRUE(contains(errorAt(228 + 28, -inf), "value 1 holds -inf"));
+  EXPECT_EQ(errorAt(220, 1.0F), "");  // Two keys at one time: it jumps.
   EXPECT_TRUE(contains(errorWith("[1,0,0]", "[1e300,0,0]"), "beyond single precision"));
+}
+
+/// Returns the error for weights of single precision.
+std::string errorWithWeight(float weight) {
+  std::string text = replaced(json(), R"("byteOffset":76,"componentType":5121,"normalized":true)",
+                              R"("byteOffset":260,"componentType":5126)");
+  text = replaced(text, R"("byteLength":260}],"buffers":[{"byteLength":260})",
+                  R"("byteLength":324}],"buffers":[{"byteLength":324})");
+  return errorOf(text, buffer() + raw<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, weight, 0, 0, 1, 0, 0, 0}));
+}
+
+TEST(ReadAnimatedGltf, RefusesWeightsThatAreNone) {
+  EXPECT_EQ(errorWithWeight(0.0F), "");
+  EXPECT_TRUE(contains(errorWithWeight(std::numeric_limits<float>::quiet_NaN()),
+                       "vertex 2 of a skin has the weight nan; weights must be finite and not negative"));
+  EXPECT_TRUE(contains(errorWithWeight(std::numeric_limits<float>::infinity()), "has the weight inf"));
+  EXPECT_TRUE(contains(errorWithWeight(-0.5F), "has the weight -0.5"));
+}
+
+TEST(ReadAnimatedGltf, RefusesAMatrixThatFlattensTheMesh) {
+  const auto errorWithMatrix = [](std::initializer_list<float> columns) {
+    return errorOf(json(), buffer().replace(92 + 64, 4 * columns.size(), raw<float>(columns)));
+  };
+  const std::string text =
+      "vertex 1 of a skin follows joint 1, whose inverse bind matrix is singular: it would flatten the mesh";
+  EXPECT_TRUE(contains(errorWithMatrix({0, 0, 0}), text));
+  EXPECT_TRUE(contains(errorWithMatrix({1, 2, 3, 0, 4, 5, 6, 0, 5, 7, 9, 0}), text));
+  EXPECT_TRUE(contains(errorWithMatrix({0.1F, 0.2F, 0.7F, 0, 0.3F, 0.6F, 2.1F, 0, 0, 1, 0, 0}), text));
+  EXPECT_EQ(errorWithMatrix({1e-4F, 0, 0, 0, 0, 1e-4F, 0, 0, 0, 0, 1e-4F, 0}), "");  // Small is not flat.
+  EXPECT_EQ(errorWithMatrix({1, 0.999F, 0, 0}), "");
+  // The first joint moves no vertex: its matrix does not count.
+  const std::string all("\1\0\0\0", 4);
+  const std::string bytes = buffer().replace(60, 16, all + all + all + all).replace(92, 4, raw(0.0F));
+  EXPECT_EQ(errorOf(json(), bytes), "");
+}
+
+TEST(ReadAnimatedGltf, SaysThatASkinIsMissing) {
+  const std::string warning =
+      "4 vertices with a skin but no JOINTS_0, or with JOINTS_0 but no skin: their node alone moves them";
+  EXPECT_TRUE(contains(read(replaced(json(), R"({"mesh":0,"skin":0})", R"({"mesh":0})")).warnings, warning));
+  EXPECT_TRUE(
+      contains(read(replaced(json(), kAttributes, R"("attributes":{"POSITION":0})")).warnings, warning));
+  EXPECT_TRUE(contains(errorWith(kSkin, ""), "skins[0] does not exist: the file has 0"));
+}
+
+TEST(ReadAnimatedGltf, RefusesATrackWithoutKeys) {
+  const std::string text = replaced(json(), R"("byteOffset":220,"componentType":5126,"count":2)",
+                                    R"("byteOffset":220,"componentType":5126,"count":0)");
+  EXPECT_TRUE(contains(errorOf(text), "animations[0].samplers[0] has no times"));
 }
 
 TEST(ReadAnimatedGltf, RefusesOtherFormats) {

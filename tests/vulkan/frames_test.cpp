@@ -123,6 +123,9 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.distance = {}; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.dims.y = 0; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.spacing = 0; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.rotation = {0, 0, 0, 0}; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.rotation.y = NAN; }), ErrorCode::Usage);
+  EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.translation.z = INFINITY; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.frame.reset(); }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.width = 0; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer&, RenderOptions& o) { o.shell = 0.4; }), ErrorCode::Usage);
@@ -130,6 +133,52 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
               f.grid.dims = {2048, 2048, 2048};
             }),
             ErrorCode::Unsupported);
+}
+
+// A box with one round corner, which tells its sides apart.
+double solid(const glm::dvec3& p) {
+  return std::max(analytic::box(p, {0.7, 0.5, 0.6}), -analytic::sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));
+}
+
+// These turns take the grid's axes to each other, so that the field of the moved shape has the same samples.
+TEST_F(VulkanFrames, DrawAFieldThatHasMoved) {
+  const Field field = analytic::sampled(analytic::cube(40, 2.0), solid);
+  const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
+  DeviceBuffer pixels(device(), "pixels");
+  pixels.resize<uint32_t>(120 * 90);
+  Renderer renderer(device().handles());
+  const glm::dvec3 translation(3.0, -0.7, 0.4);
+  const glm::dquat rotations[] = {{1, 0, 0, 0}, {3, 3, 0, 0}, {0.5, 0.5, 0.5, 0.5}, {0.5, -0.5, 0.5, 0.5}};
+  for (const glm::dquat& rotation : rotations) {
+    const glm::dmat3 back = glm::mat3_cast(glm::conjugate(glm::normalize(rotation)));
+    Grid grid = field.grid;
+    grid.origin += translation;
+    const Field moved =
+        analytic::sampled(grid, [&](const glm::dvec3& p) { return solid(back * (p - translation)); });
+    RenderOptions options{
+        .width = 120,
+        .height = 90,
+        .direction = {-1.0, -0.5, -0.6},
+        .shell = 0.2,
+        .frame = Box{translation - glm::dvec3(0.8, 1.0, 0.9), translation + glm::dvec3(0.9)},
+        .eye = translation + glm::dvec3(3.1, 1.6, 2.0)};
+    for (const bool isOpen : {false, true}) {
+      if (isOpen) options.cutPlane = Plane{{1.0, 0.2, 0.3}, 3.1};
+      if (isOpen) options.slice = Plane{{0.1, 1.0, 0.2}, -0.2};
+      run([&](Commands& commands) {
+        renderer.record(commands.handle(),
+                        {.distance = range(samples),
+                         .grid = field.grid,
+                         .rotation = rotation,
+                         .translation = translation},
+                        options, {.pixels = range(pixels)});
+      });
+      Picture ours{120, 90, {}};
+      for (const uint32_t pixel : download<uint32_t>(pixels))
+        for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
+      expectClose(ours, renderField(moved, options, {.device = "cpu"}));
+    }
+  }
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Scene scene(elsewhere, options);
   RenderFieldStage stage(device());
   run([&](Commands& commands) {
-    stage.recordScene(commands, scene, 120, 90);
+    stage.recordScene(commands, scene, 120, 90, {});
     stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)},
                      {pixels.address(), depth.address()}, 0, 90);
   });

@@ -130,7 +130,7 @@ class TrackReader {
 
   void check(const Track& track, size_t count, const std::string& what) const {
     const size_t each = count * (track.interpolation == Track::Interpolation::CubicSpline ? 3 : 1);
-    if (track.times.empty()) file_.fail(what + " has no times");
+    if (track.times.empty()) file_.fail(what + " has no times; a track needs a key");
     if (track.values.size() != each * track.times.size())
       file_.fail(what + " has " + counted(track.values.size(), "value") + " for " +
                  counted(track.times.size(), "time"));
@@ -139,8 +139,10 @@ class TrackReader {
         file_.fail(what + ": time " + std::to_string(i) + " is " + numberText(track.times[i]) +
                    "; times must be finite and ascend");
     for (size_t i = 0; i < track.values.size(); ++i)
-      if (const glm::dvec4& v = track.values[i]; !std::isfinite(v.x + v.y + v.z + v.w))
-        file_.fail(what + ": value " + std::to_string(i) + " is not finite");
+      for (int c = 0; c < 4; ++c)
+        if (const double number = track.values[i][c]; !std::isfinite(number))
+          file_.fail(what + ": value " + std::to_string(i) + " holds " + numberText(number) +
+                     "; values must be finite");
   }
 
   const MeshFile& file_;
@@ -175,7 +177,7 @@ std::vector<std::string> animationNames(const GltfDocument& document) {
 
 uint64_t animationNamed(const MeshFile& file, const GltfDocument& document, const std::string& clip) {
   const uint64_t count = document.size("animations");
-  if (count == 0) file.fail("it has no animation");
+  if (count == 0) file.fail("it has no animation; read it as a mesh at rest");
   std::string all;
   for (uint64_t a = 0; a < count; ++a) {
     const std::string name = stringOf(document.element("animations", a), "name", "");

@@ -79,6 +79,10 @@ std::string inPlainWords(std::string_view message) {
   return std::string(message);
 }
 
+std::string shortText(const GltfDocument::Json& json) {
+  return json.dump(-1, ' ', false, GltfDocument::Json::error_handler_t::replace).substr(0, 40);
+}
+
 }  // namespace
 
 GltfDocument::GltfDocument(const MeshFile& file) : file_(file) {
@@ -166,8 +170,7 @@ uint64_t GltfDocument::number(const Json& object, const char* key) const {
   const auto found = object.find(key);
   if (found == object.end()) file_.fail(std::string("'") + key + "' is missing");
   if (!found->is_number_unsigned() || found->get<uint64_t>() >= kLargest)
-    file_.fail(std::string("'") + key + "' is not a count or index: " +
-               found->dump(-1, ' ', false, Json::error_handler_t::replace).substr(0, 40));
+    file_.fail(std::string("'") + key + "' is not a count or index: " + shortText(*found));
   return found->get<uint64_t>();
 }
 
@@ -188,14 +191,16 @@ std::vector<uint64_t> GltfDocument::indices(const Json& object, const char* key)
   return result;
 }
 
-std::vector<double> GltfDocument::numbers(const Json& object, const char* key, size_t count) const {
+std::vector<double> GltfDocument::numbers(const Json& object, const std::string& name, const char* key,
+                                          size_t count) const {
   std::vector<double> result;
   const auto found = object.find(key);
   if (found == object.end()) return result;
   if (!found->is_array() || found->size() != count)
-    file_.fail(std::string("'") + key + "' is not a list of " + std::to_string(count) + " numbers");
+    file_.fail(name + ": '" + key + "' is not a list of " + std::to_string(count) + " numbers");
   for (const Json& value : *found) {
-    if (!value.is_number()) file_.fail(std::string("'") + key + "' holds something that is not a number");
+    if (!value.is_number())
+      file_.fail(name + ": '" + key + "' holds " + shortText(value) + ", which is no number");
     result.push_back(value.get<double>());
   }
   return result;

@@ -23,8 +23,9 @@ class GltfDocument {
   std::vector<uint64_t> indices(const Json& object, const char* key) const;
   uint64_t number(const Json& object, const char* key) const;
   uint64_t number(const Json& object, const char* key, uint64_t missing) const;
-  /// Returns `count` numbers, or none if the key is missing.
-  std::vector<double> numbers(const Json& object, const char* key, size_t count) const;
+  /// Returns `count` numbers of an object named `name`, or none if the key is missing.
+  std::vector<double> numbers(const Json& object, const std::string& name, const char* key,
+                              size_t count) const;
 
   /// Returns the number of elements, at most the number of bytes of the accessor's bufferView.
   uint64_t accessorCount(uint64_t accessor) const;

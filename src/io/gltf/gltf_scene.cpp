@@ -79,16 +79,20 @@ void GltfScene::findNodes() {
   }
 }
 
-glm::dmat4 GltfScene::transform(const Json& node) const {
-  const std::vector<double> matrix = document_.numbers(node, "matrix", 16);
+std::vector<double> GltfScene::numbers(const Node& node, const char* key, size_t count) const {
+  return document_.numbers(*node.json, "nodes[" + std::to_string(node.index) + "]", key, count);
+}
+
+glm::dmat4 GltfScene::transform(const Node& node) const {
+  const std::vector<double> matrix = numbers(node, "matrix", 16);
   glm::dmat4 result(1.0);
   if (!matrix.empty()) {
     for (int i = 0; i < 16; ++i) result[i / 4][i % 4] = matrix[static_cast<size_t>(i)];
     return result;
   }
-  const std::vector<double> t = document_.numbers(node, "translation", 3);
-  const std::vector<double> r = document_.numbers(node, "rotation", 4);
-  const std::vector<double> s = document_.numbers(node, "scale", 3);
+  const std::vector<double> t = numbers(node, "translation", 3);
+  const std::vector<double> r = numbers(node, "rotation", 4);
+  const std::vector<double> s = numbers(node, "scale", 3);
   if (!t.empty()) result = glm::translate(result, {t[0], t[1], t[2]});
   if (!r.empty()) result *= glm::mat4_cast(glm::normalize(glm::dquat(r[3], r[0], r[1], r[2])));
   if (!s.empty()) result = glm::scale(result, {s[0], s[1], s[2]});
@@ -99,7 +103,7 @@ std::vector<glm::dmat4> GltfScene::worldTransforms() const {
   std::vector<glm::dmat4> result;
   result.reserve(nodes_.size());
   for (const Node& node : nodes_) {
-    const glm::dmat4 local = transform(*node.json);
+    const glm::dmat4 local = transform(node);
     result.push_back(node.parent < 0 ? local : result[static_cast<size_t>(node.parent)] * local);
   }
   return result;

@@ -23,8 +23,10 @@ class GltfScene {
 
   const GltfDocument& document() const { return document_; }
   const std::vector<Node>& nodes() const { return nodes_; }
+  /// Returns `count` numbers of a node, or none if the key is missing.
+  std::vector<double> numbers(const Node& node, const char* key, size_t count) const;
   /// Returns a node's transform, relative to its parent.
-  glm::dmat4 transform(const Json& node) const;
+  glm::dmat4 transform(const Node& node) const;
   /// Returns the transform of every node to the scene.
   std::vector<glm::dmat4> worldTransforms() const;
 

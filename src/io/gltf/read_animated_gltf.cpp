@@ -18,6 +18,13 @@ namespace {
 
 using Json = GltfDocument::Json;
 
+/// Returns whether a matrix flattens space, as far as single precision tells.
+bool isSingular(const glm::dmat4& matrix) {
+  const glm::dmat3 turn(matrix);
+  const double most = glm::length(turn[0]) * glm::length(turn[1]) * glm::length(turn[2]);
+  return !(std::abs(glm::determinant(turn)) > 1e-6 * most);
+}
+
 class AnimatedReader {
  public:
   explicit AnimatedReader(const MeshFile& file) : file_(file), scene_(file), document_(scene_.document()) {
@@ -29,7 +36,8 @@ class AnimatedReader {
     const uint64_t animation = animationNamed(file_, document_, clip);
     AnimatedMesh mesh = read(animation);
     if (mesh.tracks.empty())
-      file_.fail("animations[" + std::to_string(animation) + "] moves nothing that the scene shows");
+      file_.fail("animations[" + std::to_string(animation) +
+                 "] moves nothing that the scene shows; choose another, or read the mesh at rest");
     return mesh;
   }
 
@@ -42,13 +50,17 @@ class AnimatedReader {
       const std::vector<const Json*> surfaces = scene_.surfaces(*scene_.nodes()[n].json);
       const size_t first = positions_.size();
       for (const Json* surface : surfaces) readSurface(*surface, n);
-      morphs.push_back(readMorphs(*scene_.nodes()[n].json, surfaces, first));
+      morphs.push_back(readMorphs(scene_.nodes()[n], surfaces, first));
     }
     mesh_.clips = animationNames(document_);
     mesh_.tracks = readTracks(file_, scene_, animation, places_, morphs);
     scene_.warnOfOthers();
     if (weightless_ > 0)
       file_.warnThat(counted(weightless_, "vertex") + " without weights: their first joint moves them");
+    if (halfSkinned_ > 0)
+      file_.warnThat(
+          counted(halfSkinned_, "vertex") +
+          " with a skin but no JOINTS_0, or with JOINTS_0 but no skin: their node alone moves them");
     if (crowded_ > 0)
       file_.warnThat(counted(crowded_, "vertex") +
                      " with more than four joints: the four that count most move them");
@@ -62,12 +74,12 @@ class AnimatedReader {
       AnimatedMesh::Node& place = mesh_.nodes.emplace_back();
       place.parent = node.parent;
       if (node.json->contains("matrix")) {
-        place.matrix = scene_.transform(*node.json);
+        place.matrix = scene_.transform(node);
         continue;
       }
-      const std::vector<double> t = document_.numbers(*node.json, "translation", 3);
-      const std::vector<double> r = document_.numbers(*node.json, "rotation", 4);
-      const std::vector<double> s = document_.numbers(*node.json, "scale", 3);
+      const std::vector<double> t = scene_.numbers(node, "translation", 3);
+      const std::vector<double> r = scene_.numbers(node, "rotation", 4);
+      const std::vector<double> s = scene_.numbers(node, "scale", 3);
       if (!t.empty()) place.translation = {t[0], t[1], t[2]};
       if (!r.empty()) place.rotation = {r[3], r[0], r[1], r[2]};
       if (!s.empty()) place.scale = {s[0], s[1], s[2]};
@@ -80,7 +92,9 @@ class AnimatedReader {
     if (positions_.size() + positions.size() >= UINT32_MAX) file_.fail("more than 2^32 vertices");
     positions_.insert(positions_.end(), positions.begin(), positions.end());
     const Json& json = *scene_.nodes()[node].json;
-    const bool isSkinned = json.contains("skin") && surface["attributes"].contains("JOINTS_0");
+    const bool hasSkin = json.contains("skin"), hasJoints = surface["attributes"].contains("JOINTS_0");
+    const bool isSkinned = hasSkin && hasJoints;
+    if (hasSkin != hasJoints) halfSkinned_ += positions.size();
     const IndexRange joints = isSkinned ? skinJoints(document_.number(json, "skin")) : nodeJoint(node);
     if (isSkinned) {
       readInfluences(surface["attributes"], positions.size(), joints);
@@ -101,7 +115,7 @@ class AnimatedReader {
   }
 
   /// Reads the morph targets of the surfaces of a node, whose vertices begin at `first`.
-  IndexRange readMorphs(const Json& node, const std::vector<const Json*>& surfaces, size_t first) {
+  IndexRange readMorphs(const GltfScene::Node& node, const std::vector<const Json*>& surfaces, size_t first) {
     const size_t count = surfaces.empty() ? 0 : targetCount(*surfaces[0]);
     IndexRange range{static_cast<uint32_t>(mesh_.morphs.size()), static_cast<uint32_t>(count)};
     for (const Json* surface : surfaces)
@@ -109,10 +123,12 @@ class AnimatedReader {
         file_.fail("a mesh has primitives with " + std::to_string(count) + " and with " +
                    counted(targetCount(*surface), "morph target"));
     if (count == 0) return range;
-    std::vector<double> weights = document_.numbers(node, "weights", count);
-    if (weights.empty())
-      weights =
-          document_.numbers(document_.element("meshes", document_.number(node, "mesh")), "weights", count);
+    std::vector<double> weights = scene_.numbers(node, "weights", count);
+    if (weights.empty()) {
+      const uint64_t mesh = document_.number(*node.json, "mesh");
+      weights = document_.numbers(document_.element("meshes", mesh), "meshes[" + std::to_string(mesh) + "]",
+                                  "weights", count);
+    }
     weights.resize(count, 0.0);
     for (size_t t = 0; t < count; ++t) {
       countBytes((positions_.size() - first) * sizeof(glm::vec3));
@@ -136,7 +152,8 @@ class AnimatedReader {
     for (size_t v = 0; v < count; ++v) {
       if (!std::isfinite(float(read[v].x + read[v].y + read[v].z)))
         file_.fail("accessors[" + std::to_string(accessor) + "]: the offset of vertex " + std::to_string(v) +
-                   " of a morph target is not finite");
+                   " of a morph target is not finite: " + numberText(read[v].x) + ", " +
+                   numberText(read[v].y) + ", " + numberText(read[v].z));
       offsets[first + v] = glm::vec3(read[v]);
     }
   }
@@ -183,7 +200,8 @@ class AnimatedReader {
                  std::to_string(numbers.size() / 16) + " inverse bind matrices");
     for (size_t i = 0; i < 16 * joints.size(); ++i) {
       if (!std::isfinite(numbers[i]))
-        file_.fail(what + ": the inverse bind matrix of joint " + std::to_string(i / 16) + " is not finite");
+        file_.fail(what + ": the inverse bind matrix of joint " + std::to_string(i / 16) +
+                   " is not finite: its number " + std::to_string(i % 16) + " is " + numberText(numbers[i]));
       joints[i / 16].inverseBind[static_cast<int>(i % 16 / 4)][static_cast<int>(i % 4)] = numbers[i];
     }
     return joints;
@@ -244,11 +262,15 @@ class AnimatedReader {
   Influence checked(Influence influence, IndexRange joints, size_t vertex) const {
     if (!(influence.weight >= 0.0) || !std::isfinite(influence.weight))
       file_.fail("vertex " + std::to_string(vertex) + " of a skin has the weight " +
-                 numberText(influence.weight));
+                 numberText(influence.weight) + "; weights must be finite and not negative");
     if (influence.weight == 0.0) return {0.0, 0};
     if (influence.joint >= joints.count)
       file_.fail("vertex " + std::to_string(vertex) + " of a skin follows joint " +
                  std::to_string(influence.joint) + " of " + std::to_string(joints.count));
+    if (isSingular(mesh_.skeleton[joints.first + influence.joint].inverseBind))
+      file_.fail("vertex " + std::to_string(vertex) + " of a skin follows joint " +
+                 std::to_string(influence.joint) +
+                 ", whose inverse bind matrix is singular: it would flatten the mesh; export the skin again");
     return influence;
   }
 
@@ -303,7 +325,7 @@ class AnimatedReader {
   std::vector<Surface> surfaces_;
   std::map<uint32_t, IndexRange> nodeJoints_;
   std::map<uint64_t, IndexRange> skinJoints_;
-  uint64_t weightless_ = 0, crowded_ = 0, bytes_ = 0;
+  uint64_t weightless_ = 0, crowded_ = 0, halfSkinned_ = 0, bytes_ = 0;
 };
 
 }  // namespace

@@ -77,7 +77,7 @@ void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& 
     buffer.submitAndWait();
   };
   run([&](Commands& commands) {
-    stage.recordScene(commands, scene, picture.width, picture.height);
+    stage.recordScene(commands, scene, picture.width, picture.height, {});
     commands.copy(buffers.uploadedField, buffers.field, buffers.field.bytes());
   });
   const RenderFieldStage::Samples samples{.address = buffers.field.address()};

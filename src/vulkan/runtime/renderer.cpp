@@ -4,9 +4,26 @@
 
 #include <raymap/vulkan.h>
 
+#include <cmath>
 #include <string>
 
 namespace raymap::vulkan {
+
+namespace {
+
+/// Returns the inverse of the field's motion, in samples.
+GridMotion motionOf(const FieldBuffer& field) {
+  const glm::dquat rotation = glm::normalize(field.rotation);
+  const glm::dvec3 translation = field.translation, origin = field.grid.origin;
+  const double sum = rotation.x + rotation.y + rotation.z + rotation.w;
+  if (!std::isfinite(sum + translation.x + translation.y + translation.z) ||
+      glm::length(field.rotation) == 0.0)
+    throw Error(ErrorCode::Usage, "the motion of a field must be finite, and its rotation not 0");
+  const glm::dmat3 back = glm::mat3_cast(glm::conjugate(rotation));
+  return {.turn = back, .shift = (back * (origin - translation) - origin) / field.grid.spacing};
+}
+
+}  // namespace
 
 struct Renderer::Impl {
   explicit Impl(const DeviceHandles& handles) : device(handles), stage(device) {}
@@ -38,12 +55,13 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
   if (target.depth.buffer)
     picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
+  const GridMotion motion = motionOf(field);
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   const Scene scene(elsewhere, options);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);
   waitForAll(commands);
-  impl_->stage.recordScene(work, scene, options.width, options.height);
+  impl_->stage.recordScene(work, scene, options.width, options.height, motion);
   impl_->stage.recordRows(work, samples, picture, target.firstRow, rows);
   showAll(commands);
 }

@@ -35,12 +35,15 @@ void RenderFieldStage::checkScene(const Scene& scene) const {
                                             ", draw it on the CPU");
 }
 
-void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int width, int height) {
+void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int width, int height,
+                                   const GridMotion& motion) {
   push_ = {.scene = scene_.address(),
            .shape = describe(scene.shape),
            .width = static_cast<uint32_t>(width),
            .height = static_cast<uint32_t>(height)};
-  commands.update(scene_, describe(scene));
+  RenderSceneData data = describe(scene);
+  move(motion, push_.shape, data);
+  commands.update(scene_, data);
 }
 
 void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first,

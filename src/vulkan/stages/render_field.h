@@ -4,8 +4,9 @@
 #include "vulkan/stages/render_field_push.h"
 
 namespace raymap {
+struct GridMotion;
 struct Scene;
-}
+}  // namespace raymap
 
 namespace raymap::vulkan {
 
@@ -29,8 +30,8 @@ class RenderFieldStage {
 
   /// Throws `Error(Unsupported)` if a ray would need more steps than the device can run reliably.
   void checkScene(const Scene& scene) const;
-  /// Uploads a scene that `checkScene` accepted.
-  void recordScene(Commands& commands, const Scene& scene, int width, int height);
+  /// Uploads a scene that `checkScene` accepted, before a grid that has moved.
+  void recordScene(Commands& commands, const Scene& scene, int width, int height, const GridMotion& motion);
   /// Draws `count` rows from row `first` on, counted from the top.
   void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 
