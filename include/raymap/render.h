@@ -1,11 +1,14 @@
 #pragma once
 
+#include <raymap/diagnostics.h>
 #include <raymap/export.h>
 #include <raymap/field.h>
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 
 namespace raymap {
@@ -35,6 +38,10 @@ RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options 
 /// Cancelled.
 RAYMAP_API Picture renderDefects(const MeshView& mesh, const RenderOptions& options = {},
                                  const MachineOptions& machine = {});
+
+/// Returns the colour in which `renderDefects` draws defects of a kind, in sRGB: that of fronts for
+/// degenerate faces, which are too thin to be seen.
+RAYMAP_API std::array<uint8_t, 3> defectColour(Defect defect);
 
 /// Draws a slice across axis 0, 1 or 2 at sample `index`; -1 = the middle one.
 ///

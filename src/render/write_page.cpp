@@ -1,6 +1,7 @@
 // A page that shows a field in a browser. Its parts lie in render/page; the shader is that of the GPU.
 
 #include <raymap/atomic_file.h>
+#include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/names.h>
 #include <raymap/page.h>
@@ -16,7 +17,6 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "field/field_sampler.h"
-#include "mesh/defect_places.h"
 #include "page_text.h"
 #include "render/encode_png.h"
 #include "render/pack_samples.h"
@@ -164,22 +164,20 @@ void addNumbers(const Field& field, PageArrays& arrays) {
                stopsOf({0.0, 0.5, 1.0}, confidenceColour), true);
 }
 
-Json describeDefects(const MeshView& view, const Grid& grid, const MachineOptions& machine) {
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+Json describeDefects(const MeshView& mesh, const Grid& grid, const MachineOptions& machine) {
   Json kinds = Json::array();
-  for (const DefectKind& kind : findPlaces(mesh, findDefects(mesh, machine.progress))) {
+  for (const DefectList& list : findDefectPlaces(mesh, machine)) {
     Json listed = Json::array();
     for (const DefectPlace& place :
-         std::span(kind.places).first(std::min(kind.places.size(), kMostDefectPlaces)))
+         std::span(list.places).first(std::min(list.places.size(), kMostDefectPlaces)))
       listed.push_back({{"at", toJson((place.centre - grid.origin) / grid.spacing)},
                         {"radius", 0.5 * place.diameter / grid.spacing},
                         {"count", place.count}});
-    kinds.push_back({{"name", kind.name},
-                     {"unit", kind.unit},
-                     {"count", kind.count},
-                     {"isComplete", kind.isComplete},
-                     {"places", kind.places.size()},
+    kinds.push_back({{"name", list.name},
+                     {"unit", list.edges.empty() ? "face" : "edge"},
+                     {"count", list.count()},
+                     {"isComplete", list.complete},
+                     {"places", list.places.size()},
                      {"listed", std::move(listed)}});
   }
   return kinds;
