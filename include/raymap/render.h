@@ -22,10 +22,13 @@ namespace raymap {
 /// `cut` removes the half nearer to the camera along the horizontal grid axis that points to it most. The cut
 /// face shows the distance inside as `renderSlice` does.
 ///
+/// Winding numbers and confidences have the colours of `renderSlice`, differences from blue (less) to red
+/// (more). The thick line is the surface; thin lines lie half a step off zero.
+///
 /// All of `machine` but `memoryLimit` counts. A GPU's picture differs a little from the CPU's: the mean of a
 /// colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8. Else the same
 /// field and options give the same picture, for any number of threads. Throws `Error`: Usage, Input if a
-/// sample is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
+/// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 

@@ -171,6 +171,9 @@ struct FieldBuffer {
   BufferRange distance = {};  ///< Floats, x fastest, in the mesh's units.
   Grid grid = {};
   double clampDistance = 0.0;  ///< `Field::clampDistance`, in the mesh's units.
+  /// Samples of `RenderOptions::array`. If that is `Distance`, those of a second field on the same grid, as
+  /// `RenderOptions::other` shows them; none: there is no second one.
+  BufferRange values = {};
 };
 
 /// Destination of a picture.
