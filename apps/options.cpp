@@ -195,6 +195,8 @@ constexpr OptionRow kRows[] = {
     {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
     {"--as", "", "Picture", Choice, "ARRAY", "what the file says it holds; a .npy of floats holds distances",
      "Array to show: distance, winding, confidence or triangle", namesOf<FieldArray>},
+    {"--range", "", "Picture", AboveZero, "LENGTH", "the spacing",
+     "Least difference of two shapes that has the deepest colour"},
 
     {"--max-size", "", "Picture", Natural, "N", "256",
      "Most samples along a side of a page; larger fields are shown on a coarser grid"},

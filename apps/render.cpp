@@ -31,7 +31,8 @@ constexpr const char* kFooter = R"(Examples:
   raymap render part.obj -o part.png --up z                (z points up, as in .stl and .3mf by themselves)
   raymap render globe.vdb -o near.png --eye 3,1,2 --direction -3,-1,-2 --cut-plane 0,0,1,0.4
   raymap render globe.vdb -o globe.html                    (a page to turn, cut and slice it in a browser)
-  raymap render scan.ply fixed.stl -o repair.html          (a page that compares the two))";
+  raymap render scan.ply fixed.stl -o repair.html          (a page that compares the two)
+  raymap render scan.ply fixed.stl -o repair.png           (the first in the colours of the difference))";
 
 struct Arguments : FieldArguments {
   StreamFormat format;
@@ -58,17 +59,21 @@ void finishOptions(Arguments& arguments) {
   arguments.options.triangle = arguments.as == "triangle";
 }
 
-Picture draw(const Field& field, FieldArray array, const Arguments& arguments,
-             const std::string& title = "") {
+/// Draws a field; its difference from another one, if there is one.
+Picture draw(const Field& field, FieldArray array, const Arguments& arguments, const std::string& title = "",
+             const Field* other = nullptr) {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
-  if (array != FieldArray::Distance)
+  if (field.distance.empty() || array == FieldArray::Triangle)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
+  RenderOptions view = arguments.view;
+  view.array = array;
+  view.other = other;
   MachineOptions machine = arguments.machine;
   testBeforeFirstUse(machine.device);
   ProgressLine line;
-  return renderField(field, arguments.view, withProgress(machine, line, title));
+  return renderField(field, view, withProgress(machine, line, title));
 }
 
 /// Pictures of frames: files of their own, or one movie.
@@ -141,38 +146,57 @@ void renderFrames(Arguments& arguments) {
 
 using MeshOrField = std::variant<Mesh, Field>;
 
-/// Returns the grid on which a page shows two shapes: that of the first, or one over both if both are meshes.
+/// Returns the grid on which two shapes are shown: that of a field, the first one's rather, or one over both
+/// meshes.
 Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridOptions& options) {
-  if (const Field* field = std::get_if<Field>(&first)) return field->grid;
-  Box box = bounds(std::get<Mesh>(first));
-  if (const Mesh* mesh = std::get_if<Mesh>(&second)) {
-    const Box more = bounds(*mesh);
-    box = {glm::min(box.min, more.min), glm::max(box.max, more.max)};
-  }
-  return fitGrid(box, options);
+  for (const MeshOrField* each : {&first, &second})
+    if (const Field* field = std::get_if<Field>(each)) return field->grid;
+  const Box box = bounds(std::get<Mesh>(first)), more = bounds(std::get<Mesh>(second));
+  return fitGrid(Box{glm::min(box.min, more.min), glm::max(box.max, more.max)}, options);
+}
+
+MeshOrField load(const fs::path& path, const Arguments& arguments) {
+  return loadMeshOrField(path, arguments.format.input, arguments.units);
+}
+
+/// Returns a field as it is, or that of a mesh on a grid.
+Field fieldOf(MeshOrField& shape, const Grid& grid, const Arguments& arguments) {
+  if (const Mesh* mesh = std::get_if<Mesh>(&shape)) return makeField(*mesh, grid, arguments);
+  return std::move(std::get<Field>(shape));
+}
+
+/// Draws a shape in the colours of its difference from another one, or in those of --as.
+void renderOneOfTwo(Arguments& arguments) {
+  if (!arguments.slice.empty())
+    throw Error(ErrorCode::Usage,
+                "a map of a slice shows one shape; show two on a plane with --slice-plane, or compare their "
+                "fields by 'raymap compare'");
+  MeshOrField first = load(arguments.input, arguments), second = load(arguments.other, arguments);
+  const Grid grid = gridOfBoth(first, second, arguments.grid);
+  Field field = fieldOf(first, grid, arguments), other;
+  FieldArray array = FieldArray::Distance;
+  if (arguments.as.empty())
+    other = fieldOf(second, grid, arguments);
+  else
+    array = chooseArray(arguments.input, arguments.as, field);
+  writePng(arguments.picture, draw(field, array, arguments, "", arguments.as.empty() ? &other : nullptr));
+  printWritten(arguments.picture);
 }
 
 /// Writes a page of a field, or of two. It has all arrays of one field, and the defects of a mesh.
 void renderPage(Arguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
-  const auto load = [&](const fs::path& path) {
-    return loadMeshOrField(path, arguments.format.input, arguments.units);
-  };
-  MeshOrField first = load(arguments.input);
+  MeshOrField first = load(arguments.input, arguments);
   std::optional<MeshOrField> second;
-  if (!arguments.other.empty()) second = load(arguments.other);
+  if (!arguments.other.empty()) second = load(arguments.other, arguments);
   arguments.options.winding = arguments.options.confidence = !second && arguments.options.thickness == 0.0;
   const Mesh* mesh = std::get_if<Mesh>(&first);
   if (mesh) validate(*mesh);
   const Grid grid = second ? gridOfBoth(first, *second, arguments.grid)
                     : mesh ? fitGrid(*mesh, arguments.grid)
                            : Grid{};
-  const auto fieldOf = [&](MeshOrField& shape) {
-    if (const Mesh* each = std::get_if<Mesh>(&shape)) return makeField(*each, grid, arguments);
-    return std::move(std::get<Field>(shape));
-  };
-  Field field = fieldOf(first);
+  Field field = fieldOf(first, grid, arguments);
   if (mesh) arguments.page.mesh = *mesh;
   arguments.page.array = chooseArray(arguments.input, arguments.as, field);
   if (field.distance.empty())
@@ -180,7 +204,7 @@ void renderPage(Arguments& arguments) {
                                       ": it has no distances, and a page shows a surface; " +
                                       "draw a slice of it as a .png, with --slice x, y or z");
   Field other;
-  if (second) other = fieldOf(*second);
+  if (second) other = fieldOf(*second, grid, arguments);
   const bool isResampled = second && other.grid != field.grid;
   if (second) arguments.page.other = &other;
   arguments.page.title = displayName(arguments.input.filename());
@@ -201,6 +225,7 @@ void renderPage(Arguments& arguments) {
 
 void renderOne(Arguments& arguments) {
   if (isPage(arguments)) return renderPage(arguments);
+  if (!arguments.other.empty()) return renderOneOfTwo(arguments);
   Field field = loadField(arguments.input, arguments, arguments.format.input);
   const FieldArray array = chooseArray(arguments.input, arguments.as, field);
   writePng(arguments.picture, draw(field, array, arguments));
@@ -222,9 +247,7 @@ void run(Arguments& arguments) {
   const bool isSequence = !arguments.frames.frames.empty();
   const std::vector<Output> outputs{{"--output", arguments.picture, kindsOf(arguments)}};
   const bool isTwo = !arguments.other.empty();
-  if (isTwo && (isSequence || !isPage(arguments)))
-    throw Error(ErrorCode::Usage,
-                "two shapes make a page: write it as .html, or draw fields by 'raymap compare'");
+  if (isTwo && isSequence) throw Error(ErrorCode::Usage, "--frames draws one shape; leave the other out");
   std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
   if (isTwo) inputs.push_back({arguments.other, meshAndFieldExtensions()});
   prepareFiles(arguments.format, inputs, outputs);
@@ -244,8 +267,7 @@ void addRender(CLI::App& app) {
   command->add_option("input", arguments->input, "Mesh or field to read")
       ->type_name("MESH|FIELD")
       ->required();
-  command->add_option("other", arguments->other, "Another one to compare with, in a page")
-      ->type_name("MESH|FIELD");
+  command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
   addOption(*command, "--output", arguments->picture)->required();
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--overwrite", arguments->mayOverwrite);

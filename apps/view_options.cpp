@@ -35,6 +35,7 @@ void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions&
   addOption(command, "--shell", view.shell);
   addOption(command, "--cut-plane", arguments.cutPlane);
   addOption(command, "--slice-plane", arguments.slicePlane);
+  addOption(command, "--range", view.range);
 }
 
 bool isZUp(const std::filesystem::path& path, const std::string& format) {

@@ -14,7 +14,8 @@ namespace raymap::view {
 /// A mesh, an animated mesh or a field to show.
 struct Content {
   std::string title = {};
-  Mesh mesh = {};  ///< At rest, if it is animated; empty for a field.
+  Mesh mesh = {};                      ///< At rest, if it is animated; empty for a field.
+  std::vector<glm::uvec3> given = {};  ///< Triangles of the file, if those of `mesh` differ.
   std::optional<AnimatedMesh> animated = {};
   std::vector<std::string> clips = {};  ///< Names of the file's animations.
   std::optional<Field> field = {};

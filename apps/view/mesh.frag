@@ -9,7 +9,10 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec3 weights;
 layout(location = 0) out vec4 colour;
 
-const float kLineWidth = 1.2, kNoField = 1e38;
+#include "hidden.glsl"
+
+const float kLineWidth = 1.2;
+const float kBackOfDefect = 0.7;  // Share of the light of a front.
 const vec3 kFront = vec3(0.62, 0.68, 0.76), kBack = vec3(0.30, 0.27, 0.27), kLine = vec3(0.08, 0.11, 0.18);
 
 void main() {
@@ -20,13 +23,12 @@ void main() {
   const float strength = clamp(min(heights.x, min(heights.y, heights.z)) / 4 - 0.5, 0, 1);
   const float line = strength * clamp(0.5 * kLineWidth + 0.5 - pixels, 0, 1);
   const vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
-  if (dot(place, push.cutNormal) > push.cutOffset) discard;
-  if (push.slack < kNoField) {
-    const float seen = push.depth.at[uint(gl_FragCoord.y) * push.width + uint(gl_FragCoord.x)];
-    if (length(place) > seen + push.slack) discard;
-  }
-  if (push.isSolid == 0 && line == 0) discard;
+  const bool isSolid = push.colour != kNoFaces;
+  if (isHidden(place) || (!isSolid && line == 0)) discard;
   const float facing = abs(dot(normal, normalize(place)));
-  const vec3 face = (gl_FrontFacing ? kFront : kBack) * (0.35 + 0.65 * facing);
-  colour = push.isSolid != 0 ? vec4(mix(face, kLine, 0.7 * line), 1) : vec4(kLine, 0.7 * line);
+  const vec3 chosen = unpackUnorm4x8(push.colour).rgb;
+  const vec3 side = push.colour == kPlainFaces ? (gl_FrontFacing ? kFront : kBack)
+                                               : chosen * (gl_FrontFacing ? 1 : kBackOfDefect);
+  const vec3 face = side * (0.35 + 0.65 * facing);
+  colour = isSolid ? vec4(mix(face, kLine, 0.7 * line), 1) : vec4(kLine, 0.7 * line);
 }

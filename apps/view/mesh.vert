@@ -10,7 +10,7 @@ layout(location = 1) out vec3 weights;
 
 void main() {
   const uint corner = gl_VertexIndex % 3;
-  place = push.vertices.at[push.triangles.at[gl_VertexIndex]] + push.origin;
+  place = push.vertices.at[push.indices.at[gl_VertexIndex]] + push.origin;
   weights = vec3(corner == 0, corner == 1, corner == 2);
   gl_Position = push.toClip * vec4(place, 1);
 }

@@ -3,9 +3,15 @@
 #include <limits>
 
 #include <mesh_shaders.h>
-#include "mesh_push.h"
 
 namespace raymap::view {
+
+namespace {
+
+/// Shares of its distance at which a part is drawn, so that it is seen before the faces that it belongs to.
+constexpr float kBeforeFaces = 0.9995F, kEdgesBefore = 0.998F;
+
+}  // namespace
 
 MeshPass::MeshPass(const Gpu& gpu) {
   const VkPushConstantRange push{.stageFlags = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
@@ -16,12 +22,13 @@ MeshPass::MeshPass(const Gpu& gpu) {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   check(vkCreatePipelineLayout(gpu.device(), &info, nullptr, &layout), "making a pipeline's layout");
   layout_ = own(gpu.device(), layout, vkDestroyPipelineLayout);
-  makePipeline(gpu);
+  faces_ = makePipeline(gpu, kMeshVert, kMeshFrag);
+  edges_ = makePipeline(gpu, kEdgeVert, kEdgeFrag);
 }
 
-void MeshPass::makePipeline(const Gpu& gpu) {
-  const Owned<VkShaderModule> vertex = gpu.makeShader(kMeshVertexShader),
-                              fragment = gpu.makeShader(kMeshFragmentShader);
+Owned<VkPipeline> MeshPass::makePipeline(const Gpu& gpu, std::span<const uint32_t> vertexCode,
+                                         std::span<const uint32_t> fragmentCode) const {
+  const Owned<VkShaderModule> vertex = gpu.makeShader(vertexCode), fragment = gpu.makeShader(fragmentCode);
   const VkPipelineShaderStageCreateInfo stages[] = {
       {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
        .stage = VK_SHADER_STAGE_VERTEX_BIT,
@@ -88,12 +95,24 @@ void MeshPass::makePipeline(const Gpu& gpu) {
   VkPipeline pipeline = VK_NULL_HANDLE;
   check(vkCreateGraphicsPipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
         "making a pipeline");
-  pipeline_ = own(gpu.device(), pipeline, vkDestroyPipeline);
+  return own(gpu.device(), pipeline, vkDestroyPipeline);
 }
 
-void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style, const Camera& camera,
-                      const Box& bounds, const std::optional<Plane>& cut, const Target& target,
-                      double slack) const {
+/// Scales positions relative to the eye, which changes depths alone.
+void MeshPass::draw(VkCommandBuffer commands, const MeshPart& part, MeshPush push) const {
+  const bool isPlain = part.colour == kNoFaces || part.colour == kPlainFaces;
+  const float share = part.isEdges ? kEdgesBefore : isPlain ? 1.0F : kBeforeFaces;
+  for (int column = 0; column < 3; ++column) push.toClip[column] *= share;
+  push.indices = part.indices;
+  push.colour = part.colour;
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, part.isEdges ? edges_.get() : faces_.get());
+  vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                     sizeof push, &push);
+  vkCmdDraw(commands, (part.isEdges ? 6 : 3) * part.count, 1, 0, 0);
+}
+
+void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyle style,
+                      std::span<const MeshPart> parts, const View& view, const Target& target) const {
   const bool isAlone = target.depth == 0;
   const VkRenderingAttachmentInfo colour{
       .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
@@ -115,30 +134,30 @@ void MeshPass::record(VkCommandBuffer commands, const DeviceMesh& mesh, MeshStyl
                              .pColorAttachments = &colour,
                              .pDepthAttachment = &depth};
   vkCmdBeginRendering(commands, &info);
-  if (style != MeshStyle::Hidden) {
-    const VkViewport viewport{
-        .width = float(target.size.width), .height = float(target.size.height), .maxDepth = 1.0F};
-    const VkRect2D scissor{.extent = target.size};
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
-    // From a little in front of the eye to behind the mesh.
-    const double farthest = glm::length(bounds.centre() - camera.eye()) + glm::length(bounds.size());
-    const MeshPush push{
-        .toClip = camera.matrix({int(target.size.width), int(target.size.height)}, 1e-4 * farthest, farthest),
-        .vertices = mesh.vertices().address,
-        .triangles = mesh.triangles().address,
-        .depth = target.depth,
-        .origin = mesh.origin() - camera.eye(),
-        .width = target.size.width,
-        .cutNormal = cut ? glm::vec3(cut->normal) : glm::vec3(0.0F),
-        .cutOffset = cut ? float(cut->offset - glm::dot(cut->normal, camera.eye())) : 0.0F,
-        .slack = isAlone ? std::numeric_limits<float>::max() : float(slack),
-        .isSolid = style == MeshStyle::Faces};
-    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
-                       sizeof push, &push);
-    vkCmdDraw(commands, 3 * mesh.triangleCount(), 1, 0, 0);
-  }
+  const VkViewport viewport{
+      .width = float(target.size.width), .height = float(target.size.height), .maxDepth = 1.0F};
+  const VkRect2D scissor{.extent = target.size};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &scissor);
+  // From a little in front of the eye to behind the mesh.
+  const auto& [camera, bounds, cut, slack] = view;
+  const double farthest = glm::length(bounds.centre() - camera.eye()) + glm::length(bounds.size());
+  const MeshPush push{
+      .toClip = camera.matrix({int(target.size.width), int(target.size.height)}, 1e-4 * farthest, farthest),
+      .vertices = mesh.vertices().address,
+      .depth = target.depth,
+      .origin = mesh.origin() - camera.eye(),
+      .width = target.size.width,
+      .cutNormal = cut ? glm::vec3(cut->normal) : glm::vec3(0.0F),
+      .cutOffset = cut ? float(cut->offset - glm::dot(cut->normal, camera.eye())) : 0.0F,
+      .slack = isAlone ? std::numeric_limits<float>::max() : float(slack)};
+  if (style != MeshStyle::Hidden)
+    draw(commands,
+         {.indices = mesh.triangles().address,
+          .count = mesh.triangleCount(),
+          .colour = style == MeshStyle::Faces ? kPlainFaces : kNoFaces},
+         push);
+  for (const MeshPart& part : parts) draw(commands, part, push);
   vkCmdEndRendering(commands);
 }
 

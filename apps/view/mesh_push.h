@@ -14,18 +14,27 @@ using uint = uint32_t;
 #define RAYMAP_VIEW_ADDRESS(Type) Type
 #endif
 
-// Push constants of the mesh's two shaders. Positions are relative to the eye.
+#ifdef __cplusplus
+#define RAYMAP_VIEW_CONSTANT inline constexpr
+#else
+#define RAYMAP_VIEW_CONSTANT const
+#endif
+
+// Values of `MeshPush::colour` that are no colours.
+RAYMAP_VIEW_CONSTANT uint kNoFaces = 0, kPlainFaces = 1;
+
+// Push constants of the shaders of a mesh and its defects. Positions are relative to the eye.
 struct MeshPush {
   mat4 toClip;
   RAYMAP_VIEW_ADDRESS(Vectors) vertices;
-  RAYMAP_VIEW_ADDRESS(Indices) triangles;
-  RAYMAP_VIEW_ADDRESS(Depths) depth;  // Distance to what the field shows, row by row.
-  vec3 origin;                        // Of the vertices.
-  uint width;                         // Pixels in a row of `depth`.
-  vec3 cutNormal;                     // What is beyond this plane is not drawn; 0 for no cut.
+  RAYMAP_VIEW_ADDRESS(Indices) indices;  // Three of a face, or two of an edge.
+  RAYMAP_VIEW_ADDRESS(Depths) depth;     // Distance to what the field shows, row by row.
+  vec3 origin;                           // Of the vertices.
+  uint width;                            // Pixels in a row of `depth`.
+  vec3 cutNormal;                        // What is beyond this plane is not drawn; 0 for no cut.
   float cutOffset;
-  float slack;   // How far behind the field's surface a face is still seen; infinite where there is no field.
-  uint isSolid;  // Whether faces are drawn between the lines.
+  float slack;  // How far behind the field's surface a face is still seen; infinite where there is no field.
+  uint colour;  // Of edges or of fronts: red in the lowest byte, green, blue, 255.
 };
 
 #ifdef __cplusplus

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "defect_list.h"
+
 namespace raymap::view {
 
 namespace {
@@ -20,6 +22,7 @@ constexpr const char* kHelp =
     "Ctrl+left drag: move the cut, or else the slice\n"
     "F: show all    1 3 7: along x, y, z (Ctrl: from behind)\n"
     "C: cut    X: slice    W: mesh    Space: play\n"
+    "D: defects in colour    N: to the next (Ctrl: to the one before)\n"
     "M: measure from click to click\n"
     "S: write a picture    R: record\n"
     "Ctrl+C: copy the command that draws this\n"
@@ -104,6 +107,7 @@ void showView(ViewState& state, Wishes& wishes, const PanelFigures& figures) {
     ImGui::Combo("mesh", &style, "hidden\0edges\0faces\0");
     state.mesh = MeshStyle(style);
     if (!state.isFieldShown && state.mesh == MeshStyle::Hidden) state.mesh = MeshStyle::Faces;
+    showDefectList(state, figures.defects, wishes);
   }
   drag("iso value", state.view.iso, 1e-3 * size, -size, size);
   drag("shell", state.view.shell, 1e-3 * size, 0.0, size);

@@ -7,8 +7,8 @@ namespace raymap::view {
 
 namespace {
 
-constexpr double kLiveMilliseconds = 40.0;  // Time of a picture while things move.
-constexpr double kBandMilliseconds = 60.0;  // Time of a part of one while they rest.
+constexpr double kLivePictureMilliseconds = 40.0;  // Time of a picture while things move.
+constexpr double kBandMilliseconds = 60.0;         // Time of a part of one while they rest.
 constexpr uint32_t kCoarsest = 8;
 constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkImageLayout kRest = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;  // Between frames.
@@ -37,7 +37,7 @@ VkExtent2D LivePicture::sizeAt(uint32_t divisor) const {
 
 uint32_t LivePicture::liveDivisor() const {
   const double pixels = double(size_.width) * size_.height;
-  const double divisor = std::sqrt(pixels / (pixelsPerMillisecond_ * kLiveMilliseconds));
+  const double divisor = std::sqrt(pixels / (pixelsPerMillisecond_ * kLivePictureMilliseconds));
   return std::clamp(uint32_t(std::ceil(divisor)), 1u, kCoarsest);
 }
 
@@ -102,7 +102,7 @@ void LivePicture::show(Frame& frame, const Input& input) {
   }
   move(input.isFieldShown ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-  if (!input.isFieldShown || (input.mesh && input.style != MeshStyle::Hidden)) {
+  if (!input.isFieldShown || (input.mesh && (input.style != MeshStyle::Hidden || !input.parts.empty()))) {
     moveImage(commands, nearest_.handle.get(), VK_IMAGE_LAYOUT_UNDEFINED,
               VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
     const MeshPass::Target target{.picture = picture_,
@@ -110,8 +110,12 @@ void LivePicture::show(Frame& frame, const Input& input) {
                                   .size = shown_,
                                   .depth = input.isFieldShown ? shownDepth_.address : 0};
     if (input.mesh)
-      meshPass_.record(commands, *input.mesh, input.style, input.camera, input.bounds, input.view.cutPlane,
-                       target, 2.0 * input.field.grid().spacing);
+      meshPass_.record(commands, *input.mesh, input.style, input.parts,
+                       {.camera = input.camera,
+                        .bounds = input.bounds,
+                        .cut = input.view.cutPlane,
+                        .slack = 2.0 * input.field.grid().spacing},
+                       target);
     frame.stamp("mesh");
   }
   move(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kRest);

@@ -19,6 +19,7 @@ class LivePicture {
     bool isFieldShown = true;
     const DeviceMesh* mesh = nullptr;  ///< Null: there is none.
     MeshStyle style = MeshStyle::Hidden;
+    std::span<const MeshPart> parts = {};  ///< Parts of the mesh in colour.
     const Camera& camera;
     const RenderOptions& view;  ///< All but its size counts.
     const Box& bounds;

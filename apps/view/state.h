@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "defects.h"
 #include "live_field.h"
 #include "mesh_pass.h"
 
@@ -28,6 +29,7 @@ struct ViewState {
   RenderOptions view = {};  ///< Its eye, planes, size and frame follow from the rest.
   bool isFieldShown = true;
   MeshStyle mesh = MeshStyle::Hidden;
+  bool areDefectsShown = false;
   MovingPlane cut = {}, slice = {};
   bool isPlaying = false;
   double seconds = 0.0;  ///< Time of the animation.
@@ -50,6 +52,7 @@ struct Probed {
 /// Figures and messages that the panel shows.
 struct PanelFigures {
   const Content& content;
+  const Defects& defects;
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
@@ -64,12 +67,14 @@ struct PanelFigures {
 
 /// Actions that the user asked for by a button or a key.
 struct Wishes {
-  bool frame = false;    ///< Show all.
-  int axis = 0;          ///< 1, 2 or 3: look along x, y or z; negative: from the other side.
-  bool picture = false;  ///< Write a picture.
-  bool record = false;   ///< Begin or end to record.
-  bool copy = false;     ///< Copy the command that draws this.
-  bool clip = false;     ///< The clip changed.
+  bool frame = false;                ///< Show all.
+  int axis = 0;                      ///< 1, 2 or 3: look along x, y or z; negative: from the other side.
+  bool picture = false;              ///< Write a picture.
+  bool record = false;               ///< Begin or end to record.
+  bool copy = false;                 ///< Copy the command that draws this.
+  bool clip = false;                 ///< The clip changed.
+  std::optional<size_t> place = {};  ///< Show this place of defects.
+  int nextPlace = 0;                 ///< 1: show the next place; -1: the one before.
 };
 
 }  // namespace raymap::view

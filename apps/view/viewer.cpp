@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "defects.h"
 #include "panel.h"
 #include "picture.h"
 #include "probe.h"
@@ -36,6 +37,8 @@ void turnWrongFaces(Content& content, const FieldOptions& options, const Machine
   constexpr int kResolution = 64;
   const Stats stats =
       generate(content.mesh, fitGrid(content.mesh, {.resolution = kResolution}), {}, onCpu).stats;
+  if (stats.turnedFaces.empty() && stats.leftOutFaces.empty()) return;
+  content.given = content.mesh.triangles;
   for (Mesh* mesh : {&content.mesh, content.animated ? &content.animated->rest : nullptr})
     if (mesh) {
       turnFaces(*mesh, stats.turnedFaces);
@@ -108,6 +111,8 @@ class Viewer {
   Picture readPicture() const;
   PanelFigures figures() const;
   RenderOptions view() const;
+  void goToPlace();
+  void markPlace() const;
   void placeCamera() { camera_.place(options_.state.view); }
 
   ViewerOptions& options_;
@@ -118,6 +123,7 @@ class Viewer {
   std::array<Frame, 2> frames_;
   std::array<Hover, 2> hovers_;
   std::unique_ptr<Shown> shown_;
+  Defects defects_;
   Gui gui_;
   Camera camera_;
   fs::file_time_type fileTime_;
@@ -133,7 +139,7 @@ class Viewer {
   size_t next_ = 0;
   bool isMoving_ = true;
   std::optional<RenderOptions> lastView_;
-  std::array<double, 3> lastRest_{};  ///< What else a picture depends on.
+  std::array<double, 4> lastRest_{};  ///< What else a picture depends on.
   std::vector<Frame::Time> times_;
   std::vector<float> history_;
   std::string message_;
@@ -168,6 +174,7 @@ Viewer::Viewer(ViewerOptions& options)
       picture_(gpu_),
       frames_{Frame(gpu_), Frame(gpu_)},
       shown_(load(options.input)),
+      defects_(gpu_),
       gui_(window_, gpu_, swapchain_),
       camera_(options.state.view, content().bounds, windowSize()) {
   for (MovingPlane* plane : {&options.state.cut, &options.state.slice}) centre(*plane, content().bounds);
@@ -191,6 +198,7 @@ void Viewer::show(const fs::path& path, bool isSameView) {
     std::unique_ptr<Shown> shown = load(path);
     gpu_.waitIdle();
     shown_ = std::move(shown);
+    defects_.clear();
     message_.clear();
   } catch (const Error& error) {
     message_ = error.what();
@@ -236,7 +244,7 @@ void Viewer::run() {
   while (!window_.isClosed()) {
     const bool isSeen = !window_.isMinimised();
     const bool isDrawing = shown_->field.isReady() && (isMoving_ || !picture_.isFinished());
-    const bool isCurrent = !isSeen || shown_->field.isCurrent();
+    const bool isCurrent = !isSeen || (shown_->field.isCurrent() && !defects_.isBusy());
     window_.wait(isSeen && (isDrawing || isStill()) ? 0.0 : isCurrent ? kIdle : kMaking);
     for (const fs::path& path : window_.takeDropped()) show(path, false);
     watchFile();
@@ -278,9 +286,10 @@ void Viewer::step() {
   takeKeys(wishes);
   takeMouse();
   obey(wishes);
+  markPlace();
   draw(frame, *image);
   askHover(frame, slot);
-  const bool isTaken = isStill() && picture_.isFinished() && shown_->field.isCurrent();
+  const bool isTaken = isStill() && picture_.isFinished() && shown_->field.isCurrent() && !defects_.isBusy();
   if (isTaken) takePicture(frame);
   frame.submit(swapchain_.isDrawn(*image));
   const bool fits = swapchain_.present(*image);
@@ -334,8 +343,11 @@ RenderOptions Viewer::view() const {
 void Viewer::draw(Frame& frame, uint32_t image) {
   ViewState& state = options_.state;
   const RenderOptions now = view();
-  const std::array<double, 3> rest{double(state.mesh), double(state.isFieldShown), state.seconds};
-  const bool hasMoved = lastView_ != now || lastRest_ != rest;
+  const std::array<double, 4> rest{double(state.mesh), double(state.isFieldShown), state.seconds,
+                                   double(state.areDefectsShown)};
+  if (state.areDefectsShown && shown_->mesh) defects_.find(content(), state.seconds, options_.machine);
+  const bool isFound = defects_.record(frame);
+  const bool hasMoved = lastView_ != now || lastRest_ != rest || isFound;
   isMoving_ = hasMoved || (state.isPlaying && !isStill());
   lastView_ = now;
   lastRest_ = rest;
@@ -350,6 +362,8 @@ void Viewer::draw(Frame& frame, uint32_t image) {
                      .isFieldShown = state.isFieldShown || !shown_->mesh,
                      .mesh = shown_->mesh.get(),
                      .style = state.mesh,
+                     .parts = state.areDefectsShown ? std::span<const MeshPart>(defects_.parts())
+                                                    : std::span<const MeshPart>(),
                      .camera = camera_,
                      .view = now,
                      .bounds = content().bounds},
@@ -411,6 +425,7 @@ void Viewer::takeKeys(Wishes& wishes) {
     if (key == GLFW_KEY_1 || key == GLFW_KEY_KP_1) wishes.axis = side * 1;
     if (key == GLFW_KEY_3 || key == GLFW_KEY_KP_3) wishes.axis = side * 2;
     if (key == GLFW_KEY_7 || key == GLFW_KEY_KP_7) wishes.axis = side * 3;
+    if (key == GLFW_KEY_N) wishes.nextPlace = side;
     if (hasControl) continue;
     if (key == GLFW_KEY_F) wishes.frame = true;
     if (key == GLFW_KEY_S) wishes.picture = true;
@@ -418,6 +433,7 @@ void Viewer::takeKeys(Wishes& wishes) {
     if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
     if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
     if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
+    if (key == GLFW_KEY_D) state.areDefectsShown = !state.areDefectsShown;
     if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
     if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
     if (key == GLFW_KEY_H) state.isHelpShown = !state.isHelpShown;
@@ -488,6 +504,9 @@ void Viewer::obey(const Wishes& wishes) {
     direction[std::abs(wishes.axis) - 1] = wishes.axis > 0 ? -1.0 : 1.0;
     camera_.lookAlong(direction);
   }
+  if (wishes.place) defects_.choose(*wishes.place);
+  if (wishes.nextPlace != 0) defects_.chooseNext(wishes.nextPlace);
+  if (wishes.place || wishes.nextPlace != 0) goToPlace();
   placeCamera();
   if (wishes.picture) isPictureWanted_ = true;
   if (wishes.copy) {
@@ -502,6 +521,29 @@ void Viewer::obey(const Wishes& wishes) {
   } catch (const Error& error) {
     message_ = error.what();
   }
+}
+
+/// Looks at the chosen place of defects from as near as its surroundings are of use.
+void Viewer::goToPlace() {
+  const DefectPlace* place = defects_.place();
+  if (!place) return;
+  constexpr double kSurroundings = 2.5, kLeast = 0.03;  // Of its own size, of that of the mesh.
+  const double size =
+      std::max(kSurroundings * place->diameter, kLeast * glm::length(content().bounds.size()));
+  camera_.frame({place->centre - 0.5 * size, place->centre + 0.5 * size}, windowSize());
+}
+
+void Viewer::markPlace() const {
+  const DefectPlace* place = defects_.place();
+  if (!place || !options_.state.areDefectsShown) return;
+  const glm::dvec3 at = camera_.project(place->centre, windowSize());
+  if (!(at.z > 0.0)) return;
+  const glm::dvec3 beside =
+      camera_.project(place->centre + 0.5 * place->diameter * camera_.right(), windowSize());
+  constexpr double kLeastRadius = 12.0;
+  const double radius = std::max(1.2 * (beside.x - at.x), kLeastRadius), scale = window_.scale();
+  ImGui::GetBackgroundDrawList()->AddCircle({float(at.x / scale), float(at.y / scale)}, float(radius / scale),
+                                            IM_COL32(214, 30, 40, 255), 0, 2.0F);
 }
 
 std::string Viewer::command() const {
@@ -544,6 +586,7 @@ PanelFigures Viewer::figures() const {
   if (field.milliseconds() > 0.0 && !field.isMoved())
     times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
   return {.content = content(),
+          .defects = defects_,
           .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
           .grid = grid,
           .times = std::move(times),

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
+#include <string_view>
 #include <vector>
 
 namespace raymap {
@@ -79,5 +81,40 @@ struct SelfIntersections {
 /// Finds the faces that cross others. Stops early where too many faces overlap. `machine.threads` and
 /// `progress` count. Throws `Error`: Input (see `validate`), Cancelled.
 RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh, const MachineOptions& machine = {});
+
+/// Kinds of defects.
+enum class Defect : uint8_t {
+  Hole,             ///< Edges with one face.
+  NonManifoldEdge,  ///< Edges with more than two faces.
+  CrossedFace,      ///< Faces that cross others, as `findSelfIntersections` finds them.
+  FlippedFace,      ///< Faces that point against their neighbours; the least number of them.
+  DuplicateFace,    ///< Further faces on the same three corners.
+  DoubleSidedFace,  ///< Faces in groups on the same three corners, as many in one winding order as in the
+                    ///< other.
+  DegenerateFace,   ///< Faces with a repeated corner, or lower than 1e-6 of their longest edge.
+};
+
+/// A hole, or edges or faces of one kind that touch each other.
+struct DefectPlace {
+  glm::dvec3 centre{0.0};  ///< In the mesh's units.
+  double diameter = 0.0;   ///< In the mesh's units.
+  size_t count = 0;        ///< Number of its edges or faces.
+};
+
+/// All defects of one kind in a mesh.
+struct DefectList {
+  Defect defect = Defect::Hole;
+  std::string_view name = {};            ///< Name of the kind, in the plural: "Flipped faces".
+  std::vector<uint32_t> faces = {};      ///< Indices of the faces; none if they are edges.
+  std::vector<glm::uvec2> edges = {};    ///< Two vertices of each edge; none if they are faces.
+  bool complete = true;                  ///< False if the search stopped early: there are at least so many.
+  std::vector<DefectPlace> places = {};  ///< Places, the largest first.
+
+  size_t count() const { return faces.size() + edges.size(); }
+};
+
+/// Finds where a mesh has defects. Leaves out kinds that it does not have. `machine.threads` and `progress`
+/// count. Throws `Error`: Input (see `validate`), Cancelled.
+RAYMAP_API std::vector<DefectList> findDefectPlaces(const MeshView& mesh, const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/field.h>
 #include <raymap/grid.h>
 
 #include <cstdint>
@@ -45,6 +46,13 @@ struct RenderOptions {
   std::optional<Plane> cutPlane = {};
   /// Plane on which distances are drawn in the colours and with the lines of `renderSlice`.
   std::optional<Plane> slice = {};
+  /// Array that colours the slice and the cut face, and that of confidences the surface too. The field must
+  /// have it; triangles have no such colours.
+  FieldArray array = FieldArray::Distance;
+  /// Second field. Its distances less those of the first colour slice, cut face and surface: blue below 0,
+  /// red above. If it is on another grid, it is sampled on that of the first.
+  const Field* other = nullptr;
+  double range = 0.0;  ///< Least difference in the deepest colour, in the mesh's units; 0 = the spacing.
   bool operator==(const RenderOptions&) const = default;
 };
 

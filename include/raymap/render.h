@@ -1,11 +1,14 @@
 #pragma once
 
+#include <raymap/diagnostics.h>
 #include <raymap/export.h>
 #include <raymap/field.h>
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 
 namespace raymap {
@@ -19,10 +22,13 @@ namespace raymap {
 /// `cut` removes the half nearer to the camera along the horizontal grid axis that points to it most. The cut
 /// face shows the distance inside as `renderSlice` does.
 ///
+/// Winding numbers and confidences have the colours of `renderSlice`, differences from blue (less) to red
+/// (more). The thick line is the surface; thin lines lie half a step off zero.
+///
 /// All of `machine` but `memoryLimit` counts. A GPU's picture differs a little from the CPU's: the mean of a
 /// colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8. Else the same
 /// field and options give the same picture, for any number of threads. Throws `Error`: Usage, Input if a
-/// sample is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
+/// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 
@@ -35,6 +41,10 @@ RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options 
 /// Cancelled.
 RAYMAP_API Picture renderDefects(const MeshView& mesh, const RenderOptions& options = {},
                                  const MachineOptions& machine = {});
+
+/// Returns the colour in which `renderDefects` draws defects of a kind, in sRGB: that of fronts for
+/// degenerate faces, which are too thin to be seen.
+RAYMAP_API std::array<uint8_t, 3> defectColour(Defect defect);
 
 /// Draws a slice across axis 0, 1 or 2 at sample `index`; -1 = the middle one.
 ///

@@ -175,6 +175,9 @@ struct FieldBuffer {
   /// `translation`, in the mesh's units. A shape that moves rigidly needs no new field.
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 translation{0.0};
+  /// Samples of `RenderOptions::array`. If that is `Distance`, those of a second field on the same grid, as
+  /// `RenderOptions::other` shows them; none: there is no second one.
+  BufferRange values = {};
 };
 
 /// Destination of a picture.

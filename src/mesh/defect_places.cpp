@@ -1,12 +1,14 @@
 // Where a mesh has defects, for a list that a person can look through.
 
-#include "mesh/defect_places.h"
+#include <raymap/diagnostics.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <span>
 
+#include "base/parallel.h"
+#include "mesh/defects.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/holes.h"
 #include "mesh/weld.h"
@@ -50,36 +52,60 @@ std::vector<DefectPlace> placesOfHoles(const PackedMesh& mesh, const std::vector
   return places;
 }
 
+DefectList listEdges(const PackedMesh& mesh, const Welding& welding, Defect defect, std::string_view name,
+                     const std::vector<EdgeEnds>& edges) {
+  DefectList list{.defect = defect, .name = name};
+  std::vector<Corners> corners;
+  for (const EdgeEnds& edge : edges) {
+    list.edges.emplace_back(edge.a, edge.b);
+    corners.push_back({edge.a, edge.b, edge.b});
+  }
+  list.places = defect == Defect::Hole ? placesOfHoles(mesh, edges) : groupTouching(mesh, welding, corners);
+  return list;
+}
+
+DefectList listFaces(const PackedMesh& mesh, const Welding& welding, Defect defect, std::string_view name,
+                     std::vector<uint32_t> faces) {
+  std::vector<Corners> corners;
+  for (const uint32_t face : faces) {
+    const glm::uvec3& t = mesh.triangles[face];
+    corners.push_back({t.x, t.y, t.z});
+  }
+  return {.defect = defect,
+          .name = name,
+          .faces = std::move(faces),
+          .places = groupTouching(mesh, welding, corners)};
+}
+
+std::vector<DefectList> listAll(const PackedMesh& mesh, Defects found) {
+  const Welding welding = weldVertices(mesh.vertices);
+  std::vector<DefectList> lists;
+  const auto addEdges = [&](Defect defect, std::string_view name, const std::vector<EdgeEnds>& edges) {
+    if (!edges.empty()) lists.push_back(listEdges(mesh, welding, defect, name, edges));
+  };
+  const auto addFaces = [&](Defect defect, std::string_view name, std::vector<uint32_t>& faces) {
+    if (!faces.empty()) lists.push_back(listFaces(mesh, welding, defect, name, std::move(faces)));
+  };
+  addEdges(Defect::Hole, "Holes", found.boundaryEdges);
+  addEdges(Defect::NonManifoldEdge, "Edges with more than two faces", found.nonManifoldEdges);
+  addFaces(Defect::CrossedFace, "Faces that cross others", found.crossedFaces);
+  addFaces(Defect::FlippedFace, "Flipped faces", found.flippedFaces);
+  addFaces(Defect::DuplicateFace, "Duplicate faces", found.duplicateFaces);
+  addFaces(Defect::DoubleSidedFace, "Double-sided faces", found.doubleSidedFaces);
+  addFaces(Defect::DegenerateFace, "Degenerate faces", found.degenerateFaces);
+  for (DefectList& list : lists)
+    if (list.defect == Defect::CrossedFace) list.complete = found.isComplete;
+  return lists;
+}
+
 }  // namespace
 
-std::vector<DefectKind> findPlaces(const PackedMesh& mesh, const Defects& defects) {
-  const Welding welding = weldVertices(mesh.vertices);
-  std::vector<DefectKind> kinds;
-  if (const size_t count = defects.boundaryEdges.size(); count > 0)
-    kinds.push_back({"Holes", "edge", count, true, placesOfHoles(mesh, defects.boundaryEdges)});
-  const auto add = [&](std::string_view name, std::string_view unit, const std::vector<Corners>& elements,
-                       bool isComplete) {
-    if (!elements.empty())
-      kinds.push_back({name, unit, elements.size(), isComplete, groupTouching(mesh, welding, elements)});
-  };
-  std::vector<Corners> edges;
-  for (const EdgeEnds& edge : defects.nonManifoldEdges) edges.push_back({edge.a, edge.b, edge.b});
-  add("Edges with more than two faces", "edge", edges, true);
-  const auto addFaces = [&](std::string_view name, const std::vector<uint32_t>& faces,
-                            bool isComplete = true) {
-    std::vector<Corners> corners;
-    for (const uint32_t face : faces) {
-      const glm::uvec3& t = mesh.triangles[face];
-      corners.push_back({t.x, t.y, t.z});
-    }
-    add(name, "face", corners, isComplete);
-  };
-  addFaces("Faces that cross others", defects.crossedFaces, defects.isComplete);
-  addFaces("Flipped faces", defects.flippedFaces);
-  addFaces("Duplicate faces", defects.duplicateFaces);
-  addFaces("Double-sided faces", defects.doubleSidedFaces);
-  addFaces("Degenerate faces", defects.degenerateFaces);
-  return kinds;
+std::vector<DefectList> findDefectPlaces(const MeshView& view, const MachineOptions& machine) {
+  MeshPacker packer;
+  const PackedMesh mesh = packer.pack(view);
+  std::vector<DefectList> lists;
+  withThreads(machine.threads, [&] { lists = listAll(mesh, findDefects(mesh, machine.progress)); });
+  return lists;
 }
 
 }  // namespace raymap

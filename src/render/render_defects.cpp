@@ -16,17 +16,24 @@ namespace raymap {
 
 namespace {
 
-const Colour kFront = srgb(206, 208, 212), kBack = srgb(120, 128, 142);
+constexpr std::array<uint8_t, 3> kFrontBytes{206, 208, 212};
+
+Colour colourOf(const std::array<uint8_t, 3>& bytes) {
+  return srgb(bytes[0], bytes[1], bytes[2]);
+}
+
+const Colour kFront = colourOf(kFrontBytes), kBack = srgb(120, 128, 142);
 /// How a face is drawn. Of faces in the same place, the one of the highest rank is seen; its front is seen
 /// before a back of the same rank.
 struct FaceLook {
   Colour colour;
   int rank;
 };
-const FaceLook kDuplicate{srgb(230, 205, 60), 1}, kDoubleSided{srgb(110, 170, 70), 2},
-    kFlipped{srgb(70, 120, 220), 3}, kCrossed{srgb(240, 150, 40), 4};
+const FaceLook kDuplicate{colourOf(defectColour(Defect::DuplicateFace)), 1},
+    kDoubleSided{colourOf(defectColour(Defect::DoubleSidedFace)), 2},
+    kFlipped{colourOf(defectColour(Defect::FlippedFace)), 3},
+    kCrossed{colourOf(defectColour(Defect::CrossedFace)), 4};
 constexpr int kLineRank = 10;
-const Colour kBoundary = srgb(214, 30, 40), kNonManifold = srgb(160, 40, 190);
 constexpr int kFineness = 2;        // Sub-pixels along a pixel's side.
 constexpr double kLineWidth = 2.5;  // In pixels.
 
@@ -102,7 +109,8 @@ class Drawing {
     for (size_t f = 0; f < mesh_.triangles.size(); ++f) drawFace(mesh_.triangles[f], looks[f]);
   }
 
-  void drawEdges(const std::vector<EdgeEnds>& edges, const Colour& colour) {
+  void drawEdges(const std::vector<EdgeEnds>& edges, Defect defect) {
+    const Colour colour = colourOf(defectColour(defect));
     for (const EdgeEnds& edge : edges) drawLine(seen_[edge.a], seen_[edge.b], colour);
   }
 
@@ -184,6 +192,26 @@ class Drawing {
 
 }  // namespace
 
+std::array<uint8_t, 3> defectColour(Defect defect) {
+  switch (defect) {
+    case Defect::Hole:
+      return {214, 30, 40};
+    case Defect::NonManifoldEdge:
+      return {160, 40, 190};
+    case Defect::CrossedFace:
+      return {240, 150, 40};
+    case Defect::FlippedFace:
+      return {70, 120, 220};
+    case Defect::DuplicateFace:
+      return {230, 205, 60};
+    case Defect::DoubleSidedFace:
+      return {110, 170, 70};
+    case Defect::DegenerateFace:
+      break;
+  }
+  return kFrontBytes;
+}
+
 Picture renderDefects(const MeshView& view, const RenderOptions& options, const MachineOptions& machine) {
   Picture picture = makePicture(options.width, options.height);
   MeshPacker packer;
@@ -192,8 +220,8 @@ Picture renderDefects(const MeshView& view, const RenderOptions& options, const 
   withThreads(machine.threads, [&] { defects = findDefects(mesh, machine.progress); });
   Drawing drawing(mesh, options);
   drawing.drawFaces(defects);
-  drawing.drawEdges(defects.nonManifoldEdges, kNonManifold);
-  drawing.drawEdges(defects.boundaryEdges, kBoundary);
+  drawing.drawEdges(defects.nonManifoldEdges, Defect::NonManifoldEdge);
+  drawing.drawEdges(defects.boundaryEdges, Defect::Hole);
   drawing.writeTo(picture);
   return picture;
 }

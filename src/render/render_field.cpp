@@ -1,15 +1,23 @@
 // Picture of a field, sphere traced on the CPU or a GPU.
 
+#include <raymap/error.h>
 #include <raymap/generate.h>
+#include <raymap/names.h>
 #include <raymap/render.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <string>
 
 #include "api/devices.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "cpu/render/shade.h"
+#include "field/field_sampler.h"
 #include "render/render_scene.h"
+#include "render/resample.h"
 
 namespace raymap {
 
@@ -36,11 +44,37 @@ Picture renderScene(const Scene& scene, const RenderOptions& options, const Mach
   return picture;
 }
 
+void checkNumbers(const Field& field, FieldArray array) {
+  validateArray(field, array);
+  const Buffer<float>& numbers = numbersOf(field, array);
+  const auto* odd = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
+  if (odd != numbers.end())
+    throw Error(ErrorCode::Input, "the array '" + std::string(name(array)) + "' of the field is " +
+                                      numberText(*odd) + " at index " +
+                                      std::to_string(odd - numbers.begin()) +
+                                      ": its colours need finite numbers; leave the array out");
+}
+
 Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
   validateField(field);
   checkPictureSize(options.width, options.height);
+  if (options.array == FieldArray::Triangle)
+    throw Error(ErrorCode::Usage, "a surface has no colours of triangles; draw a slice of them");
+  if (options.other && options.array != FieldArray::Distance)
+    throw Error(ErrorCode::Usage, "a picture shows the difference of two fields or the array '" +
+                                      std::string(name(options.array)) + "', not both");
+  if (options.array != FieldArray::Distance) checkNumbers(field, options.array);
+  if (options.other) checkNumbers(*options.other, FieldArray::Distance);
   Picture picture;
-  withThreads(machine.threads, [&] { picture = renderScene(Scene(field, options), options, machine); });
+  withThreads(machine.threads, [&] {
+    RenderOptions alike = options;
+    Field other;
+    if (options.other && options.other->grid != field.grid) {
+      other = resampled(*options.other, field.grid);
+      alike.other = &other;
+    }
+    picture = renderScene(Scene(field, alike), alike, machine);
+  });
   return picture;
 }
 

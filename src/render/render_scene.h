@@ -10,4 +10,7 @@ namespace raymap {
 /// Draws a scene as `renderField` does.
 Picture renderScene(const Scene& scene, const RenderOptions& options, const MachineOptions& machine);
 
+/// Throws `Error` unless an array has a finite number per sample: Usage if it has another count, else Input.
+void checkNumbers(const Field& field, FieldArray array);
+
 }  // namespace raymap

@@ -1,6 +1,7 @@
 // A page that shows a field in a browser. Its parts lie in render/page; the shader is that of the GPU.
 
 #include <raymap/atomic_file.h>
+#include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/names.h>
 #include <raymap/page.h>
@@ -16,12 +17,12 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "field/field_sampler.h"
-#include "mesh/defect_places.h"
 #include "page_text.h"
 #include "render/encode_png.h"
 #include "render/pack_samples.h"
 #include "render/render_scene.h"
 #include "render/resample.h"
+#include "scene/colouring.h"
 #include "scene/scene.h"
 
 namespace raymap {
@@ -140,11 +141,10 @@ Json distanceStops(double depth, double range) {
   return stops;
 }
 
-/// Returns the colours of a difference as a share of the largest: blue below 0, red above.
-Json differenceStops() {
-  static const Colour kColours[] = {srgb(33, 102, 172), srgb(146, 197, 222), srgb(245, 245, 245),
-                                    srgb(244, 165, 130), srgb(178, 24, 43)};
-  return stopsOf({-1.0, -0.5, 0.0, 0.5, 1.0}, [&](double share) { return kColours[int(2.0 * share + 2.0)]; });
+Json toJson(const std::vector<Colouring::Stop>& stops) {
+  Json all = Json::array();
+  for (const auto& [number, colour] : stops) all.push_back({number, colour.x, colour.y, colour.z});
+  return all;
 }
 
 /// Returns the largest number in a unit; never 0.
@@ -155,31 +155,30 @@ double largestOf(std::span<const float> numbers, double unit = 1.0) {
 }
 
 void addNumbers(const Field& field, PageArrays& arrays) {
-  constexpr double kOver = 0.5 + 1e-6;
-  if (!field.winding.empty())
-    arrays.add("winding number", field.winding, 1.0, largestOf(field.winding) / 2000.0, 1.0,
-               stopsOf({-3.0, -2.0, -1.0, -kOver, -0.5, 0.0, 0.5, kOver, 1.0, 2.0, 3.0}, windingColour));
+  const auto add = [&](const char* title, FieldArray array, double step) {
+    const Colouring colouring = colouringOf(array);
+    arrays.add(title, numbersOf(field, array), 1.0, step, colouring.lineStep, toJson(colouring.stops),
+               colouring.isOnSurface);
+  };
+  if (!field.winding.empty()) add("winding number", FieldArray::Winding, largestOf(field.winding) / 2000.0);
   if (!field.confidence.empty())
-    arrays.add("confidence", field.confidence, 1.0, std::max(largestOf(field.confidence), 1.0) / 250.0, 0.2,
-               stopsOf({0.0, 0.5, 1.0}, confidenceColour), true);
+    add("confidence", FieldArray::Confidence, std::max(largestOf(field.confidence), 1.0) / 250.0);
 }
 
-Json describeDefects(const MeshView& view, const Grid& grid, const MachineOptions& machine) {
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+Json describeDefects(const MeshView& mesh, const Grid& grid, const MachineOptions& machine) {
   Json kinds = Json::array();
-  for (const DefectKind& kind : findPlaces(mesh, findDefects(mesh, machine.progress))) {
+  for (const DefectList& list : findDefectPlaces(mesh, machine)) {
     Json listed = Json::array();
     for (const DefectPlace& place :
-         std::span(kind.places).first(std::min(kind.places.size(), kMostDefectPlaces)))
+         std::span(list.places).first(std::min(list.places.size(), kMostDefectPlaces)))
       listed.push_back({{"at", toJson((place.centre - grid.origin) / grid.spacing)},
                         {"radius", 0.5 * place.diameter / grid.spacing},
                         {"count", place.count}});
-    kinds.push_back({{"name", kind.name},
-                     {"unit", kind.unit},
-                     {"count", kind.count},
-                     {"isComplete", kind.isComplete},
-                     {"places", kind.places.size()},
+    kinds.push_back({{"name", list.name},
+                     {"unit", list.edges.empty() ? "face" : "edge"},
+                     {"count", list.count()},
+                     {"isComplete", list.complete},
+                     {"places", list.places.size()},
                      {"listed", std::move(listed)}});
   }
   return kinds;
@@ -245,25 +244,12 @@ std::string filled(std::string_view text,
   return page;
 }
 
-/// Throws unless each array has a finite number per sample. Distances are checked as they are drawn.
-void checkNumbers(const Field& field) {
-  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
-    const Buffer<float>& numbers = numbersOf(field, array);
-    if (numbers.empty()) continue;
-    validateArray(field, array);
-    const auto* odd = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
-    if (odd != numbers.end())
-      throw Error(ErrorCode::Input, "the array '" + std::string(name(array)) + "' of the field is " +
-                                        numberText(*odd) + " at index " +
-                                        std::to_string(odd - numbers.begin()) +
-                                        ": a page needs finite numbers; leave the array out");
-  }
-}
-
 void checkPage(const Field& field, const PageOptions& options) {
   validateField(field);
   if (options.other) validateField(*options.other);
-  checkNumbers(field);
+  for (const FieldArray array :
+       {FieldArray::Winding, FieldArray::Confidence})  // Distances are checked when drawn.
+    if (!numbersOf(field, array).empty()) checkNumbers(field, array);
   if (options.array == FieldArray::Triangle || (options.other && options.array != FieldArray::Distance))
     throw Error(ErrorCode::Usage, "a page has no colours of the array '" + std::string(name(options.array)) +
                                       (options.other ? "' of two fields" : "'"));
@@ -315,7 +301,7 @@ Page assemble(const Field& field, const Field& shown, const Field* other, const 
                   {"height", view.height},
                   {"fields", std::move(fields)},
                   {"arrays", arrays.list()},
-                  {"difference", differenceStops()},
+                  {"difference", toJson(differenceColouring(1.0).stops)},
                   {"colours", firstColours(options.array)},
                   {"defects", options.mesh ? describeDefects(*options.mesh, grid, machine) : Json::array()},
                   {"scene", describeScene(scene)},

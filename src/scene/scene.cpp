@@ -63,4 +63,17 @@ RenderSceneData describe(const Scene& scene) {
           .outside = {kOutside[0], kOutside[1], kOutside[2]}};
 }
 
+RenderColours describeColours(const Scene& scene) {
+  RenderColours colours{};
+  if (!scene.numbers) return colours;
+  const Colouring& colouring = scene.numbers->colouring();
+  colours.isDifference = scene.numbers->isDifference();
+  colours.isOnSurface = colouring.isOnSurface;
+  colours.lineStep = static_cast<float>(colouring.lineStep);
+  colours.stopCount = static_cast<uint32_t>(colouring.stops.size());
+  for (size_t s = 0; s < colouring.stops.size(); ++s)
+    colours.stops[s] = {glm::vec3(colouring.stops[s].colour), static_cast<float>(colouring.stops[s].number)};
+  return colours;
+}
+
 }  // namespace raymap

@@ -2,6 +2,7 @@
 
 #include "scene/camera.h"
 #include "scene/colour.h"
+#include "scene/colouring.h"
 #include "scene/scene_shared.h"
 #include "scene/shape.h"
 
@@ -17,6 +18,38 @@ inline const Colour kBackgroundBottom = srgb(222, 226, 231);
 /// Direction to the light, along the camera's right and forward and the scene's up.
 inline constexpr glm::dvec3 kLightOfCamera{-0.45, -0.55, 0.95};
 
+/// Numbers in colour on slice, cut face and surface.
+class ShownNumbers {
+ public:
+  /// Keeps references to both fields. Shows what the options say: an array, or the difference of two fields.
+  ShownNumbers(const Field& field, const RenderOptions& options)
+      : colouring_(options.other
+                       ? differenceColouring(options.range > 0.0 ? options.range / field.grid.spacing : 1.0)
+                       : colouringOf(options.array)),
+        numbers_(numbersOf(options.other ? *options.other : field, options.array)),
+        between_(field.grid.dims, numbers_.data()),
+        base_(field.grid.dims, field.distance.data()),
+        scale_(options.other ? 1.0 / field.grid.spacing : 1.0),
+        isDifference_(options.other != nullptr) {}
+
+  /// Returns the number at a point in sample coordinates; differences are in samples.
+  double at(const glm::dvec3& p) const {
+    const glm::dvec3 q = glm::clamp(p, glm::dvec3(0.0), between_.last());
+    return scale_ * (between_(q) - (isDifference_ ? base_(q) : 0.0));
+  }
+  const Colouring& colouring() const { return colouring_; }
+  /// Returns the winding numbers, confidences, or distances of the second field.
+  const Buffer<float>& numbers() const { return numbers_; }
+  bool isDifference() const { return isDifference_; }
+
+ private:
+  Colouring colouring_;
+  const Buffer<float>& numbers_;
+  Trilinear<double> between_, base_;
+  double scale_;
+  bool isDifference_;
+};
+
 /// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
 /// floor shows only the shadow.
 struct Scene {
@@ -29,14 +62,17 @@ struct Scene {
                                kLightOfCamera.z * up)),
         lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {
     if (options.slice) slice = toSamples(*options.slice, field.grid);
+    if (options.other || options.array != FieldArray::Distance) numbers.emplace(field, options);
   }
 
   glm::dvec3 up;
   Shape shape;
   Camera camera;
   glm::dvec3 toLight;
-  double lineStep;                  ///< Distance between the lines on the cut face and the slice, in samples.
-  std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
+  double lineStep;  ///< Distance between the lines on the cut face and the slice, in samples.
+  std::optional<Plane> slice =
+      {};  ///< In samples;   std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
+  std::optional<ShownNumbers> numbers = {};  ///< None: distances are in colour.
 };
 
 /// Motion of a grid's samples: a point of the scene at q, in samples, lies at `turn` * q + `shift` of the
@@ -52,5 +88,6 @@ void move(const GridMotion& motion, RenderShape& shape, RenderSceneData& scene);
 /// Returns what shaders need of a shape, and of all else.
 RenderShape describe(const Shape& shape);
 RenderSceneData describe(const Scene& scene);
+RenderColours describeColours(const Scene& scene);
 
 }  // namespace raymap

@@ -3,6 +3,7 @@
 
 #ifdef __cplusplus
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #endif
 
 #include "base/shader_types.h"
@@ -11,6 +12,7 @@ RAYMAP_SHARED_BEGIN(raymap)
 
 #ifdef __cplusplus
 using glm::vec3;
+using glm::vec4;
 #endif
 
 // Data of scene/shape.h, without the samples.
@@ -23,6 +25,8 @@ struct RenderShape {
   uint nx, ny, nz;
 };
 RAYMAP_CHECK_SIZE(RenderShape, 56);
+
+RAYMAP_CONSTANT uint kMostStops = 11;  // Of a colouring.
 
 // Further data of scene/scene.h. Colours are linear.
 struct RenderSceneData {
@@ -43,6 +47,22 @@ struct RenderSceneData {
   vec3 outside[3];   // Slice: at the surface, half way, farthest.
 };
 RAYMAP_CHECK_SIZE(RenderSceneData, 264);
+
+// Data of a colouring of scene/colouring.h.
+struct RenderColours {
+  vec4 stops[kMostStops];  // Colours, and in w their numbers.
+  uint stopCount;
+  float lineStep;
+  uint isDifference;  // Whether the distances are subtracted from the numbers.
+  uint isOnSurface;   // Whether they colour the surface too.
+};
+RAYMAP_CHECK_SIZE(RenderColours, 192);
+
+struct RenderPicture {
+  RenderSceneData scene;
+  RenderColours colours;
+};
+RAYMAP_CHECK_SIZE(RenderPicture, 456);
 
 RAYMAP_SHARED_END
 

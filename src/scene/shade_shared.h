@@ -36,6 +36,9 @@ RAYMAP_CONSTANT RAYMAP_REAL kIsoLineStrength = 0.45;
 RAYMAP_CONSTANT RAYMAP_REAL kIsoLinePixels = 3.0;
 RAYMAP_CONSTANT RAYMAP_REAL kIsoLineWidth = 1.2;
 RAYMAP_CONSTANT RAYMAP_REAL kContourWidth = 2.8;
+// Numbers that change less than this share of the step of lines across a sample are a plateau: they get no
+// lines.
+RAYMAP_CONSTANT RAYMAP_REAL kPlainValues = 1e-3;
 
 // Parts of the light that clay sends back: in all directions, of the sky at grazing angles, as highlights.
 RAYMAP_CONSTANT RAYMAP_REAL kDiffusePart = 0.5;

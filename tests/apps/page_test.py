@@ -405,8 +405,8 @@ class Page(unittest.TestCase):
         self.assertGreater(len(x), 10)
         self.assertGreater(min(x), 1.5)
 
-    def test_refuses_two_fields_but_in_a_page(self):
-        for output, *options in (["two.png"], ["two.html", "--as", "winding"], ["two.html", "--slice", "z"]):
+    def test_refuses_arrays_and_maps_of_two_fields(self):
+        for output, *options in (["two.png", "--slice", "z"], ["two.html", "--as", "winding"], ["two.html", "--slice", "z"]):
             done = subprocess.run([RAYMAP, "render", "field.nrrd", "field.nrrd", "-o", output, *options],
                                   cwd=self.folder, capture_output=True, text=True)
             self.assertEqual(done.returncode, 2, done.stderr)

@@ -26,6 +26,57 @@ TEST_F(CliRender, DrawsPictures) {
   EXPECT_TRUE(fs::exists(path("slice.png")));
 }
 
+TEST_F(CliRender, DrawsNumbersAndDifferencesInColour) {
+  writeTorus();
+  const Mesh torus = readMesh(path("torus.ply"));
+  const Mesh ball = shapes::sphere(1.5, 3, {0.5, 0.0, 0.0});
+  writeMesh(path("ball.ply"), ball);
+  const RenderOptions usual{.width = 64, .height = 48, .cutPlane = Plane{{1.0, 0.0, 0.0}, 0.1}};
+  const auto drawn = [&](const std::string& arguments) {
+    succeed("render " + arguments +
+            " -o p.png --size 64 48 --resolution 24 --cut-plane 1,0,0,0.1 --device cpu");
+    return readBytes(path("p.png"));
+  };
+  const auto expected = [&](const Field& field, const RenderOptions& options) {
+    writePng(path("expected.png"), renderField(field, options, {.device = "cpu"}));
+    return readBytes(path("expected.png"));
+  };
+  RenderOptions options = usual;
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
+    options.array = array;
+    const Field field =
+        generate(torus, fitGrid(torus, {.resolution = 24}),
+                 {.winding = array == FieldArray::Winding, .confidence = array == FieldArray::Confidence},
+                 {.device = "cpu"})
+            .field;
+    EXPECT_EQ(drawn("torus.ply --as " + std::string(name(array))), expected(field, options));
+  }
+  // Two meshes share a grid over both; a mesh takes that of a field.
+  const Box a = bounds(torus), b = bounds(ball);
+  const Grid both = fitGrid(Box{glm::min(a.min, b.min), glm::max(a.max, b.max)}, {.resolution = 24});
+  const auto fieldOn = [&](const Grid& grid, const Mesh& mesh) {
+    return generate(mesh, grid, {}, {.device = "cpu"}).field;
+  };
+  const Field first = fieldOn(both, torus), second = fieldOn(both, ball);
+  options = usual;
+  EXPECT_EQ(drawn("torus.ply ball.ply --as distance"), expected(first, options));
+  options.other = &second;
+  options.range = 0.3;
+  EXPECT_EQ(drawn("torus.ply ball.ply --range 0.3"), expected(first, options));
+  options.other = &first;
+  EXPECT_EQ(drawn("ball.ply torus.ply --range 0.3"), expected(second, options));
+  succeed("generate ball.ply -o ball.nrrd --resolution 20 --device cpu");
+  const Field given = readField(path("ball.nrrd"));
+  const Field beside = fieldOn(given.grid, torus);
+  options.other = &given;
+  EXPECT_EQ(drawn("torus.ply ball.nrrd --range 0.3"), expected(beside, options));
+  options.other = &beside;
+  EXPECT_EQ(drawn("ball.nrrd torus.ply --range 0.3"), expected(given, options));
+  expectFailure("render torus.ply ball.ply -o p.png --slice z", ErrorCode::Usage, "--slice-plane");
+  expectFailure("render torus.ply ball.ply -o p.png --frames 0:3", ErrorCode::Usage, "leave the other out");
+  expectFailure("render torus.ply -o p.png --as triangle", ErrorCode::Usage, "has no surface to draw");
+}
+
 TEST_F(CliRender, WritesPages) {
   writeTorus();
   succeed("generate torus.ply -o torus.nrrd --resolution 24");

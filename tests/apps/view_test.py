@@ -3,6 +3,7 @@
 view_test.py RAYMAP: the program. Without Xvfb, xdotool or a Vulkan device, or if the program has no window, the test is
 skipped (77), unless RAYMAP_REQUIRE_WINDOW is set."""
 
+import json
 import os
 import pathlib
 import shlex
@@ -67,6 +68,16 @@ def differ(a, b):
     """Returns the mean difference of two pictures, and the share of pixels that differ by more than 8."""
     gaps = np.abs(a.astype(int) - b.astype(int))
     return gaps.mean(), (gaps.max(axis=2) > 8).mean()
+
+
+def count_near(picture, colour):
+    """Returns the number of pixels that have a colour but for rounding."""
+    return (np.abs(picture.astype(int) - colour).max(axis=2) <= 2).sum()
+
+
+def vector_of(command, option):
+    words = shlex.split(command)
+    return np.array([float(part) for part in words[words.index(option) + 1].split(",")])
 
 
 class Window:
@@ -251,6 +262,60 @@ class ViewTest(unittest.TestCase):
         faces = window.picture()[0]
         self.assertGreater(differ(faces, edges)[1], 0.05)
         self.close()
+
+    def info(self, mesh):
+        done = subprocess.run([RAYMAP, "info", mesh, "--json"], text=True, capture_output=True)
+        return json.loads(done.stdout)
+
+    def test_shows_defects_and_goes_to_each(self):
+        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh, "--holes"], check=True)
+        holes = self.info(self.mesh)["holes"]
+        self.assertGreater(len(holes), 1)
+        window = self.open(self.mesh, "--resolution", "40")
+        self.assertEqual(count_near(window.picture()[0], (214, 30, 40)), 0)
+        window.keys("d")
+        self.assertGreater(count_near(window.picture()[0], (214, 30, 40)), 50)
+        commands = []
+        for key in ("n", "n", "ctrl+n"):
+            window.keys(key)
+            picture, command = window.picture()
+            self.assertGreater(count_near(picture, (214, 30, 40)), 50)
+            commands.append(command)
+        self.assertEqual(commands[0], commands[2])
+        for hole, command in zip(holes, commands[:2]):  # The camera looks at its middle, and the window shows all of it.
+            eye, forward = vector_of(command, "--eye"), vector_of(command, "--direction")
+            way = np.array(hole["centre"]) - eye
+            depth = way @ forward
+            self.assertLess(np.linalg.norm(way - depth * forward), 1e-5 * depth)
+            shown = 2 * depth * np.tan(np.radians(15))
+            self.assertGreater(shown, hole["diameter"])
+            self.assertLess(shown, 9 * hole["diameter"])
+        # A file without holes has none in colour.
+        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh], check=True)
+        window.until(lambda: count_near(window.picture()[0], (214, 30, 40)) == 0)
+        window.keys("n")
+        window.picture()
+        self.close()
+
+    def test_shows_faces_that_are_wrong(self):
+        corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+        spike = "v 0.7 0.7 0.5\nv 0.9 0.7 2\nv 0.7 0.9 2\nv 0.8 0.8 2.1\nf 9 11 10\nf 9 10 12\nf 10 11 12\nf 11 9 12\n"
+        sides = "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\n"
+        cube = self.folder / "cube.obj"
+        # One of twelve faces points inwards, and a spike crosses the top.
+        cube.write_text(corners + sides + "f 4 1 5\nf 5 4 8\n" + spike)
+        for device in ("cpu", "vulkan"):  # On a device, faces are turned beforehand.
+            with self.subTest(device):
+                window = self.open(cube, "--resolution", "32", "--device", device, "--direction", "1,-0.6,-0.5")
+                window.keys("w", "w", "d")
+                picture = window.picture()[0].astype(int)
+                red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+                self.assertGreater(((blue > 2 * red) & (blue > 90)).sum(), 500)  # Flipped.
+                self.assertGreater(((red > 4 * blue) & (red > 100) & (green > 1.3 * blue)).sum(), 500)  # Crossed.
+                window.keys("d")
+                picture = window.picture()[0].astype(int)
+                self.assertEqual((picture[..., 2] > 2 * picture[..., 0]).sum(), 0)
+                self.close()
 
     def test_follows_the_file_and_keeps_what_it_has_if_that_is_bad(self):
         window = self.open(self.mesh, "--resolution", "40")

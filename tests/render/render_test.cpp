@@ -17,6 +17,7 @@
 #include "cpu/render/sphere_trace.h"
 #include "field/field_sampler.h"
 #include "scene/camera.h"
+#include "scene/colour.h"
 #include "scene/shape.h"
 #include "shapes.h"
 
@@ -268,6 +269,104 @@ TEST(Render, APlaneCutsAndASliceShowsDistances) {
   }
   options.iso = NAN;
   EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
+}
+
+/// A picture from above of a ball, cut at z = 0.2, in which the pixel x, y shows the point (x - 60, 60 - y) /
+/// 100 of the cut.
+RenderOptions fromAbove() {
+  return {.width = 120,
+          .height = 120,
+          .direction = {0, 0, -1},
+          .fieldOfView = 2.0 * std::atan(0.2) * 180.0 / std::numbers::pi,
+          .eye = glm::dvec3(0.0, 0.0, 3.2),
+          .cutPlane = Plane{{0.0, 0.0, 1.0}, 0.2}};
+}
+
+glm::ivec3 pixelAt(const Picture& picture, int x, int y) {
+  const uint8_t* rgb = picture.rgb.data() + 3 * (size_t(y) * size_t(picture.width) + size_t(x));
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
+TEST(Render, ShowsWindingNumbersAndConfidencesInColour) {
+  Field field = ball(64, 0.7);
+  field.winding = sampled(cube(64, 2.0), [](const glm::dvec3& p) { return 4.0 * p.x; }).distance;
+  field.confidence = sampled(cube(64, 2.0), [](const glm::dvec3& p) { return 0.5 + p.y; }).distance;
+  RenderOptions options = fromAbove();
+  options.array = FieldArray::Winding;
+  const Picture winding = renderField(field, options);
+  const auto nearly = [](const glm::ivec3& a, const glm::ivec3& b) {
+    const glm::ivec3 gap = glm::abs(a - b);
+    return std::max({gap.x, gap.y, gap.z}) <= 8;
+  };
+  EXPECT_TRUE(nearly(pixelAt(winding, 85, 60), {116, 173, 214}));  // w = 1.
+  EXPECT_TRUE(nearly(pixelAt(winding, 35, 60), {122, 190, 124}));  // w = -1.
+  EXPECT_TRUE(nearly(pixelAt(winding, 60, 60), {247, 190, 120}));  // w = 0.
+  EXPECT_TRUE(nearly(pixelAt(winding, 85, 80), pixelAt(winding, 85, 40)));
+  // Lines lie at 0.5 and 1.5, and a slice shows the same as the cut.
+  EXPECT_LT(pixelAt(winding, 72, 60).y, pixelAt(winding, 74, 60).y - 30);
+  EXPECT_LT(pixelAt(winding, 97, 60).y, pixelAt(winding, 99, 60).y - 15);
+  RenderOptions sliced = options;
+  sliced.slice = Plane{{0.0, 0.0, 1.0}, 0.2001};
+  EXPECT_TRUE(nearly(pixelAt(renderField(field, sliced), 85, 60), {116, 173, 214}));
+  // Winding numbers do not colour the surface, confidences do.
+  options.array = FieldArray::Confidence;
+  const Picture confidence = renderField(field, options);
+  for (const auto& [y, number] : {std::pair(50, 0.595), std::pair(15, 0.945)}) {
+    Picture one = makePicture(1, 1);
+    setPixel(one, 0, 0, confidenceColour(number));
+    EXPECT_TRUE(nearly(pixelAt(confidence, 60, y), pixelAt(one, 0, 0))) << number;
+  }
+  RenderOptions whole{.width = 60, .height = 60, .direction = {0, 0, -1}};
+  const glm::ivec3 clay = pixelAt(renderField(field, whole), 30, 30);
+  whole.array = FieldArray::Winding;
+  EXPECT_EQ(pixelAt(renderField(field, whole), 30, 30), clay);
+  whole.array = FieldArray::Confidence;
+  const glm::ivec3 teal = pixelAt(renderField(field, whole), 30, 30);
+  EXPECT_GT(clay.x, clay.y);
+  EXPECT_GT(teal.y, teal.x + 40);
+  // The field must have the array, finite, and triangles have no such colours.
+  options.array = FieldArray::Triangle;
+  EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
+  options.array = FieldArray::Winding;
+  field.winding[7] = NAN;
+  EXPECT_EQ(refusal(field, options), ErrorCode::Input);
+  field.winding = {};
+  EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
+}
+
+TEST(Render, ShowsTheDifferenceOfTwoFieldsInColour) {
+  const Field field = ball(64, 0.7);
+  const auto shown = [&](double radius, double range, int samples = 64) {
+    const Field other = ball(samples, radius);
+    RenderOptions options = fromAbove();
+    options.other = &other;
+    options.range = range;
+    return pixelAt(renderField(field, options), 62, 63);
+  };
+  const auto near = [](const glm::ivec3& a, const glm::ivec3& b) {
+    const glm::ivec3 gap = glm::abs(a - b);
+    return std::max({gap.x, gap.y, gap.z}) <= 3;
+  };
+  // A smaller ball has larger distances.
+  EXPECT_TRUE(near(shown(0.6, 0.1), {178, 24, 43}));
+  EXPECT_TRUE(near(shown(0.65, 0.1), {244, 165, 130}));
+  EXPECT_TRUE(near(shown(0.7, 0.1), {245, 245, 245}));
+  EXPECT_TRUE(near(shown(0.75, 0.1), {146, 197, 222}));
+  EXPECT_TRUE(near(shown(0.9, 0.1), {33, 102, 172}));
+  EXPECT_TRUE(near(shown(0.7 - 0.5 * field.grid.spacing, 0.0), {244, 165, 130}));  // Of the spacing.
+  EXPECT_TRUE(near(shown(0.65, 0.1, 80), {244, 165, 130}));                        // On another grid.
+  // It colours the surface too.
+  const Field larger = ball(64, 0.8);
+  RenderOptions whole{.width = 60, .height = 60, .direction = {0, 0, -1}, .other = &larger, .range = 0.1};
+  const glm::ivec3 blue = pixelAt(renderField(field, whole), 30, 30);
+  EXPECT_GT(blue.z, blue.x + 60);
+  whole.array = FieldArray::Winding;
+  EXPECT_EQ(refusal(field, whole), ErrorCode::Usage);
+  whole.array = FieldArray::Distance;
+  Field broken = ball(64, 0.8);
+  broken.distance[7] = NAN;
+  whole.other = &broken;
+  EXPECT_EQ(refusal(field, whole), ErrorCode::Input);
 }
 
 TEST(Render, CutShowsTheInsideAndShellHollowsIt) {

@@ -68,6 +68,49 @@ TEST_F(VulkanFrames, MoveSkinsAsTheCpuDoes) {
   EXPECT_EQ(refused([](SkinBuffers& s) { s.joints.offset += 2; }), ErrorCode::Usage);
 }
 
+TEST_F(VulkanFrames, DrawNumbersAndDifferencesInColour) {
+  using analytic::sampled;
+  const Grid grid = analytic::cube(32, 2.0);
+  const auto torus = [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.25); };
+  Field field = sampled(grid, torus);
+  field.winding = sampled(grid, [](const glm::dvec3& p) { return 3.0 * p.x; }).distance;
+  const Field other = sampled(grid, [&](const glm::dvec3& p) { return torus(p) + 0.1 * p.y; });
+  const auto toDevice = [&](const auto& numbers) {
+    return upload(std::vector<float>(numbers.begin(), numbers.end()));
+  };
+  const DeviceBuffer samples = toDevice(field.distance), winding = toDevice(field.winding),
+                     second = toDevice(other.distance);
+  DeviceBuffer pixels(device(), "pixels");
+  pixels.resize<uint32_t>(80 * 60);
+  Renderer renderer(device().handles());
+  RenderOptions options{.width = 80,
+                        .height = 60,
+                        .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)},
+                        .cutPlane = Plane{{1.0, 0.0, 0.5}, 0.1}};
+  const auto draw = [&](const BufferRange& values) {
+    run([&](Commands& commands) {
+      renderer.record(commands.handle(), {.distance = range(samples), .grid = grid, .values = values},
+                      options, {.pixels = range(pixels)});
+    });
+    Picture picture{80, 60, {}};
+    for (const uint32_t pixel : download<uint32_t>(pixels))
+      for (const int shift : {0, 8, 16}) picture.rgb.push_back(uint8_t(pixel >> shift));
+    return picture;
+  };
+  options.array = FieldArray::Winding;
+  expectClose(draw(range(winding)), renderField(field, options));
+  EXPECT_EQ(refusal([&](VkCommandBuffer commands) {
+              renderer.record(commands, {.distance = range(samples), .grid = grid}, options,
+                              {.pixels = range(pixels)});
+            }),
+            ErrorCode::Usage);
+  options.array = FieldArray::Distance;
+  options.range = 0.05;
+  const Picture ours = draw(range(second));
+  options.other = &other;
+  expectClose(ours, renderField(field, options));
+}
+
 TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
   Field field = analytic::sampled(analytic::cube(32, 2.0), [](const glm::dvec3& p) {
     return std::clamp(analytic::torus(p, 0.6, 0.25), -0.3, 0.3);

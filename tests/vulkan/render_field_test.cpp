@@ -78,6 +78,25 @@ TEST_F(VulkanRender, EyeIsoCutPlaneAndSlice) {
   expectAsOnTheCpu(field, options);
 }
 
+TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
+  Field field = sampled(cube(40, 2.0), solid);
+  field.winding = sampled(cube(40, 2.0), [](const glm::dvec3& p) { return 3.0 * p.x + p.y; }).distance;
+  field.confidence = sampled(cube(40, 2.0), [](const glm::dvec3& p) { return 0.5 + 0.6 * p.z; }).distance;
+  RenderOptions options{.cutPlane = Plane{{2.0, 1.0, 0.0}, 0.4}, .slice = Plane{{0.0, 1.0, 3.0}, 0.5}};
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
+    options.array = array;
+    expectAsOnTheCpu(field, options);
+  }
+  options.array = FieldArray::Distance;
+  const Field other =
+      sampled(cube(40, 2.0), [](const glm::dvec3& p) { return solid(p + glm::dvec3(0.02, 0.05, 0.0)); });
+  options.other = &other;
+  for (const double range : {0.0, 0.2}) {
+    options.range = range;
+    expectAsOnTheCpu(field, options);
+  }
+}
+
 // Another kernel, here an upload, left the field on the device, in the mesh's units.
 TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Field field = torus(32);

@@ -30,10 +30,32 @@ Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, dou
                      t * scene.camera.pixelAngle(), kContour);
 }
 
+/// Returns the colour of a number at a point inside. `pixel` is a pixel's size there. Lines lie half a step
+/// off zero: large regions have whole numbers.
+Colour numberColour(const Scene& scene, const glm::dvec3& p, double pixel) {
+  const ShownNumbers& numbers = *scene.numbers;
+  const Colouring& colouring = numbers.colouring();
+  const double number = numbers.at(p);
+  glm::dvec3 gradient;
+  for (int a = 0; a < 3; ++a) {
+    glm::dvec3 step(0.0);
+    step[a] = 0.5;
+    gradient[a] = numbers.at(p + step) - numbers.at(p - step);
+  }
+  const double slope = pixel * glm::length(gradient);
+  Colour ground = colouring.at(number);
+  if (slope > kPlainValues * pixel * colouring.lineStep)
+    ground = drawIsoLines(ground, number - 0.5 * colouring.lineStep, slope, colouring.lineStep);
+  return drawContour(ground, scene.shape.fieldDistance(p), pixel, kContour);
+}
+
 Colour surface(const Scene& scene, const Ray& ray, double t) {
   const glm::dvec3 p = ray.origin + t * ray.direction;
   const glm::dvec3 n = scene.shape.normal(p);
-  if (scene.shape.isOnCutFace(p)) return cutFace(scene, p, n, t);
+  if (scene.shape.isOnCutFace(p))
+    return scene.numbers ? numberColour(scene, p, t * scene.camera.pixelAngle()) : cutFace(scene, p, n, t);
+  const bool isColoured = scene.numbers && scene.numbers->colouring().isOnSurface;
+  const Colour clay = isColoured ? scene.numbers->colouring().at(scene.numbers->at(p)) : kClay;
   const double facing = glm::dot(n, scene.toLight);
   const double sun = facing > 0.0 ? facing * softShadow(scene.shape, p + n, scene.toLight) : 0.0;
   const double open = ambientOpenness(scene.shape, p, n);
@@ -44,7 +66,7 @@ Colour surface(const Scene& scene, const Ray& ray, double t) {
       std::pow(std::max(glm::dot(n, glm::normalize(scene.toLight - ray.direction)), 0.0), kShinePower) *
       (sun > 0.0 ? sun : 0.0);
   const Colour lit =
-      kDiffusePart * kClay * incoming + kGrazingPart * grazing * open * kSky + kShinePart * shine * kSun;
+      kDiffusePart * clay * incoming + kGrazingPart * grazing * open * kSky + kShinePart * shine * kSun;
   return lit * (1.0 + lit / kWhite) / (1.0 + lit);
 }
 
@@ -61,6 +83,7 @@ std::optional<double> traceSlice(const Scene& scene, const Ray& ray) {
 }
 
 Colour sliceColour(const Scene& scene, const glm::dvec3& p, double slope) {
+  if (scene.numbers) return numberColour(scene, p, slope);
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(d, d < 0.0 ? scene.shape.depth() : scene.shape.radius());
   return drawContour(drawIsoLines(ground, d, slope, scene.lineStep), d, slope, kContour);

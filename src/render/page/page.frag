@@ -11,7 +11,7 @@ struct PagePush {
   uint width, height;
   uint rays;           // Rays of a pixel, 1 or 4.
   uint colours;        // What they show: 0, distances; 1, `values`; 2, `values` on the surface too.
-  vec4 stops[11];      // Colours, and the values in w that have them, ascending.
+  vec4 stops[kMostStops];  // Colours, and the values in w that have them, ascending.
   uint stopCount;
   float lineStep;      // Between iso-lines.
 };
@@ -31,33 +31,17 @@ float valueAt(vec3 p) {
   return texture(values, (p + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
 }
 
-vec3 colourOf(float value) {
-  vec3 mixed = push.stops[0].rgb;
-  for (uint i = 1; i < push.stopCount; ++i) {
-    const float low = push.stops[i - 1].w, high = push.stops[i].w;
-    mixed = mix(mixed, push.stops[i].rgb, clamp((value - low) / (high - low), 0, 1));
-  }
-  return mixed;
+vec4 stopAt(uint i) {
+  return push.stops[i];
 }
 
-// Returns the colour of a point inside. `pixel` is a pixel's size there. Lines of numbers that are not distances lie
-// half a step off zero: large regions have whole numbers.
+#include "scene/colouring.glsl"
+
+// Returns the colour of a point inside. `pixel` is a pixel's size there.
 vec3 pointColour(vec3 p, float pixel) {
+  if (push.colours != 0) return valueColour(push.scene, p, pixel, push.stopCount, push.lineStep);
   const float d = fieldDistance(p);
-  if (push.colours == 0)
-    return drawContour(push.scene, drawIsoLines(colourOf(d), d, pixel, push.lineStep), d, pixel);
-  const float value = valueAt(p);
-  vec3 gradient;
-  for (int a = 0; a < 3; ++a) {
-    vec3 step = vec3(0);
-    step[a] = 0.5;
-    gradient[a] = valueAt(p + step) - valueAt(p - step);
-  }
-  const float slope = pixel * length(gradient);
-  vec3 ground = colourOf(value);
-  if (slope > 1e-3 * pixel * push.lineStep)
-    ground = drawIsoLines(ground, value - 0.5 * push.lineStep, slope, push.lineStep);
-  return drawContour(push.scene, ground, d, pixel);
+  return drawContour(push.scene, drawIsoLines(colourOf(d, push.stopCount), d, pixel, push.lineStep), d, pixel);
 }
 
 vec3 seen(vec2 at) {
@@ -71,7 +55,7 @@ vec3 seen(vec2 at) {
   const vec3 p = ray.origin + t * ray.direction;
   if (push.colours != 0 && isOnCutFace(p)) return pointColour(p, (skipped + t) * push.scene.pixelAngle);
   RenderSceneData scene = push.scene;
-  if (push.colours == 2) scene.clay = colourOf(valueAt(p));
+  if (push.colours == 2) scene.clay = colourOf(valueAt(p), push.stopCount);
   return surface(scene, ray, t, skipped);
 }
 

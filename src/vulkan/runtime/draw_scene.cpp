@@ -34,26 +34,29 @@ class Bands {
   int rows_ = 8 * kLeast;
 };
 
-/// Scales the distances to samples, as the CPU does when it draws.
-void fillSamples(const Field& field, std::span<float> samples) {
-  const double scale = 1.0 / field.grid.spacing;
+/// Scales numbers, as the CPU does when it draws.
+void fillSamples(const raymap::Buffer<float>& numbers, double scale, std::span<float> samples) {
   parallelFor(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s)
-      samples[s] = static_cast<float>(std::clamp(field.distance[s] * scale, -kFarthestRay, kFarthestRay));
+      samples[s] = static_cast<float>(std::clamp(numbers[s] * scale, -kFarthestRay, kFarthestRay));
   });
 }
 
 /// Buffers for a field on its way to the device and a picture on its way back.
 struct Buffers {
-  Buffers(Device& device, size_t samples, size_t pixelCount)
+  Buffers(Device& device, size_t samples, bool hasValues, size_t pixelCount)
       : uploadedField(device, "field upload", MemoryUse::Upload),
         field(device, "field to draw"),
+        uploadedValues(device, "numbers upload", MemoryUse::Upload),
+        values(device, "numbers to draw"),
         pixels(device, "pixels"),
         picture(device, "picture for the host", MemoryUse::ReadBack) {
     for (DeviceBuffer* buffer : {&uploadedField, &field}) buffer->resize<float>(samples);
+    if (hasValues)
+      for (DeviceBuffer* buffer : {&uploadedValues, &values}) buffer->resize<float>(samples);
     for (DeviceBuffer* buffer : {&pixels, &picture}) buffer->resize<uint32_t>(pixelCount);
   }
-  DeviceBuffer uploadedField, field, pixels, picture;
+  DeviceBuffer uploadedField, field, uploadedValues, values, pixels, picture;
 };
 
 void take(std::span<const uint32_t> pixels, Picture& picture) {
@@ -68,8 +71,13 @@ void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& 
   const Field& field = scene.shape.field();
   RenderFieldStage stage(device);
   stage.checkScene(scene);
-  Buffers buffers(device, field.distance.size(), picture.rgb.size() / 3);
-  fillSamples(field, buffers.uploadedField.mapped<float>());
+  const ShownNumbers* shown = scene.numbers ? &*scene.numbers : nullptr;
+  Buffers buffers(device, field.distance.size(), shown, picture.rgb.size() / 3);
+  const double scale = 1.0 / field.grid.spacing;
+  fillSamples(field.distance, scale, buffers.uploadedField.mapped<float>());
+  if (shown)
+    fillSamples(shown->numbers(), shown->isDifference() ? scale : 1.0,
+                buffers.uploadedValues.mapped<float>());
   CommandBuffer buffer(device);
   const auto run = [&](const auto& record) {
     Commands commands = buffer.begin();
@@ -79,8 +87,10 @@ void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& 
   run([&](Commands& commands) {
     stage.recordScene(commands, scene, picture.width, picture.height, {});
     commands.copy(buffers.uploadedField, buffers.field, buffers.field.bytes());
+    if (shown) commands.copy(buffers.uploadedValues, buffers.values, buffers.values.bytes());
   });
-  const RenderFieldStage::Samples samples{.address = buffers.field.address()};
+  const RenderFieldStage::Samples samples{.address = buffers.field.address(),
+                                          .values = shown ? buffers.values.address() : 0};
   Bands bands;
   for (int first = 0; first < picture.height;) {
     const int rows = std::min(bands.rows(), picture.height - first);

@@ -49,7 +49,7 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
     throw Error(ErrorCode::Usage, "rows " + std::to_string(target.firstRow) + " to " +
                                       std::to_string(target.firstRow + target.rows) +
                                       " are not in a picture of " + std::to_string(options.height));
-  const RenderFieldStage::Samples samples{
+  RenderFieldStage::Samples samples{
       .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
   RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
@@ -57,7 +57,15 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
     picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
   const GridMotion motion = motionOf(field);
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
-  const Scene scene(elsewhere, options);
+  RenderOptions shown = options;
+  shown.other = nullptr;
+  if (field.values.buffer) {
+    samples.values = addressOf(impl_->device.handle(), field.values, "numbers in colour");
+    if (options.array == FieldArray::Distance) shown.other = &elsewhere;
+  } else if (options.array != FieldArray::Distance) {
+    throw Error(ErrorCode::Usage, "drawing an array in colour needs a buffer of its numbers");
+  }
+  const Scene scene(elsewhere, shown);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);
   waitForAll(commands);

@@ -5,36 +5,56 @@
 #include "scene/scene_shared.h"
 #include "scene/sphere_trace_shared.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderScenes { RenderSceneData at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderPictures { RenderPicture at[]; };
 
 #include "vulkan/stages/render_field_push.h"
 
+layout(constant_id = 1) const uint kHasNumbers = 0;  // Whether numbers are in colour; takes more registers.
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
 shared vec3 lights[kRenderGroup];
 shared float depths[kRenderGroup];
 
-float row(uint at, float share) {
-  const float low = push.samples.at[at];
-  return low + share * (push.samples.at[at + uint(push.shape.nx > 1)] - low);
+float row(Floats samples, uint at, float share) {
+  const float low = samples.at[at];
+  return low + share * (samples.at[at + uint(push.shape.nx > 1)] - low);
 }
 
-float sheet(uint at, vec2 share) {
-  const float low = row(at, share.x);
-  return low + share.y * (row(at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
+float sheet(Floats samples, uint at, vec2 share) {
+  const float low = row(samples, at, share.x);
+  return low + share.y * (row(samples, at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
 }
 
-float trilinear(vec3 q) {
+float between(Floats samples, vec3 q) {
   const ivec3 dims = ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
   const ivec3 cell = min(ivec3(q), max(dims - 2, 0));
   const vec3 share = q - vec3(cell);
   const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
-  const float low = sheet(at, share.xy);
-  const float value = low + share.z * (sheet(at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
-  return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
+  const float low = sheet(samples, at, share.xy);
+  return low + share.z * (sheet(samples, at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+}
+
+float trilinear(vec3 q) {
+  return clamp(push.scale * between(push.samples, q), -kFarthestRay, kFarthestRay);
 }
 
 #include "scene/shade.glsl"
+
+float valueAt(vec3 p) {
+  const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));
+  const float value = between(push.values, q);
+  return push.picture.at[0].colours.isDifference != 0 ? push.scale * value - trilinear(q) : value;
+}
+
+vec4 stopAt(uint i) {
+  return push.picture.at[0].colours.stops[i];
+}
+
+#include "scene/colouring.glsl"
+
+vec3 numberColour(RenderSceneData scene, vec3 p, float pixel) {
+  return valueColour(scene, p, pixel, push.picture.at[0].colours.stopCount, push.picture.at[0].colours.lineStep);
+}
 
 vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
   const float d = fieldDistance(p);
@@ -54,6 +74,13 @@ vec3 light(RenderSceneData scene, vec2 at, uint local) {
   const float slice = traceSlice(scene, ray);
   const bool isSlice = slice >= 0 && (t < 0 || slice < t);
   depths[local] = isSlice ? skipped + slice : t >= 0 ? skipped + t : kNothingThere;
+  if (kHasNumbers != 0 && (isSlice || t >= 0)) {
+    const float seen = isSlice ? slice : t;
+    const vec3 p = ray.origin + seen * ray.direction;
+    if (isSlice || isOnCutFace(p)) return numberColour(scene, p, (skipped + seen) * scene.pixelAngle);
+    if (push.picture.at[0].colours.isOnSurface != 0)
+      scene.clay = colourOf(valueAt(p), push.picture.at[0].colours.stopCount);
+  }
   if (isSlice) return sliceColour(scene, ray.origin + slice * ray.direction, (skipped + slice) * scene.pixelAngle);
   return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);
 }
@@ -71,7 +98,7 @@ void main() {
   uvec2 pixel = tile * kRenderTile + uvec2(inTile % kRenderTile, inTile / kRenderTile);
   const bool isInside = pixel.x < push.width && pixel.y < push.rows;
   pixel.y += push.firstRow;
-  if (isInside) lights[local] = light(push.scene.at[0], vec2(pixel) + kSubPixels[local % kSubPixelCount], local);
+  if (isInside) lights[local] = light(push.picture.at[0].scene, vec2(pixel) + kSubPixels[local % kSubPixelCount], local);
   barrier();
   if (!isInside || local % kSubPixelCount != 0) return;
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];

@@ -13,9 +13,14 @@
 namespace raymap::vulkan {
 
 RenderFieldStage::RenderFieldStage(Device& device)
-    : device_(&device), kernel_(device, shaders::kRenderField, kRenderGroup), scene_(device, "scene") {
-  scene_.resize<RenderSceneData>(1);
-  kernel_.handle();  // Makes the kernel now, not while a frame is recorded.
+    : device_(&device),
+      distances_(device, shaders::kRenderField, kRenderGroup, {0}),
+      numbers_(device, shaders::kRenderField, kRenderGroup, {1}),
+      picture_(device, "scene") {
+  picture_.resize<RenderPicture>(1);
+  // Makes the kernels now, not while a frame is recorded.
+  distances_.handle();
+  numbers_.handle();
 }
 
 /// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
@@ -37,26 +42,29 @@ void RenderFieldStage::checkScene(const Scene& scene) const {
 
 void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int width, int height,
                                    const GridMotion& motion) {
-  push_ = {.scene = scene_.address(),
+  hasNumbers_ = scene.numbers.has_value();
+  push_ = {.picture = picture_.address(),
            .shape = describe(scene.shape),
            .width = static_cast<uint32_t>(width),
            .height = static_cast<uint32_t>(height)};
-  RenderSceneData data = describe(scene);
-  move(motion, push_.shape, data);
-  commands.update(scene_, data);
+  RenderPicture picture{describe(scene), describeColours(scene)};
+  move(motion, push_.shape, picture.scene);
+  commands.update(picture_, picture);
 }
 
 void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first,
                                   int count) {
   const auto tiles = [](uint32_t side) { return ceilDiv(side, kRenderTile); };
   push_.samples = samples.address;
+  push_.values = samples.values;
   push_.scale = samples.scale;
   push_.pixels = pixels.colour;
   push_.depth = pixels.depth;
   push_.hasDepth = pixels.depth != 0;
   push_.firstRow = static_cast<uint32_t>(first);
   push_.rows = static_cast<uint32_t>(count);
-  commands.dispatch(kernel_, push_, tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
+  commands.dispatch(hasNumbers_ ? numbers_ : distances_, push_,
+                    tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
 }
 
 }  // namespace raymap::vulkan

@@ -20,10 +20,11 @@ class RenderFieldStage {
     VkDeviceAddress depth = 0;
   };
   /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,
-  /// spacings, per unit of the samples.
+  /// spacings, per unit of the samples; a second field has the same.
   struct Samples {
     VkDeviceAddress address = 0;
     float scale = 1.0F;
+    VkDeviceAddress values = 0;  ///< Numbers in colour, if the scene has such.
   };
 
   explicit RenderFieldStage(Device& device);
@@ -37,9 +38,10 @@ class RenderFieldStage {
 
  private:
   Device* device_;
-  Kernel<RenderFieldPush> kernel_;
+  Kernel<RenderFieldPush> distances_, numbers_;
+  bool hasNumbers_ = false;
   RenderFieldPush push_{};
-  DeviceBuffer scene_;
+  DeviceBuffer picture_;
 };
 
 }  // namespace raymap::vulkan

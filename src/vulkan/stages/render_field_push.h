@@ -13,7 +13,8 @@ RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kSubPixelCount; 
 
 struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) samples;
-  RAYMAP_ADDRESS(RenderScenes) scene;
+  RAYMAP_ADDRESS(Floats) values;  // Numbers in colour, if they are no distances.
+  RAYMAP_ADDRESS(RenderPictures) picture;
   RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue, 255 from the lowest byte.
   RAYMAP_ADDRESS(Floats) depth;  // Distance from the eye to what a pixel shows, in units of the samples.
   RenderShape shape;
@@ -22,6 +23,6 @@ struct RenderFieldPush {
   float scale;  // Spacings per unit of the samples.
   uint hasDepth;
 };
-RAYMAP_CHECK_SIZE(RenderFieldPush, 112);
+RAYMAP_CHECK_SIZE(RenderFieldPush, 120);
 
 RAYMAP_SHARED_END
