@@ -29,7 +29,13 @@ class LiveField {
 
   /// Returns whether there is a field yet.
   bool isReady() const { return hasField_; }
-  vulkan::FieldBuffer buffer() const { return {distance_.range(), grid_, clampDistance_}; }
+  /// Returns the field, with the numbers of `array`.
+  vulkan::FieldBuffer buffer() const {
+    return {distance_.range(), grid_, clampDistance_,
+            array_ == FieldArray::Distance ? vulkan::BufferRange{} : values_.range()};
+  }
+  /// Returns the array that it has besides distances; `Distance`: none.
+  FieldArray array() const { return array_; }
   const Grid& grid() const { return grid_; }
   /// Returns whether the field is what was asked for last, at full resolution.
   bool isCurrent() const { return isCurrent_; }
@@ -43,12 +49,12 @@ class LiveField {
 
  private:
   Grid gridFor(const FieldSettings& settings) const;
-  bool recordGiven(Frame& frame);
+  bool recordGiven(Frame& frame, FieldArray array);
   bool recordOnDevice(Frame& frame, const FieldSettings& settings, double seconds);
   bool recordFromWorker(Frame& frame, const FieldSettings& settings, double seconds, bool isMoving);
   void take(Frame& frame, MadeField made);
-  void upload(Frame& frame, const Field& field);
-  void makeRoom(Frame& frame, size_t samples);
+  void upload(Frame& frame, const Field& field, FieldArray array);
+  void makeRoom(Frame& frame, size_t samples, Buffer& buffer);
 
   const Gpu& gpu_;
   const Content& content_;
@@ -57,7 +63,8 @@ class LiveField {
   std::unique_ptr<vulkan::Generator> generator_;
   std::unique_ptr<FieldWorker> worker_;
   std::optional<FieldWish> wish_;  ///< Settings and pose of the field on the device.
-  Buffer distance_;
+  Buffer distance_, values_;
+  FieldArray array_ = FieldArray::Distance, given_ = FieldArray::Distance;  ///< `given_`: asked for last.
   Grid grid_ = {};
   double clampDistance_ = 0.0;
   bool hasField_ = false, isCurrent_ = false;
