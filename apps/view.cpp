@@ -30,11 +30,12 @@ that draws its last view is printed.
 Examples:
   raymap view globe.ply
   raymap view man.glb --resolution 96 --clip walk
+  raymap view scan.ply fixed.stl                     (B changes between the two)
   raymap view globe.vdb --cut-plane 0,0,1,0 --slice-plane 1,0,0,0)";
 
 struct Arguments : FieldArguments {
-  fs::path input;
-  std::string clip;
+  fs::path input, other;
+  std::string clip, as;
   ViewArguments camera;
   RenderOptions view;
 };
@@ -99,17 +100,27 @@ std::string fieldWords(const view::FieldSettings& field) {
   return words;
 }
 
-/// Returns the command that draws the view.
-std::string commandFor(const fs::path& path, const view::ViewState& state) {
+/// Returns the words that say in which colours a shape is drawn; `isOneOfTwo`: on the grid of two.
+std::string colourWords(const view::ViewState& state, bool isOneOfTwo) {
+  if (isOneOfTwo && state.isDifferenceShown)
+    return state.view.range > 0.0 ? " --range " + numbers({state.view.range}) : "";
+  const bool isUsual = !isOneOfTwo && state.view.array == FieldArray::Distance;
+  return isUsual ? "" : " --as " + std::string(name(state.view.array));
+}
+
+/// Returns the command that draws the view. `other` is the second shape, empty if there is none.
+std::string commandFor(const fs::path& path, const fs::path& other, const view::ViewState& state) {
   const RenderOptions& view = state.view;
-  const bool isFrame = state.box.has_value();
+  const bool isFrame = state.box.has_value(), isOneOfTwo = !other.empty() && !isFrame;
+  const auto isField = [](const fs::path& each) { return hasExtension(each, fieldExtensions()); };
   std::string command = "raymap render " + quoted(path.string()) +
+                        (isOneOfTwo ? " " + quoted(other.string()) : "") +
                         (isFrame ? " -o view.%d.png" : " -o view.png") + " --size " +
                         std::to_string(view.width) + " " + std::to_string(view.height);
   // Frames are a thousandth of a second long.
   if (isFrame) command += " --fps 1000 --frames " + std::to_string(std::lround(1000.0 * state.seconds));
   if (isFrame && !state.clip.empty()) command += " --clip " + quoted(state.clip);
-  if (!hasExtension(path, fieldExtensions())) command += fieldWords(state.field);
+  if (!isField(path) || (isOneOfTwo && !isField(other))) command += fieldWords(state.field);
   // With all digits it is the same grid.
   if (const std::optional<Box>& box = state.box)
     command +=
@@ -121,7 +132,7 @@ std::string commandFor(const fs::path& path, const view::ViewState& state) {
   if (view.shell != 0.0) command += " --shell " + numbers({view.shell});
   if (view.cutPlane) command += " --cut-plane " + numbers(*view.cutPlane);
   if (view.slice) command += " --slice-plane " + numbers(*view.slice);
-  return command;
+  return command + colourWords(state, isOneOfTwo);
 }
 
 void setPlane(const std::optional<Plane>& plane, view::MovingPlane& moving) {
@@ -147,6 +158,8 @@ void applyCommand(const std::string& text, view::ViewState& state) {
   RenderOptions options;
   addViewOptions(app, camera);
   addSceneOptions(app, camera, options);
+  std::string as;
+  addOption(app, "--as", as);
   try {
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
@@ -155,6 +168,10 @@ void applyCommand(const std::string& text, view::ViewState& state) {
   if (camera.eye.empty() || camera.direction.empty())
     throw Error(ErrorCode::Usage, "the clipboard holds no view: a command with --eye and --direction is one");
   setView(camera, false, options);
+  if (!as.empty()) {
+    options.array = fromName<FieldArray>(as);
+    state.isDifferenceShown = false;
+  }
   setState(options, state);
 }
 
@@ -170,6 +187,7 @@ fs::path freeName(const std::string& extension) {
 void open(Arguments& arguments) {
   view::ViewerOptions options;
   options.input = arguments.input;
+  options.other = arguments.other;
   options.machine = arguments.machine;
   options.size = {arguments.camera.size[0], arguments.camera.size[1]};
   constexpr int kResolution = 128;
@@ -178,9 +196,9 @@ void open(Arguments& arguments) {
   options.state.clip = arguments.clip;
   setState(arguments.view, options.state);
   options.load = load;
-  options.command = [&arguments](const fs::path& path, const view::ViewState& state) {
+  options.command = [&arguments](const fs::path& path, const fs::path& other, const view::ViewState& state) {
     const fs::path& offsets = arguments.offsets;
-    return commandFor(path, state) + (offsets.empty() ? "" : " --offsets " + quoted(offsets.string()));
+    return commandFor(path, other, state) + (offsets.empty() ? "" : " --offsets " + quoted(offsets.string()));
   };
   options.apply = applyCommand;
   options.write = [](const Picture& picture, const std::string& command) {
@@ -218,7 +236,13 @@ void open(Arguments&) {
 void run(Arguments& arguments) {
   finishFieldArguments(arguments);
   StreamFormat format;
-  prepareFiles(format, {{arguments.input, meshAndFieldExtensions()}}, {});
+  std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
+  if (!arguments.other.empty()) inputs.push_back({arguments.other, meshAndFieldExtensions()});
+  prepareFiles(format, inputs, {});
+  if (!arguments.as.empty()) arguments.view.array = fromName<FieldArray>(arguments.as);
+  if (arguments.view.array == FieldArray::Triangle)
+    throw Error(ErrorCode::Usage,
+                "a window has no colours of triangles; draw a slice of them by 'raymap render'");
   setView(arguments.camera, isZUp(arguments.input, ""), arguments.view);
   open(arguments);
 }
@@ -232,11 +256,13 @@ void addView(CLI::App& app) {
   command->add_option("input", arguments->input, "Mesh or field to show")
       ->type_name("MESH|FIELD")
       ->required();
+  command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
   addOption(*command, "--clip", arguments->clip);
   addOption(*command, "--resolution", arguments->grid.resolution);
   addMethodOptions(*command, *arguments);
   addViewOptions(*command, arguments->camera);
   addSceneOptions(*command, arguments->camera, arguments->view);
+  addOption(*command, "--as", arguments->as);
   addMachineOptions(*command, arguments->machine);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

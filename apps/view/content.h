@@ -19,7 +19,8 @@ struct Content {
   std::optional<AnimatedMesh> animated = {};
   std::vector<std::string> clips = {};  ///< Names of the file's animations.
   std::optional<Field> field = {};
-  Box bounds = {};  ///< Bounds of the surface, in all poses.
+  Box bounds = {};                ///< Bounds of the surface, in all poses, and of another one beside it.
+  std::optional<Grid> grid = {};  ///< Grid of the mesh's field, if it is not fitted to the bounds.
 
   double seconds() const { return animated ? animated->seconds() : 0.0; }
 };

@@ -21,8 +21,8 @@ std::string titleOf(const DefectList& list) {
 
 void showPlaces(const DefectList& list, size_t first, const Defects& defects, Wishes& wishes) {
   const float height = ImGui::GetTextLineHeightWithSpacing();
-  ImGui::BeginChild(
-      "places", {0.0F, height * (0.5F + float(std::min(list.places.size(), size_t{kLines})))}, true);
+  ImGui::BeginChild("places", {0.0F, height * (0.5F + float(std::min(list.places.size(), size_t{kLines})))},
+                    true);
   ImGuiListClipper clipper;
   clipper.Begin(int(list.places.size()));
   while (clipper.Step())
@@ -46,7 +46,7 @@ void showDefectList(ViewState& state, const Defects& defects, Wishes& wishes) {
   if (defects.isBusy()) return ImGui::TextUnformatted("searching ...");
   if (!defects.error().empty()) return ImGui::TextWrapped("%s", defects.error().c_str());
   if (defects.lists().empty()) return ImGui::TextUnformatted("none");
-  if (ImGui::SmallButton("next")) wishes.nextPlace = 1;
+  if (ImGui::SmallButton("next")) wishes.nextPlace = true;
   size_t first = 0;
   for (const DefectList& list : defects.lists()) {
     const std::array<uint8_t, 3> colour = defectColour(list.defect);

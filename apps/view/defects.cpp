@@ -11,8 +11,8 @@ namespace raymap::view {
 
 namespace {
 
-/// Kinds in the order in which they are drawn: of those in one place, the last is seen. Degenerate faces are too
-/// thin to be seen.
+/// Kinds in the order in which they are drawn: of those in one place, the last is seen. Degenerate faces are
+/// too thin to be seen.
 constexpr std::array kOrder{Defect::DuplicateFace, Defect::DoubleSidedFace, Defect::FlippedFace,
                             Defect::CrossedFace,   Defect::NonManifoldEdge, Defect::Hole};
 

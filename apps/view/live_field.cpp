@@ -13,6 +13,13 @@ namespace {
 constexpr double kLiveMilliseconds = 60.0;  // Time of a field while things move.
 constexpr int kLeastResolution = 24;
 
+/// Returns the array that is wanted besides distances; `Distance`: none.
+FieldArray arrayOf(const FieldOptions& options) {
+  return options.winding      ? FieldArray::Winding
+         : options.confidence ? FieldArray::Confidence
+                              : FieldArray::Distance;
+}
+
 }  // namespace
 
 LiveField::LiveField(const Gpu& gpu, const Content& content, DeviceMesh* mesh, bool isOnDevice,
@@ -30,6 +37,7 @@ LiveField::LiveField(const Gpu& gpu, const Content& content, DeviceMesh* mesh, b
 }
 
 Grid LiveField::gridFor(const FieldSettings& settings) const {
+  if (content_.grid) return *content_.grid;
   return fitGrid(content_.bounds,
                  {.resolution = settings.resolution, .thickness = settings.options.thickness});
 }
@@ -52,7 +60,7 @@ bool LiveField::record(Frame& frame, const FieldSettings& settings, double secon
                        bool mayMove) {
   isCurrent_ = true;
   mayMove_ = mayMove;
-  if (content_.field) return recordGiven(frame);
+  if (content_.field) return recordGiven(frame, arrayOf(settings.options));
   const FieldWish wish{.grid = gridFor(settings), .options = settings.options, .seconds = seconds};
   const bool isNew =
       isOnDevice_ ? recordOnDevice(frame, wish) : recordFromWorker(frame, settings, wish, isMoving);
@@ -62,23 +70,30 @@ bool LiveField::record(Frame& frame, const FieldSettings& settings, double secon
   return isNew;
 }
 
-void LiveField::makeRoom(Frame& frame, size_t samples) {
-  if (distance_.bytes >= samples * sizeof(float)) return;
-  if (distance_.handle) frame.keep(std::move(distance_));  // Earlier frames may still draw it.
-  distance_ = gpu_.makeBuffer(samples * sizeof(float));
+void LiveField::makeRoom(Frame& frame, size_t samples, Buffer& buffer) {
+  if (buffer.bytes >= samples * sizeof(float)) return;
+  if (buffer.handle) frame.keep(std::move(buffer));  // Earlier frames may still draw it.
+  buffer = gpu_.makeBuffer(samples * sizeof(float));
 }
 
-void LiveField::upload(Frame& frame, const Field& field) {
-  makeRoom(frame, field.distance.size());
-  frame.upload(std::as_bytes(std::span(field.distance.data(), field.distance.size())), distance_);
+void LiveField::upload(Frame& frame, const Field& field, FieldArray array) {
+  const auto take = [&](const raymap::Buffer<float>& numbers, Buffer& to) {
+    makeRoom(frame, numbers.size(), to);
+    frame.upload(std::as_bytes(std::span(numbers.data(), numbers.size())), to);
+  };
+  take(field.distance, distance_);
+  const raymap::Buffer<float>& numbers = array == FieldArray::Winding ? field.winding : field.confidence;
+  array_ = numbers.empty() ? FieldArray::Distance : array;
+  if (array_ != FieldArray::Distance) take(numbers, values_);
   grid_ = field.grid;
   clampDistance_ = field.clampDistance;
   hasField_ = true;
 }
 
-bool LiveField::recordGiven(Frame& frame) {
-  if (hasField_) return false;
-  upload(frame, *content_.field);
+bool LiveField::recordGiven(Frame& frame, FieldArray array) {
+  if (hasField_ && given_ == array) return false;
+  given_ = array;
+  upload(frame, *content_.field, array);
   return true;
 }
 
@@ -97,9 +112,17 @@ bool LiveField::recordOnDevice(Frame& frame, const FieldWish& wish) {
                            .distance = wish.options.distance,
                            .sign = wish.options.sign});
     }
-    makeRoom(frame, wish.grid.sampleCount());
-    generator_->record(frame.commands(), mesh_->buffers(), wish.grid, wish.options,
-                       {.distance = distance_.range()});
+    const FieldArray array = arrayOf(wish.options);
+    vulkan::Target target;
+    const auto makeTarget = [&](vulkan::BufferRange& range, Buffer& buffer) {
+      makeRoom(frame, wish.grid.sampleCount(), buffer);
+      range = buffer.range();
+    };
+    makeTarget(target.distance, distance_);
+    if (array == FieldArray::Winding) makeTarget(target.winding, values_);
+    if (array == FieldArray::Confidence) makeTarget(target.confidence, values_);
+    generator_->record(frame.commands(), mesh_->buffers(), wish.grid, wish.options, target);
+    array_ = array;
     error_.clear();
   } catch (const Error& error) {
     error_ = error.what();
@@ -115,7 +138,7 @@ void LiveField::take(Frame& frame, MadeField made) {
   error_ = made.error;
   wish_ = made.wish;
   if (!made.error.empty()) return;
-  upload(frame, made.field);
+  upload(frame, made.field, arrayOf(made.wish.options));
   milliseconds_ = made.stats.milliseconds;
   // Time grows with the square of the resolution, near enough.
   const int resolution = std::max({grid_.dims.x, grid_.dims.y, grid_.dims.z});

@@ -30,9 +30,17 @@ class LiveField {
 
   /// Returns whether there is a field yet.
   bool isReady() const { return hasField_; }
+  /// Returns the field, with the numbers of `array`.
   vulkan::FieldBuffer buffer() const {
-    return {distance_.range(), grid_, clampDistance_, motion_.rotation, motion_.translation};
+    return {.distance = distance_.range(),
+            .grid = grid_,
+            .clampDistance = clampDistance_,
+            .rotation = motion_.rotation,
+            .translation = motion_.translation,
+            .values = array_ == FieldArray::Distance ? vulkan::BufferRange{} : values_.range()};
   }
+  /// Returns the array that it has besides distances; `Distance`: none.
+  FieldArray array() const { return array_; }
   /// Returns whether its grid has moved since it was made.
   bool isMoved() const { return motion_ != RigidMotion(); }
   const Grid& grid() const { return grid_; }
@@ -51,13 +59,13 @@ class LiveField {
   const std::string& error() const { return error_; }
 
  private:
-  bool recordGiven(Frame& frame);
+  bool recordGiven(Frame& frame, FieldArray array);
   bool recordOnDevice(Frame& frame, const FieldWish& wish);
   bool recordFromWorker(Frame& frame, const FieldSettings& settings, const FieldWish& fine, bool isMoving);
   std::optional<RigidMotion> motionTo(const FieldWish& wish, const FieldWish& made) const;
   void take(Frame& frame, MadeField made);
-  void upload(Frame& frame, const Field& field);
-  void makeRoom(Frame& frame, size_t samples);
+  void upload(Frame& frame, const Field& field, FieldArray array);
+  void makeRoom(Frame& frame, size_t samples, Buffer& buffer);
 
   const Gpu& gpu_;
   const Content& content_;
@@ -69,7 +77,8 @@ class LiveField {
   std::optional<RigidPoses> poses_;
   bool mayMove_ = false;
   RigidMotion motion_;  ///< Motion of the field's pose to the one that is shown.
-  Buffer distance_;
+  Buffer distance_, values_;
+  FieldArray array_ = FieldArray::Distance, given_ = FieldArray::Distance;  ///< `given_`: asked for last.
   Grid grid_ = {};
   double clampDistance_ = 0.0;
   bool hasField_ = false, isCurrent_ = false;

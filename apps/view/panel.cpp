@@ -22,6 +22,7 @@ constexpr const char* kHelp =
     "Ctrl+left drag: move the cut, or else the slice\n"
     "F: show all    1 3 7: along x, y, z (Ctrl: from behind)\n"
     "C: cut    X: slice    W: mesh    Space: play\n"
+    "V: next colours    B: change between two shapes\n"
     "D: defects in colour    N: to the next (Ctrl: to the one before)\n"
     "M: measure from click to click\n"
     "S: write a picture    R: record\n"
@@ -97,6 +98,21 @@ void showPlane(const char* label, MovingPlane& plane, const RenderOptions& view,
   ImGui::PopID();
 }
 
+/// Shows which colours there are, and what belongs to them.
+void showColours(ViewState& state, const PanelFigures& figures) {
+  const std::vector<Colours> all = coloursOf(figures.content, figures.other);
+  const Colours now{state.view.array, state.isDifferenceShown};
+  if (all.size() > 1 && ImGui::BeginCombo("colours", now.name().c_str())) {
+    for (const Colours& each : all)
+      if (ImGui::Selectable(each.name().c_str(), each == now)) each.choose(state);
+    ImGui::EndCombo();
+  }
+  if (state.isDifferenceShown) {
+    const double size = glm::length(figures.content.bounds.size());
+    drag("range", state.view.range, 1e-4 * size, 0.0, size);
+  }
+}
+
 void showView(ViewState& state, Wishes& wishes, const PanelFigures& figures) {
   if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const Box& box = figures.content.bounds;
@@ -109,6 +125,7 @@ void showView(ViewState& state, Wishes& wishes, const PanelFigures& figures) {
     if (!state.isFieldShown && state.mesh == MeshStyle::Hidden) state.mesh = MeshStyle::Faces;
     showDefectList(state, figures.defects, wishes);
   }
+  showColours(state, figures);
   drag("iso value", state.view.iso, 1e-3 * size, -size, size);
   drag("shell", state.view.shell, 1e-3 * size, 0.0, size);
   showPlane("cut", state.cut, state.view, box);
@@ -181,6 +198,7 @@ void showProbed(const PanelFigures& figures) {
     values += (values.empty() ? "" : ", ") + (label + value);
   };
   if (probed.distance) add("distance ", text(*probed.distance));
+  if (probed.other) add("distance of the other ", text(*probed.other));
   if (probed.winding) add("winding number ", text(*probed.winding));
   if (probed.confidence) add("confidence ", text(*probed.confidence));
   if (probed.triangle) add("triangle ", std::to_string(*probed.triangle));
@@ -196,6 +214,11 @@ Wishes showPanel(ViewState& state, const PanelFigures& figures, bool isRecording
   ImGui::SetNextWindowSizeConstraints({26.0F * unit, 0.0F}, {26.0F * unit, FLT_MAX});
   ImGui::Begin("raymap", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::TextUnformatted(figures.content.title.c_str());
+  if (figures.other) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton(("show " + figures.other->title).c_str()))
+      state.isSecondShown = !state.isSecondShown;
+  }
   showView(state, wishes, figures);
   showField(state, figures);
   showAnimation(state, figures, wishes);

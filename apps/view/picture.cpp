@@ -70,10 +70,15 @@ void LivePicture::drawRows(Frame& frame, const Input& input) {
   const int left = int(size.height) - nextRow_;
   const double band = kBandMilliseconds * pixelsPerMillisecond_ / size.width;
   const int rows = isLive ? left : std::clamp(int(band), std::min(left, 8), left);
+  vulkan::FieldBuffer field = input.field.buffer();
+  // While fields are made anew, their grids may differ.
+  const bool isComparable = input.other && input.other->isReady() && input.other->grid() == field.grid;
+  if (input.view.array == FieldArray::Distance)
+    field.values = isComparable ? input.other->buffer().distance : vulkan::BufferRange{};
   RenderOptions view = input.view;
   view.width = int(size.width);
   view.height = int(size.height);
-  renderer_.record(frame.commands(), input.field.buffer(), view,
+  renderer_.record(frame.commands(), field, view,
                    {.pixels = pixels_.range(), .depth = depth_.range(), .firstRow = nextRow_, .rows = rows});
   frame.pixels = size_t(rows) * size.width;
   frame.stamp("picture");

@@ -16,6 +16,7 @@ class LivePicture {
 
   struct Input {
     const LiveField& field;
+    const LiveField* other = nullptr;  ///< Field whose difference is in colour; null: none.
     bool isFieldShown = true;
     const DeviceMesh* mesh = nullptr;  ///< Null: there is none.
     MeshStyle style = MeshStyle::Hidden;

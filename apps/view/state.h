@@ -30,6 +30,9 @@ struct ViewState {
   bool isFieldShown = true;
   MeshStyle mesh = MeshStyle::Hidden;
   bool areDefectsShown = false;
+  bool isSecondShown = false;  ///< The second shape instead of the first.
+  /// Whether colours show how far the other shape's distances differ, instead of `view.array`.
+  bool isDifferenceShown = false;
   MovingPlane cut = {}, slice = {};
   bool isPlaying = false;
   double seconds = 0.0;  ///< Time of the animation.
@@ -40,10 +43,24 @@ struct ViewState {
   bool isHelpShown = false;
 };
 
+/// Colours of the slice and the cut, some also of the surface.
+struct Colours {
+  FieldArray array = FieldArray::Distance;
+  bool isDifference = false;
+  bool operator==(const Colours&) const = default;
+
+  std::string name() const;
+  void choose(ViewState& state) const;
+};
+
+/// Returns the colours that there are for a shape, beside another one if that is not null.
+std::vector<Colours> coloursOf(const Content& content, const Content* other);
+
 /// A point under the cursor, and the values there that are known.
 struct Probed {
   glm::dvec3 position{0.0};
   std::optional<double> distance = {};
+  std::optional<double> other = {};  ///< Distance of the other shape.
   std::optional<double> winding = {};
   std::optional<double> confidence = {};
   std::optional<uint32_t> triangle = {};
@@ -52,6 +69,7 @@ struct Probed {
 /// Figures and messages that the panel shows.
 struct PanelFigures {
   const Content& content;
+  const Content* other = nullptr;  ///< The shape that is not shown; null: there is none.
   const Defects& defects;
   std::string device = {};  ///< Name of the device, and whether it makes the fields.
   std::string grid = {};    ///< The field's samples and spacing.
@@ -74,7 +92,7 @@ struct Wishes {
   bool copy = false;                 ///< Copy the command that draws this.
   bool clip = false;                 ///< The clip changed.
   std::optional<size_t> place = {};  ///< Show this place of defects.
-  int nextPlace = 0;                 ///< 1: show the next place; -1: the one before.
+  bool nextPlace = false;            ///< Show the next one.
 };
 
 }  // namespace raymap::view

@@ -15,6 +15,7 @@
 #include "panel.h"
 #include "picture.h"
 #include "probe.h"
+#include "second.h"
 #include "window.h"
 
 namespace raymap::view {
@@ -89,10 +90,28 @@ class Viewer {
   WindowSize windowSize() const { return {int(swapchain_.size().width), int(swapchain_.size().height)}; }
   /// Returns whether time stands still until a picture is as fine as it will be.
   bool isStill() const { return isPictureWanted_ || recorder_; }
-  const Content& content() const { return shown_->content; }
+  Shown& shown() const { return *shapes_[options_.state.isSecondShown ? 1 : 0]; }
+  /// Returns the shape that is not shown; null if there is only one.
+  Shown* other() const { return shapes_[options_.state.isSecondShown ? 0 : 1].get(); }
+  /// Returns the shape whose difference is in colour; null if none is.
+  Shown* compared() const { return options_.state.isDifferenceShown ? other() : nullptr; }
+  const Content& content() const { return shown().content; }
+  Defects& defects() { return defects_[options_.state.isSecondShown ? 1 : 0]; }
+  const Defects& defects() const { return defects_[options_.state.isSecondShown ? 1 : 0]; }
+  const fs::path& path(bool isSecond) const { return isSecond ? options_.other : options_.input; }
+  /// Returns whether all that is shown is what was asked for.
+  bool isCurrent() const {
+    return shown().field.isCurrent() && (!compared() || compared()->field.isCurrent()) && !defects().isBusy();
+  }
 
-  std::unique_ptr<Shown> load(const fs::path& path);
-  void show(const fs::path& path, bool isSameView);
+  using Shapes = std::array<std::unique_ptr<Shown>, 2>;
+  Shapes load(const fs::path& first, const fs::path& second);
+  Content loadContent(const fs::path& path);
+  void show(const fs::path& first, const fs::path& second, bool isSameView);
+  void keepColours();
+  void chooseNextColours();
+  void setTitle();
+  std::array<fs::file_time_type, 2> fileTimes() const;
   void watchFile();
   void resize();
   void step();
@@ -112,6 +131,7 @@ class Viewer {
   PanelFigures figures() const;
   RenderOptions view() const;
   void goToPlace();
+  void goToNextPlace(int step);
   void markPlace() const;
   void placeCamera() { camera_.place(options_.state.view); }
 
@@ -122,11 +142,11 @@ class Viewer {
   LivePicture picture_;
   std::array<Frame, 2> frames_;
   std::array<Hover, 2> hovers_;
-  std::unique_ptr<Shown> shown_;
-  Defects defects_;
+  Shapes shapes_;
+  std::array<Defects, 2> defects_;
   Gui gui_;
   Camera camera_;
-  fs::file_time_type fileTime_;
+  std::array<fs::file_time_type, 2> fileTimes_;
   Clock::time_point lastStep_ = Clock::now(), lastLook_ = Clock::now();
   /// A button that is held down, and how far the cursor has moved since.
   struct Drag {
@@ -139,7 +159,7 @@ class Viewer {
   size_t next_ = 0;
   bool isMoving_ = true;
   std::optional<RenderOptions> lastView_;
-  std::array<double, 4> lastRest_{};  ///< What else a picture depends on.
+  std::array<double, 6> lastRest_{};  ///< What else a picture depends on.
   std::vector<Frame::Time> times_;
   std::vector<float> history_;
   std::string message_;
@@ -173,43 +193,82 @@ Viewer::Viewer(ViewerOptions& options)
       swapchain_(sized(Swapchain(gpu_), window_)),
       picture_(gpu_),
       frames_{Frame(gpu_), Frame(gpu_)},
-      shown_(load(options.input)),
-      defects_(gpu_),
+      shapes_(load(options.input, options.other)),
+      defects_{Defects(gpu_), Defects(gpu_)},
       gui_(window_, gpu_, swapchain_),
       camera_(options.state.view, content().bounds, windowSize()) {
   for (MovingPlane* plane : {&options.state.cut, &options.state.slice}) centre(*plane, content().bounds);
   for (Hover& hover : hovers_) hover.depth = gpu_.makeBuffer(sizeof(float), true);
   picture_.resize(swapchain_.size());
-  window_.setTitle(content().title + " – raymap");
-  fileTime_ = timeOf(options_.input);
+  setTitle();
+  fileTimes_ = fileTimes();
+  options_.state.isDifferenceShown = bool(other()) && options_.state.view.array == FieldArray::Distance;
+  keepColours();
   placeCamera();
 }
 
-std::unique_ptr<Shown> Viewer::load(const fs::path& path) {
+Content Viewer::loadContent(const fs::path& path) {
   Content content = options_.load(path, options_.state.clip);
+  if (makesFieldsOnDevice(gpu_, options_.machine.device))
+    turnWrongFaces(content, options_.state.field.options, options_.machine);
+  return content;
+}
+
+Viewer::Shapes Viewer::load(const fs::path& first, const fs::path& second) {
   const bool isOnDevice = makesFieldsOnDevice(gpu_, options_.machine.device);
-  if (isOnDevice) turnWrongFaces(content, options_.state.field.options, options_.machine);
-  return std::make_unique<Shown>(std::move(content), gpu_, isOnDevice, options_.machine);
+  const auto prepared = [&](Content& content) {
+    return std::make_unique<Shown>(std::move(content), gpu_, isOnDevice, options_.machine);
+  };
+  Content content = loadContent(first);
+  if (second.empty()) return {prepared(content), nullptr};
+  Content beside = loadContent(second);
+  makeComparable(content, beside);
+  return {prepared(content), prepared(beside)};
+}
+
+void Viewer::setTitle() {
+  const std::string beside = shapes_[1] ? " and " + shapes_[1]->content.title : "";
+  window_.setTitle(shapes_[0]->content.title + beside + " – raymap");
+}
+
+/// Colours that a shape does not have give way to distances.
+void Viewer::keepColours() {
+  ViewState& state = options_.state;
+  const std::vector<Colours> all = coloursOf(content(), other() ? &other()->content : nullptr);
+  const Colours now{state.view.array, state.isDifferenceShown};
+  if (std::ranges::find(all, now) == all.end()) Colours{}.choose(state);
+  state.field.options.winding = state.view.array == FieldArray::Winding;
+  state.field.options.confidence = state.view.array == FieldArray::Confidence;
+}
+
+void Viewer::chooseNextColours() {
+  const std::vector<Colours> all = coloursOf(content(), other() ? &other()->content : nullptr);
+  const auto now =
+      std::ranges::find(all, Colours{options_.state.view.array, options_.state.isDifferenceShown});
+  const size_t next = now == all.end() ? 0 : size_t(now - all.begin()) + 1;
+  all[next % all.size()].choose(options_.state);
 }
 
 /// A file that cannot be read leaves what is shown.
-void Viewer::show(const fs::path& path, bool isSameView) {
+void Viewer::show(const fs::path& first, const fs::path& second, bool isSameView) {
   try {
-    std::unique_ptr<Shown> shown = load(path);
+    Shapes shapes = load(first, second);
     gpu_.waitIdle();
-    shown_ = std::move(shown);
-    defects_.clear();
+    shapes_ = std::move(shapes);
+    for (Defects& defects : defects_) defects.clear();
     message_.clear();
   } catch (const Error& error) {
     message_ = error.what();
     return;
   }
-  options_.input = path;
-  fileTime_ = timeOf(path);
+  options_.input = first;
+  options_.other = second;
+  if (second.empty()) options_.state.isSecondShown = false;
+  fileTimes_ = fileTimes();
   lastView_.reset();
   measured_.clear();
   options_.state.seconds = std::min(options_.state.seconds, content().seconds());
-  window_.setTitle(content().title + " – raymap");
+  setTitle();
   if (isSameView) return;
   options_.state.view.iso = options_.state.view.shell = 0.0;
   options_.state.cut = options_.state.slice = {};
@@ -218,17 +277,23 @@ void Viewer::show(const fs::path& path, bool isSameView) {
   placeCamera();
 }
 
+std::array<fs::file_time_type, 2> Viewer::fileTimes() const {
+  return {timeOf(options_.input), options_.other.empty() ? fs::file_time_type() : timeOf(options_.other)};
+}
+
 void Viewer::watchFile() {
   const Clock::time_point now = Clock::now();
   if (now - lastLook_ < std::chrono::milliseconds(500)) return;
   lastLook_ = now;
-  const fs::file_time_type time = timeOf(options_.input);
-  if (time == fileTime_) return;
-  fileTime_ = time;
-  if (time == fs::file_time_type::min())
-    message_ = options_.input.string() + " is gone; what was read is still shown";
-  else
-    show(options_.input, true);
+  const std::array<fs::file_time_type, 2> times = fileTimes();
+  if (times == fileTimes_) return;
+  fileTimes_ = times;
+  for (const bool isSecond : {false, true})
+    if (times[isSecond ? 1 : 0] == fs::file_time_type::min()) {
+      message_ = path(isSecond).string() + " is gone; what was read is still shown";
+      return;
+    }
+  show(options_.input, options_.other, true);
 }
 
 /// A movie has pictures of one size, so it ends here.
@@ -243,10 +308,9 @@ void Viewer::resize() {
 void Viewer::run() {
   while (!window_.isClosed()) {
     const bool isSeen = !window_.isMinimised();
-    const bool isDrawing = shown_->field.isReady() && (isMoving_ || !picture_.isFinished());
-    const bool isCurrent = !isSeen || (shown_->field.isCurrent() && !defects_.isBusy());
-    window_.wait(isSeen && (isDrawing || isStill()) ? 0.0 : isCurrent ? kIdle : kMaking);
-    for (const fs::path& path : window_.takeDropped()) show(path, false);
+    const bool isDrawing = shown().field.isReady() && (isMoving_ || !picture_.isFinished());
+    window_.wait(isSeen && (isDrawing || isStill()) ? 0.0 : !isSeen || isCurrent() ? kIdle : kMaking);
+    for (const fs::path& path : window_.takeDropped()) show(path, {}, false);
     watchFile();
     if (window_.isMinimised()) {
       lastStep_ = Clock::now();  // Time rests.
@@ -289,7 +353,7 @@ void Viewer::step() {
   markPlace();
   draw(frame, *image);
   askHover(frame, slot);
-  const bool isTaken = isStill() && picture_.isFinished() && shown_->field.isCurrent() && !defects_.isBusy();
+  const bool isTaken = isStill() && picture_.isFinished() && isCurrent();
   if (isTaken) takePicture(frame);
   frame.submit(swapchain_.isDrawn(*image));
   const bool fits = swapchain_.present(*image);
@@ -334,7 +398,9 @@ RenderOptions Viewer::view() const {
   // What the iso value adds must fit too.
   const double pad = std::max(view.iso, 0.0) + 0.5 * state.field.options.thickness;
   view.frame = Box{content().bounds.min - pad, content().bounds.max + pad};
-  const double band = shown_->field.buffer().clampDistance;
+  // Until the field has the array, distances are shown.
+  if (view.array != shown().field.array()) view.array = FieldArray::Distance;
+  const double band = shown().field.buffer().clampDistance;
   if (band > 0.0) view.shell = std::min(view.shell, 0.99 * band);
   if (band > 0.0) view.iso = std::clamp(view.iso, -0.99 * band, 0.99 * band);
   return view;
@@ -343,26 +409,37 @@ RenderOptions Viewer::view() const {
 void Viewer::draw(Frame& frame, uint32_t image) {
   ViewState& state = options_.state;
   const RenderOptions now = view();
-  const std::array<double, 4> rest{double(state.mesh), double(state.isFieldShown), state.seconds,
-                                   double(state.areDefectsShown)};
-  if (state.areDefectsShown && shown_->mesh) defects_.find(content(), state.seconds, options_.machine);
-  const bool isFound = defects_.record(frame);
+  const std::array<double, 6> rest{double(state.mesh),
+                                   double(state.isFieldShown),
+                                   state.seconds,
+                                   double(state.areDefectsShown),
+                                   double(state.isSecondShown),
+                                   double(state.isDifferenceShown)};
+  if (state.areDefectsShown && shown().mesh) defects().find(content(), state.seconds, options_.machine);
+  const bool isFound = defects().record(frame);
   const bool hasMoved = lastView_ != now || lastRest_ != rest || isFound;
   isMoving_ = hasMoved || (state.isPlaying && !isStill());
   lastView_ = now;
   lastRest_ = rest;
-  if (shown_->mesh) shown_->mesh->record(frame, state.seconds);
-  // The edges of the grid are seen on a slice, and by a surface outside of the mesh.
-  const bool mayMove = !state.slice.isOn && now.iso <= 0.0;
-  const bool isNew = shown_->field.record(frame, state.field, state.seconds, isMoving_, mayMove);
-  if (isNew && shown_->field.isOnDevice()) frame.stamp("field");
+  // The edges of the grid are seen on a slice, and by a surface outside of the mesh. A difference needs both
+  // fields on one grid.
+  const bool mayMove = !state.slice.isOn && now.iso <= 0.0 && !compared();
+  bool isNew = false;
+  for (Shown* each : {&shown(), compared()}) {
+    if (!each) continue;
+    if (each->mesh) each->mesh->record(frame, state.seconds);
+    const bool isRemade = each->field.record(frame, state.field, state.seconds, isMoving_, mayMove);
+    if (isRemade && each->field.isOnDevice()) frame.stamp("field");
+    isNew = isNew || isRemade;
+  }
   try {
     picture_.record(frame,
-                    {.field = shown_->field,
-                     .isFieldShown = state.isFieldShown || !shown_->mesh,
-                     .mesh = shown_->mesh.get(),
+                    {.field = shown().field,
+                     .other = compared() ? &compared()->field : nullptr,
+                     .isFieldShown = state.isFieldShown || !shown().mesh,
+                     .mesh = shown().mesh.get(),
                      .style = state.mesh,
-                     .parts = state.areDefectsShown ? std::span<const MeshPart>(defects_.parts())
+                     .parts = state.areDefectsShown ? std::span<const MeshPart>(defects().parts())
                                                     : std::span<const MeshPart>(),
                      .camera = camera_,
                      .view = now,
@@ -389,8 +466,9 @@ void Viewer::readHover(size_t slot) {
   probed_.reset();
   if (!hover.eye) return;
   const float depth = *static_cast<const float*>(hover.depth.mapped);
-  if (depth < std::numeric_limits<float>::max())
-    probed_ = shown_->probe.at(*hover.eye + double(depth) * hover.ray);
+  if (depth == std::numeric_limits<float>::max()) return;
+  probed_ = shown().probe.at(*hover.eye + double(depth) * hover.ray);
+  if (other()) probed_->other = other()->probe.at(probed_->position).distance;
 }
 
 void Viewer::askHover(Frame& frame, size_t slot) {
@@ -425,7 +503,7 @@ void Viewer::takeKeys(Wishes& wishes) {
     if (key == GLFW_KEY_1 || key == GLFW_KEY_KP_1) wishes.axis = side * 1;
     if (key == GLFW_KEY_3 || key == GLFW_KEY_KP_3) wishes.axis = side * 2;
     if (key == GLFW_KEY_7 || key == GLFW_KEY_KP_7) wishes.axis = side * 3;
-    if (key == GLFW_KEY_N) wishes.nextPlace = side;
+    if (key == GLFW_KEY_N) goToNextPlace(side);
     if (hasControl) continue;
     if (key == GLFW_KEY_F) wishes.frame = true;
     if (key == GLFW_KEY_S) wishes.picture = true;
@@ -433,6 +511,8 @@ void Viewer::takeKeys(Wishes& wishes) {
     if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
     if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
     if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
+    if (key == GLFW_KEY_B && other()) state.isSecondShown = !state.isSecondShown;
+    if (key == GLFW_KEY_V) chooseNextColours();
     if (key == GLFW_KEY_D) state.areDefectsShown = !state.areDefectsShown;
     if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
     if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
@@ -504,16 +584,17 @@ void Viewer::obey(const Wishes& wishes) {
     direction[std::abs(wishes.axis) - 1] = wishes.axis > 0 ? -1.0 : 1.0;
     camera_.lookAlong(direction);
   }
-  if (wishes.place) defects_.choose(*wishes.place);
-  if (wishes.nextPlace != 0) defects_.chooseNext(wishes.nextPlace);
-  if (wishes.place || wishes.nextPlace != 0) goToPlace();
+  if (wishes.place) defects().choose(*wishes.place);
+  if (wishes.place) goToPlace();
+  if (wishes.nextPlace) goToNextPlace(1);
   placeCamera();
+  keepColours();
   if (wishes.picture) isPictureWanted_ = true;
   if (wishes.copy) {
     window_.copy(command());
     message_ = "copied: " + command();
   }
-  if (wishes.clip) show(options_.input, true);
+  if (wishes.clip) show(options_.input, options_.other, true);
   if (!wishes.record) return;
   if (recorder_) return endRecord();
   try {
@@ -525,7 +606,7 @@ void Viewer::obey(const Wishes& wishes) {
 
 /// Looks at the chosen place of defects from as near as its surroundings are of use.
 void Viewer::goToPlace() {
-  const DefectPlace* place = defects_.place();
+  const DefectPlace* place = defects().place();
   if (!place) return;
   constexpr double kSurroundings = 2.5, kLeast = 0.03;  // Of its own size, of that of the mesh.
   const double size =
@@ -533,8 +614,13 @@ void Viewer::goToPlace() {
   camera_.frame({place->centre - 0.5 * size, place->centre + 0.5 * size}, windowSize());
 }
 
+void Viewer::goToNextPlace(int step) {
+  defects().chooseNext(step);
+  goToPlace();
+}
+
 void Viewer::markPlace() const {
-  const DefectPlace* place = defects_.place();
+  const DefectPlace* place = defects().place();
   if (!place || !options_.state.areDefectsShown) return;
   const glm::dvec3 at = camera_.project(place->centre, windowSize());
   if (!(at.z > 0.0)) return;
@@ -549,8 +635,10 @@ void Viewer::markPlace() const {
 std::string Viewer::command() const {
   ViewState state = options_.state;
   state.view = view();
-  if (content().animated) state.box = boxOf(shown_->field.gridFor(state.field));
-  return options_.command(options_.input, state);
+  if (content().animated) state.box = boxOf(shown().field.gridFor(state.field));
+  state.view.array = options_.state.view.array;
+  const bool isSecond = options_.state.isSecondShown;
+  return options_.command(path(isSecond), path(!isSecond), state);
 }
 
 void Viewer::takePicture(Frame& frame) {
@@ -573,7 +661,7 @@ Picture Viewer::readPicture() const {
 }
 
 PanelFigures Viewer::figures() const {
-  const LiveField& field = shown_->field;
+  const LiveField& field = shown().field;
   std::string grid = "no field yet";
   if (field.isReady()) {
     const glm::ivec3 dims = field.grid().dims;
@@ -586,7 +674,8 @@ PanelFigures Viewer::figures() const {
   if (field.milliseconds() > 0.0 && !field.isMoved())
     times.insert(times.begin(), {"field (CPU)", field.milliseconds()});
   return {.content = content(),
-          .defects = defects_,
+          .other = other() ? &other()->content : nullptr,
+          .defects = defects(),
           .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
           .grid = grid,
           .times = std::move(times),

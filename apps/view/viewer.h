@@ -10,13 +10,17 @@ namespace raymap::view {
 /// What a window is opened with. The functions belong to the program: they read files and know its options.
 struct ViewerOptions {
   std::filesystem::path input = {};
+  std::filesystem::path other = {};  ///< A second mesh or field; empty: there is none.
   ViewState state = {};
   MachineOptions machine = {};
   WindowSize size = {1280, 800};
   /// Reads a file; of an animated one the clip with this name.
   std::function<Content(const std::filesystem::path& path, const std::string& clip)> load = {};
-  /// Returns the command that draws the view without a window.
-  std::function<std::string(const std::filesystem::path& path, const ViewState& state)> command = {};
+  /// Returns the command that draws the view of a file without a window. `other` is the second file, on whose
+  /// grid too it is shown; empty if there is none.
+  std::function<std::string(const std::filesystem::path& path, const std::filesystem::path& other,
+                            const ViewState& state)>
+      command = {};
   /// Takes the view that a command describes. Throws `Error(Usage)`.
   std::function<void(const std::string& command, ViewState& state)> apply = {};
   double fps = 24.0;  ///< Frames of a record per second.

@@ -170,12 +170,6 @@ class ViewTest(unittest.TestCase):
             self.window.process.wait()
         self.scratch.cleanup()
 
-    def cube(self, name):
-        path = self.folder / name
-        path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                        "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
-        return path
-
     def recorder(self):
         """Returns the environment for a stand-in of ffmpeg, which keeps the pixels as they are. One can look at them in
         the file "recorded" while they come."""
@@ -262,6 +256,64 @@ class ViewTest(unittest.TestCase):
         faces = window.picture()[0]
         self.assertGreater(differ(faces, edges)[1], 0.05)
         self.close()
+
+    def cube(self, name, height=1):
+        cube = self.folder / name
+        corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".replace(" 1\n", f" {height}\n")
+        cube.write_text(corners + "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n")
+        return cube
+
+    def test_changes_between_two_shapes(self):
+        low, high = self.cube("low.obj", 1), self.cube("high.obj", 1.4)
+        subprocess.run([RAYMAP, "generate", high, "-o", self.folder / "high.vdb", "--resolution", "24", "-q"], check=True)
+        for second, device in ((high, "cpu"), (high, "vulkan"), (self.folder / "high.vdb", "cpu")):
+            with self.subTest(second=second.name, device=device):
+                window = self.open(low, second, "--resolution", "28", "--range", "0.3", "--slice-plane", "0,1,0,0.6",
+                                   "--device", device)
+                difference, command = window.picture()  # The higher one is less far away: blue.
+                self.assertEqual(shlex.split(command)[2:4], [str(low), str(second)])
+                self.assertGreater((difference[..., 2] > difference[..., 0].astype(int) + 60).sum(), 500)
+                self.check_as_render(difference, command)
+                window.keys("b")
+                other, command = window.picture()
+                self.assertEqual(shlex.split(command)[2:4], [str(second), str(low)])
+                self.assertGreater((other[..., 0] > other[..., 2].astype(int) + 60).sum(), 500)
+                self.check_as_render(other, command)
+                window.keys("v")
+                distances, command = window.picture()
+                self.assertIn("--as distance", command)
+                self.assertGreater(differ(distances, other)[1], 0.05)
+                self.check_as_render(distances, command)
+                window.keys("b")
+                self.check_as_render(*window.picture())
+                self.close()
+
+    def test_shows_winding_numbers_and_confidences(self):
+        cube = self.cube("cube.obj")
+        subprocess.run([RAYMAP, "generate", cube, "-o", self.folder / "cube.vdb", "--resolution", "28", "--confidence",
+                        self.folder / "c.npz", "-q"],
+                       check=True)
+        for shape, device, arrays in ((cube, "cpu", ["winding", "confidence", "distance"]),
+                                      (cube, "vulkan", ["winding", "confidence", "distance"]),
+                                      (self.folder / "cube.vdb", "cpu", ["confidence", "distance"])):
+            with self.subTest(shape=shape.name, device=device):
+                window = self.open(shape, "--resolution", "28", "--slice-plane", "1,1,0,0.9", "--device", device)
+                seen = [window.picture()]
+                for array in arrays:
+                    window.keys("v")
+                    picture, command = window.picture()
+                    self.assertEqual("--as " + array in command, array != "distance")
+                    self.assertGreater(differ(picture, seen[-1][0])[1], 0.02)
+                    self.check_as_render(picture, command)
+                    seen.append((picture, command))
+                self.assertLess(differ(seen[0][0], seen[-1][0])[1], 0.001)
+                window.keys("v", "ctrl+c")
+                window.picture()
+                window.keys("v")
+                window.picture()
+                window.keys("ctrl+v")
+                self.assertLess(differ(window.picture()[0], seen[1][0])[1], 0.001)
+                self.close()
 
     def info(self, mesh):
         done = subprocess.run([RAYMAP, "info", mesh, "--json"], text=True, capture_output=True)
