@@ -23,6 +23,7 @@ constexpr const char* kHelp =
     "F: show all    1 3 7: along x, y, z (Ctrl: from behind)\n"
     "C: cut    X: slice    W: mesh    Space: play\n"
     "V: next colours    B: change between two shapes\n"
+    "O: the other mesh, where it sticks out\n"
     "D: defects in colour    N: to the next (Ctrl: to the one before)\n"
     "M: measure from click to click\n"
     "S: write a picture    R: record\n"
@@ -107,6 +108,8 @@ void showColours(ViewState& state, const PanelFigures& figures) {
       if (ImGui::Selectable(each.name().c_str(), each == now)) each.choose(state);
     ImGui::EndCombo();
   }
+  if (figures.other && !figures.other->field)
+    ImGui::Checkbox("other mesh where it sticks out", &state.isOtherOverlaid);
   if (state.isDifferenceShown) {
     const double size = glm::length(figures.content.bounds.size());
     drag("range", state.view.range, 1e-4 * size, 0.0, size);
@@ -174,13 +177,15 @@ void showAnimation(ViewState& state, const PanelFigures& figures, Wishes& wishes
   }
 }
 
-void showTimes(const PanelFigures& figures) {
-  if (!ImGui::CollapsingHeader("Times and memory")) return;
+void showTimes(ViewState& state, const PanelFigures& figures) {
+  state.countsSteps = ImGui::CollapsingHeader("Times and memory");
+  if (!state.countsSteps) return;
   ImGui::TextWrapped("%s", figures.device.c_str());
   std::string memory = "memory: " + megabytes(figures.fieldBytes) + " for fields";
   if (const auto& all = figures.memory)
     memory += ", " + megabytes(all->held) + " of " + megabytes(all->most) + " in all";
   ImGui::TextWrapped("%s", memory.c_str());
+  if (figures.steps) ImGui::Text("%.1f steps a ray", *figures.steps);
   if (!figures.history.empty())
     ImGui::PlotLines("ms a frame", figures.history.data(), int(figures.history.size()), 0, nullptr, 0.0F,
                      FLT_MAX, {0.0F, 48.0F});
@@ -222,7 +227,7 @@ Wishes showPanel(ViewState& state, const PanelFigures& figures, bool isRecording
   showView(state, wishes, figures);
   showField(state, figures);
   showAnimation(state, figures, wishes);
-  showTimes(figures);
+  showTimes(state, figures);
   wishes.picture = ImGui::Button("picture");
   ImGui::SameLine();
   wishes.record = ImGui::Button(isRecording ? "stop" : "record");

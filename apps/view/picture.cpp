@@ -10,12 +10,17 @@ namespace {
 constexpr double kLivePictureMilliseconds = 40.0;  // Time of a picture while things move.
 constexpr double kBandMilliseconds = 60.0;         // Time of a part of one while they rest.
 constexpr uint32_t kCoarsest = 8;
+constexpr uint32_t kOverlaid = 0xff3c9bf0u;  // Orange.
+// How far behind the field's surface a mesh is seen, in samples: the shape's own, and one that is laid over
+// it, whose surface is often the same.
+constexpr double kBehindSurface = 2.0, kSticksOut = -1.0;
 constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkImageLayout kRest = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;  // Between frames.
 
 }  // namespace
 
-LivePicture::LivePicture(const Gpu& gpu) : gpu_(gpu), renderer_(gpu.handles()), meshPass_(gpu) {}
+LivePicture::LivePicture(const Gpu& gpu)
+    : gpu_(gpu), renderer_(gpu.handles()), meshPass_(gpu), steps_(gpu.makeBuffer(sizeof(uint32_t))) {}
 
 void LivePicture::resize(VkExtent2D size) {
   size_ = size;
@@ -78,9 +83,18 @@ void LivePicture::drawRows(Frame& frame, const Input& input) {
   RenderOptions view = input.view;
   view.width = int(size.width);
   view.height = int(size.height);
+  if (nextRow_ == 0) {
+    counted_ = 0;
+    vkCmdFillBuffer(frame.commands(), steps_.handle.get(), 0, VK_WHOLE_SIZE, 0);
+  }
   renderer_.record(frame.commands(), field, view,
-                   {.pixels = pixels_.range(), .depth = depth_.range(), .firstRow = nextRow_, .rows = rows});
+                   {.pixels = pixels_.range(),
+                    .depth = depth_.range(),
+                    .steps = input.countsSteps ? steps_.range() : vulkan::BufferRange{},
+                    .firstRow = nextRow_,
+                    .rows = rows});
   frame.pixels = size_t(rows) * size.width;
+  if (input.countsSteps) counted_ += frame.pixels;
   frame.stamp("picture");
   nextRow_ += rows;
 }
@@ -107,22 +121,30 @@ void LivePicture::show(Frame& frame, const Input& input) {
   }
   move(input.isFieldShown ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-  if (!input.isFieldShown || (input.mesh && (input.style != MeshStyle::Hidden || !input.parts.empty()))) {
+  const auto drawMesh = [&](const DeviceMesh& mesh, MeshStyle style, std::span<const MeshPart> parts,
+                            double slack) {
     moveImage(commands, nearest_.handle.get(), VK_IMAGE_LAYOUT_UNDEFINED,
               VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
-    const MeshPass::Target target{.picture = picture_,
-                                  .nearest = nearest_,
-                                  .size = shown_,
-                                  .depth = input.isFieldShown ? shownDepth_.address : 0};
-    if (input.mesh)
-      meshPass_.record(commands, *input.mesh, input.style, input.parts,
-                       {.camera = input.camera,
-                        .bounds = input.bounds,
-                        .cut = input.view.cutPlane,
-                        .slack = 2.0 * input.field.grid().spacing},
-                       target);
+    meshPass_.record(commands, mesh, style, parts,
+                     {.camera = input.camera,
+                      .bounds = input.bounds,
+                      .cut = input.view.cutPlane,
+                      .slack = slack * input.field.grid().spacing},
+                     {.picture = picture_,
+                      .nearest = nearest_,
+                      .size = shown_,
+                      .depth = input.isFieldShown ? shownDepth_.address : 0});
+    move(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     frame.stamp("mesh");
+  };
+  if (input.overlaid && input.isFieldShown) {
+    const MeshPart faces{.indices = input.overlaid->triangles().address,
+                         .count = input.overlaid->triangleCount(),
+                         .colour = kOverlaid};
+    drawMesh(*input.overlaid, MeshStyle::Hidden, {&faces, 1}, kSticksOut);
   }
+  if (input.mesh && (!input.isFieldShown || input.style != MeshStyle::Hidden || !input.parts.empty()))
+    drawMesh(*input.mesh, input.style, input.parts, kBehindSurface);
   move(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kRest);
 }
 
@@ -148,6 +170,12 @@ void LivePicture::copyDepth(VkCommandBuffer commands, const glm::dvec2& cursor, 
   const VkBufferCopy one{.srcOffset = VkDeviceSize{4} * (VkDeviceSize{pixel.y} * shown_.width + pixel.x),
                          .size = 4};
   vkCmdCopyBuffer(commands, shownDepth_.handle.get(), to.handle.get(), 1, &one);
+  barrier(commands);
+}
+
+void LivePicture::copySteps(VkCommandBuffer commands, const Buffer& to) const {
+  const VkBufferCopy one{.size = sizeof(uint32_t)};
+  vkCmdCopyBuffer(commands, steps_.handle.get(), to.handle.get(), 1, &one);
   barrier(commands);
 }
 

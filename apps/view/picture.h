@@ -21,6 +21,8 @@ class LivePicture {
     const DeviceMesh* mesh = nullptr;  ///< Null: there is none.
     MeshStyle style = MeshStyle::Hidden;
     std::span<const MeshPart> parts = {};  ///< Parts of the mesh in colour.
+    const DeviceMesh* overlaid = nullptr;  ///< Mesh seen where it sticks out of the field; null: none.
+    bool countsSteps = false;              ///< Whether to count the steps of rays.
     const Camera& camera;
     const RenderOptions& view;  ///< All but its size counts.
     const Box& bounds;
@@ -34,6 +36,10 @@ class LivePicture {
   void copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D size) const;
   /// Copies the depth at a point of the window to a buffer of a float, if it is in the window.
   void copyDepth(VkCommandBuffer commands, const glm::dvec2& cursor, const Buffer& to) const;
+  /// Copies the number of steps of the picture that is drawn, or 0, to a buffer.
+  void copySteps(VkCommandBuffer commands, const Buffer& to) const;
+  /// Returns the number of pixels whose steps were counted so far.
+  size_t countedPixels() const { return counted_; }
   /// Copies the pixels to a buffer of 32 bits each.
   void copyPixels(VkCommandBuffer commands, const Buffer& to) const;
   VkExtent2D size() const { return size_; }
@@ -48,7 +54,8 @@ class LivePicture {
   vulkan::Renderer renderer_;
   MeshPass meshPass_;
   VkExtent2D size_ = {}, shown_ = {};
-  Buffer pixels_, depth_, shownDepth_;
+  Buffer pixels_, depth_, shownDepth_, steps_;
+  size_t counted_ = 0;  ///< Pixels of the number in `steps_`.
   Image picture_, nearest_;
   bool isFinished_ = false;
   uint32_t divisor_ = 1;  ///< Pixels of the window along a side of a pixel that is drawn now.

@@ -33,6 +33,8 @@ struct ViewState {
   bool isSecondShown = false;  ///< The second shape instead of the first.
   /// Whether colours show how far the other shape's distances differ, instead of `view.array`.
   bool isDifferenceShown = false;
+  bool isOtherOverlaid = false;  ///< Whether the other mesh is seen where it sticks out of this shape.
+  bool countsSteps = false;      ///< Whether the panel shows how many steps rays take.
   MovingPlane cut = {}, slice = {};
   bool isPlaying = false;
   double seconds = 0.0;  ///< Time of the animation.
@@ -77,6 +79,7 @@ struct PanelFigures {
   bool isFieldMoved = false;               ///< Whether the field needed no time, as it moved.
   uint64_t fieldBytes = 0;                 ///< Memory of the device that the field and its making take.
   std::optional<Gpu::Memory> memory = {};  ///< What the driver says about memory.
+  std::optional<double> steps = {};        ///< Mean number of steps of a ray; none if they are not counted.
   const std::vector<float>& history;       ///< Milliseconds of the last frames.
   std::string message = {};                ///< Last error or result.
   std::optional<Probed> probed = {};

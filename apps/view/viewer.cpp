@@ -67,6 +67,12 @@ struct Hover {
   glm::dvec3 ray{0.0};
 };
 
+/// Steps that the rays of the picture have taken, of so many pixels. The device writes them.
+struct Steps {
+  Buffer sum;
+  size_t pixels = 0;
+};
+
 fs::file_time_type timeOf(const fs::path& path) {
   std::error_code error;
   const fs::file_time_type time = fs::last_write_time(path, error);
@@ -123,6 +129,8 @@ class Viewer {
   void obey(const Wishes& wishes);
   void readHover(size_t slot);
   void askHover(Frame& frame, size_t slot);
+  void readSteps(size_t slot);
+  void askSteps(Frame& frame, size_t slot);
   void advance(double seconds);
   void takePicture(Frame& frame);
   void writePictures();
@@ -142,6 +150,7 @@ class Viewer {
   LivePicture picture_;
   std::array<Frame, 2> frames_;
   std::array<Hover, 2> hovers_;
+  std::array<Steps, 2> steps_;
   Shapes shapes_;
   std::array<Defects, 2> defects_;
   Gui gui_;
@@ -159,11 +168,12 @@ class Viewer {
   size_t next_ = 0;
   bool isMoving_ = true;
   std::optional<RenderOptions> lastView_;
-  std::array<double, 6> lastRest_{};  ///< What else a picture depends on.
+  std::array<double, 8> lastRest_{};  ///< What else a picture depends on.
   std::vector<Frame::Time> times_;
   std::vector<float> history_;
   std::string message_;
   std::optional<Probed> probed_;
+  std::optional<double> stepsPerRay_;
   std::vector<glm::dvec3> measured_;
   bool isPictureWanted_ = false;
   Buffer pixels_;
@@ -199,6 +209,7 @@ Viewer::Viewer(ViewerOptions& options)
       camera_(options.state.view, content().bounds, windowSize()) {
   for (MovingPlane* plane : {&options.state.cut, &options.state.slice}) centre(*plane, content().bounds);
   for (Hover& hover : hovers_) hover.depth = gpu_.makeBuffer(sizeof(float), true);
+  for (Steps& steps : steps_) steps.sum = gpu_.makeBuffer(sizeof(uint32_t), true);
   picture_.resize(swapchain_.size());
   setTitle();
   fileTimes_ = fileTimes();
@@ -337,6 +348,7 @@ void Viewer::step() {
   const std::optional<uint32_t> image = swapchain_.acquire(frame.isFree());
   if (!image) return resize();  // Nothing was recorded yet.
   readHover(slot);
+  readSteps(slot);
   const Clock::time_point now = Clock::now();
   const double passed = std::chrono::duration<double>(now - lastStep_).count();
   lastStep_ = now;
@@ -353,6 +365,7 @@ void Viewer::step() {
   markPlace();
   draw(frame, *image);
   askHover(frame, slot);
+  askSteps(frame, slot);
   const bool isTaken = isStill() && picture_.isFinished() && isCurrent();
   if (isTaken) takePicture(frame);
   frame.submit(swapchain_.isDrawn(*image));
@@ -409,12 +422,14 @@ RenderOptions Viewer::view() const {
 void Viewer::draw(Frame& frame, uint32_t image) {
   ViewState& state = options_.state;
   const RenderOptions now = view();
-  const std::array<double, 6> rest{double(state.mesh),
+  const std::array<double, 8> rest{double(state.mesh),
                                    double(state.isFieldShown),
                                    state.seconds,
                                    double(state.areDefectsShown),
                                    double(state.isSecondShown),
-                                   double(state.isDifferenceShown)};
+                                   double(state.isDifferenceShown),
+                                   double(state.isOtherOverlaid),
+                                   double(state.countsSteps)};
   if (state.areDefectsShown && shown().mesh) defects().find(content(), state.seconds, options_.machine);
   const bool isFound = defects().record(frame);
   const bool hasMoved = lastView_ != now || lastRest_ != rest || isFound;
@@ -432,6 +447,8 @@ void Viewer::draw(Frame& frame, uint32_t image) {
     if (isRemade && each->field.isOnDevice()) frame.stamp("field");
     isNew = isNew || isRemade;
   }
+  DeviceMesh* const overlaid = state.isOtherOverlaid && other() ? other()->mesh.get() : nullptr;
+  if (overlaid && !compared()) overlaid->record(frame, state.seconds);
   try {
     picture_.record(frame,
                     {.field = shown().field,
@@ -441,6 +458,8 @@ void Viewer::draw(Frame& frame, uint32_t image) {
                      .style = state.mesh,
                      .parts = state.areDefectsShown ? std::span<const MeshPart>(defects().parts())
                                                     : std::span<const MeshPart>(),
+                     .overlaid = overlaid,
+                     .countsSteps = state.countsSteps,
                      .camera = camera_,
                      .view = now,
                      .bounds = content().bounds},
@@ -483,6 +502,19 @@ void Viewer::askHover(Frame& frame, size_t slot) {
   hover.ray = camera_.ray(cursor, windowSize());
 }
 
+void Viewer::readSteps(size_t slot) {
+  const Steps& steps = steps_[slot];
+  stepsPerRay_.reset();
+  if (steps.pixels > 0)
+    stepsPerRay_ = double(*static_cast<const uint32_t*>(steps.sum.mapped)) / double(steps.pixels);
+}
+
+void Viewer::askSteps(Frame& frame, size_t slot) {
+  Steps& steps = steps_[slot];
+  steps.pixels = options_.state.countsSteps ? picture_.countedPixels() : 0;
+  if (steps.pixels > 0) picture_.copySteps(frame.commands(), steps.sum);
+}
+
 void Viewer::takeKeys(Wishes& wishes) {
   ViewState& state = options_.state;
   const bool isTyping = ImGui::GetIO().WantTextInput;
@@ -510,6 +542,7 @@ void Viewer::takeKeys(Wishes& wishes) {
     if (key == GLFW_KEY_R) wishes.record = true;
     if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
     if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
+    if (key == GLFW_KEY_O) state.isOtherOverlaid = !state.isOtherOverlaid;
     if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
     if (key == GLFW_KEY_B && other()) state.isSecondShown = !state.isSecondShown;
     if (key == GLFW_KEY_V) chooseNextColours();
@@ -682,6 +715,7 @@ PanelFigures Viewer::figures() const {
           .isFieldMoved = field.isMoved(),
           .fieldBytes = field.bytes(),
           .memory = gpu_.memory(),
+          .steps = stepsPerRay_,
           .history = history_,
           .message = field.error().empty() ? message_ : field.error(),
           .probed = probed_,

@@ -188,6 +188,9 @@ struct PictureTarget {
   /// A float per pixel, if wanted: the distance from the eye to the nearest that the pixel shows, in the
   /// mesh's units, or the largest float.
   BufferRange depth = {};
+  /// A `uint32_t`, if wanted. The steps that rays take from the eye are added to it: of each pixel, those of
+  /// its mean ray, rounded. Counting needs a kernel of its own, which is made when it is needed first.
+  BufferRange steps = {};
   int firstRow = 0;  ///< First row to draw; a large picture may be drawn in several frames.
   int rows = 0;      ///< Number of rows to draw; 0 = all from the first on.
 };

@@ -148,9 +148,14 @@ class Window:
 class ViewTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.display = f":{100 + os.getpid() % 900}"
-        cls.server = subprocess.Popen(["Xvfb", cls.display, "-screen", "0", "1280x900x24"], stdout=subprocess.DEVNULL,
-                                      stderr=subprocess.DEVNULL)
+        # It writes the number of its display to the pipe once one can connect. It would start again, and refuse
+        # connections meanwhile, whenever the last one ends.
+        ours, its = os.pipe()
+        cls.server = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(its), "-screen", "0", "1280x900x24"],
+                                      pass_fds=[its], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(its)
+        with open(ours) as number:
+            cls.display = ":" + number.readline().strip()
 
     @classmethod
     def tearDownClass(cls):
@@ -287,6 +292,19 @@ class ViewTest(unittest.TestCase):
                 window.keys("b")
                 self.check_as_render(*window.picture())
                 self.close()
+
+    def test_lays_the_other_mesh_over_a_shape(self):
+        low, high = self.cube("low.obj", 1), self.cube("high.obj", 1.4)
+        window = self.open(low, high, "--resolution", "28")
+        window.keys("v")
+        plain = window.picture()[0]
+        window.keys("o")
+        self.assertGreater(differ(window.picture()[0], plain)[1], 0.03)
+        window.keys("b")  # Nothing of the lower one sticks out of the higher one, but for the field's round edges.
+        inside = window.picture()[0]
+        window.keys("o")
+        self.assertLess(differ(window.picture()[0], inside)[1], 0.01)
+        self.close()
 
     def test_shows_winding_numbers_and_confidences(self):
         cube = self.cube("cube.obj")

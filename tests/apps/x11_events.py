@@ -37,6 +37,8 @@ class Display:
         self.x.XOpenDisplay.restype = c_void_p
         self.x.XOpenDisplay.argtypes = [c_char_p]
         self.handle = c_void_p(self.x.XOpenDisplay(name.encode()))
+        if not self.handle:
+            raise ConnectionError(f"there is no display {name}")
         for function, result, arguments in (
                 ("XDefaultRootWindow", c_ulong, []),
                 ("XInternAtom", c_ulong, [c_char_p, c_int]),

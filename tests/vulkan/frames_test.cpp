@@ -178,6 +178,54 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
             ErrorCode::Unsupported);
 }
 
+TEST_F(VulkanFrames, CountTheStepsOfRays) {
+  const Field field = analytic::sampled(analytic::cube(32, 2.0),
+                                        [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.25); });
+  const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
+  const FieldBuffer onDevice{.distance = range(samples), .grid = field.grid};
+  constexpr int kWidth = 80, kHeight = 60;
+  DeviceBuffer pixels(device(), "pixels"), depth(device(), "depth");
+  pixels.resize<uint32_t>(kWidth * kHeight);
+  depth.resize<float>(kWidth * kHeight);
+  Renderer renderer(device().handles());
+  const auto draw = [&](const RenderOptions& options, const BufferRange& steps, int first, int rows) {
+    run([&](Commands& commands) {
+      renderer.record(
+          commands.handle(), onDevice, options,
+          {.pixels = range(pixels), .depth = range(depth), .steps = steps, .firstRow = first, .rows = rows});
+    });
+  };
+  const auto stepsOf = [&](const RenderOptions& options, std::initializer_list<std::pair<int, int>> parts) {
+    const DeviceBuffer steps = upload(std::vector<uint32_t>{7});
+    for (const auto& [first, rows] : parts) draw(options, range(steps), first, rows);
+    return download<uint32_t>(steps).at(0) - 7;
+  };
+  RenderOptions options{.width = kWidth, .height = kHeight, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}};
+  draw(options, {}, 0, 0);
+  const std::vector<uint32_t> uncounted = download<uint32_t>(pixels);
+  const uint32_t whole = stepsOf(options, {{0, 0}});
+  EXPECT_EQ(download<uint32_t>(pixels), uncounted);
+  const std::vector<float> depths = download<float>(depth);
+  const auto hits = uint32_t(std::ranges::count_if(depths, [](float d) { return d < 20.0F; }));
+  EXPECT_GT(whole, 3 * hits);
+  EXPECT_LT(whole, 60 * hits);
+  EXPECT_EQ(stepsOf(options, {{0, 25}, {25, 0}}), whole);
+  // Seen from far away, most rays pass by the ball around the shape, and take no step.
+  options.eye = glm::dvec3(0.0, 0.0, 400.0);
+  options.direction = {0.0, 0.0, -1.0};
+  EXPECT_LT(stepsOf(options, {{0, 0}}), 400u);
+  // Numbers in colour have a kernel of their own.
+  FieldBuffer coloured = onDevice;
+  coloured.values = range(samples);
+  options.eye.reset();
+  options.direction = RenderOptions().direction;
+  const DeviceBuffer steps = upload(std::vector<uint32_t>{0});
+  run([&](Commands& commands) {
+    renderer.record(commands.handle(), coloured, options, {.pixels = range(pixels), .steps = range(steps)});
+  });
+  EXPECT_EQ(download<uint32_t>(steps).at(0), whole);
+}
+
 // A box with one round corner, which tells its sides apart.
 double solid(const glm::dvec3& p) {
   return std::max(analytic::box(p, {0.7, 0.5, 0.6}), -analytic::sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));

@@ -55,6 +55,8 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
   if (target.depth.buffer)
     picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
+  if (target.steps.buffer)
+    picture.steps = addressOf(impl_->device.handle(), target.steps, "a number of steps");
   const GridMotion motion = motionOf(field);
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   RenderOptions shown = options;

@@ -10,10 +10,13 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderPictur
 #include "vulkan/stages/render_field_push.h"
 
 layout(constant_id = 1) const uint kHasNumbers = 0;  // Whether numbers are in colour; takes more registers.
+layout(constant_id = 2) const uint kCountsSteps = 0;  // Whether steps are counted; takes more registers.
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
 
 shared vec3 lights[kRenderGroup];
 shared float depths[kRenderGroup];
+shared uint stepCounts[kRenderGroup];
+uint samplings = 0;  // Number of times that this ray sampled the field; counted only if steps are.
 
 float row(Floats samples, uint at, float share) {
   const float low = samples.at[at];
@@ -35,6 +38,7 @@ float between(Floats samples, vec3 q) {
 }
 
 float trilinear(vec3 q) {
+  if (kCountsSteps != 0) ++samplings;
   return clamp(push.scale * between(push.samples, q), -kFarthestRay, kFarthestRay);
 }
 
@@ -71,6 +75,7 @@ vec3 light(RenderSceneData scene, vec2 at, uint local) {
   float skipped;
   const Ray ray = cameraRay(scene, at, skipped);
   const float t = traceRay(ray);
+  if (kCountsSteps != 0) stepCounts[local] = samplings;
   const float slice = traceSlice(scene, ray);
   const bool isSlice = slice >= 0 && (t < 0 || slice < t);
   depths[local] = isSlice ? skipped + slice : t >= 0 ? skipped + t : kNothingThere;
@@ -104,6 +109,10 @@ void main() {
   const vec3 sum = lights[local] + lights[local + 1] + lights[local + 2] + lights[local + 3];
   const uint at = pixel.y * push.width + pixel.x;
   push.pixels.at[at] = encoded(0.25 * sum);
+  if (kCountsSteps != 0) {
+    const uint steps = stepCounts[local] + stepCounts[local + 1] + stepCounts[local + 2] + stepCounts[local + 3];
+    atomicAdd(push.steps.at[0], (steps + 2) / 4);
+  }
   if (push.hasDepth == 0) return;
   const float nearest = min(min(depths[local], depths[local + 1]), min(depths[local + 2], depths[local + 3]));
   push.depth.at[at] = nearest < kNothingThere ? nearest / push.scale : nearest;

@@ -14,8 +14,8 @@ namespace raymap::vulkan {
 
 RenderFieldStage::RenderFieldStage(Device& device)
     : device_(&device),
-      distances_(device, shaders::kRenderField, kRenderGroup, {0}),
-      numbers_(device, shaders::kRenderField, kRenderGroup, {1}),
+      distances_(device, shaders::kRenderField, kRenderGroup, {0, 0}),
+      numbers_(device, shaders::kRenderField, kRenderGroup, {1, 0}),
       picture_(device, "scene") {
   picture_.resize<RenderPicture>(1);
   // Makes the kernels now, not while a frame is recorded.
@@ -52,6 +52,15 @@ void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int w
   commands.update(picture_, picture);
 }
 
+Kernel<RenderFieldPush>& RenderFieldStage::kernel(bool countsSteps) {
+  if (!countsSteps) return hasNumbers_ ? numbers_ : distances_;
+  std::optional<Kernel<RenderFieldPush>>& counting = counting_[hasNumbers_ ? 1 : 0];
+  if (!counting)
+    counting.emplace(*device_, shaders::kRenderField, kRenderGroup,
+                     std::initializer_list<uint32_t>{hasNumbers_ ? 1U : 0U, 1});
+  return *counting;
+}
+
 void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first,
                                   int count) {
   const auto tiles = [](uint32_t side) { return ceilDiv(side, kRenderTile); };
@@ -61,10 +70,10 @@ void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, co
   push_.pixels = pixels.colour;
   push_.depth = pixels.depth;
   push_.hasDepth = pixels.depth != 0;
+  push_.steps = pixels.steps;
   push_.firstRow = static_cast<uint32_t>(first);
   push_.rows = static_cast<uint32_t>(count);
-  commands.dispatch(hasNumbers_ ? numbers_ : distances_, push_,
-                    tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
+  commands.dispatch(kernel(pixels.steps != 0), push_, tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
 }
 
 }  // namespace raymap::vulkan

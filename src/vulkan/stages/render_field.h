@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "vulkan/device/commands.h"
 #include "vulkan/stages/render_field_push.h"
 
@@ -18,6 +21,7 @@ class RenderFieldStage {
   struct Pixels {
     VkDeviceAddress colour = 0;
     VkDeviceAddress depth = 0;
+    VkDeviceAddress steps = 0;  ///< Takes the sum of the pixels' steps; 0: not wanted.
   };
   /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,
   /// spacings, per unit of the samples; a second field has the same.
@@ -37,8 +41,11 @@ class RenderFieldStage {
   void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 
  private:
+  Kernel<RenderFieldPush>& kernel(bool countsSteps);
+
   Device* device_;
   Kernel<RenderFieldPush> distances_, numbers_;
+  std::array<std::optional<Kernel<RenderFieldPush>>, 2> counting_;  // The same two, made when needed first.
   bool hasNumbers_ = false;
   RenderFieldPush push_{};
   DeviceBuffer picture_;
