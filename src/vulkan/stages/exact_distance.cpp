@@ -23,7 +23,7 @@ static_assert(kNoneClosest == kNoTriangle);
 
 /// Some drivers in software end loops after 65,535 iterations. From here on it is too much work for them.
 constexpr uint32_t kMostLoops = 20000;
-/// Work from which on a block keeps a card waiting. With many blocks, others run meanwhile.
+/// Work from which on a block keeps a card waiting; with many blocks, others run meanwhile
 /// (docs/decisions/vulkan_exact_distance.md).
 uint32_t heavyWorkOf(uint64_t blocks) {
   constexpr uint64_t kFewBlocks = 16384;
