@@ -119,7 +119,12 @@ void Backend::runBeside(Work&& work) {
   const char* const stage = openStage_;
   if (stage) stopStage();
   commandBuffer_.submit();
-  work();
+  try {
+    work();
+  } catch (...) {  // The device must not read and write what the caller may then release.
+    commandBuffer_.wait();
+    throw;
+  }
   commandBuffer_.wait();
   for (const StageTime& time : commandBuffer_.times()) {
     const double end = time.start + time.milliseconds;
