@@ -122,8 +122,9 @@ class Viewer {
   void resize();
   void step();
   void draw(Frame& frame, uint32_t image);
-  void takeKeys(Wishes& wishes);
-  void takeMouse();
+  void takeEvents();
+  void take(const Window::Key& key);
+  void take(const Window::Mouse& mouse);
   void click();
   void movePlane(const glm::dvec2& drag);
   void obey(const Wishes& wishes);
@@ -358,10 +359,8 @@ void Viewer::step() {
   if (history_.size() > kHistory) history_.erase(history_.begin());
 
   gui_.begin();
-  Wishes wishes = showPanel(options_.state, figures(), bool(recorder_));
-  takeKeys(wishes);
-  takeMouse();
-  obey(wishes);
+  obey(showPanel(options_.state, figures(), bool(recorder_)));
+  takeEvents();
   markPlace();
   draw(frame, *image);
   askHover(frame, slot);
@@ -515,43 +514,49 @@ void Viewer::askSteps(Frame& frame, size_t slot) {
   if (steps.pixels > 0) picture_.copySteps(frame.commands(), steps.sum);
 }
 
-void Viewer::takeKeys(Wishes& wishes) {
+void Viewer::takeEvents() {
+  for (const Window::Event& event : window_.takeEvents())
+    std::visit([this](const auto& each) { take(each); }, event);
+  if (!options_.state.isMeasuring) measured_.clear();
+}
+
+void Viewer::take(const Window::Key& pressed) {
+  if (ImGui::GetIO().WantTextInput) return;
+  const auto& [key, hasControl] = pressed;
   ViewState& state = options_.state;
-  const bool isTyping = ImGui::GetIO().WantTextInput;
-  for (const auto& [key, hasControl] : window_.takeKeys()) {
-    if (isTyping) continue;
-    if (hasControl) {
-      if (key == GLFW_KEY_C) wishes.copy = true;
-      if (key == GLFW_KEY_V) {
-        try {
-          options_.apply(window_.paste(), state);
-          camera_ = Camera(state.view, content().bounds, windowSize());
-        } catch (const Error& error) {
-          message_ = error.what();
-        }
+  Wishes wishes;
+  if (hasControl) {
+    if (key == GLFW_KEY_C) wishes.copy = true;
+    if (key == GLFW_KEY_V) {
+      try {
+        options_.apply(window_.paste(), state);
+        camera_ = Camera(state.view, content().bounds, windowSize());
+      } catch (const Error& error) {
+        message_ = error.what();
       }
     }
-    const int side = hasControl ? -1 : 1;
-    if (key == GLFW_KEY_1 || key == GLFW_KEY_KP_1) wishes.axis = side * 1;
-    if (key == GLFW_KEY_3 || key == GLFW_KEY_KP_3) wishes.axis = side * 2;
-    if (key == GLFW_KEY_7 || key == GLFW_KEY_KP_7) wishes.axis = side * 3;
-    if (key == GLFW_KEY_N) goToNextPlace(side);
-    if (hasControl) continue;
-    if (key == GLFW_KEY_F) wishes.frame = true;
-    if (key == GLFW_KEY_S) wishes.picture = true;
-    if (key == GLFW_KEY_R) wishes.record = true;
-    if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
-    if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
-    if (key == GLFW_KEY_O) state.isOtherOverlaid = !state.isOtherOverlaid;
-    if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
-    if (key == GLFW_KEY_B && other()) state.isSecondShown = !state.isSecondShown;
-    if (key == GLFW_KEY_V) chooseNextColours();
-    if (key == GLFW_KEY_D) state.areDefectsShown = !state.areDefectsShown;
-    if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
-    if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
-    if (key == GLFW_KEY_H) state.isHelpShown = !state.isHelpShown;
-    if (key == GLFW_KEY_Q) window_.close();
   }
+  const int side = hasControl ? -1 : 1;
+  if (key == GLFW_KEY_1 || key == GLFW_KEY_KP_1) wishes.axis = side * 1;
+  if (key == GLFW_KEY_3 || key == GLFW_KEY_KP_3) wishes.axis = side * 2;
+  if (key == GLFW_KEY_7 || key == GLFW_KEY_KP_7) wishes.axis = side * 3;
+  if (key == GLFW_KEY_N) goToNextPlace(side);
+  if (hasControl) return obey(wishes);
+  if (key == GLFW_KEY_F) wishes.frame = true;
+  if (key == GLFW_KEY_S) wishes.picture = true;
+  if (key == GLFW_KEY_R) wishes.record = true;
+  if (key == GLFW_KEY_C) state.cut.isOn = !state.cut.isOn;
+  if (key == GLFW_KEY_X) state.slice.isOn = !state.slice.isOn;
+  if (key == GLFW_KEY_O) state.isOtherOverlaid = !state.isOtherOverlaid;
+  if (key == GLFW_KEY_W) state.mesh = MeshStyle((int(state.mesh) + 1) % 3);
+  if (key == GLFW_KEY_B && other()) state.isSecondShown = !state.isSecondShown;
+  if (key == GLFW_KEY_V) chooseNextColours();
+  if (key == GLFW_KEY_D) state.areDefectsShown = !state.areDefectsShown;
+  if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
+  if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
+  if (key == GLFW_KEY_H) state.isHelpShown = !state.isHelpShown;
+  if (key == GLFW_KEY_Q) window_.close();
+  obey(wishes);
 }
 
 /// Moves the cut, or else the slice, so that it follows the cursor.
@@ -571,29 +576,26 @@ void Viewer::movePlane(const glm::dvec2& drag) {
   plane.offset += unit * steps;
 }
 
-void Viewer::takeMouse() {
+void Viewer::take(const Window::Mouse& mouse) {
   using Kind = Window::Mouse::Kind;
   const bool isOverPanel = ImGui::GetIO().WantCaptureMouse;
-  for (const Window::Mouse& mouse : window_.takeMouse()) {
-    const glm::dvec2 moved = mouse.cursor - std::exchange(cursor_, mouse.cursor);
-    if (mouse.kind == Kind::Press && !isOverPanel) {
-      if (!drag_) drag_ = Drag{.start = mouse};
-    } else if (mouse.kind == Kind::Release && drag_ && drag_->start.button == mouse.button) {
-      if (drag_->length < 3.0 && mouse.button == GLFW_MOUSE_BUTTON_LEFT) click();
-      drag_.reset();
-    } else if (mouse.kind == Kind::Wheel && !isOverPanel) {
-      camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, windowSize());
-    } else if (mouse.kind == Kind::Move && drag_) {
-      drag_->length += glm::length(moved);
-      if (drag_->start.button != GLFW_MOUSE_BUTTON_LEFT || drag_->start.hasShift)
-        camera_.pan(moved, windowSize());
-      else if (drag_->start.hasControl)
-        movePlane(moved);
-      else
-        camera_.orbit(moved, windowSize());
-    }
+  const glm::dvec2 moved = mouse.cursor - std::exchange(cursor_, mouse.cursor);
+  if (mouse.kind == Kind::Press && !isOverPanel) {
+    if (!drag_) drag_ = Drag{.start = mouse};
+  } else if (mouse.kind == Kind::Release && drag_ && drag_->start.button == mouse.button) {
+    if (drag_->length < 3.0 && mouse.button == GLFW_MOUSE_BUTTON_LEFT) click();
+    drag_.reset();
+  } else if (mouse.kind == Kind::Wheel && !isOverPanel) {
+    camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, windowSize());
+  } else if (mouse.kind == Kind::Move && drag_) {
+    drag_->length += glm::length(moved);
+    if (drag_->start.button != GLFW_MOUSE_BUTTON_LEFT || drag_->start.hasShift)
+      camera_.pan(moved, windowSize());
+    else if (drag_->start.hasControl)
+      movePlane(moved);
+    else
+      camera_.orbit(moved, windowSize());
   }
-  if (!options_.state.isMeasuring) measured_.clear();
   placeCamera();
 }
 

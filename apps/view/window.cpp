@@ -35,7 +35,7 @@ Window::Window(const std::string& title, const WindowSize& size) {
   // Dear ImGui calls these when it has its own in place.
   glfwSetKeyCallback(handle_, [](GLFWwindow* window, int key, int, int action, int modifiers) {
     if (action != GLFW_RELEASE)
-      of(window).keys_.push_back({key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
+      of(window).events_.emplace_back(Key{key, (modifiers & (GLFW_MOD_CONTROL | GLFW_MOD_SUPER)) != 0});
   });
   glfwSetMouseButtonCallback(handle_, [](GLFWwindow* window, int button, int action, int modifiers) {
     of(window).note({.kind = action == GLFW_PRESS ? Mouse::Kind::Press : Mouse::Kind::Release,
@@ -63,7 +63,7 @@ Window& Window::of(GLFWwindow* window) {
 /// Adds where the cursor is.
 void Window::note(Mouse mouse) {
   mouse.cursor = cursor_;
-  mouse_.push_back(mouse);
+  events_.emplace_back(mouse);
 }
 
 Window::~Window() {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "camera.h"
@@ -44,7 +45,6 @@ class Window {
   void copy(const std::string& text);
   std::string paste() const;
 
-  /// What the mouse did, in its order. Nothing is lost however long a frame takes.
   struct Mouse {
     enum class Kind { Press, Release, Move, Wheel };
     Kind kind;
@@ -53,13 +53,15 @@ class Window {
     int button = 0;                             ///< GLFW's number.
     bool hasShift = false, hasControl = false;  ///< Of a press.
   };
-  std::vector<Mouse> takeMouse() { return std::exchange(mouse_, {}); }
-  /// Returns the keys that were pressed since the last call, with their modifiers; GLFW's numbers.
+  /// A key that was pressed.
   struct Key {
-    int key;
+    int key;  ///< GLFW's number.
     bool hasControl;
   };
-  std::vector<Key> takeKeys() { return std::exchange(keys_, {}); }
+  using Event = std::variant<Key, Mouse>;
+  /// Returns what keys and mouse did since the last call, in its order. Nothing is lost however long a frame
+  /// takes.
+  std::vector<Event> takeEvents() { return std::exchange(events_, {}); }
   /// Returns the files that were dropped on it since the last call.
   std::vector<std::filesystem::path> takeDropped() { return std::exchange(dropped_, {}); }
   GLFWwindow* handle() const { return handle_; }
@@ -70,8 +72,7 @@ class Window {
   void note(Mouse mouse);
 
   glm::dvec2 cursor_{0.0};
-  std::vector<Mouse> mouse_;
-  std::vector<Key> keys_;
+  std::vector<Event> events_;
   std::vector<std::filesystem::path> dropped_;
 };
 

@@ -3,11 +3,13 @@
 view_test.py RAYMAP: the program. Without Xvfb, xdotool or a Vulkan device, or if the program has no window, the test is
 skipped (77), unless RAYMAP_REQUIRE_WINDOW is set."""
 
+import contextlib
 import json
 import os
 import pathlib
 import shlex
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -134,6 +136,13 @@ class Window:
         lines = self.out.read_text().split("\n")[:-1]
         return lines if len(lines) >= count else None
 
+    @contextlib.contextmanager
+    def held(self):
+        """Events wait until this ends."""
+        self.process.send_signal(signal.SIGSTOP)
+        yield
+        self.process.send_signal(signal.SIGCONT)
+
     def drop(self, *paths):
         """Drops files on it. Returns whether it took them."""
         return self.display.drop(int(self.id), paths, LONG)
@@ -232,9 +241,10 @@ class ViewTest(unittest.TestCase):
         window = self.open(self.mesh, "--resolution", "32")
         window.keys("x")
         first = window.picture()[0]
-        window.keys("ctrl+c")
-        window.drag(1, (400, 200), (450, 210), (500, 240))
-        window.keys("x")
+        with window.held():  # All comes in one frame, and is taken in its order.
+            window.keys("ctrl+c")
+            window.drag(1, (400, 200), (450, 210), (500, 240))
+            window.keys("x")
         self.assertGreater(differ(window.picture()[0], first)[1], 0.01)
         window.keys("ctrl+v")
         self.assertLess(differ(window.picture()[0], first)[1], 0.001)
