@@ -23,7 +23,7 @@ from moving_tube import bend, tumble
 from x11_events import Display
 
 RAYMAP = str(pathlib.Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 else None
-WIDTH, HEIGHT = 700, 420
+WIDTH, HEIGHT = 520, 300
 LONG = 240  # Seconds after which a test gives up; nothing is measured.
 
 
@@ -112,7 +112,11 @@ class Window:
         return self.tool("search", "--pid", str(self.process.pid)).split("\n")[0]
 
     def tool(self, *words):
-        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, text=True, capture_output=True).stdout
+        done = subprocess.run(["xdotool", *map(str, words)], env=self.environment, text=True, capture_output=True)
+        # A search that finds nothing fails, too.
+        if done.returncode != 0 and words[0] != "search":
+            raise AssertionError(f"xdotool {words}: {done.stderr}")
+        return done.stdout
 
     def keys(self, *names):
         for name in names:
@@ -149,7 +153,10 @@ class Window:
 
     def close(self):
         self.keys("q")
-        code = self.process.wait(LONG)
+        try:
+            code = self.process.wait(LONG)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"it does not end: {self.out.read_text()} {self.err.read_text()}") from None
         self.display.close()
         return code, self.err.read_text()
 
