@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "broken_meshes.h"
 #include "shapes.h"
@@ -11,8 +14,12 @@
 namespace raymap::cpu {
 namespace {
 
-CellMesh inCells(const Mesh& mesh) {
-  return cellMesh(mesh, fitGrid(mesh, {.resolution = 30}));
+Grid gridOf(const Mesh& mesh) {
+  return fitGrid(mesh, {.resolution = 30});
+}
+
+std::vector<RimEdge> rimsOf(const Mesh& mesh) {
+  return findRims(mesh, gridOf(mesh));
 }
 
 TEST(Rims, AreNotThereOnClosedMeshes) {
@@ -28,33 +35,41 @@ TEST(Rims, AreNotThereOnClosedMeshes) {
   folded.triangles.emplace_back(0, 0, 1);
   for (const Mesh& mesh : {split, apart, touching, folded, shapes::torus(1.0, 0.3, 30, 15),
                            shapes::joined(split, shapes::sphere(1.0, 2))})
-    EXPECT_TRUE(markRims(inCells(mesh)).empty());
+    EXPECT_TRUE(rimsOf(mesh).empty());
 }
 
 TEST(Rims, TakeZeroOfAnySign) {
-  Mesh mesh = shapes::box({-1, -1, 0}, {1, 1, 1});
-  CellMesh cells = inCells(mesh);
-  cells.vertices[0].x = 0.0f;
-  std::vector<glm::uvec3> triangles(cells.triangles.begin(), cells.triangles.end());
-  Buffer<glm::vec3> more(cells.vertices.size() + 1);
-  std::ranges::copy(cells.vertices, more.begin());
-  more[cells.vertices.size()] = glm::vec3(-0.0f, cells.vertices[0].y, cells.vertices[0].z);
-  for (glm::uvec3& t : triangles)  // One face names the same corner by another vertex.
-    if (t.x == 0) {
-      t.x = static_cast<uint32_t>(cells.vertices.size());
-      break;
-    }
-  cells.vertices = std::move(more);
-  cells.triangles = triangles;
-  EXPECT_TRUE(markRims(cells).empty());
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  mesh.origin = {};
+  for (glm::vec3& v : mesh.vertices) v = glm::vec3(v.x > 0.0f, v.y > 0.0f, v.z > 0.0f);
+  const uint32_t corner = mesh.triangles[0].x;
+  mesh.triangles[0].x =
+      static_cast<uint32_t>(mesh.vertices.size());  // One face names a corner by another vertex.
+  glm::vec3 other = mesh.vertices[corner];
+  for (int axis = 0; axis < 3; ++axis)
+    if (other[axis] == 0.0f) other[axis] = -0.0f;
+  mesh.vertices.push_back(other);
+  EXPECT_TRUE(rimsOf(mesh).empty());
+}
+
+TEST(Rims, TellDirectionAndCount) {
+  const std::vector<glm::dvec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}};
+  // Three faces run along the edge from 0 to 1, one runs back.
+  const Mesh mesh = makeMesh(corners, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {1, 0, 4}});
+  const std::vector<RimEdge> rims = rimsOf(mesh);
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> times;
+  for (const RimEdge& rim : rims) times[{rim.from, rim.to}] = rim.times;
+  const std::map<std::pair<uint32_t, uint32_t>, uint32_t> expected{
+      {{0, 1}, 2}, {{1, 2}, 1}, {{2, 0}, 1}, {{1, 3}, 1}, {{3, 0}, 1}};
+  EXPECT_EQ(times, expected);
 }
 
 TEST(Rims, AreMarkedWithinACell) {
   for (const Mesh& mesh :
        {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(20, 1),
         makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}}, {{0, 1, 2}})}) {
-    const CellMesh cells = inCells(mesh);
-    const Buffer<uint8_t> marks = markRims(cells);
+    const CellMesh cells = cellMesh(mesh, gridOf(mesh));
+    const Buffer<uint8_t> marks = markRims(mesh, rimsOf(mesh), gridOf(mesh));
     const glm::ivec3 d = cells.dims;
     ASSERT_EQ(marks.size(), size_t(d.x) * d.y * d.z);
     // All directed edges without their opposite, which these meshes have once at most.
@@ -92,7 +107,7 @@ TEST(Rims, AreMarkedWithinACell) {
 TEST(Rims, AreFacesThatPointTheOtherWay) {
   Mesh mesh = shapes::sphere(1.0, 2);
   std::swap(mesh.triangles[7].x, mesh.triangles[7].y);
-  EXPECT_FALSE(markRims(inCells(mesh)).empty());
+  EXPECT_EQ(rimsOf(mesh).size(), 3u);
 }
 
 }  // namespace

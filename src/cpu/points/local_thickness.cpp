@@ -63,10 +63,10 @@ class LocalThickness {
 
   /// Measures a point between two winding numbers, in front of its face and behind it.
   Thickness measure(const FacePoint& point, float front, float back) {
-    const bool isFrontInside = isInside(front), isBackInside = isInside(back);
-    if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     const glm::dvec3 n = normal(point.triangle);
     if (n == glm::dvec3(0.0)) return {Part::Corner, INFINITY, glm::vec3(0.0f)};
+    const bool isFrontInside = isInside(front), isBackInside = isInside(back);
+    if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     if (!isFrontInside && !isBackInside) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
     const glm::dvec3 inward = isFrontInside ? n : -n;
     const glm::dvec3 p = point.position - surface_.mesh.origin;

@@ -185,8 +185,8 @@ class Answers {
           QueryResult& result)
       : surface_(surface), view_(view), options_(options), result_(result) {
     if (surface.isSigned)
-      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.dipoles,
-                                     surface.lattice, surface.threshold});
+      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.rims,
+                                     surface.dipoles, surface.lattice, surface.threshold});
   }
 
   void answer(const Batch& batch, size_t begin, size_t end) {
@@ -250,17 +250,16 @@ class Answers {
 
   void computeSigns(const Batch& batch, size_t begin) {
     const WindingPoints points{cells_, exact_, distances_};
-    if (options_.winding)
+    if (options_.winding || options_.confidence)
       winding_->computeClosely(points, numbers_);
     else
       winding_->compute(points, numbers_);
     for (size_t k = 0; k < cells_.size(); ++k) {
       const size_t number = batch.number(begin + k);
-      const bool isInside = std::abs(numbers_[k]) > static_cast<float>(surface_.threshold);
+      const bool isInside = std::abs(numbers_[k]) > surface_.threshold;
       if (options_.distance) result_.distance[number] = isInside ? -unsigned_[k] : unsigned_[k];
-      if (options_.winding) result_.winding[number] = numbers_[k];
-      if (options_.confidence)
-        result_.confidence[number] = surface_.lattice.confidence[winding_->nearestSample(cells_[k])];
+      if (options_.winding) result_.winding[number] = static_cast<float>(numbers_[k]);
+      if (options_.confidence) result_.confidence[number] = winding_->confidence(cells_[k], numbers_[k]);
     }
   }
 
@@ -274,7 +273,8 @@ class Answers {
   std::vector<uint64_t> codes_;
   std::vector<glm::dvec3> exact_;  // relative to the mesh's origin, times `shrinking_`
   std::vector<double> shrinking_;
-  std::vector<float> distances_, numbers_;
+  std::vector<float> distances_;
+  std::vector<double> numbers_;
   std::vector<uint32_t> triangles_;
   std::vector<TrianglePoint> closest_;
   std::vector<double> unsigned_;  // distances in the mesh's units, until their signs are known

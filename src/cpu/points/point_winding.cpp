@@ -1,8 +1,8 @@
 // Ours: the winding number of scattered points (Krayer & Müller 2019, §3.5, know the lattice's samples only).
 //
 // On the way from a sample to a point, the number changes by the crossings of faces, as along the paper's
-// rays. Where the surface has holes it changes between faces, too. If the change could matter, the dipoles
-// decide.
+// rays. Where the surface has holes it changes between faces, too, by what the rims say. Where there are too
+// many rims and the change could matter, the dipoles decide.
 
 #include "cpu/points/point_winding.h"
 
@@ -10,8 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "cpu/points/face_crossings.h"
+#include "cpu/sign/sign.h"
+#include "method/winding_dipoles_shared.h"
 
 namespace raymap::cpu {
 
@@ -23,6 +26,24 @@ const glm::vec3 kOffset(0.0137f, 0.0291f, 0.0213f);
 
 /// A sample is used only if the surface is at least so far, in cells. The offset is much shorter.
 constexpr float kClear = 0.1f;
+
+/// A way to a point that passes rims by less than this is taken only if there is no better one.
+constexpr double kClearOfRims = 1e-4;
+
+/// The lattice's error far from the surface, where it is largest: around thousands of rims.
+constexpr float kMostLatticeError = 0.25f;
+
+/// Up to so many rims tell the numbers themselves.
+constexpr size_t kSomeRims = 4096;
+
+/// A sample is used only if its number is known better than this.
+constexpr double kMostDoubt = 0.2;
+
+/// An end in a face moves back by this share of the way.
+constexpr double kBack = 1e-9;
+
+/// Points that are this many times the lattice's size away see no winding.
+constexpr float kOutOfSight = 5e3f;
 
 }  // namespace
 
@@ -43,6 +64,11 @@ bool PointWinding::isNearRim(const glm::vec3& p) const {
   return !marks.empty() && marks[source_.lattice.grid.index(glm::ivec3(p))] != 0;
 }
 
+float PointWinding::confidence(const glm::vec3& p, double winding) const {
+  return marginOf(float(winding), float(source_.threshold)) * source_.lattice.agreement[nearestSample(p)];
+}
+
+/// Returns the index of the sample closest to a point.
 size_t PointWinding::nearestSample(const glm::vec3& p) const {
   const glm::ivec3 s(glm::clamp(p + 0.5f, glm::vec3(0.0f), glm::vec3(dims_ - 1)));
   return source_.lattice.grid.index(s);
@@ -76,64 +102,81 @@ PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float di
 
 /// Returns whether the number's side of the threshold is sure, although it comes from the lattice. Away from
 /// rims it changes by less than the lattice's error between a sample and the point, but for crossings.
-bool PointWinding::isSettled(float winding, float distance) const {
+bool PointWinding::isSettled(double winding, float distance) const {
   if (source_.lattice.isWhole()) return true;
-  const float gap = std::abs(std::abs(winding) - static_cast<float>(source_.threshold));
-  return gap >= 2.0f * latticeError(distance);
+  const double gap = std::abs(std::abs(winding) - source_.threshold);
+  return gap >= std::max(2.0f * latticeError(distance), kMostLatticeError);
 }
 
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
 void PointWinding::crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
-                             std::span<float> winding) {
+                             std::span<double> winding) {
   ends_.clear();
   for (const uint32_t i : which) ends_.push_back(points.cells[i]);
   changes_.resize(which.size());
   countCrossings(source_.tree, place(sample) + kOffset, ends_, slack_, changes_);
   for (size_t k = 0; k < which.size(); ++k)
     winding[which[k]] =
-        changes_[k] == kUnsure ? NAN : source_.lattice.winding[sample] + static_cast<float>(changes_[k]);
+        changes_[k] == kUnsure ? NAN : source_.lattice.winding[sample] + static_cast<double>(changes_[k]);
 }
 
-/// Returns whether crossings in double precision may decide. They always may if all numbers are whole. Else
-/// only away from rims, for points that single precision cannot tell from the surface.
-bool PointWinding::mayCrossExactly(const glm::vec3& p, float distance) const {
-  return source_.lattice.isWhole() || (distance <= slack_ && !isOutside(p) && !isNearRim(p));
+/// Counts crossings in double precision. An end in a face is moved out of it.
+int32_t PointWinding::crossingsFrom(const glm::vec3& from, const glm::vec3& cells,
+                                    const glm::dvec3& exactFrom, const glm::dvec3& p) {
+  findTrianglesAlong(source_.tree, from, cells, slack_, faces_);
+  for (uint32_t& t : faces_) t = source_.tree.triangleId(t);
+  const int32_t change = countFaceCrossings(source_.mesh, source_.turns, faces_, exactFrom, p);
+  if (change != kUnsure) return change;
+  return countFaceCrossings(source_.mesh, source_.turns, faces_, exactFrom, p + kBack * (exactFrom - p));
 }
 
-/// Computes a number by crossings in double precision, from a sample around the point. If all numbers are
-/// whole, tries all of these, and at last the lattice's first, which lies outside. Returns false if it stays
-/// unsure: then perhaps the point lies on the surface.
-bool PointWinding::crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding) {
-  const Grid& grid = source_.lattice.grid;
-  const glm::ivec3 low = glm::clamp(glm::ivec3(cells), glm::ivec3(0), glm::max(dims_ - 2, 0));
-  const bool isWhole = source_.lattice.isWhole();
-  for (uint32_t c = 0; c < kCorners + uint32_t{isWhole}; ++c) {
-    const glm::ivec3 corner =
-        c < kCorners ? glm::min(low + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), dims_ - 1) : glm::ivec3(0);
-    const size_t sample = grid.index(corner);
-    if (source_.lattice.distance[sample] < kClear) continue;
-    const glm::vec3 from = glm::vec3(corner) + kOffset;
-    findTrianglesAlong(source_.tree, from, cells, slack_, faces_);
-    for (uint32_t& t : faces_) t = source_.tree.triangleId(t);
-    const glm::dvec3 exactFrom = grid.position(from) - source_.mesh.origin;
-    const int32_t change = countFaceCrossings(source_.mesh, source_.turns, faces_, exactFrom, p);
-    if (change != kUnsure) {
-      winding = source_.lattice.winding[sample] + static_cast<float>(change);
-      return true;
-    }
-    if (!isWhole) return false;
+/// Computes a point's number from that of a sample. Its clearance is 0 if the sample is of no use.
+RimShare PointWinding::numberFrom(uint32_t sample, const WindingPoints& points, size_t i) {
+  if (source_.lattice.distance[sample] < kClear) return {NAN, 0.0};
+  const glm::vec3 from = place(sample) + kOffset;
+  const glm::dvec3 exactFrom = source_.lattice.grid.position(from) - source_.mesh.origin, p = points.exact[i];
+  const int32_t change = crossingsFrom(from, points.cells[i], exactFrom, p);
+  if (change == kUnsure) return {NAN, 0.0};
+  const double known = source_.lattice.winding[sample];
+  if (source_.rims.count() == 0) return {known + change, 1.0};  // Whole, or too many.
+  // Both lie on one ray. The sample's number tells how many crossings lie beyond it.
+  const glm::dvec3 way = exactFrom - p, direction = way / glm::length(way);
+  constexpr double kWhole = 0.1;  // Enough to round to a whole number.
+  const double allowed = isClose_ ? kCloseError : kSideError;
+  const RimShare there = source_.rims.at(exactFrom, direction, kWhole);
+  RimShare here = source_.rims.at(p, direction, allowed);
+  const double beyond = std::round(known - there.winding), whole = beyond + change;
+  if (std::abs(known - there.winding - beyond) > kMostDoubt) return {NAN, 0.0};
+  if (std::abs(std::abs(whole + here.winding) - source_.threshold) < 2.0 * allowed)
+    here = source_.rims.at(p, direction);
+  return {whole + here.winding, std::min(there.clearance, here.clearance)};
+}
+
+/// Computes a number from one of the samples around the point, or at last from the lattice's first, which
+/// lies outside.
+double PointWinding::exactNumber(const WindingPoints& points, size_t i) {
+  const glm::vec3& p = points.cells[i];
+  const int size = std::max({dims_.x, dims_.y, dims_.z});
+  if (glm::length(p) > kOutOfSight * static_cast<float>(size)) return 0.0;
+  const glm::ivec3 low = glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
+  const auto first = uint32_t(source_.lattice.grid.index(low));
+  RimShare best{source_.lattice.winding[nearestSample(p)], 0.0};
+  for (uint32_t c = 0; c <= kCorners && best.clearance < kClearOfRims; ++c) {
+    const RimShare number = numberFrom(c < kCorners ? first + offsets_[c] : 0, points, i);
+    if (number.clearance > best.clearance) best = number;
   }
-  return false;
+  return best.winding;
 }
 
-void PointWinding::compute(const WindingPoints& points, std::span<float> winding) {
+void PointWinding::compute(const WindingPoints& points, std::span<double> winding) {
+  isClose_ = false;
   const bool isWhole = source_.lattice.isWhole();
   asked_.clear();
   crossing_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i) {
     const glm::vec3& p = points.cells[i];
     const bool isBeyond = isOutside(p);
-    winding[i] = isBeyond && isWhole ? 0.0f : NAN;
+    winding[i] = isBeyond && isWhole ? 0.0 : NAN;
     if (isBeyond || isNearRim(p)) continue;
     const Reference reference = findReference(p, points.distance[i]);
     if (reference.sample == Reference::kNone) continue;
@@ -151,31 +194,52 @@ void PointWinding::compute(const WindingPoints& points, std::span<float> winding
     crossFrom(sample, points, asked_, winding);
   }
   asked_.clear();
-  ends_.clear();
-  for (uint32_t i = 0; i < points.cells.size(); ++i) {
-    if (std::isnan(winding[i]) && mayCrossExactly(points.cells[i], points.distance[i]))
-      crossExactly(points.exact[i], points.cells[i], winding[i]);
-    if (!std::isnan(winding[i]) && isSettled(winding[i], points.distance[i])) continue;
-    asked_.push_back(i);
-    ends_.push_back(points.cells[i]);
-  }
-  numbers_.resize(asked_.size());
-  source_.dipoles.settleAt(source_.tree, ends_, source_.threshold, 0, numbers_);
-  for (size_t k = 0; k < asked_.size(); ++k) winding[asked_[k]] = numbers_[k];
+  for (uint32_t i = 0; i < points.cells.size(); ++i)
+    if (std::isnan(winding[i]) || !isSettled(winding[i], points.distance[i])) asked_.push_back(i);
+  settle(points, winding);
 }
 
-void PointWinding::computeClosely(const WindingPoints& points, std::span<float> winding) {
+void PointWinding::computeClosely(const WindingPoints& points, std::span<double> winding) {
   if (source_.lattice.isWhole()) {
     compute(points, winding);
     return;
   }
-  source_.dipoles.settleAt(source_.tree, points.cells, source_.threshold, 1, winding);
-  for (size_t i = 0; i < points.cells.size(); ++i) {
-    if (!mayCrossExactly(points.cells[i], points.distance[i])) continue;
-    float crossed = NAN;
-    if (crossExactly(points.exact[i], points.cells[i], crossed) && isSettled(crossed, points.distance[i]))
-      winding[i] += std::round(crossed - winding[i]);
+  asked_.resize(points.cells.size());
+  std::iota(asked_.begin(), asked_.end(), 0u);
+  isClose_ = true;
+  settle(points, winding);
+}
+
+/// Computes the numbers of the points in `asked_`: from faces and rims, or with many rims by dipoles, unless
+/// these leave a side in doubt.
+void PointWinding::settle(const WindingPoints& points, std::span<double> winding) {
+  const size_t rims = source_.rims.count();
+  if (source_.lattice.isWhole() || (rims > 0 && rims <= (isClose_ ? kSomeRims : kFewRims))) {
+    for (const uint32_t i : asked_) winding[i] = exactNumber(points, i);
+    return;
   }
+  ends_.clear();
+  for (const uint32_t i : asked_) ends_.push_back(points.cells[i]);
+  numbers_.resize(asked_.size());
+  const uint32_t first = isClose_ ? 1 : 0, end = rims > 0 ? kLooks - 1 : kLooks;
+  source_.dipoles.settleAt(source_.tree, ends_, source_.threshold, {first, end}, numbers_);
+  for (size_t k = 0; k < asked_.size(); ++k) {
+    const uint32_t i = asked_[k];
+    const double gap = std::abs(std::abs(numbers_[k]) - source_.threshold);
+    const bool isDoubtful = gap < kClose[end - 1] || points.distance[i] <= slack_;
+    winding[i] = !isDoubtful ? numbers_[k]
+                 : rims > 0  ? exactNumber(points, i)
+                             : sideOf(points, i, numbers_[k]);
+  }
+}
+
+/// Single precision cannot tell some points from the surface. Away from rims, crossings tell their side of
+/// it.
+double PointWinding::sideOf(const WindingPoints& points, size_t i, double winding) {
+  const glm::vec3& p = points.cells[i];
+  if (points.distance[i] > slack_ || isOutside(p) || isNearRim(p)) return winding;
+  const double crossed = exactNumber(points, i);
+  return isSettled(crossed, points.distance[i]) ? winding + std::round(crossed - winding) : winding;
 }
 
 }  // namespace raymap::cpu

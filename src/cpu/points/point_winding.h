@@ -7,6 +7,7 @@
 
 #include "cpu/points/segment_crossings.h"
 #include "cpu/sign/winding_dipoles.h"
+#include "cpu/sign/winding_rims.h"
 #include "mesh/packed_mesh.h"
 #include "method/turns.h"
 
@@ -15,9 +16,9 @@ namespace raymap::cpu {
 /// Winding numbers on a lattice, from which those of points nearby follow. One value per sample.
 struct WindingLattice {
   Grid grid;
-  Buffer<float> distance;    ///< Unsigned distance to the surface, in cells.
-  Buffer<float> winding;     ///< Winding number.
-  Buffer<float> confidence;  ///< Confidence in the sign.
+  Buffer<float> distance;   ///< Unsigned distance to the surface, in cells.
+  Buffer<float> winding;    ///< Winding number.
+  Buffer<float> agreement;  ///< What the confidence is a product of, with `marginOf(winding)`.
   /// Whether a rim of the surface is near the cube between a sample and the next ones (`markRims`). Empty if
   /// there are no rims: then all winding numbers are whole.
   Buffer<uint8_t> isNearRim;
@@ -25,12 +26,16 @@ struct WindingLattice {
   bool isWhole() const { return isNearRim.empty(); }
 };
 
+/// Up to so many rims tell the sides of points faster than dipoles do.
+inline constexpr size_t kFewRims = 256;
+
 /// A mesh whose winding number is asked for. Refers to its parts.
 struct WindingSource {
   PackedMesh mesh;
   const Turns& turns;             ///< How the sign takes the faces; empty: all as given.
   const SurfaceTree& tree;        ///< The faces as the sign takes them, in the lattice's cells.
-  const WindingDipoles& dipoles;  ///< Prepared for the tree.
+  const WindingRims& rims;        ///< Those of the faces as the sign takes them; none if too many.
+  const WindingDipoles& dipoles;  ///< Prepared for the tree if there are more than a few rims.
   const WindingLattice& lattice;
   double threshold = 0.5;
 };
@@ -42,24 +47,25 @@ struct WindingPoints {
   std::span<const float> distance;    ///< Unsigned distance to the surface, in cells.
 };
 
-/// Computes winding numbers of points. A number is exact if the lattice's are whole. Else it is good enough
-/// to tell on which side of the threshold the point lies. Each thread has its own instance.
+/// Computes winding numbers of points. Each thread has its own instance.
 class PointWinding {
  public:
   explicit PointWinding(const WindingSource& source);
 
-  /// Computes the numbers, from the nearest sample and the faces between it and the point where that is
-  /// enough.
-  void compute(const WindingPoints& points, std::span<float> winding);
-  /// Computes them from the faces themselves, to about 0.0002 and ever closer towards the threshold, unless
-  /// the lattice's are whole.
-  void computeClosely(const WindingPoints& points, std::span<float> winding);
+  /// Computes the numbers well enough to tell on which side of the threshold a point lies: from the nearest
+  /// sample and the faces between it and the point where that is enough. Whole numbers are exact.
+  void compute(const WindingPoints& points, std::span<double> winding);
+  /// Computes them exactly, or with too many rims by dipoles, to about 0.0002 and ever closer towards the
+  /// threshold.
+  void computeClosely(const WindingPoints& points, std::span<double> winding);
 
-  /// Returns the index of the sample closest to a point.
-  size_t nearestSample(const glm::vec3& p) const;
+  /// Returns the confidence in the sign of a point with this winding number.
+  float confidence(const glm::vec3& p, double winding) const;
 
  private:
   static constexpr size_t kCorners = 8;  // of a cell
+  /// Errors allowed in a number itself, and in one of which only the side of the threshold matters.
+  static constexpr double kCloseError = 9e-7, kSideError = 1e-3;
 
   /// A sample from which a point's number follows.
   struct Reference {
@@ -68,19 +74,25 @@ class PointWinding {
     bool isVisible = false;  ///< Whether nothing can lie between it and the point.
   };
 
+  size_t nearestSample(const glm::vec3& p) const;
   Reference findReference(const glm::vec3& p, float distance) const;
   glm::vec3 place(uint32_t sample) const;
   bool isOutside(const glm::vec3& p) const;
   bool isNearRim(const glm::vec3& p) const;
-  bool isSettled(float winding, float distance) const;
-  bool mayCrossExactly(const glm::vec3& p, float distance) const;
+  bool isSettled(double winding, float distance) const;
   void crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
-                 std::span<float> winding);
-  bool crossExactly(const glm::dvec3& p, const glm::vec3& cells, float& winding);
+                 std::span<double> winding);
+  int32_t crossingsFrom(const glm::vec3& from, const glm::vec3& cells, const glm::dvec3& exactFrom,
+                        const glm::dvec3& p);
+  RimShare numberFrom(uint32_t sample, const WindingPoints& points, size_t i);
+  double exactNumber(const WindingPoints& points, size_t i);
+  void settle(const WindingPoints& points, std::span<double> winding);
+  double sideOf(const WindingPoints& points, size_t i, double winding);
 
   WindingSource source_;
   glm::ivec3 dims_;
   float slack_;
+  bool isClose_ = false;  ///< Whether the numbers themselves are asked for.
   /// Offsets of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
   uint32_t offsets_[kCorners];
   std::vector<uint32_t> asked_, faces_;

@@ -6,6 +6,7 @@
 
 #include "cpu/points/rims.h"
 #include "cpu/run_on_cpu.h"
+#include "cpu/sign/sign.h"
 #include "method/stage_times.h"
 
 namespace raymap::cpu {
@@ -22,15 +23,21 @@ int latticeResolution(size_t triangles) {
 /// Farthest distance that the lattice needs to know, in samples. Points are closer to their cell's corners.
 constexpr double kLatticeBand = 3.0;
 
-WindingLattice makeLattice(const Backend& backend, const Grid& grid, Field& samples) {
+/// With more rims, even a close look at the dipoles is faster.
+constexpr size_t kMostRims = 16384;
+
+WindingLattice makeLattice(const Grid& grid, double threshold, Field& samples) {
   WindingLattice lattice;
   lattice.grid = grid;
-  lattice.isNearRim = markRims(backend.cellMesh());
   lattice.distance = std::move(samples.distance);
   const auto scale = static_cast<float>(1.0 / grid.spacing);
   for (float& distance : lattice.distance) distance = std::abs(distance) * scale;
   lattice.winding = std::move(samples.winding);
-  lattice.confidence = std::move(samples.confidence);
+  lattice.agreement = std::move(samples.confidence);
+  for (size_t s = 0; s < lattice.agreement.size(); ++s) {
+    const float margin = marginOf(lattice.winding[s], static_cast<float>(threshold));
+    lattice.agreement[s] = margin > 0.0f ? lattice.agreement[s] / margin : 0.5f;  // Then it is not known.
+  }
   return lattice;
 }
 
@@ -58,6 +65,25 @@ void turnFaces(PreparedSurface& surface) {
   surface.turnedTree.emplace().build(cells);
 }
 
+/// Finds the rims of the faces as the sign takes them, and prepares what tells how they change winding
+/// numbers.
+void prepareRims(PreparedSurface& surface) {
+  const PackedMesh mesh = surface.turnedMesh();
+  const std::vector<RimEdge> edges = findRims(mesh, surface.grid);
+  surface.lattice.isNearRim = markRims(mesh, edges, surface.grid);
+  size_t count = 0;
+  for (const RimEdge& edge : edges) count += edge.times;
+  if (count <= kFewRims)
+    surface.dipoles = {};
+  else if (surface.turnedTree || !surface.dipoles.isPrepared())
+    surface.dipoles.prepare(surface.signTree());
+  if (count > kMostRims) return;
+  std::vector<Rim> rims;
+  for (const RimEdge& edge : edges)
+    rims.insert(rims.end(), edge.times, Rim{mesh.vertices[edge.from], mesh.vertices[edge.to]});
+  surface.rims = WindingRims(rims);
+}
+
 /// Makes a field on the lattice, and keeps what points need of it.
 PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const SurfaceOptions& options,
                               const MachineOptions& machine, size_t meshBytes, Progress& progress,
@@ -76,11 +102,11 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
     surface.grid = grid;
     surface.isSigned = true;
     surface.threshold = options.threshold;
-    surface.lattice = makeLattice(backend, grid, samples);
+    surface.lattice = makeLattice(grid, options.threshold, samples);
     surface.turns = backend.faceSides().turns;
     std::tie(surface.tree, surface.dipoles) = backend.takeTree();
     turnFaces(surface);
-    if (surface.turnedTree || !surface.dipoles.isPrepared()) surface.dipoles.prepare(surface.signTree());
+    prepareRims(surface);
   });
   return surface;
 }
@@ -94,8 +120,8 @@ PackedMesh PreparedSurface::turnedMesh() const {
 
 size_t PreparedSurface::bytes() const {
   return tree.bytes() + (turnedTree ? turnedTree->bytes() : 0) + turns.capacity() +
-         turnedTriangles.capacityBytes() + dipoles.bytes() + lattice.distance.capacityBytes() +
-         lattice.winding.capacityBytes() + lattice.confidence.capacityBytes() +
+         turnedTriangles.capacityBytes() + dipoles.bytes() + rims.bytes() + lattice.distance.capacityBytes() +
+         lattice.winding.capacityBytes() + lattice.agreement.capacityBytes() +
          lattice.isNearRim.capacityBytes();
 }
 

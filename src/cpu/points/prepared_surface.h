@@ -9,6 +9,7 @@
 #include "cpu/distance/surface_tree.h"
 #include "cpu/points/point_winding.h"
 #include "cpu/sign/winding_dipoles.h"
+#include "cpu/sign/winding_rims.h"
 #include "mesh/packed_mesh.h"
 
 namespace raymap::cpu {
@@ -24,7 +25,8 @@ struct PreparedSurface {
   Turns turns;                            ///< How the sign takes each face; empty: all as given.
   Buffer<glm::uvec3> turnedTriangles;     ///< Faces as the sign takes them; empty: as given.
   std::optional<SurfaceTree> turnedTree;  ///< Tree of them; none: `tree` serves.
-  WindingDipoles dipoles;                 ///< Dipoles of the faces as the sign takes them.
+  WindingRims rims;                       ///< Rims of the faces as the sign takes them, unless too many.
+  WindingDipoles dipoles;                 ///< Dipoles of the faces as the sign takes them, of many rims.
   WindingLattice lattice;
   double threshold = 0.5;
 

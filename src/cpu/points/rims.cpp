@@ -39,13 +39,14 @@ struct Edge {
 /// Edges of a mesh. Edge k is that from corner k % 3 of face k / 3.
 class Edges {
  public:
-  explicit Edges(const CellMesh& mesh)
+  Edges(const PackedMesh& mesh, const Grid& grid)
       : mesh_(mesh), hashes_(mesh.vertices.size()), places_(mesh.vertices.size()) {
+    const auto cells = static_cast<float>(1.0 / grid.spacing);
     parallelFor(mesh.vertices.size(), kFacesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
         constexpr float kRound = 1.5f * (1 << 23);  // The sum has no fraction.
         hashes_[v] = mixedHashOf(mesh.vertices[v]);
-        places_[v] = static_cast<uint32_t>(mixedHashOf(mesh.vertices[v] + kRound));
+        places_[v] = static_cast<uint32_t>(mixedHashOf(mesh.vertices[v] * cells + kRound));
       }
     });
   }
@@ -63,7 +64,7 @@ class Edges {
   }
 
  private:
-  const CellMesh& mesh_;
+  const PackedMesh& mesh_;
   Buffer<uint64_t> hashes_;  // of the vertices' positions
   Buffer<uint32_t> places_;  // hashes of their cells
 };
@@ -103,9 +104,8 @@ void addEdges(const Edges& edges, EdgeSums& sums) {
   });
 }
 
-/// Calls `visit` with the ends of each rim. Counts again the edges whose sums are not 0, each by itself.
-template <class Visit>
-void forEachRim(const Edges& edges, EdgeSums& sums, Visit&& visit) {
+/// Counts the edges whose sums are not 0 again, each by itself.
+std::vector<RimEdge> countEdges(const Edges& edges, EdgeSums& sums) {
   const std::vector<uint32_t> candidates =
       parallelSelect(edges.count(), [&](uint32_t k) { return sums.mayBeRim(edges[k]); });
   Buffer<SortKey> keys;
@@ -116,12 +116,16 @@ void forEachRim(const Edges& edges, EdgeSums& sums, Visit&& visit) {
     }
   };
   sortKeys(candidates.size(), make, keys);
+  std::vector<RimEdge> rims;
   for (size_t first = 0, next = 0; first < keys.size(); first = next) {
-    int64_t sum = 0;
+    int64_t sum = 0;  // The other direction counts negative.
     for (; next < keys.size() && keys[next].high == keys[first].high; ++next)
-      sum += (keys[next].low & 1) != 0 ? 1 : -1;
-    if (sum != 0) visit(edges.ends(keys[first].low >> 1));
+      sum += ((keys[next].low ^ keys[first].low) & 1) == 0 ? 1 : -1;
+    const auto [from, to] = edges.ends(keys[first].low >> 1);
+    if (sum > 0) rims.push_back({from, to, uint32_t(sum)});
+    if (sum < 0) rims.push_back({to, from, uint32_t(-sum)});
   }
+  return rims;
 }
 
 /// Marks the cells along an edge. Each point of the edge is less than half a cell from a marked one.
@@ -153,19 +157,24 @@ void widen(const glm::ivec3& dims, int axis, const Buffer<uint8_t>& from, Buffer
 
 }  // namespace
 
-Buffer<uint8_t> markRims(const CellMesh& mesh) {
-  const Edges edges(mesh);
+std::vector<RimEdge> findRims(const PackedMesh& mesh, const Grid& grid) {
+  const Edges edges(mesh, grid);
   EdgeSums sums(mesh.triangles.size());
   addEdges(edges, sums);
-  if (!sums.hasRims()) return {};
-  Buffer<uint8_t> marks(size_t(mesh.dims.x) * mesh.dims.y * mesh.dims.z);
+  return sums.hasRims() ? countEdges(edges, sums) : std::vector<RimEdge>();
+}
+
+Buffer<uint8_t> markRims(const PackedMesh& mesh, const std::vector<RimEdge>& rims, const Grid& grid) {
+  if (rims.empty()) return {};
+  Buffer<uint8_t> marks(grid.sampleCount());
   std::fill(marks.begin(), marks.end(), uint8_t{0});
-  forEachRim(edges, sums, [&](const std::pair<uint32_t, uint32_t>& ends) {
-    markEdge(mesh.vertices[ends.first], mesh.vertices[ends.second], mesh.dims, marks);
-  });
+  const auto inCells = [&](uint32_t vertex) {
+    return glm::vec3((mesh.position(vertex) - grid.origin) / grid.spacing);
+  };
+  for (const RimEdge& rim : rims) markEdge(inCells(rim.from), inCells(rim.to), grid.dims, marks);
   Buffer<uint8_t> wider(marks.size());
   for (int axis = 0; axis < 3; ++axis) {
-    widen(mesh.dims, axis, marks, wider);
+    widen(grid.dims, axis, marks, wider);
     marks.swap(wider);
   }
   return marks;

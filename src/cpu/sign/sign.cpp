@@ -12,19 +12,22 @@ namespace raymap::cpu {
 namespace {
 
 void rateRow(const RayRow& row, size_t count, float threshold, const float* winding, float* confidence) {
-  const float below = 1.0f / threshold;
-  const float above = threshold < 1.0f ? 1.0f / (1.0f - threshold) : below;
   for (size_t i = 0; i < count; ++i) {
-    const float w = std::abs(winding[i]);
-    const bool inside = w > threshold;
+    const bool inside = std::abs(winding[i]) > threshold;
     const auto agrees = [&](int32_t ray) { return (std::abs(float(ray)) > threshold) == inside ? 1 : 0; };
     const int votes = agrees(row.x[i]) + agrees(row.x[i] - row.totalX) + agrees(row.y[i]) +
                       agrees(row.y[i] - row.totalY[i]) + agrees(row.z[i]) + agrees(row.z[i] - row.totalZ[i]);
-    const float margin = std::min((inside ? w - threshold : threshold - w) * (inside ? above : below), 1.0f);
-    confidence[i] = margin * (6.0f + float(votes)) / 12.0f;
+    confidence[i] = marginOf(winding[i], threshold) * (6.0f + float(votes)) / 12.0f;
   }
 }
+
 }  // namespace
+
+float marginOf(float winding, float threshold) {
+  const float w = std::abs(winding), below = 1.0f / threshold;
+  const float above = threshold < 1.0f ? 1.0f / (1.0f - threshold) : below;
+  return std::min(w > threshold ? (w - threshold) * above : (threshold - w) * below, 1.0f);
+}
 
 void applySign(const Buffer<float>& winding, double threshold, bool invert, Buffer<float>& distance) {
   const auto limit = static_cast<float>(threshold);

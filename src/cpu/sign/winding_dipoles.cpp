@@ -228,10 +228,10 @@ void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::
   for (size_t p = 0; p < points.size(); ++p) winding[p] = solidAngles.windingNumber(points[p], kDistant[2]);
 }
 
-/// Looks ever closer, from `look` on, while the number is close to the threshold.
-float settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, uint32_t look) {
+/// Looks ever closer while the number is close to the threshold.
+float settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, WindingDipoles::Looks looks) {
   float winding = 0.0f;
-  for (; look < kLooks; ++look) {
+  for (uint32_t look = looks.first; look < looks.end; ++look) {
     winding = solidAngles.windingNumber(p, kDistant[look]);
     if (std::abs(std::abs(winding) - threshold) >= kClose[look]) break;
   }
@@ -243,14 +243,14 @@ void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& 
   SolidAngles solidAngles(tree, moments);
   const glm::uvec3 d(dims);
   for (const uint32_t s : samples)
-    winding[s] = settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, 0);
+    winding[s] =
+        settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, {0, kLooks});
 }
 
 void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
-                  float threshold, uint32_t firstLook, float* winding) {
+                  float threshold, WindingDipoles::Looks looks, float* winding) {
   SolidAngles solidAngles(tree, moments);
-  for (size_t p = 0; p < points.size(); ++p)
-    winding[p] = settle(solidAngles, points[p], threshold, firstLook);
+  for (size_t p = 0; p < points.size(); ++p) winding[p] = settle(solidAngles, points[p], threshold, looks);
 }
 
 }  // namespace
@@ -300,9 +300,9 @@ void WindingDipoles::prepare(const SurfaceTree& tree) {
 }
 
 void WindingDipoles::settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
-                              uint32_t firstLook, std::span<float> winding) const {
+                              Looks looks, std::span<float> winding) const {
   HWY_DYNAMIC_DISPATCH(settlePoints)
-  (tree, moments_.data(), points, static_cast<float>(threshold), firstLook, winding.data());
+  (tree, moments_.data(), points, static_cast<float>(threshold), looks, winding.data());
 }
 
 std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,

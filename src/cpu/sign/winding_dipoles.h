@@ -29,10 +29,14 @@ class WindingDipoles {
 
   /// Builds the moments of a tree, for `settleAt`.
   void prepare(const SurfaceTree& tree);
-  /// Computes the winding numbers at points in cell units, with looks from the `firstLook`th on as long as
-  /// the number is close to the threshold (`winding_dipoles_shared.h`). Needs `prepare` with the same tree.
-  void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold,
-                uint32_t firstLook, std::span<float> winding) const;
+  /// Looks from `first` up to `end`, of those in `winding_dipoles_shared.h`.
+  struct Looks {
+    uint32_t first, end;
+  };
+  /// Computes the winding numbers at points in cell units, with ever closer looks as long as the number is
+  /// close to the threshold. Needs `prepare` with the same tree.
+  void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold, Looks looks,
+                std::span<float> winding) const;
 
   /// Returns whether the moments of a tree are built.
   bool isPrepared() const { return !moments_.empty(); }

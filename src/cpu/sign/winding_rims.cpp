@@ -1,0 +1,259 @@
+// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, only
+// sample.
+//
+// A surface and the strips from its rims to infinity, opposite to the ray, close each other. The ray does not
+// meet the strips. So the closed surface's number is the ray's crossings, and the strips' share is left to
+// subtract: the solid angles of triangles whose third corner lies at infinity (Van Oosterom & Strackee 1983).
+//
+// Half a solid angle is the argument of a complex number. The sum of them is that of the product, and the
+// turns that it has made.
+
+#include "cpu/sign/winding_rims.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cpu/sign/winding_rims.cpp"
+#include <hwy/foreach_target.h>
+// Must come after foreach_target.h.
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <unordered_map>
+#include <vector>
+
+#include "mesh/position_bits.h"
+
+#ifndef RAYMAP_WINDING_RIMS_ONCE
+#define RAYMAP_WINDING_RIMS_ONCE
+namespace raymap::cpu {
+inline constexpr size_t kMostLanes = 16;
+inline constexpr double kMostClearance = RimShare().clearance;
+/// Shorter numbers count as 1, so that no product leaves the range of its type.
+template <class T>
+inline constexpr double kShortest = sizeof(T) == sizeof(double) ? 1e-14 : 1e-2;
+}  // namespace raymap::cpu
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace raymap::cpu::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A product of complex numbers by lane, each of a length near 1, and how often it has passed the negative
+/// axis.
+template <class D>
+struct Product {
+  hn::Vec<D> re, im, turns;
+
+  HWY_INLINE void multiply(hn::Vec<D> x, hn::Vec<D> y) {
+    const D d;
+    const hn::Vec<D> zero = hn::Zero(d), one = hn::Set(d, 1);
+    const hn::Vec<D> newRe = hn::MulSub(re, x, hn::Mul(im, y)), newIm = hn::MulAdd(re, y, hn::Mul(im, x));
+    // Two arguments of the same sign pass it if the sum's sign differs.
+    const auto up = hn::And(hn::And(hn::Ge(im, zero), hn::Gt(y, zero)), hn::Lt(newIm, zero));
+    const auto down = hn::And(hn::And(hn::Lt(im, zero), hn::Lt(y, zero)), hn::Ge(newIm, zero));
+    turns = hn::Sub(hn::Add(turns, hn::IfThenElseZero(up, one)), hn::IfThenElseZero(down, one));
+    re = newRe;
+    im = newIm;
+  }
+
+  HWY_INLINE void normalise() {
+    const hn::Vec<D> factor = hn::Div(hn::Set(D(), 1), hn::Add(hn::Abs(re), hn::Abs(im)));
+    re = hn::Mul(re, factor);
+    im = hn::Mul(im, factor);
+  }
+};
+
+HWY_INLINE auto load(hn::CappedTag<float, kMostLanes> d, const float* values) {
+  return hn::LoadU(d, values);
+}
+
+HWY_INLINE auto load(hn::CappedTag<double, kMostLanes> d, const float* values) {
+  return hn::PromoteTo(d, hn::LoadU(hn::Rebind<float, decltype(d)>(), values));
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> reciprocalRoot(D d, hn::Vec<D> v) {
+  const hn::Vec<D> one = hn::Set(d, 1);
+  if constexpr (sizeof(hn::TFromD<D>) == sizeof(double)) {
+    return hn::Div(one, hn::Sqrt(v));
+  } else {  // One step of Newton's method.
+    const hn::Vec<D> guess = hn::ApproximateReciprocalSqrt(v), half = hn::Set(d, 0.5f);
+    const hn::Vec<D> error = hn::NegMulAdd(hn::Mul(v, guess), guess, one);
+    return hn::MulAdd(hn::Mul(guess, half), error, guess);
+  }
+}
+
+/// Unit vectors from a point to vertices of a path.
+template <class T>
+struct UnitVectors {
+  static constexpr size_t kMost = 256;  // They stay in the cache. One more ends the last rim.
+  alignas(64) T x[kMost + kMostLanes], y[kMost + kMostLanes], z[kMost + kMostLanes];
+  alignas(64) T along[kMost + kMostLanes];  ///< Towards the corner at infinity.
+};
+
+template <class T>
+RimShare sumRims(const RimPaths& paths, const glm::dvec3& p, const glm::dvec3& direction) {
+  const hn::CappedTag<T, kMostLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const size_t lanes = hn::Lanes(d), count = paths.isStart.size() - kMostLanes;
+  const auto set = [&](double v) { return hn::Set(d, static_cast<T>(v)); };
+  const auto dot = [](V ax, V ay, V az, V bx, V by, V bz) {
+    return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
+  };
+  // A point in two parts, as its distances to near vertices must be exact.
+  const V px = set(p.x), py = set(p.y), pz = set(p.z);
+  const V restX = set(p.x - T(p.x)), restY = set(p.y - T(p.y)), restZ = set(p.z - T(p.z));
+  // The corner at infinity lies opposite to the ray.
+  const V ux = set(-direction.x), uy = set(-direction.y), uz = set(-direction.z);
+  const V one = set(1.0), tiny = hn::Set(d, std::numeric_limits<T>::min());
+  constexpr size_t kBetween = 16;  // Of as many factors, none leaves the range.
+  Product<decltype(d)> product{one, hn::Zero(d), hn::Zero(d)};
+  V clearance = set(kMostClearance);
+  UnitVectors<T> units;
+  for (size_t begin = 0; begin < count; begin += UnitVectors<T>::kMost) {
+    const size_t end = std::min(begin + UnitVectors<T>::kMost, count);
+    for (size_t i = begin; i < end + lanes; i += lanes) {
+      const V x = hn::Sub(hn::Sub(load(d, &paths.vertices[0][i]), px), restX);
+      const V y = hn::Sub(hn::Sub(load(d, &paths.vertices[1][i]), py), restY);
+      const V z = hn::Sub(hn::Sub(load(d, &paths.vertices[2][i]), pz), restZ);
+      const V factor = reciprocalRoot(d, hn::Max(dot(x, y, z, x, y, z), tiny));
+      hn::StoreU(hn::Mul(x, factor), d, units.x + (i - begin));
+      hn::StoreU(hn::Mul(y, factor), d, units.y + (i - begin));
+      hn::StoreU(hn::Mul(z, factor), d, units.z + (i - begin));
+      hn::StoreU(hn::Mul(dot(x, y, z, ux, uy, uz), factor), d, units.along + (i - begin));
+    }
+    size_t untilNormal = kBetween;
+    for (size_t i = 0; i < end - begin; i += lanes) {
+      const V ax = hn::LoadU(d, units.x + i), ay = hn::LoadU(d, units.y + i), az = hn::LoadU(d, units.z + i);
+      const V bx = hn::LoadU(d, units.x + i + 1), by = hn::LoadU(d, units.y + i + 1),
+              bz = hn::LoadU(d, units.z + i + 1);
+      const V along = hn::Add(hn::LoadU(d, units.along + i), hn::LoadU(d, units.along + i + 1));
+      const V nx = hn::MulSub(ay, bz, hn::Mul(az, by)), ny = hn::MulSub(az, bx, hn::Mul(ax, bz)),
+              nz = hn::MulSub(ax, by, hn::Mul(ay, bx));
+      const V x = hn::Add(hn::Add(one, dot(ax, ay, az, bx, by, bz)), along), y = dot(nx, ny, nz, ux, uy, uz);
+      const auto isRim = hn::Ne(load(d, &paths.isStart[begin + i]), hn::Zero(d));
+      // Where the ray meets a rim, the number is 0 or negative.
+      const V clear = hn::Max(x, hn::Abs(y));
+      clearance = hn::Min(clearance, hn::IfThenElse(isRim, clear, clearance));
+      const auto isSure = hn::And(isRim, hn::Gt(hn::Max(hn::Abs(x), hn::Abs(y)), set(kShortest<T>)));
+      product.multiply(hn::IfThenElse(isSure, x, one), hn::IfThenElseZero(isSure, y));
+      if (--untilNormal == 0) {
+        product.normalise();
+        untilNormal = kBetween;
+      }
+    }
+    product.normalise();
+  }
+  T re[kMostLanes], im[kMostLanes], turns[kMostLanes], least[kMostLanes];
+  hn::StoreU(product.re, d, re);
+  hn::StoreU(product.im, d, im);
+  hn::StoreU(product.turns, d, turns);
+  hn::StoreU(clearance, d, least);
+  std::complex<double> whole(1.0);
+  double sum = 0.0;
+  for (size_t lane = 0; lane < lanes; ++lane) {
+    const std::complex<double> next = whole * std::complex<double>(re[lane], im[lane]);
+    sum += double(turns[lane]);
+    if ((whole.imag() < 0.0) == (im[lane] < 0) && (next.imag() < 0.0) != (im[lane] < 0) && im[lane] != 0)
+      sum += im[lane] < 0 ? -1.0 : 1.0;
+    whole = next;
+  }
+  sum += std::atan2(whole.imag() + 0.0, whole.real()) / (2.0 * std::numbers::pi);  // -0 becomes +0.
+  return {sum, double(*std::min_element(least, least + lanes))};
+}
+
+RimShare sumFloats(const RimPaths& paths, const glm::dvec3& p, const glm::dvec3& direction) {
+  return sumRims<float>(paths, p, direction);
+}
+
+RimShare sumDoubles(const RimPaths& paths, const glm::dvec3& p, const glm::dvec3& direction) {
+  return sumRims<double>(paths, p, direction);
+}
+
+}  // namespace
+}  // namespace raymap::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raymap::cpu {
+
+namespace {
+
+HWY_EXPORT(sumFloats);
+HWY_EXPORT(sumDoubles);
+
+/// Returns a bound on the error in single precision.
+double floatError(size_t rims, double clearance) {
+  return 1e-7 + 1e-8 * std::sqrt(double(rims)) + 5e-8 / clearance;
+}
+
+/// Vertices of paths, and whether a rim begins at each.
+struct Path {
+  std::vector<glm::vec3> vertices;
+  std::vector<bool> isStart;
+};
+
+/// Joins rims that begin where another one ends.
+Path joinRims(std::span<const Rim> rims) {
+  std::unordered_multimap<uint64_t, size_t> startingAt;
+  for (size_t i = rims.size(); i-- > 0;) startingAt.emplace(hashOf(rims[i].from), i);
+  std::vector<bool> isTaken(rims.size(), false);
+  const auto next = [&](const glm::vec3& p) {
+    size_t found = rims.size();
+    const auto [begin, end] = startingAt.equal_range(hashOf(p));
+    for (auto each = begin; each != end; ++each)
+      if (!isTaken[each->second] && rims[each->second].from == p) found = std::min(found, each->second);
+    return found;
+  };
+  Path path;
+  for (size_t first = 0; first < rims.size(); ++first) {
+    if (isTaken[first]) continue;
+    glm::vec3 end;
+    for (size_t i = first; i < rims.size(); i = next(end)) {
+      isTaken[i] = true;
+      path.vertices.push_back(rims[i].from);
+      path.isStart.push_back(true);
+      end = rims[i].to;
+    }
+    path.vertices.push_back(end);
+    path.isStart.push_back(false);
+  }
+  return path;
+}
+
+}  // namespace
+
+WindingRims::WindingRims(std::span<const Rim> rims) : count_(rims.size()) {
+  if (rims.empty()) return;
+  const Path path = joinRims(rims);
+  float largest = std::numeric_limits<float>::min();
+  for (const glm::vec3& v : path.vertices)
+    for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(v[axis]));
+  scale_ = std::ldexp(1.0, -std::ilogb(largest));
+  const size_t count = path.vertices.size(), filled = (count / kMostLanes + 2) * kMostLanes;
+  paths_.isStart.resizeUninitialized(filled);
+  for (Buffer<float>& axis : paths_.vertices) axis.resizeUninitialized(filled);
+  for (size_t i = 0; i < filled; ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      paths_.vertices[axis][i] = float(scale_ * double(path.vertices[std::min(i, count - 1)][axis]));
+    paths_.isStart[i] = i < count && path.isStart[i] ? 1.0f : 0.0f;
+  }
+}
+
+RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, double allowed) const {
+  if (count_ == 0) return {};
+  if (allowed > 0.0) {
+    const RimShare share = HWY_DYNAMIC_DISPATCH(sumFloats)(paths_, scale_ * point, direction);
+    if (share.clearance > kShortest<float> && floatError(count_, share.clearance) < allowed) return share;
+  }
+  return HWY_DYNAMIC_DISPATCH(sumDoubles)(paths_, scale_ * point, direction);
+}
+
+}  // namespace raymap::cpu
+#endif

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <raymap/buffer.h>
+
+#include <array>
+#include <glm/glm.hpp>
+#include <span>
+
+namespace raymap::cpu {
+
+/// An edge that the faces pass once more often from `from` to `to` than back.
+struct Rim {
+  glm::vec3 from, to;
+};
+
+/// What the rims of a surface add to the crossings along a ray.
+struct RimShare {
+  double winding = 0.0;
+  /// How far the ray passes the rims by, as an angle, about: 0 if it meets one. The error of `winding` is
+  /// some 1e-16 divided by this, unless a larger one was allowed.
+  double clearance = 4.0;
+};
+
+/// Rims one after the other: each vertex is the end of the rim before it and the start of the next.
+struct RimPaths {
+  std::array<Buffer<float>, 3> vertices;
+  Buffer<float> isStart;  ///< By vertex: 1 if a rim begins there, 0 if a path ends.
+};
+
+/// Exact winding numbers from one ray and the rims: Martens, Trettner & Bessmeltsev 2026, "The Antipodal
+/// Method: Fast, Accurate, and Robust 3D Generalized Winding Numbers".
+class WindingRims {
+ public:
+  WindingRims() = default;
+  explicit WindingRims(std::span<const Rim> rims);
+
+  /// Returns what the rims add at a point: the winding number there is the crossings of the ray along the
+  /// unit vector `direction`, +1 where it leaves through a face's front and -1 through a back, and this. The
+  /// point must be closer than 1e10 times the size of the rims. An error of up to `allowed` costs less.
+  RimShare at(const glm::dvec3& point, const glm::dvec3& direction, double allowed = 0.0) const;
+
+  size_t count() const { return count_; }
+  size_t bytes() const { return 4 * paths_.isStart.capacityBytes(); }
+
+ private:
+  size_t count_ = 0;
+  double scale_ = 1.0;  ///< Of the paths, so that no product leaves the range of numbers.
+  RimPaths paths_;
+};
+
+}  // namespace raymap::cpu
