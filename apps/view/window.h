@@ -45,6 +45,7 @@ class Window {
   void copy(const std::string& text);
   std::string paste() const;
 
+  /// What the mouse did.
   struct Mouse {
     enum class Kind { Press, Release, Move, Wheel };
     Kind kind;
@@ -59,8 +60,8 @@ class Window {
     bool hasControl;
   };
   using Event = std::variant<Key, Mouse>;
-  /// Returns what keys and mouse did since the last call, in its order. Nothing is lost however long a frame
-  /// takes.
+  /// Returns what happened to keys and mouse since the last call, first things first. Nothing is lost however
+  /// long a frame takes.
   std::vector<Event> takeEvents() { return std::exchange(events_, {}); }
   /// Returns the files that were dropped on it since the last call.
   std::vector<std::filesystem::path> takeDropped() { return std::exchange(dropped_, {}); }

@@ -568,7 +568,7 @@ class ViewTest(unittest.TestCase):
             window.until(lambda: recorded.exists() and recorded.stat().st_size >= 3 * width * height * frames)
             return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
 
-        # What is kept of each frame makes every part grow. Memory that threads reserve makes some of them grow.
+        # What is kept of each frame makes every part grow. Threads reserve memory in some parts only.
         parts = np.diff([memory(frames) for frames in range(250, 2251, 500)])
         self.assertLess(parts.min(), 1024, parts)  # 2 kB a frame; its picture alone has 9
         self.close()

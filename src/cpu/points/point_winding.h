@@ -18,7 +18,7 @@ struct WindingLattice {
   Grid grid;
   Buffer<float> distance;   ///< Unsigned distance to the surface, in cells.
   Buffer<float> winding;    ///< Winding number.
-  Buffer<float> agreement;  ///< What the confidence is a product of, with `marginOf(winding)`.
+  Buffer<float> agreement;  ///< Confidence in the sign, divided by `marginOf(winding)`.
   /// Whether a rim of the surface is near the cube between a sample and the next ones (`markRims`). Empty if
   /// there are no rims: then all winding numbers are whole.
   Buffer<uint8_t> isNearRim;

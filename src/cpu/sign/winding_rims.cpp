@@ -17,7 +17,6 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -138,7 +137,7 @@ RimShare sumRims(const RimPaths& paths, const glm::dvec3& p, const glm::dvec3& d
               nz = hn::MulSub(ax, by, hn::Mul(ay, bx));
       const V x = hn::Add(hn::Add(one, dot(ax, ay, az, bx, by, bz)), along), y = dot(nx, ny, nz, ux, uy, uz);
       const auto isRim = hn::Ne(load(d, &paths.isStart[begin + i]), hn::Zero(d));
-      // Where the ray meets a rim, the number is 0 or negative.
+      // Where the ray meets a rim, the complex number is 0, or real and negative.
       const V clear = hn::Max(x, hn::Abs(y));
       clearance = hn::Min(clearance, hn::IfThenElse(isRim, clear, clearance));
       const auto isSure = hn::And(isRim, hn::Gt(hn::Max(hn::Abs(x), hn::Abs(y)), set(kShortest<T>)));

@@ -44,7 +44,7 @@ class WindingRims {
 
  private:
   size_t count_ = 0;
-  double scale_ = 1.0;  ///< Of the paths, so that no product leaves the range of numbers.
+  double scale_ = 1.0;  ///< Factor of all positions, so that no square leaves the range of floats.
   RimPaths paths_;
 };
 
