@@ -16,6 +16,7 @@
 #include "cpu/sign/crossings_lines.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
+#include "cpu/sign/winding_rims_samples.h"
 #include "method/orientation_surface.h"
 
 namespace raymap::cpu {
@@ -167,7 +168,13 @@ void Backend::rayMap() {
 
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
-  doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), ask, progress(), windingBuffer());
+  const auto rims = [this] {
+    rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid);
+    return rims_ ? &*rims_ : nullptr;
+  };
+  rims_.reset();
+  doubtfulShare_ =
+      windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
@@ -232,6 +239,10 @@ void Backend::measureSides(float farSides, Buffer<float>* wholeness) {
 
 void Backend::windingDipoles() {
   if (doubtfulShare() == 0.0) return;
+  if (rims_) {
+    settleByRims(rayMap_, *rims_, job_->field.distance, options().threshold, progress(), windingBuffer());
+    return;
+  }
   windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
                          job_->field.distance, options().threshold, progress(), windingBuffer());
 }

@@ -11,7 +11,7 @@
 
 #include "any_threads.h"
 #include "broken_meshes.h"
-#include "cpu/points/rims.h"
+#include "mesh/rim_edges.h"
 #include "error_code.h"
 #include "random_points.h"
 #include "reference.h"
@@ -214,7 +214,7 @@ TEST(Surface, RatesItsSignsByTheExactWindingNumber) {
 TEST(Surface, KnowsTheWindingNumberAlongRims) {
   const Mesh mesh = withHoles(shapes::sphere(1.0, 3), 5, 0.08, 2);
   std::vector<glm::dvec3> points;
-  for (const cpu::RimEdge& rim : cpu::findRims(mesh, fitGrid(mesh, {.resolution = 64}))) {
+  for (const RimEdge& rim : findRimEdges(mesh, fitGrid(mesh, {.resolution = 64}).spacing)) {
     const glm::dvec3 a = mesh.position(rim.from), b = mesh.position(rim.to);
     for (const double away : {1e-2, 1e-4, 1e-6})
       for (const double t : {0.0, 0.25, 0.5, 1.0}) points.push_back((1.0 + away) * (a + t * (b - a)));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "broken_meshes.h"
-#include "cpu/points/rims.h"
+#include "mesh/rim_edges.h"
 #include "predicates/segment_triangle.h"
 #include "random_points.h"
 #include "reference.h"
@@ -20,9 +20,9 @@ using namespace cpu;
 namespace {
 
 WindingRims rimsOf(const Mesh& mesh) {
-  std::vector<Rim> rims;
-  for (const RimEdge& edge : findRims(mesh, fitGrid(mesh, {.resolution = 30})))
-    rims.insert(rims.end(), edge.times, Rim{mesh.vertices[edge.from], mesh.vertices[edge.to]});
+  std::vector<RimLine> rims;
+  for (const RimEdge& edge : findRimEdges(mesh, fitGrid(mesh, {.resolution = 30}).spacing))
+    rims.insert(rims.end(), edge.times, RimLine{mesh.vertices[edge.from], mesh.vertices[edge.to]});
   return WindingRims(rims);
 }
 
@@ -82,7 +82,7 @@ TEST(WindingRims, AreNothingOnClosedMeshes) {
 }
 
 TEST(WindingRims, SayHowFarTheRayPassesThem) {
-  const std::vector<Rim> rims{{{2, -1, 0}, {2, 1, 0}}};
+  const std::vector<RimLine> rims{{{2, -1, 0}, {2, 1, 0}}};
   const WindingRims one(rims);
   EXPECT_EQ(one.at({0, 0, 0}, {1, 0, 0}).clearance, 0.0);
   EXPECT_LT(one.at({0, 0, 1e-9}, {1, 0, 0}).clearance, 1e-8);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "cpu/points/rims.h"
+#include "cpu/points/mark_rims.h"
 #include "cpu/run_on_cpu.h"
 #include "cpu/sign/sign.h"
 #include "method/stage_times.h"
@@ -41,15 +41,6 @@ WindingLattice makeLattice(const Grid& grid, double threshold, Field& samples) {
   return lattice;
 }
 
-/// Returns faces as the sign takes them. `turns` is empty if it takes all as given.
-Buffer<glm::uvec3> turnedTriangles(std::span<const glm::uvec3> given, const Turns& turns) {
-  Buffer<glm::uvec3> triangles;
-  triangles.resizeUninitialized(given.size());
-  for (size_t f = 0; f < given.size(); ++f)
-    triangles[f] = turned(given[f], turns.empty() ? kAsGiven : turns[f]);
-  return triangles;
-}
-
 /// Builds a tree of the faces as the sign takes them, if that differs from the other tree.
 void turnFaces(PreparedSurface& surface) {
   const Turns& turns = surface.turns;
@@ -69,7 +60,7 @@ void turnFaces(PreparedSurface& surface) {
 /// numbers.
 void prepareRims(PreparedSurface& surface) {
   const PackedMesh mesh = surface.turnedMesh();
-  const std::vector<RimEdge> edges = findRims(mesh, surface.grid);
+  const std::vector<RimEdge> edges = findRimEdges(mesh, surface.grid.spacing);
   surface.lattice.isNearRim = markRims(mesh, edges, surface.grid);
   size_t count = 0;
   for (const RimEdge& edge : edges) count += edge.times;
@@ -78,9 +69,9 @@ void prepareRims(PreparedSurface& surface) {
   else if (surface.turnedTree || !surface.dipoles.isPrepared())
     surface.dipoles.prepare(surface.signTree());
   if (count > kMostRims) return;
-  std::vector<Rim> rims;
+  std::vector<RimLine> rims;
   for (const RimEdge& edge : edges)
-    rims.insert(rims.end(), edge.times, Rim{mesh.vertices[edge.from], mesh.vertices[edge.to]});
+    rims.insert(rims.end(), edge.times, RimLine{mesh.vertices[edge.from], mesh.vertices[edge.to]});
   surface.rims = WindingRims(rims);
 }
 

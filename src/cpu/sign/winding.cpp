@@ -7,6 +7,7 @@
 #include "cpu/sign/winding_harmonic.h"
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
+#include "cpu/sign/winding_rims_samples.h"
 #include "method/winding_paths_offsets.h"
 
 namespace raymap::cpu {
@@ -45,20 +46,24 @@ size_t Winding::bytes() const {
 }
 
 double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& options,
-                        FunctionView<size_t> ask, Progress& progress, Buffer<float>& winding) {
+                        const Source& source, Progress& progress, Buffer<float>& winding) {
   const double rays = shareOfRays(mode, options);
   const RaySweep sweep(map);
   const size_t doubtful = mode == SignMode::Ray ? takeOneRay(sweep, progress, rays, winding)
                                                 : averageRays(sweep, progress, rays, winding);
   // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
-    ask(impl_->bytesToAllocate(sweep, mode));
+    source.ask(impl_->bytesToAllocate(sweep, mode));
     if (mode == SignMode::Paths)
       averagePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Evolution)
       evolvePaths(sweep, options, progress, rays, impl_->paths, winding);
-    else if (mode == SignMode::Harmonic)
-      solveHarmonic(map, progress, rays, impl_->harmonic, winding);
+    else if (mode == SignMode::Harmonic) {
+      if (const RimLattices* rims = source.rims())
+        computeFromRims(map, *rims, progress, rays, impl_->harmonic, winding);
+      else
+        solveHarmonic(map, progress, rays, impl_->harmonic, winding);
+    }
   }
   return double(doubtful) / double(sweep.sampleCount());
 }

@@ -2,9 +2,12 @@
 
 #include <raymap/options.h>
 
-#include "base/parallel.h"
+#include <functional>
+#include <memory>
+
 #include "base/progress.h"
 #include "cpu/sign/ray_map.h"
+#include "method/winding_rims_lattices.h"
 
 namespace raymap::cpu {
 
@@ -14,10 +17,16 @@ class Winding {
  public:
   Winding();
   ~Winding();
-  /// Computes the winding number, with the passes and offsets of `options`. If rays disagree, first calls
-  /// `ask` with the bytes to allocate, which throws if there are not so many. Returns the share of samples
+  /// What `compute` asks for if rays disagree.
+  struct Source {
+    /// Throws if there are not so many bytes to allocate.
+    std::function<void(size_t)> ask;
+    /// Returns the rims for `SignMode::Harmonic`, or null to fit the field to all crossings.
+    std::function<const RimLattices*()> rims;
+  };
+  /// Computes the winding number, with the passes and offsets of `options`. Returns the share of samples
   /// whose six rays disagree.
-  double compute(const RayMap& map, SignMode mode, const FieldOptions& options, FunctionView<size_t> ask,
+  double compute(const RayMap& map, SignMode mode, const FieldOptions& options, const Source& source,
                  Progress& progress, Buffer<float>& winding);
   size_t bytes() const;
 

@@ -199,7 +199,7 @@ struct Path {
 };
 
 /// Joins rims that begin where another one ends.
-Path joinRims(std::span<const Rim> rims) {
+Path joinRims(std::span<const RimLine> rims) {
   std::unordered_multimap<uint64_t, size_t> startingAt;
   for (size_t i = rims.size(); i-- > 0;) startingAt.emplace(hashOf(rims[i].from), i);
   std::vector<bool> isTaken(rims.size(), false);
@@ -228,7 +228,7 @@ Path joinRims(std::span<const Rim> rims) {
 
 }  // namespace
 
-WindingRims::WindingRims(std::span<const Rim> rims) : count_(rims.size()) {
+WindingRims::WindingRims(std::span<const RimLine> rims) : count_(rims.size()) {
   if (rims.empty()) return;
   const Path path = joinRims(rims);
   float largest = std::numeric_limits<float>::min();

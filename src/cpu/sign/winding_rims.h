@@ -6,12 +6,9 @@
 #include <glm/glm.hpp>
 #include <span>
 
-namespace raymap::cpu {
+#include "mesh/rim_edges.h"
 
-/// An edge that the faces pass once more often from `from` to `to` than back.
-struct Rim {
-  glm::vec3 from, to;
-};
+namespace raymap::cpu {
 
 /// What the rims of a surface add to the crossings along a ray.
 struct RimShare {
@@ -32,7 +29,7 @@ struct RimPaths {
 class WindingRims {
  public:
   WindingRims() = default;
-  explicit WindingRims(std::span<const Rim> rims);
+  explicit WindingRims(std::span<const RimLine> rims);
 
   /// Returns what the rims add at a point: the winding number there is the crossings of the ray along the
   /// unit vector `direction`, +1 where it leaves through a face's front and -1 through a back, and this. The

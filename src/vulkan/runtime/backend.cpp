@@ -56,6 +56,7 @@ void Backend::take(const Job& job) {
 void Backend::begin() {
   const auto& [mesh, grid, options, progress, field, machine] = *job_;
   doubtfulShare_.reset();
+  doubleSided_.reset();
   turns_.clear();
   faceSides_ = {};
   patch_.clear();
@@ -78,7 +79,8 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .sign = options.sign,
                 .hasWinding = options.winding,
                 .turnsFaces = mayTurnFaces(options),
-                .closesHoles = options.closeHoles};
+                .closesHoles = options.closeHoles,
+                .findsRims = options.sign == SignMode::Harmonic};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -161,13 +163,35 @@ double Backend::doubtfulShare() {
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
-  DoubleSidedFaces faces;
-  const auto search = [&] { faces = findDoubleSidedFaces(mesh()); };
-  if (doubtfulShare_)
-    search();
+  if (!doubtfulShare_) countDoubtful([this] { searchDoubleSided(); });
+  searchDoubleSided();
+  return *doubleSided_;
+}
+
+void Backend::searchDoubleSided() {
+  if (!doubleSided_) doubleSided_ = findDoubleSidedFaces(mesh());
+}
+
+void Backend::winding(SignMode mode) {
+  rims_.reset();
+  recordRays(mode);
+  if (mode == SignMode::Harmonic) {
+    const double share = countDoubtful([this] {
+      if (mayTurnFaces(options())) searchDoubleSided();
+    });
+    if (share == 0.0) return;
+    const Buffer<glm::uvec3> triangles = turnedTriangles(mesh().triangles, turns_);
+    rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
+    if (rims_) return recordRims(*rims_);
+  }
+  recordWinding(mode);
+}
+
+void Backend::windingDipoles() {
+  if (rims_)
+    recordRimSettling();
   else
-    countDoubtful(search);
-  return faces;
+    StageRecorder::windingDipoles();
 }
 
 template <class Work>

@@ -28,6 +28,9 @@ class Backend : public StageRecorder, private RecordingListener {
   }
   /// Uploads the mesh and sizes the field.
   void begin();
+  /// Lets the host look for rims if rays disagree.
+  void winding(SignMode mode);
+  void windingDipoles();
   void finish();
   bool complete();
   /// Copies the results into the field. Throws the error that kept the device from computing it.
@@ -63,6 +66,7 @@ class Backend : public StageRecorder, private RecordingListener {
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
+  void searchDoubleSided();
   void startStage(const char* name);
   void stopStage();
   /// Runs all recorded work, and meanwhile `work` on the host.
@@ -88,6 +92,8 @@ class Backend : public StageRecorder, private RecordingListener {
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
+  std::optional<RimLattices> rims_;      ///< Those that the winding numbers follow from.
+  std::optional<DoubleSidedFaces> doubleSided_;
   Turns turns_;                          ///< Empty while the faces are as given.
   std::vector<float> rises_;
   FaceSides faceSides_;

@@ -21,6 +21,7 @@ StageRecorder::StageRecorder(Device& device)
       winding_(device, &scratch_),
       orientation_(device),
       windingDipoles_(device, &scratch_),
+      windingRims_(device, &scratch_),
       closeHoles_(device),
       sign_(device),
       finish_(device),
@@ -49,6 +50,10 @@ void StageRecorder::reserveSign() {
   const size_t solve = scratch_.next();
   winding_.reserve(dims, extent_.sign, extent_.turnsFaces);
   if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
+  if (extent_.findsRims) {
+    scratch_.startPhase(solve);  // Rims make the solve unnecessary.
+    windingRims_.reserve(dims);
+  }
   scratch_.startPhase(solve);  // The dipoles come after the solve.
   if (extent_.sign == SignMode::Harmonic || extent_.closesHoles)
     windingDipoles_.reserve(extent_.triangles, dims);
@@ -89,7 +94,25 @@ void StageRecorder::rayMap() {
 }
 
 void StageRecorder::winding(SignMode mode) {
+  recordRays(mode);
+  recordWinding(mode);
+}
+
+void StageRecorder::recordRays(SignMode mode) {
+  winding_.recordRays(*commands_, crossings_.lines(), mode, results_.winding);
+}
+
+void StageRecorder::recordWinding(SignMode mode) {
   winding_.record(*commands_, crossings_.lines(), mode, *options_, results_.winding);
+}
+
+void StageRecorder::recordRims(const RimLattices& lattices) {
+  windingRims_.record(*commands_, crossings_.lines(), lattices, results_.winding);
+}
+
+void StageRecorder::recordRimSettling() {
+  windingRims_.recordSettling(*commands_, crossings_.lines(), results_.distance, options_->threshold,
+                              results_.winding);
 }
 
 void StageRecorder::recordMisfit() {

@@ -25,6 +25,7 @@
 #include "vulkan/stages/voxel_grid.h"
 #include "vulkan/stages/winding.h"
 #include "vulkan/stages/winding_dipoles.h"
+#include "vulkan/stages/winding_rims.h"
 
 namespace raymap::vulkan {
 
@@ -57,6 +58,7 @@ class StageRecorder {
     bool hasWinding = false;  ///< Whether the results always include a buffer for the winding number.
     bool turnsFaces = false;
     bool closesHoles = false;
+    bool findsRims = false;  ///< Whether the host looks for rims.
     /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
     /// the grid.
     std::vector<CellLattice> lattices;
@@ -70,6 +72,13 @@ class StageRecorder {
     VkDeviceAddress winding = 0;     ///< 0: not requested.
     VkDeviceAddress confidence = 0;  ///< 0: not requested.
   };
+
+  /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as the field that
+  /// fits all crossings.
+  void recordRays(SignMode mode);
+  void recordRims(const RimLattices& lattices);
+  void recordWinding(SignMode mode);
+  void recordRimSettling();
 
   explicit StageRecorder(Device& device);
 
@@ -152,6 +161,7 @@ class StageRecorder {
   WindingStage winding_;
   OrientationStage orientation_;
   WindingDipolesStage windingDipoles_;
+  WindingRimsStage windingRims_;
   CloseHolesStage closeHoles_;
   SignStage sign_;
   FinishStage finish_;

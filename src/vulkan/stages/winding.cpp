@@ -12,9 +12,13 @@ void WindingStage::reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedT
   if (mode == SignMode::Harmonic || isSolvedToo) harmonic_.reserve(dims);
 }
 
+void WindingStage::recordRays(Commands& commands, const LatticeLines& rays, SignMode mode,
+                              VkDeviceAddress winding) {
+  rays_.record(commands, rays, mode, winding);
+}
+
 void WindingStage::record(Commands& commands, const LatticeLines& rays, SignMode mode,
                           const FieldOptions& options, VkDeviceAddress winding) {
-  rays_.record(commands, rays, mode, winding);
   const WindingFields fields{.rays = rays.axes, .winding = winding, .doubtful = doubtful().address()};
   if (mode == SignMode::Harmonic) harmonic_.record(commands, fields);
   if (mode == SignMode::Paths) paths_.recordAverage(commands, fields, options);

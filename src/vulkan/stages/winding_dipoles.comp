@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
+#include "vulkan/stages/arc_tangent.glsl"
 #include "vulkan/stages/winding_number.glsl"
 
 // Doubts of the group's samples, read by one invocation each. `settle` writes the numbers that they depend on, and all

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
+#include "vulkan/stages/arc_tangent.glsl"
 #include "vulkan/stages/winding_number.glsl"
 
 void main() {

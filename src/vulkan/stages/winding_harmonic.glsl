@@ -1,9 +1,12 @@
 // Declarations shared by the kernels of the harmonic solve.
 
 #include "method/winding_harmonic_shared.h"
+#include "method/winding_rims_shared.h"
 #include "vulkan/stages/winding_harmonic_push.h"
 #include "vulkan/stages/ray_map.glsl"
 
+// Whether the lattices are those on which numbers follow from rims.
+layout(constant_id = 2) const uint kHasRims = 0;
 layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
 
 ivec3 gridDims() {
@@ -11,7 +14,11 @@ ivec3 gridDims() {
 }
 
 ivec3 boxDims(uint level) {
-  return harmonicDims(gridDims(), level);
+  return kHasRims != 0 ? rimDims(gridDims(), level) : harmonicDims(gridDims(), level);
+}
+
+int boxLow(uint level) {
+  return kHasRims != 0 ? 0 : harmonicLow(level);
 }
 
 // Returns the index of this work group among those of all dispatches of a kernel.
@@ -44,7 +51,7 @@ bool isInner(ivec3 s, ivec3 dims) {
 // 5). An edge of the lattice is a chain of the grid's edges, and its count is the sum of theirs.
 int jumpAlong(Ints rays, uint axis, ivec3 s) {
   const ivec3 dims = gridDims();
-  const ivec3 at = (s + harmonicLow(push.level)) << int(push.level);
+  const ivec3 at = (s + boxLow(push.level)) << int(push.level);
   ivec3 across = at;
   across[axis] = 0;
   if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
@@ -75,7 +82,7 @@ float asked(ivec3 s, ivec3 dims) {
 
 // Returns the place of the sample of the next coarser lattice at or before a sample.
 ivec3 coarseBelow(ivec3 s) {
-  return (s >> 1) + harmonicLow(push.level) / 2 - harmonicLow(push.level + 1);
+  return (s >> 1) + boxLow(push.level) / 2 - boxLow(push.level + 1);
 }
 
 float coarseAt(ivec3 s, ivec3 dims) {

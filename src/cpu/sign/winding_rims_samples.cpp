@@ -1,0 +1,112 @@
+// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average curves: the ray
+// map has the first term, the crossings of a ray from each sample.
+
+#include "cpu/sign/winding_rims_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "cpu/sign/winding_harmonic_transfer.h"
+#include "cpu/sign/winding_rims.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+constexpr size_t kSamplesPerTask = 64;
+constexpr double kAllowedError = 1e-6;
+// Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
+constexpr glm::dvec3 kDisplacement{0x1p-6, 0x1p-9, 0x1p-12};
+
+class SampleNumbers {
+ public:
+  SampleNumbers(const RayMap& map, const WindingRims& rims) : map_(map), rims_(rims) {}
+
+  /// Returns the winding number of a sample, which may lie outside of the grid.
+  float at(const glm::ivec3& sample) const {
+    const glm::dvec3 p(sample);
+    for (const bool isForward : {true, false})
+      for (int axis = 0; axis < 3; ++axis) {
+        const RimShare share = rims_.at(p, direction(axis, isForward), kAllowedError);
+        if (share.clearance >= double(kClearOfRims)) return rounded(crossings(sample, axis, isForward) + share.winding);
+      }
+    return rounded(crossings(sample, 0, true) + rims_.at(p + kDisplacement, direction(0, true)).winding);
+  }
+
+ private:
+  static glm::dvec3 direction(int axis, bool isForward) {
+    glm::dvec3 d(0.0);
+    d[axis] = isForward ? 1.0 : -1.0;
+    return d;
+  }
+
+  static float rounded(double winding) {
+    return static_cast<float>(std::round(winding * double(kRimUnits)) / double(kRimUnits));
+  }
+
+  double crossings(glm::ivec3 sample, int axis, bool isForward) const {
+    const int32_t after = map_.ray(axis, sample);
+    if (isForward) return after;
+    sample[axis] = -1;
+    return after - map_.ray(axis, sample);
+  }
+
+  const RayMap& map_;
+  const WindingRims& rims_;
+};
+
+LatticeBox rimBox(const glm::ivec3& dims, int level) {
+  return {.level = level, .low = glm::ivec3(0), .dims = rimDims(dims, uint32_t(level))};
+}
+
+void computeSamples(const SampleNumbers& numbers, const LatticeBox& box, const std::vector<uint32_t>& places,
+                    WorkMeter& meter, float* values) {
+  const auto width = uint32_t(box.dims.x), height = uint32_t(box.dims.y);
+  parallelFor(places.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const uint32_t place = places[i], row = place / width;
+      values[place] = numbers.at(glm::ivec3(place % width, row % height, row / height) << box.level);
+    }
+    meter.add(end - begin);
+  });
+}
+
+}  // namespace
+
+void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& progress, double begin,
+                     HarmonicScratch& scratch, Buffer<float>& winding) {
+  const WindingRims rims(lattices.rims);
+  const SampleNumbers numbers(map, rims);
+  const size_t count = lattices.computed.size();
+  double total = 0.0;
+  for (size_t l = 0; l < count; ++l)
+    total += double(lattices.computed[l].size()) + double(rimBox(map.dims, int(l)).sampleCount());
+  WorkMeter meter(progress, begin, 1.0, total);
+  scratch.levels.resize(std::max(scratch.levels.size(), count));
+  for (size_t l = count; l-- > 0;) {
+    HarmonicLevel& level = scratch.levels[l];
+    level.box = rimBox(map.dims, int(l));
+    if (l > 0) level.values.resizeUninitialized(level.box.sampleCount());
+    float* values = l == 0 ? winding.data() : level.values.data();
+    if (l + 1 < count) {
+      const HarmonicLevel& coarse = scratch.levels[l + 1];
+      for (int axis = 0; axis < 3; ++axis) level.jumps[size_t(axis)].collect(map, level.box, axis);
+      prolongField(coarse.box, coarse.values.data(), level.box, level.jumps, meter, values);
+    }
+    computeSamples(numbers, level.box, lattices.computed[l], meter, values);
+  }
+}
+
+void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,
+                  Progress& progress, Buffer<float>& winding) {
+  const auto limit = static_cast<float>(threshold);
+  const std::vector<uint32_t> doubtful = parallelSelect(winding.size(), [&](uint32_t i) {
+    return std::abs(std::abs(winding[i]) - limit) < rimError(distance[i]);
+  });
+  const WindingRims rims(lattices.rims);
+  WorkMeter meter(progress, 0.0, 1.0, double(doubtful.size()));
+  computeSamples({map, rims}, rimBox(map.dims, 0), doubtful, meter, winding.data());
+}
+
+}  // namespace raymap::cpu

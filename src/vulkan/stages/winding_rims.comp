@@ -1,0 +1,83 @@
+// Computes winding numbers of samples from a ray and the rims. GPU twin of cpu/sign/winding_rims_samples.cpp (Martens,
+// Trettner & Bessmeltsev 2026, "The Antipodal Method").
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "vulkan/device/kernel.glsl"
+#include "method/winding_rims_shared.h"
+#include "vulkan/stages/arc_tangent.glsl"
+#include "vulkan/stages/ray_map.glsl"
+#include "vulkan/stages/winding_rims_push.h"
+
+layout(push_constant, scalar) uniform Push { WindingRimsPush push; };
+
+// Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
+const vec3 kDisplacement = vec3(0.015625, 0.001953125, 0.000244140625);
+
+vec3 rimEnd(uint i) {
+  return vec3(push.rims.at[3 * i], push.rims.at[3 * i + 1], push.rims.at[3 * i + 2]);
+}
+
+vec3 unit(vec3 v) {
+  return v * inversesqrt(max(dot(v, v), 1e-30));
+}
+
+// Returns what the rims add to the crossings of the ray along `direction`. Half of each solid angle is the argument of a
+// complex number. `clearance` is how far the ray passes the rims by, as an angle, about.
+float shareOfRims(vec3 p, vec3 direction, out float clearance) {
+  vec2 product = vec2(1, 0);
+  float turns = 0;
+  clearance = 4;
+  for (uint i = 0; i < push.rimCount; ++i) {
+    const vec3 a = unit(rimEnd(2 * i) - p), b = unit(rimEnd(2 * i + 1) - p);
+    const vec2 factor = vec2(1 + dot(a, b) - dot(a, direction) - dot(b, direction), -dot(cross(a, b), direction));
+    clearance = min(clearance, max(factor.x, abs(factor.y)));
+    if (max(abs(factor.x), abs(factor.y)) < 1e-6) continue;
+    const vec2 next = vec2(product.x * factor.x - product.y * factor.y, product.x * factor.y + product.y * factor.x);
+    // Two arguments of the same sign pass the negative axis if the sum's sign differs.
+    if (product.y >= 0 && factor.y > 0 && next.y < 0) turns += 1;
+    if (product.y < 0 && factor.y < 0 && next.y >= 0) turns -= 1;
+    product = next / (abs(next.x) + abs(next.y));
+  }
+  return turns + arcTangent(product.y, product.x) / (2 * kPi);
+}
+
+// Returns the crossings of the ray from a sample, which may lie outside of the grid.
+int crossingsOf(ivec3 s, uint axis, bool isForward) {
+  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
+  ivec3 across = s;
+  across[axis] = 0;
+  if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
+  ivec3 before = s;
+  before[axis] = -1;
+  const int after = rayFrom(push.rays[axis], axis, dims, s);
+  return isForward ? after : after - rayFrom(push.rays[axis], axis, dims, before);
+}
+
+float rounded(float winding) {
+  return floor(winding * kRimUnits + 0.5) / kRimUnits;
+}
+
+float windingNumber(ivec3 s) {
+  const vec3 p = vec3(s);
+  float clearance;
+  for (uint i = 0; i < 6; ++i) {
+    const uint axis = i % 3;
+    const bool isForward = i < 3;
+    vec3 direction = vec3(0);
+    direction[axis] = isForward ? 1 : -1;
+    const float share = shareOfRims(p, direction, clearance);
+    if (clearance >= kClearOfRims) return rounded(float(crossingsOf(s, axis, isForward)) + share);
+  }
+  return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + kDisplacement, vec3(1, 0, 0), clearance));
+}
+
+void main() {
+  const uint i = invocationIndex();
+  if (i >= push.count) return;
+  const bool isListed = uint64_t(push.computed) != 0;
+  const uint place = isListed ? push.computed.at[i] : i;
+  if (!isListed && abs(abs(push.values.at[place]) - push.threshold) >= rimError(push.distance.at[place])) return;
+  const uvec3 dims = uvec3(rimDims(ivec3(push.gridX, push.gridY, push.gridZ), push.level));
+  const uint row = place / dims.x;
+  push.values.at[place] = windingNumber(ivec3(place % dims.x, row % dims.y, row / dims.y) << int(push.level));
+}

@@ -1,0 +1,100 @@
+// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average curves.
+
+#include "vulkan/stages/winding_rims.h"
+
+#include <algorithm>
+#include <span>
+
+#include "method/cell_lattice.h"
+#include "shaders/winding_harmonic_prolong_spv.h"
+#include "shaders/winding_rims_spv.h"
+
+namespace raymap::vulkan {
+
+namespace {
+
+static_assert(sizeof(RimLine) == 6 * sizeof(float));
+
+uint64_t rimSamples(const glm::ivec3& dims, size_t level) {
+  return CellLattice{rimDims(dims, static_cast<uint32_t>(level))}.count();
+}
+
+}  // namespace
+
+WindingRimsStage::WindingRimsStage(Device& device, ScratchMemory* scratch)
+    : device_(&device),
+      scratch_(scratch),
+      upload_(device, "rims for the device", MemoryUse::Upload),
+      lists_(device, "rims and samples near them"),
+      prolong_(device, shaders::kWindingHarmonicProlong, kGroup, {0, 1}),
+      compute_(device, shaders::kWindingRims, kGroup) {}
+
+void WindingRimsStage::reserve(const glm::ivec3& dims) {
+  dims_ = dims;
+  const auto coarser = static_cast<size_t>(coarsestRimLevel(dims));
+  while (values_.size() > coarser) values_.pop_back();
+  while (values_.size() < coarser) values_.emplace_back(*device_, "winding values between rims", scratch_);
+  for (size_t l = 1; l <= coarser; ++l)
+    values_[l - 1].resize<float>(rimSamples(dims, l));
+}
+
+void WindingRimsStage::upload(Commands& commands, const RimLattices& lattices) {
+  rimCount_ = static_cast<uint32_t>(lattices.rims.size());
+  uint64_t bytes = rimCount_ * sizeof(RimLine);
+  for (const std::vector<uint32_t>& places : lattices.computed) bytes += places.size() * sizeof(uint32_t);
+  upload_.resize<std::byte>(bytes);
+  lists_.resize<std::byte>(bytes);
+  std::byte* to = upload_.mapped<std::byte>().data();
+  const auto append = [&](const auto& values) {
+    to = std::ranges::copy(std::as_bytes(std::span(values)), to).out;
+  };
+  append(lattices.rims);
+  for (const std::vector<uint32_t>& places : lattices.computed) append(places);
+  commands.copy(upload_, lists_, bytes);
+}
+
+WindingRimsPush WindingRimsStage::push(const LatticeLines& rays, VkDeviceAddress values) const {
+  return {.rays = {rays.axes[0], rays.axes[1], rays.axes[2]},
+          .values = values,
+          .rims = lists_.address(),
+          .gridX = static_cast<uint32_t>(dims_.x),
+          .gridY = static_cast<uint32_t>(dims_.y),
+          .gridZ = static_cast<uint32_t>(dims_.z),
+          .rimCount = rimCount_};
+}
+
+void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,
+                              VkDeviceAddress winding) {
+  upload(commands, lattices);
+  VkDeviceAddress listEnd = lists_.address() + lists_.bytes();
+  const auto valuesOf = [&](size_t l) { return l == 0 ? winding : values_[l - 1].address(); };
+  for (size_t l = lattices.computed.size(); l-- > 0;) {
+    WindingRimsPush compute = push(rays, valuesOf(l));
+    compute.level = static_cast<uint32_t>(l);
+    compute.count = static_cast<uint32_t>(lattices.computed[l].size());
+    listEnd -= compute.count * sizeof(uint32_t);
+    compute.computed = listEnd;
+    if (l + 1 < lattices.computed.size()) {
+      const WindingHarmonicPush prolong{.rays = {rays.axes[0], rays.axes[1], rays.axes[2]},
+                                        .values = valuesOf(l),
+                                        .coarse = valuesOf(l + 1),
+                                        .gridX = compute.gridX,
+                                        .gridY = compute.gridY,
+                                        .gridZ = compute.gridZ,
+                                        .level = compute.level};
+      commands.dispatch(prolong_, prolong, rimSamples(dims_, l));
+    }
+    commands.dispatch(compute_, compute, compute.count);
+  }
+}
+
+void WindingRimsStage::recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance,
+                                      double threshold, VkDeviceAddress winding) {
+  WindingRimsPush settle = push(rays, winding);
+  settle.count = static_cast<uint32_t>(rimSamples(dims_, 0));
+  settle.distance = distance;
+  settle.threshold = static_cast<float>(threshold);
+  commands.dispatch(compute_, settle, settle.count);
+}
+
+}  // namespace raymap::vulkan

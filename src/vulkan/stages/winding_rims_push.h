@@ -1,0 +1,24 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+
+#include "base/shader_types.h"
+
+RAYMAP_SHARED_BEGIN(raymap::vulkan)
+
+struct WindingRimsPush {
+  RAYMAP_ADDRESS(Ints) rays[3];      // The ray map, by axis.
+  RAYMAP_ADDRESS(Floats) values;     // Values of the lattice.
+  RAYMAP_ADDRESS(Floats) rims;       // Two ends of three coordinates each, in cell units.
+  RAYMAP_ADDRESS(Uints) computed;    // Places of the samples to compute; 0: those near the threshold.
+  RAYMAP_ADDRESS(Floats) distance;   // Unsigned distance in cells, for those near the threshold.
+  uint gridX, gridY, gridZ;          // Samples of the grid.
+  uint level;                        // Level of the lattice, which has every 2^level-th sample.
+  uint count;                        // Samples to compute or to look at.
+  uint rimCount;
+  float threshold;
+  uint unused;
+};
+RAYMAP_CHECK_SIZE(WindingRimsPush, 88);
+
+RAYMAP_SHARED_END
