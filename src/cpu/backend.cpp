@@ -18,6 +18,7 @@
 #include "cpu/sign/sign.h"
 #include "cpu/sign/winding_rims_samples.h"
 #include "method/orientation_surface.h"
+#include "method/winding_dipoles_shared.h"
 
 namespace raymap::cpu {
 
@@ -168,11 +169,9 @@ void Backend::rayMap() {
 
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
-  const auto rims = [this] {
-    rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid);
-    return rims_ ? &*rims_ : nullptr;
+  const auto rims = [this]() -> const RimLattices& {
+    return rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid);
   };
-  rims_.reset();
   doubtfulShare_ =
       windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
 }
@@ -239,12 +238,14 @@ void Backend::measureSides(float farSides, Buffer<float>* wholeness) {
 
 void Backend::windingDipoles() {
   if (doubtfulShare() == 0.0) return;
-  if (rims_) {
-    settleByRims(rayMap_, *rims_, job_->field.distance, options().threshold, progress(), windingBuffer());
-    return;
-  }
-  windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
-                         job_->field.distance, options().threshold, progress(), windingBuffer());
+  const Buffer<float>& distance = job_->field.distance;
+  const bool haveRims = !rims_.rims.empty();
+  if (rims_.needDipoles())
+    windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
+                           distance, options().threshold, {0, haveRims ? kLooks - 1 : kLooks}, progress(),
+                           windingBuffer());
+  if (haveRims)
+    settleByRims(rayMap_, rims_, distance, options().threshold, progress(), windingBuffer());
 }
 
 std::vector<MissingEdge> Backend::missingEdges() {

@@ -116,7 +116,7 @@ class Backend {
   Winding windingSolver_;
   WindingDipoles windingDipoles_;
   double doubtfulShare_ = 0.0;
-  std::optional<RimLattices> rims_;  // Those that the winding numbers follow from.
+  RimLattices rims_;
   Buffer<float> rises_, wholeness_;
   FaceSides faceSides_;
   Buffer<float> winding_;

@@ -8,12 +8,11 @@
 
 RAYMAP_SHARED_BEGIN(raymap)
 
-// The lattice's error is hardly ever larger than this bound (docs/decisions/winding_dipoles.md). It is
-// largest near the surface's rims. Within `kMostErrorWithin` cells of the surface the bound is
-// `kMostDipoleError`. Farther away it falls with the reciprocal of the distance, down to `kLeastDipoleError`.
-RAYMAP_CONSTANT float kMostDipoleError = 0.15f;
-RAYMAP_CONSTANT float kLeastDipoleError = 0.015f;
-RAYMAP_CONSTANT float kMostErrorWithin = 2.0f;
+// Returns a bound on nearly all errors of the field that fits all crossings, at this distance from the surface in cells
+// (docs/decisions/winding_dipoles.md). They are largest near the surface's rims.
+RAYMAP_FUNCTION float latticeError(float distance) {
+  return distance < 1.0f ? 0.3f : distance > 7.5f ? 0.04f : 0.3f / distance;
+}
 
 // A group of triangles is distant from `kDistant` times its radius on. If the number turns out to be within
 // `kClose` of the threshold, the error could matter: the next look uses the next values. The mean error is

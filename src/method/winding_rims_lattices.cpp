@@ -13,6 +13,10 @@ namespace {
 constexpr int kCoarsestLevel = 3;
 /// Most rims that all computed samples together may see, for each sample of the grid. So many take as long as the fit.
 constexpr double kMostRimsPerSample = 8.0;
+/// With more rims, a look at the dipoles is faster.
+constexpr size_t kFewRims = 512;
+/// With more rims, dipoles decide alone.
+constexpr size_t kMostRims = 4096;
 
 bool isInside(const PackedMesh& mesh, const Grid& grid) {
   const Box box = bounds(mesh);
@@ -84,30 +88,39 @@ std::vector<RimLine> inCells(const PackedMesh& mesh, const Grid& grid, const std
   return rims;
 }
 
+/// Returns the samples to be computed by level, or nothing if they see more rims than allowed.
+std::vector<std::vector<uint32_t>> chooseSamples(const std::vector<RimLine>& rims, const glm::ivec3& dims,
+                                                 double mostRims) {
+  const int coarsest = coarsestRimLevel(dims);
+  std::vector<std::vector<uint32_t>> samples(size_t(coarsest) + 1);
+  samples.back() = allSamples(dims, coarsest);
+  double seen = double(rims.size()) * double(samples.back().size());
+  for (int level = 0; level < coarsest && seen <= mostRims; ++level) {
+    samples[size_t(level)] = samplesNear(rims, dims, level);
+    seen += double(rims.size()) * double(samples[size_t(level)].size());
+  }
+  return seen <= mostRims ? samples : std::vector<std::vector<uint32_t>>();
+}
+
 }  // namespace
+
+bool RimLattices::needDipoles() const {
+  return !haveAll() && (rims.empty() || rims.size() > kFewRims);
+}
 
 int coarsestRimLevel(const glm::ivec3& dims) {
   return std::min(kCoarsestLevel, coarsestHarmonicLevel(dims));
 }
 
-std::optional<RimLattices> findRimLattices(const PackedMesh& mesh, const Grid& grid) {
-  if (!isInside(mesh, grid)) return std::nullopt;
+RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid) {
   const std::vector<RimEdge> edges = findRimEdges(mesh, grid.spacing);
-  double rimCount = 0.0;
+  size_t rimCount = 0;
   for (const RimEdge& edge : edges) rimCount += edge.times;
-  const double most = kMostRimsPerSample * double(grid.sampleCount()) / rimCount;
-  const int coarsest = coarsestRimLevel(grid.dims);
   RimLattices lattices;
-  lattices.computed.resize(size_t(coarsest) + 1);
-  lattices.computed.back() = allSamples(grid.dims, coarsest);
-  auto count = double(lattices.computed.back().size());
-  if (count > most) return std::nullopt;
+  if (rimCount > kMostRims) return lattices;
   lattices.rims = inCells(mesh, grid, edges);
-  for (int level = 0; level < coarsest; ++level) {
-    lattices.computed[size_t(level)] = samplesNear(lattices.rims, grid.dims, level);
-    count += double(lattices.computed[size_t(level)].size());
-    if (count > most) return std::nullopt;
-  }
+  if (isInside(mesh, grid))
+    lattices.computed = chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
   return lattices;
 }
 

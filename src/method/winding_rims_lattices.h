@@ -2,7 +2,6 @@
 
 #include <raymap/grid.h>
 
-#include <optional>
 #include <vector>
 
 #include "mesh/packed_mesh.h"
@@ -14,15 +13,23 @@ namespace raymap {
 /// The rims of a surface over a grid, and the samples whose winding numbers are computed from rays and rims. All others lie
 /// between samples of the next coarser lattice, and so far from rims that their numbers may be interpolated.
 struct RimLattices {
-  std::vector<RimLine> rims;                         ///< In cell units.
-  std::vector<std::vector<uint32_t>> computed;  ///< By level; the coarsest has all samples. Places in `rimDims`, x fastest.
+  std::vector<RimLine> rims;  ///< In cell units; empty if they are too many.
+  /// Places in `rimDims`, x fastest, by level; the coarsest has all samples. Empty if it takes less time to fit the field to
+  /// all crossings, or if the mesh reaches beyond the grid.
+  std::vector<std::vector<uint32_t>> computed;
+
+  /// Returns whether all numbers follow from rims.
+  bool haveAll() const { return !computed.empty(); }
+  /// Returns whether dipoles decide signs near the threshold before rims do.
+  bool needDipoles() const;
+  /// Returns what numbers come from before rims decide: `kFromRims`, `kFromFit` or `kFromDipoles`.
+  uint32_t source() const { return haveAll() ? kFromRims : needDipoles() ? kFromDipoles : kFromFit; }
 };
 
 /// Returns the level of the coarsest lattice.
 int coarsestRimLevel(const glm::ivec3& dims);
 
-/// Returns the rims of a mesh and the samples to be computed. Returns nothing if it would take longer than to fit the field
-/// to all crossings, or if the mesh reaches beyond the grid.
-std::optional<RimLattices> findRimLattices(const PackedMesh& mesh, const Grid& grid);
+/// Returns the rims of a mesh and the samples to be computed.
+RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid);
 
 }  // namespace raymap

@@ -39,7 +39,7 @@ Settled settled(const Mesh& mesh, int resolution, float value, float distance = 
     return tree;
   };
   Progress progress;
-  WindingDipoles().settle(surface, result.grid.dims, distances, 0.5, progress, result.winding);
+  WindingDipoles().settle(surface, result.grid.dims, distances, 0.5, {0, kLooks}, progress, result.winding);
   return result;
 }
 
@@ -74,8 +74,8 @@ TEST(WindingDipoles, HaveTheSignOfTheExactNumber) {
 }
 
 TEST(WindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
-  for (const float w : settled(openSphere(), 12, 0.7f).winding) ASSERT_EQ(w, 0.7f);
-  for (const float w : settled(openSphere(), 12, -0.3f).winding) ASSERT_EQ(w, -0.3f);
+  for (const float w : settled(openSphere(), 12, 0.85f).winding) ASSERT_EQ(w, 0.85f);
+  for (const float w : settled(openSphere(), 12, -0.15f).winding) ASSERT_EQ(w, -0.15f);
   // The lattice's error is smaller far from the surface.
   for (const float w : settled(openSphere(), 12, 0.55f, 20.0f).winding) ASSERT_EQ(w, 0.55f);
 }

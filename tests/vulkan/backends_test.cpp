@@ -378,10 +378,10 @@ TEST_F(Backends, ReportProgressWithinTheWindingStage) {
     return true;
   };
   const Field told = make(mesh, grid, options, "vulkan", note);
-  ASSERT_GT(shares.size(), 15u);
+  ASSERT_EQ(shares.size(), 5u);  // The rays, and each lattice.
   EXPECT_EQ(shares.front(), 0.0);
   EXPECT_GT(shares[1], 0.2);
-  EXPECT_LT(shares[1], 0.5);
+  EXPECT_LT(shares[1], 0.7);
   for (size_t s = 1; s < shares.size(); ++s) EXPECT_GT(shares[s], shares[s - 1]);
   EXPECT_NEAR(shares.back(), 1.0, 0.01);
   EXPECT_EQ(0, std::memcmp(quiet.winding.data(), told.winding.data(), quiet.winding.size() * sizeof(float)));

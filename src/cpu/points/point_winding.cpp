@@ -31,7 +31,7 @@ constexpr float kClear = 0.1f;
 constexpr double kClearOfRims = 1e-4;
 
 /// The lattice's error far from the surface, where it is largest: around thousands of rims.
-constexpr float kMostLatticeError = 0.25f;
+constexpr float kMostLatticeError = 0.3f;
 
 /// Up to so many rims tell the numbers themselves.
 constexpr size_t kSomeRims = 4096;
@@ -102,10 +102,10 @@ PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float di
 
 /// Returns whether the number's side of the threshold is sure, although it comes from the lattice. Away from
 /// rims it changes by less than the lattice's error between a sample and the point, but for crossings.
-bool PointWinding::isSettled(double winding, float distance) const {
+bool PointWinding::isSettled(double winding) const {
   if (source_.lattice.isWhole()) return true;
   const double gap = std::abs(std::abs(winding) - source_.threshold);
-  return gap >= std::max(2.0f * latticeError(distance), kMostLatticeError);
+  return gap >= kMostLatticeError;
 }
 
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
@@ -195,7 +195,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   }
   asked_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i)
-    if (std::isnan(winding[i]) || !isSettled(winding[i], points.distance[i])) asked_.push_back(i);
+    if (std::isnan(winding[i]) || !isSettled(winding[i])) asked_.push_back(i);
   settle(points, winding);
 }
 
@@ -239,7 +239,7 @@ double PointWinding::sideOf(const WindingPoints& points, size_t i, double windin
   const glm::vec3& p = points.cells[i];
   if (points.distance[i] > slack_ || isOutside(p) || isNearRim(p)) return winding;
   const double crossed = exactNumber(points, i);
-  return isSettled(crossed, points.distance[i]) ? winding + std::round(crossed - winding) : winding;
+  return isSettled(crossed) ? winding + std::round(crossed - winding) : winding;
 }
 
 }  // namespace raymap::cpu

@@ -59,8 +59,8 @@ double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& op
     else if (mode == SignMode::Evolution)
       evolvePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Harmonic) {
-      if (const RimLattices* rims = source.rims())
-        computeFromRims(map, *rims, progress, rays, impl_->harmonic, winding);
+      if (const RimLattices& rims = source.rims(); rims.haveAll())
+        computeFromRims(map, rims, progress, rays, impl_->harmonic, winding);
       else
         solveHarmonic(map, progress, rays, impl_->harmonic, winding);
     }

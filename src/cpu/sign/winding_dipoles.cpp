@@ -20,7 +20,6 @@
 #include "base/parallel.h"
 #include "cpu/distance/surface_shapes-inl.h"
 #include "cpu/sign/winding_dipoles.h"
-#include "method/winding_dipoles_shared.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raymap::cpu {
@@ -239,12 +238,12 @@ float settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, Wind
 }
 
 void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
-             std::span<const uint32_t> samples, float* winding) {
+             WindingDipoles::Looks looks, std::span<const uint32_t> samples, float* winding) {
   SolidAngles solidAngles(tree, moments);
   const glm::uvec3 d(dims);
   for (const uint32_t s : samples)
     winding[s] =
-        settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, {0, kLooks});
+        settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, looks);
 }
 
 void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
@@ -269,10 +268,6 @@ HWY_EXPORT(replace);
 HWY_EXPORT(settlePoints);
 
 }  // namespace
-
-float latticeError(float distance) {
-  return std::max(kMostDipoleError * std::min(1.0f, kMostErrorWithin / distance), kLeastDipoleError);
-}
 
 namespace {
 
@@ -320,8 +315,8 @@ std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::
 }
 
 void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims,
-                            const Buffer<float>& distance, double threshold, Progress& progress,
-                            Buffer<float>& winding) {
+                            const Buffer<float>& distance, double threshold, Looks looks,
+                            Progress& progress, Buffer<float>& winding) {
   const auto limit = static_cast<float>(threshold);
   const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
   if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;
@@ -330,7 +325,7 @@ void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims
   parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
     if (chunks[chunk].empty()) return;
     progress.poll();
-    HWY_DYNAMIC_DISPATCH(replace)(tree, moments_.data(), dims, limit, chunks[chunk], winding.data());
+    HWY_DYNAMIC_DISPATCH(replace)(tree, moments_.data(), dims, limit, looks, chunks[chunk], winding.data());
   });
 }
 

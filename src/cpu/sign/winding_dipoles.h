@@ -4,12 +4,9 @@
 
 #include "base/progress.h"
 #include "cpu/distance/surface_tree.h"
+#include "method/winding_dipoles_shared.h"
 
 namespace raymap::cpu {
-
-/// Returns a bound on nearly all errors of the lattice's winding number at this distance from the surface, in
-/// cells.
-float latticeError(float distance);
 
 /// Function that returns the tree of the triangles in cell units: sample (i, j, k) lies at (i, j, k).
 using SurfaceSource = std::function<const SurfaceTree&()>;
@@ -18,10 +15,14 @@ using SurfaceSource = std::function<const SurfaceTree&()>;
 /// numbers for soups and clouds". The lattice only samples the triangles by its crossings.
 class WindingDipoles {
  public:
+  /// Looks from `first` up to `end`, of those in `winding_dipoles_shared.h`.
+  struct Looks {
+    uint32_t first, end;
+  };
   /// Replaces every winding number so close to the threshold that the lattice may have put it on the wrong
   /// side. `distance` is the unsigned distance in cells.
   void settle(const SurfaceSource& surface, const glm::ivec3& dims, const Buffer<float>& distance,
-              double threshold, Progress& progress, Buffer<float>& winding);
+              double threshold, Looks looks, Progress& progress, Buffer<float>& winding);
 
   /// Returns the winding numbers at points in cell units.
   std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,
@@ -29,10 +30,6 @@ class WindingDipoles {
 
   /// Builds the moments of a tree, for `settleAt`.
   void prepare(const SurfaceTree& tree);
-  /// Looks from `first` up to `end`, of those in `winding_dipoles_shared.h`.
-  struct Looks {
-    uint32_t first, end;
-  };
   /// Computes the winding numbers at points in cell units, with ever closer looks as long as the number is
   /// close to the threshold. Needs `prepare` with the same tree.
   void settleAt(const SurfaceTree& tree, std::span<const glm::vec3> points, double threshold, Looks looks,

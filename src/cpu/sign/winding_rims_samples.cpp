@@ -101,8 +101,9 @@ void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& p
 void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,
                   Progress& progress, Buffer<float>& winding) {
   const auto limit = static_cast<float>(threshold);
+  const uint32_t source = lattices.source();
   const std::vector<uint32_t> doubtful = parallelSelect(winding.size(), [&](uint32_t i) {
-    return std::abs(std::abs(winding[i]) - limit) < rimError(distance[i]);
+    return std::abs(std::abs(winding[i]) - limit) < numberError(source, distance[i]);
   });
   const WindingRims rims(lattices.rims);
   WorkMeter meter(progress, 0.0, 1.0, double(doubtful.size()));

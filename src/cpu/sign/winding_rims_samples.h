@@ -11,8 +11,8 @@ namespace raymap::cpu {
 void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& progress, double begin,
                      HarmonicScratch& scratch, Buffer<float>& winding);
 
-/// Computes every winding number exactly that is so close to the threshold that interpolation may have put it on the wrong
-/// side. `distance` is the unsigned distance in cells.
+/// Computes every winding number exactly that is so close to the threshold that it may lie on the wrong side. `distance` is
+/// the unsigned distance in cells.
 void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,
                   Progress& progress, Buffer<float>& winding);
 

@@ -173,7 +173,7 @@ void Backend::searchDoubleSided() {
 }
 
 void Backend::winding(SignMode mode) {
-  rims_.reset();
+  rims_ = {};
   recordRays(mode);
   if (mode == SignMode::Harmonic) {
     const double share = countDoubtful([this] {
@@ -182,16 +182,14 @@ void Backend::winding(SignMode mode) {
     if (share == 0.0) return;
     const Buffer<glm::uvec3> triangles = turnedTriangles(mesh().triangles, turns_);
     rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
-    if (rims_) return recordRims(*rims_);
+    recordRims(rims_);
   }
-  recordWinding(mode);
+  if (!rims_.haveAll()) recordWinding(mode);
 }
 
 void Backend::windingDipoles() {
-  if (rims_)
-    recordRimSettling();
-  else
-    StageRecorder::windingDipoles();
+  if (rims_.needDipoles()) StageRecorder::windingDipoles();
+  if (!rims_.rims.empty()) recordRimSettling();
 }
 
 template <class Work>

@@ -92,7 +92,7 @@ class Backend : public StageRecorder, private RecordingListener {
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
-  std::optional<RimLattices> rims_;      ///< Those that the winding numbers follow from.
+  RimLattices rims_;
   std::optional<DoubleSidedFaces> doubleSided_;
   Turns turns_;                          ///< Empty while the faces are as given.
   std::vector<float> rises_;

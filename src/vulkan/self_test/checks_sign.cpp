@@ -6,6 +6,7 @@
 #include "cpu/sign/winding_harmonic.h"
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
+#include "cpu/sign/winding_rims_samples.h"
 #include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
@@ -88,6 +89,25 @@ void checkHarmonic(Subject& subject) {
   WindingHarmonicStage stage(subject.probe.device());
   for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(1, 9, 30)})
     compareHarmonic(subject.probe, stage, rayMapOf(soupIn(dims, 0.03)));
+}
+
+/// Returns a bent strip and an open box whose edges lie on lattice lines, where rays meet rims.
+Mesh openSurfaces() {
+  Mesh mesh = shapes::box({3, 2, 3}, {9, 8, 7});
+  mesh.triangles.resize(mesh.triangles.size() - 2);
+  const std::vector<glm::dvec3> p{{14, 3, 2.5}, {14.3, 9, 3}, {16, 3, 5.5}, {15.5, 9, 5}, {19, 3, 4}, {18, 9, 6.5}};
+  return shapes::joined(mesh, makeMesh(p, {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}));
+}
+
+void checkRims(Subject& subject) {
+  WindingRimsStage stage(subject.probe.device());
+  const Grid grid = unitGrid({23, 14, 19});
+  const OwnCellMesh mesh(openSurfaces(), grid);
+  RimLattices lattices = findRimLattices(openSurfaces(), grid);
+  const cpu::RayMap map = rayMapOf(mesh);
+  compareRims(subject.probe, stage, map, lattices);
+  lattices.computed.clear();  // As if they were too many.
+  compareRims(subject.probe, stage, map, lattices);
 }
 
 void checkPaths(Subject& subject) {
@@ -250,6 +270,29 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
   });
 }
 
+void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map, const RimLattices& lattices) {
+  constexpr double kThreshold = 0.5, kTolerance = 1e-5;
+  Progress progress;
+  cpu::HarmonicScratch scratch;
+  Buffer<float> expected = bufferOf(randomField(CellLattice{map.dims}.count())), distance = expected.clone();
+  for (float& each : distance) each = 20.0f * std::abs(each);
+  const DeviceBuffer winding = probe.upload(std::vector<float>(expected.begin(), expected.end()), "winding"),
+                     distances = probe.upload(std::vector<float>(distance.begin(), distance.end()), "distance");
+  const UploadedRays rays(probe, map);
+  const LatticeLines lines{.dims = map.dims, .axes = rays.addresses()};
+  stage.reserve(map.dims);
+  inCase(textOf(map.dims, " x ") + ", " + textOf(int(lattices.rims.size())) + " rims", [&] {
+    probe.run([&](Commands& commands) { stage.record(commands, lines, lattices, winding.address()); });
+    if (lattices.haveAll()) computeFromRims(map, lattices, progress, 0.0, scratch, expected);
+    requireNear("winding numbers", probe.download<float>(winding), expected, kTolerance);
+    probe.run([&](Commands& commands) {
+      stage.recordSettling(commands, lines, distances.address(), kThreshold, winding.address());
+    });
+    settleByRims(map, lattices, distance, kThreshold, progress, expected);
+    requireNear("winding numbers near the threshold", probe.download<float>(winding), expected, kTolerance);
+  });
+}
+
 void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
                   const FieldOptions& options) {
   Progress progress;
@@ -287,6 +330,7 @@ std::span<const Check> checksOfSign() {
   static constexpr Check kChecks[] = {{"crossings", checkCrossings},
                                       {"ray_map, winding_rays", checkRays},
                                       {"winding_harmonic", checkHarmonic},
+                                      {"winding_rims", checkRims},
                                       {"winding_paths", checkPaths},
                                       {"orientation", checkOrientation},
                                       {"close_holes", checkCloseHoles},

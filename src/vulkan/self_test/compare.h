@@ -8,6 +8,7 @@
 #include "vulkan/self_test/sign_probe.h"
 #include "vulkan/stages/winding_harmonic.h"
 #include "vulkan/stages/winding_paths.h"
+#include "vulkan/stages/winding_rims.h"
 
 namespace raymap::vulkan {
 
@@ -27,6 +28,8 @@ void compareCrossings(SignProbe& probe, const CellMesh& mesh);
 /// Compares the rays, the winding numbers and the count of doubtful samples.
 void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode);
 void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu::RayMap& map);
+/// Compares the numbers that follow from rims, and those that rims decide near the threshold.
+void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map, const RimLattices& lattices);
 void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
                   const FieldOptions& options);
 

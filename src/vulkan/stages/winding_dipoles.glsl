@@ -27,10 +27,6 @@ void writeMoments(uint node, Moments m) {
   push.moments.at[node * kMomentVectors + 2] = vec4(m.products, 0);
 }
 
-float latticeError(float distance) {
-  return max(kMostDipoleError * min(1.0, kMostErrorWithin / max(distance, 1e-6)), kLeastDipoleError);
-}
-
 bool isDoubtful(uint index) {
   return abs(abs(push.winding.at[index]) - push.threshold) < latticeError(push.distance.at[index]);
 }

@@ -4,10 +4,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "method/winding_rims_shared.h"
+#include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/arc_tangent.glsl"
 #include "vulkan/stages/ray_map.glsl"
 #include "vulkan/stages/winding_rims_push.h"
 
+// Whether the samples to compute are listed; else they are those near the threshold.
+layout(constant_id = 1) const uint kIsListed = 1;
 layout(push_constant, scalar) uniform Push { WindingRimsPush push; };
 
 // Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
@@ -21,13 +24,13 @@ vec3 unit(vec3 v) {
   return v * inversesqrt(max(dot(v, v), 1e-30));
 }
 
-// Returns what the rims add to the crossings of the ray along `direction`. Half of each solid angle is the argument of a
-// complex number. `clearance` is how far the ray passes the rims by, as an angle, about.
+// Returns what the rims add to the crossings of the ray along `direction`, the same to all lanes of a subgroup. Half of each
+// solid angle is the argument of a complex number. `clearance` is how far the ray passes the rims by, as an angle, about.
 float shareOfRims(vec3 p, vec3 direction, out float clearance) {
   vec2 product = vec2(1, 0);
   float turns = 0;
   clearance = 4;
-  for (uint i = 0; i < push.rimCount; ++i) {
+  for (uint i = gl_SubgroupInvocationID; i < push.rimCount; i += gl_SubgroupSize) {
     const vec3 a = unit(rimEnd(2 * i) - p), b = unit(rimEnd(2 * i + 1) - p);
     const vec2 factor = vec2(1 + dot(a, b) - dot(a, direction) - dot(b, direction), -dot(cross(a, b), direction));
     clearance = min(clearance, max(factor.x, abs(factor.y)));
@@ -38,7 +41,8 @@ float shareOfRims(vec3 p, vec3 direction, out float clearance) {
     if (product.y < 0 && factor.y < 0 && next.y >= 0) turns -= 1;
     product = next / (abs(next.x) + abs(next.y));
   }
-  return turns + arcTangent(product.y, product.x) / (2 * kPi);
+  clearance = subgroupMin(clearance);
+  return subgroupAdd(turns + arcTangent(product.y, product.x) / (2 * kPi));
 }
 
 // Returns the crossings of the ray from a sample, which may lie outside of the grid.
@@ -71,13 +75,28 @@ float windingNumber(ivec3 s) {
   return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + kDisplacement, vec3(1, 0, 0), clearance));
 }
 
-void main() {
-  const uint i = invocationIndex();
-  if (i >= push.count) return;
-  const bool isListed = uint64_t(push.computed) != 0;
-  const uint place = isListed ? push.computed.at[i] : i;
-  if (!isListed && abs(abs(push.values.at[place]) - push.threshold) >= rimError(push.distance.at[place])) return;
+void compute(uint place) {
   const uvec3 dims = uvec3(rimDims(ivec3(push.gridX, push.gridY, push.gridZ), push.level));
   const uint row = place / dims.x;
-  push.values.at[place] = windingNumber(ivec3(place % dims.x, row % dims.y, row / dims.y) << int(push.level));
+  const float w = windingNumber(ivec3(place % dims.x, row % dims.y, row / dims.y) << int(push.level));
+  if (subgroupElect()) push.values.at[place] = w;
+}
+
+bool isDoubtful(uint place) {
+  return abs(abs(push.values.at[place]) - push.threshold) < numberError(push.source, push.distance.at[place]);
+}
+
+void main() {
+  if (kIsListed != 0) {
+    const uint i = groupIndex() * gl_NumSubgroups + gl_SubgroupID;
+    if (i < push.count) compute(push.computed.at[i]);
+    return;
+  }
+  const uint place = groupIndex() * gl_WorkGroupSize.x + laneIndex();
+  uvec4 doubtful = subgroupBallot(place < push.count && isDoubtful(place));
+  while (subgroupBallotBitCount(doubtful) > 0) {
+    const uint lane = subgroupBallotFindLSB(doubtful);
+    doubtful[lane / 32] &= ~(1u << lane % 32);
+    compute(subgroupBroadcast(place, lane));
+  }
 }

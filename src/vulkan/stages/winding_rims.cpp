@@ -19,6 +19,10 @@ uint64_t rimSamples(const glm::ivec3& dims, size_t level) {
   return CellLattice{rimDims(dims, static_cast<uint32_t>(level))}.count();
 }
 
+uint32_t groupOf(const Device& device) {
+  return std::max(kGroup, device.limits().maxSubgroupSize);
+}
+
 }  // namespace
 
 WindingRimsStage::WindingRimsStage(Device& device, ScratchMemory* scratch)
@@ -27,7 +31,9 @@ WindingRimsStage::WindingRimsStage(Device& device, ScratchMemory* scratch)
       upload_(device, "rims for the device", MemoryUse::Upload),
       lists_(device, "rims and samples near them"),
       prolong_(device, shaders::kWindingHarmonicProlong, kGroup, {0, 1}),
-      compute_(device, shaders::kWindingRims, kGroup) {}
+      listed_(device, shaders::kWindingRims, groupOf(device), {1}),
+      settle_(device, shaders::kWindingRims, groupOf(device), {0}),
+      lanes_(device.limits().maxSubgroupSize) {}
 
 void WindingRimsStage::reserve(const glm::ivec3& dims) {
   dims_ = dims;
@@ -40,6 +46,7 @@ void WindingRimsStage::reserve(const glm::ivec3& dims) {
 
 void WindingRimsStage::upload(Commands& commands, const RimLattices& lattices) {
   rimCount_ = static_cast<uint32_t>(lattices.rims.size());
+  source_ = lattices.source();
   uint64_t bytes = rimCount_ * sizeof(RimLine);
   for (const std::vector<uint32_t>& places : lattices.computed) bytes += places.size() * sizeof(uint32_t);
   upload_.resize<std::byte>(bytes);
@@ -65,7 +72,11 @@ WindingRimsPush WindingRimsStage::push(const LatticeLines& rays, VkDeviceAddress
 
 void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,
                               VkDeviceAddress winding) {
+  if (lattices.rims.empty()) return;
   upload(commands, lattices);
+  double visited = 0.0, all = 0.0;
+  for (size_t l = 0; l < lattices.computed.size(); ++l)
+    all += double(lattices.computed[l].size()) + double(rimSamples(dims_, l));
   VkDeviceAddress listEnd = lists_.address() + lists_.bytes();
   const auto valuesOf = [&](size_t l) { return l == 0 ? winding : values_[l - 1].address(); };
   for (size_t l = lattices.computed.size(); l-- > 0;) {
@@ -84,7 +95,10 @@ void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, cons
                                         .level = compute.level};
       commands.dispatch(prolong_, prolong, rimSamples(dims_, l));
     }
-    commands.dispatch(compute_, compute, compute.count);
+    commands.dispatch(listed_, compute, uint64_t{compute.count} * lanes_);
+    visited += double(compute.count) + double(rimSamples(dims_, l));
+    constexpr double kRays = 0.2;  // The rays before it count as a fifth of the stage, as on the CPU.
+    commands.report(kRays + (1.0 - kRays) * visited / all);
   }
 }
 
@@ -93,8 +107,9 @@ void WindingRimsStage::recordSettling(Commands& commands, const LatticeLines& ra
   WindingRimsPush settle = push(rays, winding);
   settle.count = static_cast<uint32_t>(rimSamples(dims_, 0));
   settle.distance = distance;
+  settle.source = source_;
   settle.threshold = static_cast<float>(threshold);
-  commands.dispatch(compute_, settle, settle.count);
+  commands.dispatch(settle_, settle, settle.count);
 }
 
 }  // namespace raymap::vulkan

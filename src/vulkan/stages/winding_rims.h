@@ -16,10 +16,10 @@ class WindingRimsStage {
 
   /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// Fills `winding` on the grid of the last `reserve`. All previously recorded work must have completed.
+  /// Fills `winding` on the grid of the last `reserve`, if all numbers follow from rims. All previously recorded work must have completed.
   void record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices, VkDeviceAddress winding);
-  /// Computes the numbers exactly that interpolation may have put on the wrong side of the threshold, with the rims of the
-  /// last `record`. `distance` is the unsigned distance in cells.
+  /// Computes the numbers exactly that may lie on the wrong side of the threshold, with the rims of the last `record`.
+  /// `distance` is the unsigned distance in cells.
   void recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance, double threshold,
                       VkDeviceAddress winding);
 
@@ -30,11 +30,12 @@ class WindingRimsStage {
   glm::ivec3 dims_{0};
   Device* device_;
   ScratchMemory* scratch_;
-  uint32_t rimCount_ = 0;
+  uint32_t rimCount_ = 0, source_ = kFromRims;
   std::vector<DeviceBuffer> values_;  // Of the coarser lattices.
   DeviceBuffer upload_, lists_;       // Rims, then the places of each lattice's samples.
   Kernel<WindingHarmonicPush> prolong_;
-  Kernel<WindingRimsPush> compute_;
+  Kernel<WindingRimsPush> listed_, settle_;
+  uint32_t lanes_;  // A subgroup computes a sample, of at most so many lanes.
 };
 
 }  // namespace raymap::vulkan
