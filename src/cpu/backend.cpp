@@ -297,7 +297,7 @@ size_t Backend::bytes() const {
   for (const CellLevel& level : levels_) total += level.bytes();
   for (const AxisCrossings& axis : crossings_)
     total += axis.starts.capacityBytes() + axis.entries.capacityBytes();
-  return total + rayMap_.bytes();
+  return total + rayMap_.bytes() + rims_.bytes();
 }
 
 }  // namespace raymap::cpu

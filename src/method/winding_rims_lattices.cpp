@@ -104,6 +104,12 @@ std::vector<std::vector<uint32_t>> chooseSamples(const std::vector<RimLine>& rim
 
 }  // namespace
 
+size_t RimLattices::bytes() const {
+  size_t sum = rims.capacity() * sizeof(RimLine);
+  for (const std::vector<uint32_t>& places : computed) sum += places.capacity() * sizeof(uint32_t);
+  return sum;
+}
+
 bool RimLattices::needDipoles() const {
   return !haveAll() && (rims.empty() || rims.size() > kFewRims);
 }

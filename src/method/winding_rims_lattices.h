@@ -18,6 +18,7 @@ struct RimLattices {
   /// all crossings, or if the mesh reaches beyond the grid.
   std::vector<std::vector<uint32_t>> computed;
 
+  size_t bytes() const;
   /// Returns whether all numbers follow from rims.
   bool haveAll() const { return !computed.empty(); }
   /// Returns whether dipoles decide signs near the threshold before rims do.

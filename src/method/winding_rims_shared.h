@@ -15,8 +15,10 @@ RAYMAP_SHARED_BEGIN(raymap)
 using glm::ivec3;
 #endif
 
-// A ray that passes all rims at this angle or more is used; a rim on the ray would leave the number undefined.
-RAYMAP_CONSTANT float kClearOfRims = 1e-2f;
+// A ray that passes all rims at this angle or more serves at once. Else the one of six that passes them farthest serves, unless
+// its angle is below the least: a rim on the ray would leave the number undefined.
+RAYMAP_CONSTANT float kClearOfRims = 0.05f;
+RAYMAP_CONSTANT float kLeastClearance = 1e-3f;
 // Numbers are whole multiples of one over this, so that rounding puts none that equals the threshold beyond it.
 RAYMAP_CONSTANT float kRimUnits = 262144.0f;
 

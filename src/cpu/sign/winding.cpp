@@ -28,12 +28,13 @@ struct Winding::Impl {
   HarmonicScratch harmonic;
 
   /// Returns the bytes that a mode has yet to allocate if rays disagree.
-  size_t bytesToAllocate(const RaySweep& sweep, SignMode mode) const {
+  size_t bytesToAllocate(const RaySweep& sweep, SignMode mode, bool isFromRims) const {
     const bool isHarmonic = mode == SignMode::Harmonic;
     if (!isHarmonic && mode != SignMode::Paths && mode != SignMode::Evolution) return 0;
     const size_t held = isHarmonic ? harmonic.bytes() : paths.bytes();
-    const size_t needed = isHarmonic ? HarmonicScratch::bytesNeeded(sweep.map())
-                                     : PathScratch::bytesNeeded(sweep.sampleCount());
+    const size_t needed = isFromRims   ? bytesForRims(sweep.map())
+                          : isHarmonic ? HarmonicScratch::bytesNeeded(sweep.map())
+                                       : PathScratch::bytesNeeded(sweep.sampleCount());
     return needed - std::min(needed, held);
   }
 };
@@ -53,17 +54,17 @@ double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& op
                                                 : averageRays(sweep, progress, rays, winding);
   // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
-    source.ask(impl_->bytesToAllocate(sweep, mode));
+    const RimLattices* rims = mode == SignMode::Harmonic ? &source.rims() : nullptr;
+    const bool isFromRims = rims && rims->haveAll();
+    source.ask(impl_->bytesToAllocate(sweep, mode, isFromRims));
     if (mode == SignMode::Paths)
       averagePaths(sweep, options, progress, rays, impl_->paths, winding);
     else if (mode == SignMode::Evolution)
       evolvePaths(sweep, options, progress, rays, impl_->paths, winding);
-    else if (mode == SignMode::Harmonic) {
-      if (const RimLattices& rims = source.rims(); rims.haveAll())
-        computeFromRims(map, rims, progress, rays, impl_->harmonic, winding);
-      else
-        solveHarmonic(map, progress, rays, impl_->harmonic, winding);
-    }
+    else if (isFromRims)
+      computeFromRims(map, *rims, progress, rays, impl_->harmonic, winding);
+    else if (mode == SignMode::Harmonic)
+      solveHarmonic(map, progress, rays, impl_->harmonic, winding);
   }
   return double(doubtful) / double(sweep.sampleCount());
 }

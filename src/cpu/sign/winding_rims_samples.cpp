@@ -26,11 +26,13 @@ class SampleNumbers {
   /// Returns the winding number of a sample, which may lie outside of the grid.
   float at(const glm::ivec3& sample) const {
     const glm::dvec3 p(sample);
-    for (const bool isForward : {true, false})
-      for (int axis = 0; axis < 3; ++axis) {
-        const RimShare share = rims_.at(p, direction(axis, isForward), kAllowedError);
-        if (share.clearance >= double(kClearOfRims)) return rounded(crossings(sample, axis, isForward) + share.winding);
-      }
+    double best = 0.0, clearance = 0.0;
+    for (int i = 0; i < 6 && clearance < double(kClearOfRims); ++i) {
+      const RimShare share = rims_.at(p, direction(i % 3, i < 3), kAllowedError);
+      if (share.clearance > clearance) best = crossings(sample, i % 3, i < 3) + share.winding;
+      clearance = std::max(clearance, share.clearance);
+    }
+    if (clearance >= double(kLeastClearance)) return rounded(best);
     return rounded(crossings(sample, 0, true) + rims_.at(p + kDisplacement, direction(0, true)).winding);
   }
 
@@ -96,6 +98,18 @@ void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& p
     }
     computeSamples(numbers, level.box, lattices.computed[l], meter, values);
   }
+}
+
+size_t bytesForRims(const RayMap& map) {
+  size_t sum = 0;
+  const int coarsest = coarsestRimLevel(map.dims);
+  for (int l = 0; l <= coarsest; ++l) {
+    const LatticeBox box = rimBox(map.dims, l);
+    if (l > 0) sum += sizeof(float) * box.sampleCount();
+    if (l == coarsest) break;
+    for (const RayMap::Axis& axis : map.axes) sum += JumpRows::bytesNeeded(box, axis.steps.size());
+  }
+  return sum;
 }
 
 void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,

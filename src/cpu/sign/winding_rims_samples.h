@@ -11,6 +11,9 @@ namespace raymap::cpu {
 void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& progress, double begin,
                      HarmonicScratch& scratch, Buffer<float>& winding);
 
+/// Returns about how many bytes the scratch memory holds after `computeFromRims` on this map.
+size_t bytesForRims(const RayMap& map);
+
 /// Computes every winding number exactly that is so close to the threshold that it may lie on the wrong side. `distance` is
 /// the unsigned distance in cells.
 void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,

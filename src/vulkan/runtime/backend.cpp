@@ -16,6 +16,10 @@ namespace {
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
 
+/// With so many faces, the host finds their rims while the device computes distances. With more, that would take longer, and
+/// be in vain if all rays agree.
+constexpr size_t kFacesSearchedBeside = size_t{1} << 18;
+
 /// Returns the bytes of the buffer through which a field comes: a quarter of the field. A lower limit keeps
 /// the wait shorter than the copy; an upper limit keeps the buffer in the host's caches.
 uint64_t pieceBytes(uint64_t fieldBytes) {
@@ -172,16 +176,25 @@ void Backend::searchDoubleSided() {
   if (!doubleSided_) doubleSided_ = findDoubleSidedFaces(mesh());
 }
 
+void Backend::searchRims() {
+  const Buffer<glm::uvec3> triangles = turnedTriangles(mesh().triangles, turns_);
+  rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
+}
+
 void Backend::winding(SignMode mode) {
   rims_ = {};
   recordRays(mode);
   if (mode == SignMode::Harmonic) {
-    const double share = countDoubtful([this] {
+    const bool isQuick = mesh().triangles.size() <= kFacesSearchedBeside;
+    const double share = countDoubtful([&] {
       if (mayTurnFaces(options())) searchDoubleSided();
+      if (isQuick) searchRims();
     });
-    if (share == 0.0) return;
-    const Buffer<glm::uvec3> triangles = turnedTriangles(mesh().triangles, turns_);
-    rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
+    if (share == 0.0) {
+      rims_ = {};
+      return;
+    }
+    if (!isQuick) searchRims();
     recordRims(rims_);
   }
   if (!rims_.haveAll()) recordWinding(mode);

@@ -67,6 +67,7 @@ class Backend : public StageRecorder, private RecordingListener {
 
  private:
   void searchDoubleSided();
+  void searchRims();
   void startStage(const char* name);
   void stopStage();
   /// Runs all recorded work, and meanwhile `work` on the host.

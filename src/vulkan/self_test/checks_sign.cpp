@@ -271,7 +271,7 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
 }
 
 void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map, const RimLattices& lattices) {
-  constexpr double kThreshold = 0.5, kTolerance = 1e-5;
+  constexpr double kThreshold = 0.5, kTolerance = 5e-5;
   Progress progress;
   cpu::HarmonicScratch scratch;
   Buffer<float> expected = bufferOf(randomField(CellLattice{map.dims}.count())), distance = expected.clone();

@@ -46,15 +46,21 @@ float shareOfRims(vec3 p, vec3 direction, out float clearance) {
 }
 
 // Returns the crossings of the ray from a sample, which may lie outside of the grid.
-int crossingsOf(ivec3 s, uint axis, bool isForward) {
+int crossingsAlong(Ints rays, uint axis, ivec3 s, bool isForward) {
   const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
   ivec3 across = s;
   across[axis] = 0;
   if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
   ivec3 before = s;
   before[axis] = -1;
-  const int after = rayFrom(push.rays[axis], axis, dims, s);
-  return isForward ? after : after - rayFrom(push.rays[axis], axis, dims, before);
+  const int after = rayFrom(rays, axis, dims, s);
+  return isForward ? after : after - rayFrom(rays, axis, dims, before);
+}
+
+int crossingsOf(ivec3 s, uint axis, bool isForward) {
+  if (axis == 0) return crossingsAlong(push.rays[0], 0, s, isForward);
+  if (axis == 1) return crossingsAlong(push.rays[1], 1, s, isForward);
+  return crossingsAlong(push.rays[2], 2, s, isForward);
 }
 
 float rounded(float winding) {
@@ -63,15 +69,15 @@ float rounded(float winding) {
 
 float windingNumber(ivec3 s) {
   const vec3 p = vec3(s);
-  float clearance;
-  for (uint i = 0; i < 6; ++i) {
-    const uint axis = i % 3;
-    const bool isForward = i < 3;
+  float best = 0, most = 0, clearance;
+  for (uint i = 0; i < 6 && most < kClearOfRims; ++i) {
     vec3 direction = vec3(0);
-    direction[axis] = isForward ? 1 : -1;
+    direction[i % 3] = i < 3 ? 1 : -1;
     const float share = shareOfRims(p, direction, clearance);
-    if (clearance >= kClearOfRims) return rounded(float(crossingsOf(s, axis, isForward)) + share);
+    if (clearance > most) best = float(crossingsOf(s, i % 3, i < 3)) + share;
+    most = max(most, clearance);
   }
+  if (most >= kLeastClearance) return rounded(best);
   return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + kDisplacement, vec3(1, 0, 0), clearance));
 }
 
