@@ -172,8 +172,7 @@ void Backend::winding(SignMode mode) {
   const auto rims = [this]() -> const RimLattices& {
     return rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid);
   };
-  doubtfulShare_ =
-      windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
+  doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
@@ -244,8 +243,7 @@ void Backend::windingDipoles() {
     windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
                            distance, options().threshold, {0, haveRims ? kLooks - 1 : kLooks}, progress(),
                            windingBuffer());
-  if (haveRims)
-    settleByRims(rayMap_, rims_, distance, options().threshold, progress(), windingBuffer());
+  if (haveRims) settleByRims(rayMap_, rims_, distance, options().threshold, progress(), windingBuffer());
 }
 
 std::vector<MissingEdge> Backend::missingEdges() {

@@ -8,8 +8,8 @@
 
 RAYMAP_SHARED_BEGIN(raymap)
 
-// Returns a bound on nearly all errors of the field that fits all crossings, at this distance from the surface in cells
-// (docs/decisions/winding_dipoles.md). They are largest near the surface's rims.
+// Returns a bound on nearly all errors of the field that fits all crossings, at this distance from the
+// surface in cells (docs/decisions/winding_dipoles.md). They are largest near the surface's rims.
 RAYMAP_FUNCTION float latticeError(float distance) {
   return distance < 1.0f ? 0.3f : distance > 7.5f ? 0.04f : 0.3f / distance;
 }

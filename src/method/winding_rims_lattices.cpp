@@ -9,9 +9,11 @@ namespace raymap {
 
 namespace {
 
-/// Coarsest lattice: every eighth sample. Finer ones have more samples to compute, coarser ones more rims near them.
+/// Coarsest lattice: every eighth sample. Finer ones have more samples to compute, coarser ones more rims
+/// near them.
 constexpr int kCoarsestLevel = 3;
-/// Most rims that all computed samples together may see, for each sample of the grid. So many take as long as the fit.
+/// Most rims that all computed samples together may see, for each sample of the grid. So many take as long as
+/// the fit.
 constexpr double kMostRimsPerSample = 8.0;
 /// With more rims, a look at the dipoles is faster.
 constexpr size_t kFewRims = 512;
@@ -20,8 +22,10 @@ constexpr size_t kMostRims = 4096;
 
 bool isInside(const PackedMesh& mesh, const Grid& grid) {
   const Box box = bounds(mesh);
-  const glm::dvec3 low = (box.min - grid.origin) / grid.spacing, high = (box.max - grid.origin) / grid.spacing;
-  return glm::all(glm::greaterThan(low, glm::dvec3(-1.0))) && glm::all(glm::lessThan(high, glm::dvec3(grid.dims)));
+  const glm::dvec3 low = (box.min - grid.origin) / grid.spacing,
+                   high = (box.max - grid.origin) / grid.spacing;
+  return glm::all(glm::greaterThan(low, glm::dvec3(-1.0))) &&
+         glm::all(glm::lessThan(high, glm::dvec3(grid.dims)));
 }
 
 /// Samples of a lattice, one bit each.
@@ -29,7 +33,8 @@ class Marks {
  public:
   explicit Marks(const glm::ivec3& dims) : dims_(dims), words_((count() + 63) / 64) {}
 
-  /// Marks the samples within one and a half cells of an edge, and some within two. The edge is in the lattice's cells.
+  /// Marks the samples within one and a half cells of an edge, and some within two. The edge is in the
+  /// lattice's cells.
   void markAround(const glm::vec3& a, const glm::vec3& b) {
     const int steps = 1 + static_cast<int>(2.0f * glm::distance(a, b));
     glm::ivec3 last(INT32_MIN);
@@ -84,7 +89,8 @@ std::vector<RimLine> inCells(const PackedMesh& mesh, const Grid& grid, const std
   const double scale = 1.0 / grid.spacing;
   const auto place = [&](uint32_t v) { return glm::vec3((shift + glm::dvec3(mesh.vertices[v])) * scale); };
   std::vector<RimLine> rims;
-  for (const RimEdge& edge : edges) rims.insert(rims.end(), edge.times, RimLine{place(edge.from), place(edge.to)});
+  for (const RimEdge& edge : edges)
+    rims.insert(rims.end(), edge.times, RimLine{place(edge.from), place(edge.to)});
   return rims;
 }
 
@@ -126,7 +132,8 @@ RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid) {
   if (rimCount > kMostRims) return lattices;
   lattices.rims = inCells(mesh, grid, edges);
   if (isInside(mesh, grid))
-    lattices.computed = chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
+    lattices.computed =
+        chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
   return lattices;
 }
 

@@ -10,12 +10,13 @@
 
 namespace raymap {
 
-/// The rims of a surface over a grid, and the samples whose winding numbers are computed from rays and rims. All others lie
-/// between samples of the next coarser lattice, and so far from rims that their numbers may be interpolated.
+/// The rims of a surface over a grid, and the samples whose winding numbers are computed from rays and rims.
+/// All others lie between samples of the next coarser lattice, and so far from rims that their numbers may be
+/// interpolated.
 struct RimLattices {
   std::vector<RimLine> rims;  ///< In cell units; empty if they are too many.
-  /// Places in `rimDims`, x fastest, by level; the coarsest has all samples. Empty if it takes less time to fit the field to
-  /// all crossings, or if the mesh reaches beyond the grid.
+  /// Places in `rimDims`, x fastest, by level; the coarsest has all samples. Empty if it takes less time to
+  /// fit the field to all crossings, or if the mesh reaches beyond the grid.
   std::vector<std::vector<uint32_t>> computed;
 
   size_t bytes() const;

@@ -3,8 +3,8 @@
 #include <glm/vec3.hpp>
 #endif
 
-// Lattices on which winding numbers follow from rays and rims, the same on every backend. Level l has every 2^l-th sample
-// of the grid, and ends with the first one at or beyond the grid's last.
+// Lattices on which winding numbers follow from rays and rims, the same on every backend. Level l has every
+// 2^l-th sample of the grid, and ends with the first one at or beyond the grid's last.
 
 #include "base/shader_types.h"
 #include "method/winding_dipoles_shared.h"
@@ -15,21 +15,24 @@ RAYMAP_SHARED_BEGIN(raymap)
 using glm::ivec3;
 #endif
 
-// A ray that passes all rims at this angle or more serves at once. Else the one of six that passes them farthest serves, unless
-// its angle is below the least: a rim on the ray would leave the number undefined.
+// A ray that passes all rims at this angle or more serves at once. Else the one of six that passes them
+// farthest serves, unless its angle is below the least: a rim on the ray would leave the number undefined.
 RAYMAP_CONSTANT float kClearOfRims = 0.05f;
 RAYMAP_CONSTANT float kLeastClearance = 1e-3f;
-// Numbers are whole multiples of one over this, so that rounding puts none that equals the threshold beyond it.
+// Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
+RAYMAP_CONSTANT float kDisplacement[3] = {0.015625f, 0.001953125f, 0.000244140625f};
+// Numbers are whole multiples of one over this, so that rounding puts none that equals the threshold beyond
+// it.
 RAYMAP_CONSTANT float kRimUnits = 262144.0f;
 
-// What numbers come from before rims decide those near the threshold: interpolation between others that follow from rims,
-// the field that fits all crossings, or dipoles.
+// What numbers come from before rims decide those near the threshold: interpolation between others that
+// follow from rims, the field that fits all crossings, or dipoles.
 RAYMAP_CONSTANT uint kFromRims = 0u;
 RAYMAP_CONSTANT uint kFromFit = 1u;
 RAYMAP_CONSTANT uint kFromDipoles = 2u;
 
-// Returns a bound on the error of such a number, at this distance from the surface in cells. No rim is closer than the surface,
-// and the error of interpolation falls with the square of the rim's distance.
+// Returns a bound on the error of such a number, at this distance from the surface in cells. No rim is closer
+// than the surface, and the error of interpolation falls with the square of the rim's distance.
 RAYMAP_FUNCTION float numberError(uint source, float distance) {
   if (source == kFromFit) return latticeError(distance);
   if (source == kFromDipoles) return kClose[kLooks - 2u];

@@ -92,10 +92,10 @@ TEST(GeneratorMemory, KeepsToTheLimitWithMemoryOfEarlierRuns) {
   const Grid grid = fitGrid(closed, {.resolution = 64});
   Generator generator;
   Field field;
-  const size_t held = generator.generate(open, grid, {}, field, {.device = "cpu"}).bytes;
-  EXPECT_EQ(
-      generator.generate(open, grid, {}, field, {.device = "cpu", .memoryLimit = held + held / 50}).bytes,
-      held);
+  const FieldOptions options{.orientation = Orientation::Keep};
+  const size_t held = generator.generate(open, grid, options, field, {.device = "cpu"}).bytes;
+  const MachineOptions limited{.device = "cpu", .memoryLimit = held + held / 50};
+  EXPECT_EQ(generator.generate(open, grid, options, field, limited).bytes, held);
 }
 
 TEST(MemoryText, RoundsNeedsUpAndLimitsDown) {

@@ -11,8 +11,8 @@
 
 #include "any_threads.h"
 #include "broken_meshes.h"
-#include "mesh/rim_edges.h"
 #include "error_code.h"
+#include "mesh/rim_edges.h"
 #include "random_points.h"
 #include "reference.h"
 #include "shapes.h"

@@ -12,7 +12,8 @@
 namespace raymap {
 namespace {
 
-/// Two triangles, a sphere with holes, and a box without its top, whose edges lie on lattice lines of `boxGrid`.
+/// Two triangles, a sphere with holes, and a box without its top, whose edges lie on lattice lines of
+/// `boxGrid`.
 Mesh sheet() {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {1, 0.1, 0.2}, {0.2, 1, 0.1}, {0.9, 0.8, 0.5}};
   return makeMesh(corners, {{0, 1, 2}, {2, 1, 3}});

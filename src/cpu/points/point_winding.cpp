@@ -28,7 +28,7 @@ const glm::vec3 kOffset(0.0137f, 0.0291f, 0.0213f);
 constexpr float kClear = 0.1f;
 
 /// A way to a point that passes rims by less than this is taken only if there is no better one.
-constexpr double kClearOfRims = 1e-4;
+constexpr double kSafeClearance = 1e-4;
 
 /// The lattice's error far from the surface, where it is largest: around thousands of rims.
 constexpr float kMostLatticeError = 0.3f;
@@ -161,7 +161,7 @@ double PointWinding::exactNumber(const WindingPoints& points, size_t i) {
   const glm::ivec3 low = glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
   const auto first = uint32_t(source_.lattice.grid.index(low));
   RimShare best{source_.lattice.winding[nearestSample(p)], 0.0};
-  for (uint32_t c = 0; c <= kCorners && best.clearance < kClearOfRims; ++c) {
+  for (uint32_t c = 0; c <= kCorners && best.clearance < kSafeClearance; ++c) {
     const RimShare number = numberFrom(c < kCorners ? first + offsets_[c] : 0, points, i);
     if (number.clearance > best.clearance) best = number;
   }

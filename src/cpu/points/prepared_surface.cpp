@@ -36,7 +36,8 @@ WindingLattice makeLattice(const Grid& grid, double threshold, Field& samples) {
   lattice.agreement = std::move(samples.confidence);
   for (size_t s = 0; s < lattice.agreement.size(); ++s) {
     const float margin = marginOf(lattice.winding[s], static_cast<float>(threshold));
-    lattice.agreement[s] = margin > 0.0f ? std::min(lattice.agreement[s] / margin, 1.0f) : 0.5f;  // Then it is not known.
+    lattice.agreement[s] =
+        margin > 0.0f ? std::min(lattice.agreement[s] / margin, 1.0f) : 0.5f;  // Then it is not known.
   }
   return lattice;
 }

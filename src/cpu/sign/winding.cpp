@@ -46,8 +46,8 @@ size_t Winding::bytes() const {
   return impl_->paths.bytes() + impl_->harmonic.bytes();
 }
 
-double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& options,
-                        const Source& source, Progress& progress, Buffer<float>& winding) {
+double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& options, const Source& source,
+                        Progress& progress, Buffer<float>& winding) {
   const double rays = shareOfRays(mode, options);
   const RaySweep sweep(map);
   const size_t doubtful = mode == SignMode::Ray ? takeOneRay(sweep, progress, rays, winding)

@@ -242,8 +242,7 @@ void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& 
   SolidAngles solidAngles(tree, moments);
   const glm::uvec3 d(dims);
   for (const uint32_t s : samples)
-    winding[s] =
-        settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, looks);
+    winding[s] = settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, looks);
 }
 
 void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
@@ -315,8 +314,8 @@ std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::
 }
 
 void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims,
-                            const Buffer<float>& distance, double threshold, Looks looks,
-                            Progress& progress, Buffer<float>& winding) {
+                            const Buffer<float>& distance, double threshold, Looks looks, Progress& progress,
+                            Buffer<float>& winding) {
   const auto limit = static_cast<float>(threshold);
   const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
   if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;

@@ -1,5 +1,5 @@
-// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average curves: the ray
-// map has the first term, the crossings of a ray from each sample.
+// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average
+// curves: the ray map has the first term, the crossings of a ray from each sample.
 
 #include "cpu/sign/winding_rims_samples.h"
 
@@ -16,8 +16,6 @@ namespace {
 
 constexpr size_t kSamplesPerTask = 64;
 constexpr double kAllowedError = 1e-6;
-// Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
-constexpr glm::dvec3 kDisplacement{0x1p-6, 0x1p-9, 0x1p-12};
 
 class SampleNumbers {
  public:
@@ -33,7 +31,10 @@ class SampleNumbers {
       clearance = std::max(clearance, share.clearance);
     }
     if (clearance >= double(kLeastClearance)) return rounded(best);
-    return rounded(crossings(sample, 0, true) + rims_.at(p + kDisplacement, direction(0, true)).winding);
+    return rounded(
+        crossings(sample, 0, true) +
+        rims_.at(p + glm::dvec3(kDisplacement[0], kDisplacement[1], kDisplacement[2]), direction(0, true))
+            .winding);
   }
 
  private:
@@ -112,8 +113,8 @@ size_t bytesForRims(const RayMap& map) {
   return sum;
 }
 
-void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance, double threshold,
-                  Progress& progress, Buffer<float>& winding) {
+void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance,
+                  double threshold, Progress& progress, Buffer<float>& winding) {
   const auto limit = static_cast<float>(threshold);
   const uint32_t source = lattices.source();
   const std::vector<uint32_t> doubtful = parallelSelect(winding.size(), [&](uint32_t i) {

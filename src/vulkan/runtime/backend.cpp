@@ -16,8 +16,8 @@ namespace {
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
 
-/// With so many faces, the host finds their rims while the device computes distances. With more, that would take longer, and
-/// be in vain if all rays agree.
+/// With so many faces, the host finds their rims while the device computes distances. With more, that would
+/// take longer, and be in vain if all rays agree.
 constexpr size_t kFacesSearchedBeside = size_t{1} << 18;
 
 /// Returns the bytes of the buffer through which a field comes: a quarter of the field. A lower limit keeps
@@ -201,7 +201,7 @@ void Backend::winding(SignMode mode) {
 }
 
 void Backend::windingDipoles() {
-  if (rims_.needDipoles()) StageRecorder::windingDipoles();
+  if (rims_.needDipoles()) recordDipoles();
   if (!rims_.rims.empty()) recordRimSettling();
 }
 

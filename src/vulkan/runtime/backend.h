@@ -95,7 +95,7 @@ class Backend : public StageRecorder, private RecordingListener {
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   RimLattices rims_;
   std::optional<DoubleSidedFaces> doubleSided_;
-  Turns turns_;                          ///< Empty while the faces are as given.
+  Turns turns_;  ///< Empty while the faces are as given.
   std::vector<float> rises_;
   FaceSides faceSides_;
   CellMesh cellMesh_;

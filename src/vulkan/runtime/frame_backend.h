@@ -33,6 +33,12 @@ class FrameBackend : public StageRecorder {
     work();
   }
   void begin();
+  /// Takes no rims, for the host does not know the mesh.
+  void winding(SignMode mode) {
+    recordRays(mode);
+    recordWinding(mode);
+  }
+  void windingDipoles() { recordDipoles(); }
   void finish();
   /// Always true: `status` reports whether the capacities sufficed.
   static bool complete() { return true; }

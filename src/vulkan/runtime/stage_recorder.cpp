@@ -93,11 +93,6 @@ void StageRecorder::rayMap() {
   rayMap_.record(*commands_, crossings_.lines());
 }
 
-void StageRecorder::winding(SignMode mode) {
-  recordRays(mode);
-  recordWinding(mode);
-}
-
 void StageRecorder::recordRays(SignMode mode) {
   winding_.recordRays(*commands_, crossings_.lines(), mode, results_.winding);
 }
@@ -134,7 +129,7 @@ OrientationStage::Fields StageRecorder::orientationFields() const {
           .threshold = options_->threshold};
 }
 
-void StageRecorder::windingDipoles() {
+void StageRecorder::recordDipoles() {
   windingDipoles_.record(*commands_, surfaceTree(),
                          {.distance = results_.distance,
                           .winding = results_.winding,

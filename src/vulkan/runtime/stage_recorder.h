@@ -43,8 +43,6 @@ class StageRecorder {
   void exactDistance();
   void crossings();
   void rayMap();
-  void winding(SignMode mode);
-  void windingDipoles();
   void sign();
 
  protected:
@@ -73,11 +71,12 @@ class StageRecorder {
     VkDeviceAddress confidence = 0;  ///< 0: not requested.
   };
 
-  /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as the field that
-  /// fits all crossings.
+  /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as
+  /// the field that fits all crossings.
   void recordRays(SignMode mode);
   void recordRims(const RimLattices& lattices);
   void recordWinding(SignMode mode);
+  void recordDipoles();
   void recordRimSettling();
 
   explicit StageRecorder(Device& device);

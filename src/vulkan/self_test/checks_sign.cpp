@@ -95,7 +95,8 @@ void checkHarmonic(Subject& subject) {
 Mesh openSurfaces() {
   Mesh mesh = shapes::box({3, 2, 3}, {9, 8, 7});
   mesh.triangles.resize(mesh.triangles.size() - 2);
-  const std::vector<glm::dvec3> p{{14, 3, 2.5}, {14.3, 9, 3}, {16, 3, 5.5}, {15.5, 9, 5}, {19, 3, 4}, {18, 9, 6.5}};
+  const std::vector<glm::dvec3> p{{14, 3, 2.5}, {14.3, 9, 3}, {16, 3, 5.5},
+                                  {15.5, 9, 5}, {19, 3, 4},   {18, 9, 6.5}};
   return shapes::joined(mesh, makeMesh(p, {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}));
 }
 
@@ -270,14 +271,16 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
   });
 }
 
-void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map, const RimLattices& lattices) {
+void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map,
+                 const RimLattices& lattices) {
   constexpr double kThreshold = 0.5, kTolerance = 5e-5;
   Progress progress;
   cpu::HarmonicScratch scratch;
   Buffer<float> expected = bufferOf(randomField(CellLattice{map.dims}.count())), distance = expected.clone();
   for (float& each : distance) each = 20.0f * std::abs(each);
   const DeviceBuffer winding = probe.upload(std::vector<float>(expected.begin(), expected.end()), "winding"),
-                     distances = probe.upload(std::vector<float>(distance.begin(), distance.end()), "distance");
+                     distances =
+                         probe.upload(std::vector<float>(distance.begin(), distance.end()), "distance");
   const UploadedRays rays(probe, map);
   const LatticeLines lines{.dims = map.dims, .axes = rays.addresses()};
   stage.reserve(map.dims);
@@ -327,14 +330,11 @@ void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMa
 }
 
 std::span<const Check> checksOfSign() {
-  static constexpr Check kChecks[] = {{"crossings", checkCrossings},
-                                      {"ray_map, winding_rays", checkRays},
-                                      {"winding_harmonic", checkHarmonic},
-                                      {"winding_rims", checkRims},
-                                      {"winding_paths", checkPaths},
-                                      {"orientation", checkOrientation},
-                                      {"close_holes", checkCloseHoles},
-                                      {"sign", checkSign}};
+  static constexpr Check kChecks[] = {
+      {"crossings", checkCrossings},       {"ray_map, winding_rays", checkRays},
+      {"winding_harmonic", checkHarmonic}, {"winding_rims", checkRims},
+      {"winding_paths", checkPaths},       {"orientation", checkOrientation},
+      {"close_holes", checkCloseHoles},    {"sign", checkSign}};
   return kChecks;
 }
 

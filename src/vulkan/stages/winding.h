@@ -14,7 +14,8 @@ class WindingStage {
   /// Reserves memory for grids of these dims and these modes; `Rays` and `Ray` need none. All previously
   /// recorded work must have completed.
   void reserve(const glm::ivec3& dims, SignMode mode, bool isSolvedToo);
-  /// Counts the samples whose six rays disagree, and writes the mean of the rays of each sample, or the one along +x.
+  /// Counts the samples whose six rays disagree, and writes the mean of the rays of each sample, or the one
+  /// along +x.
   void recordRays(Commands& commands, const LatticeLines& rays, SignMode mode, VkDeviceAddress winding);
   /// Replaces the mean if some rays disagree. The options give the number of passes and the offsets.
   void record(Commands& commands, const LatticeLines& rays, SignMode mode, const FieldOptions& options,

@@ -13,9 +13,6 @@
 layout(constant_id = 1) const uint kIsListed = 1;
 layout(push_constant, scalar) uniform Push { WindingRimsPush push; };
 
-// Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
-const vec3 kDisplacement = vec3(0.015625, 0.001953125, 0.000244140625);
-
 vec3 rimEnd(uint i) {
   return vec3(push.rims.at[3 * i], push.rims.at[3 * i + 1], push.rims.at[3 * i + 2]);
 }
@@ -78,7 +75,7 @@ float windingNumber(ivec3 s) {
     most = max(most, clearance);
   }
   if (most >= kLeastClearance) return rounded(best);
-  return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + kDisplacement, vec3(1, 0, 0), clearance));
+  return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + vec3(kDisplacement[0], kDisplacement[1], kDisplacement[2]), vec3(1, 0, 0), clearance));
 }
 
 void compute(uint place) {

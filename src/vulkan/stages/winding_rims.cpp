@@ -1,4 +1,5 @@
-// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average curves.
+// Martens, Trettner & Bessmeltsev 2026, "The Antipodal Method", where Krayer & Müller 2019, §3.5, average
+// curves.
 
 #include "vulkan/stages/winding_rims.h"
 
@@ -40,8 +41,7 @@ void WindingRimsStage::reserve(const glm::ivec3& dims) {
   const auto coarser = static_cast<size_t>(coarsestRimLevel(dims));
   while (values_.size() > coarser) values_.pop_back();
   while (values_.size() < coarser) values_.emplace_back(*device_, "winding values between rims", scratch_);
-  for (size_t l = 1; l <= coarser; ++l)
-    values_[l - 1].resize<float>(rimSamples(dims, l));
+  for (size_t l = 1; l <= coarser; ++l) values_[l - 1].resize<float>(rimSamples(dims, l));
 }
 
 void WindingRimsStage::upload(Commands& commands, const RimLattices& lattices) {

@@ -16,12 +16,14 @@ class WindingRimsStage {
 
   /// Reserves memory for grids of these dims. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
-  /// Fills `winding` on the grid of the last `reserve`, if all numbers follow from rims. All previously recorded work must have completed.
-  void record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices, VkDeviceAddress winding);
-  /// Computes the numbers exactly that may lie on the wrong side of the threshold, with the rims of the last `record`.
-  /// `distance` is the unsigned distance in cells.
-  void recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance, double threshold,
-                      VkDeviceAddress winding);
+  /// Fills `winding` on the grid of the last `reserve`, if all numbers follow from rims. All previously
+  /// recorded work must have completed.
+  void record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,
+              VkDeviceAddress winding);
+  /// Computes the numbers exactly that may lie on the wrong side of the threshold, with the rims of the last
+  /// `record`. `distance` is the unsigned distance in cells.
+  void recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance,
+                      double threshold, VkDeviceAddress winding);
 
  private:
   void upload(Commands& commands, const RimLattices& lattices);
