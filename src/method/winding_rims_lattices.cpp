@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "base/parallel.h"
 #include "method/winding_harmonic_lattices.h"
 
 namespace raymap {
@@ -100,12 +101,12 @@ std::vector<std::vector<uint32_t>> chooseSamples(const std::vector<RimLine>& rim
   const int coarsest = coarsestRimLevel(dims);
   std::vector<std::vector<uint32_t>> samples(size_t(coarsest) + 1);
   samples.back() = allSamples(dims, coarsest);
-  double seen = double(rims.size()) * double(samples.back().size());
-  for (int level = 0; level < coarsest && seen <= mostRims; ++level) {
-    samples[size_t(level)] = samplesNear(rims, dims, level);
-    seen += double(rims.size()) * double(samples[size_t(level)].size());
-  }
-  return seen <= mostRims ? samples : std::vector<std::vector<uint32_t>>();
+  if (double(rims.size()) * double(samples.back().size()) > mostRims) return {};
+  parallelFor(size_t(coarsest), 1,
+              [&](size_t level, size_t) { samples[level] = samplesNear(rims, dims, int(level)); });
+  size_t count = 0;
+  for (const std::vector<uint32_t>& places : samples) count += places.size();
+  return double(rims.size()) * double(count) <= mostRims ? samples : std::vector<std::vector<uint32_t>>();
 }
 
 }  // namespace

@@ -177,7 +177,9 @@ void Backend::searchDoubleSided() {
 }
 
 void Backend::searchRims() {
-  const Buffer<glm::uvec3> triangles = turnedTriangles(mesh().triangles, turns_);
+  Buffer<glm::uvec3> turned;  // A copy takes longer than the search on many threads.
+  if (!turns_.empty()) turned = turnedTriangles(mesh().triangles, turns_);
+  const std::span<const glm::uvec3> triangles = turns_.empty() ? mesh().triangles : std::span(turned);
   rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
 }
 
