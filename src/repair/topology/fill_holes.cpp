@@ -18,32 +18,32 @@ namespace {
 constexpr size_t kMostEdges = 300;  // The time grows with the cube.
 
 /// An edge of a rim in the direction in which a face of the hole uses it, and the third corner of its face.
-struct RimEdge {
+struct BorderEdge {
   uint32_t from, to, third;
 };
 
 /// Returns the edges that only one face uses, by their first vertex.
-std::vector<RimEdge> findRimEdges(const Mesh& mesh) {
+std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
   Buffer<SortKey> keys;
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
-  std::vector<RimEdge> rim;
+  std::vector<BorderEdge> rim;
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     if (edge.size() != 1) return;
     const HalfEdge only = halfEdgeOf(edge[0]);
     const glm::uvec3& t = mesh.triangles[only.face];
     rim.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
   });
-  std::ranges::sort(rim, {}, &RimEdge::from);
+  std::ranges::sort(rim, {}, &BorderEdge::from);
   return rim;
 }
 
-using Rim = std::vector<RimEdge>;
+using Rim = std::vector<BorderEdge>;
 
 /// Joins edges to closed rims. Returns nothing if one does not close, or has too few or too many edges.
-std::optional<std::vector<Rim>> traceRims(const std::vector<RimEdge>& edges, size_t vertices) {
+std::optional<std::vector<Rim>> traceRims(const std::vector<BorderEdge>& edges, size_t vertices) {
   std::vector<bool> isUsed(edges.size());
   const auto take = [&](uint32_t& place) {
-    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &RimEdge::from) - edges.begin());
+    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &BorderEdge::from) - edges.begin());
     while (e < edges.size() && edges[e].from == place && isUsed[e]) ++e;
     if (e == edges.size() || edges[e].from != place) return kNoEdge;
     isUsed[e] = true;
@@ -51,7 +51,7 @@ std::optional<std::vector<Rim>> traceRims(const std::vector<RimEdge>& edges, siz
     return uint32_t(e);
   };
   std::vector<uint32_t> starts;
-  for (const RimEdge& edge : edges) starts.push_back(edge.from);
+  for (const BorderEdge& edge : edges) starts.push_back(edge.from);
   std::vector<Rim> rims;
   bool areGood = true;
   traceLoops(vertices, starts, take, [&](std::span<const LoopStep> steps, uint32_t end) {
@@ -110,7 +110,7 @@ class RimFiller {
     return normalOfMesh(i);
   }
   glm::dvec3 normalOfMesh(size_t i) const {
-    const RimEdge& edge = rim_[i];
+    const BorderEdge& edge = rim_[i];
     const auto position = [&](uint32_t v) { return glm::dvec3(mesh_.vertices[v]); };
     return doubleAreaNormal(position(edge.to), position(edge.from), position(edge.third));
   }
@@ -138,7 +138,7 @@ class RimFiller {
 }  // namespace
 
 FilledHoles fillHoles(Mesh& mesh) {
-  const auto rims = traceRims(findRimEdges(mesh), mesh.vertices.size());
+  const auto rims = traceRims(findBorderEdges(mesh), mesh.vertices.size());
   if (!rims) return {};
   const size_t before = mesh.triangles.size();
   for (const Rim& rim : *rims) RimFiller(mesh, rim).append(mesh.triangles);
