@@ -25,7 +25,7 @@ RAYMAP_CONSTANT float kDisplacement[3] = {0.015625f, 0.001953125f, 0.00024414062
 // it.
 RAYMAP_CONSTANT float kRimUnits = 262144.0f;
 
-// What numbers come from before rims decide those near the threshold: interpolation between others that
+// Sources of the numbers before rims decide those near the threshold: interpolation between numbers that
 // follow from rims, the field that fits all crossings, or dipoles.
 RAYMAP_CONSTANT uint kFromRims = 0u;
 RAYMAP_CONSTANT uint kFromFit = 1u;

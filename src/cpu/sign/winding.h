@@ -17,7 +17,7 @@ class Winding {
  public:
   Winding();
   ~Winding();
-  /// What `compute` asks for if rays disagree.
+  /// Functions that `compute` calls if rays disagree.
   struct Source {
     /// Throws if there are not so many bytes to allocate.
     std::function<void(size_t)> ask;
