@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cfloat>
 
 #include "base/parallel.h"
 #include "method/winding_harmonic_lattices.h"
@@ -17,7 +18,7 @@ constexpr int kCoarsestLevel = 3;
 /// the fit.
 constexpr double kMostRimsPerSample = 8.0;
 /// With more rims, a look at the dipoles is faster.
-constexpr size_t kFewRims = 512;
+constexpr size_t kFewRims = 1536;
 /// With more rims, dipoles decide alone.
 constexpr size_t kMostRims = 4096;
 
@@ -95,18 +96,31 @@ std::vector<RimLine> inCells(const PackedMesh& mesh, const Grid& grid, const std
   return rims;
 }
 
+glm::vec3 centreOf(const std::vector<RimLine>& rims) {
+  glm::vec3 low(rims.empty() ? 0.0f : FLT_MAX), high = -low;
+  for (const RimLine& rim : rims) {
+    low = glm::min(low, glm::min(rim.from, rim.to));
+    high = glm::max(high, glm::max(rim.from, rim.to));
+  }
+  return 0.5f * low + 0.5f * high;
+}
+
 /// Returns the samples to be computed by level, or nothing if they see more rims than allowed.
 std::vector<std::vector<uint32_t>> chooseSamples(const std::vector<RimLine>& rims, const glm::ivec3& dims,
                                                  double mostRims) {
   const int coarsest = coarsestRimLevel(dims);
   std::vector<std::vector<uint32_t>> samples(size_t(coarsest) + 1);
   samples.back() = allSamples(dims, coarsest);
-  if (double(rims.size()) * double(samples.back().size()) > mostRims) return {};
-  parallelFor(size_t(coarsest), 1,
-              [&](size_t level, size_t) { samples[level] = samplesNear(rims, dims, int(level)); });
-  size_t count = 0;
-  for (const std::vector<uint32_t>& places : samples) count += places.size();
-  return double(rims.size()) * double(count) <= mostRims ? samples : std::vector<std::vector<uint32_t>>();
+  double total = double(samples.back().size()), finer = 0.0;
+  for (auto level = size_t(coarsest); double(rims.size()) * (total + finer) <= mostRims;) {
+    if (level-- == 0) return samples;
+    samples[level] = samplesNear(rims, dims, int(level));
+    const auto count = double(samples[level].size());
+    total += count;
+    // Curves have at least twice as many samples near them on the next finer lattice.
+    finer = count * double((2u << level) - 2u);
+  }
+  return {};
 }
 
 }  // namespace
@@ -132,9 +146,12 @@ RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid) {
   RimLattices lattices;
   if (rimCount > kMostRims) return lattices;
   lattices.rims = inCells(mesh, grid, edges);
+  lattices.centre = centreOf(lattices.rims);
   if (isInside(mesh, grid))
     lattices.computed =
         chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
+  // To look at all triangles then takes no longer.
+  if (!lattices.haveAll() && rimCount > mesh.triangles.size()) lattices.rims.clear();
   return lattices;
 }
 

@@ -138,21 +138,38 @@ TEST(WindingRimsSamples, AnswerTiesAlike) {
   EXPECT_GT(ties, 20u);
 }
 
+/// A closed surface and as many triangles by themselves, at a resolution at which fitting is faster.
+RimLattices latticesWith(int triangles) {
+  const Mesh mesh = shapes::joined(shapes::sphere(1.0, 5), shapes::soup(triangles, 3));
+  return findRimLattices(mesh, fitGrid(mesh, {.resolution = 16}));
+}
+
 TEST(RimLattices, AreLeftOutWhereTheFitIsFaster) {
-  const Mesh few = sheet(), many = shapes::soup(1000, 3), most = shapes::soup(2000, 3);
-  EXPECT_TRUE(findRimLattices(few, fitGrid(few, {.resolution = 64})).haveAll());
-  const RimLattices beyond = findRimLattices(many, fitGrid(many, {.resolution = 40}));
-  EXPECT_FALSE(beyond.haveAll());
-  EXPECT_EQ(beyond.rims.size(), 3000u);
-  EXPECT_TRUE(beyond.needDipoles());
-  EXPECT_EQ(beyond.source(), kFromDipoles);
-  EXPECT_TRUE(findRimLattices(most, fitGrid(most, {.resolution = 40})).rims.empty());
+  EXPECT_TRUE(findRimLattices(sheet(), fitGrid(sheet(), {.resolution = 64})).haveAll());
+  const RimLattices few = latticesWith(512), many = latticesWith(513), most = latticesWith(1366);
+  EXPECT_EQ(few.rims.size(), 1536u);
+  EXPECT_FALSE(few.haveAll());
+  EXPECT_FALSE(few.needDipoles());
+  EXPECT_EQ(few.source(), kFromFit);
+  EXPECT_EQ(many.rims.size(), 1539u);
+  EXPECT_TRUE(many.needDipoles());
+  EXPECT_EQ(many.source(), kFromDipoles);
+  EXPECT_TRUE(most.rims.empty());
+  EXPECT_TRUE(most.needDipoles());
+}
+
+TEST(RimLattices, AreLeftOutWhereTrianglesAreFewer) {
+  const Mesh soup = shapes::soup(100, 3);
+  const RimLattices lattices = findRimLattices(soup, fitGrid(soup, {.resolution = 16}));
+  EXPECT_TRUE(lattices.rims.empty());
+  EXPECT_FALSE(lattices.haveAll());
+  EXPECT_TRUE(lattices.needDipoles());
 }
 
 TEST(RimLattices, NeedTheWholeMeshInTheGrid) {
-  const Mesh mesh = sheet();
-  Grid grid = fitGrid(mesh, {.resolution = 64});
-  grid.origin.x += 20 * grid.spacing;
+  const Mesh mesh = openBox();
+  Grid grid = boxGrid();
+  grid.origin.x += 20.0;
   const RimLattices lattices = findRimLattices(mesh, grid);
   EXPECT_FALSE(lattices.haveAll());
   EXPECT_FALSE(lattices.needDipoles());

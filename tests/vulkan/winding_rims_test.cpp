@@ -15,7 +15,8 @@ class VulkanWindingRims : public VulkanRaysTest {};
 
 TEST_F(VulkanWindingRims, MatchTheCpu) {
   WindingRimsStage stage(device());
-  for (const Mesh& mesh : {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1), shapes::soup(30, 4)})
+  for (const Mesh& mesh : {withHoles(shapes::sphere(1.0, 3), 3, 0.08, 1),
+                           shapes::joined(shapes::soup(30, 4), shapes::sphere(0.5, 3))})
     for (const int resolution : {24, 41}) {
       const Grid grid = fitGrid(mesh, {.resolution = resolution});
       RimLattices lattices = findRimLattices(mesh, grid);

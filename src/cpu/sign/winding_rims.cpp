@@ -189,6 +189,7 @@ HWY_EXPORT(sumDoubles);
 
 /// Returns a bound on the error in single precision.
 double floatError(size_t rims, double clearance) {
+  if (clearance <= double(kShortest<float>)) return std::numeric_limits<double>::max();
   return 1e-7 + 1e-8 * std::sqrt(double(rims)) + 5e-8 / clearance;
 }
 
@@ -249,7 +250,7 @@ RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, d
   if (count_ == 0) return {};
   if (allowed > 0.0) {
     const RimShare share = HWY_DYNAMIC_DISPATCH(sumFloats)(paths_, scale_ * point, direction);
-    if (share.clearance > kShortest<float> && floatError(count_, share.clearance) < allowed) return share;
+    if (floatError(count_, share.clearance) < allowed) return share;
   }
   return HWY_DYNAMIC_DISPATCH(sumDoubles)(paths_, scale_ * point, direction);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "cpu/sign/winding_harmonic_transfer.h"
@@ -15,32 +16,36 @@ namespace raymap::cpu {
 namespace {
 
 constexpr size_t kSamplesPerTask = 64;
-constexpr double kAllowedError = 1e-6;
+/// Any error is allowed along a ray that passes rims closely. Else it is below 2e-6.
+constexpr double kAllowedToTry = std::numeric_limits<double>::infinity();
 
 class SampleNumbers {
  public:
-  SampleNumbers(const RayMap& map, const WindingRims& rims) : map_(map), rims_(rims) {}
+  SampleNumbers(const RayMap& map, const RimLattices& lattices)
+      : map_(map), centre_(lattices.centre), rims_(lattices.rims) {}
 
   /// Returns the winding number of a sample, which may lie outside of the grid.
   float at(const glm::ivec3& sample) const {
     const glm::dvec3 p(sample);
-    double best = 0.0, clearance = 0.0;
-    for (int i = 0; i < 6 && clearance < double(kClearOfRims); ++i) {
-      const RimShare share = rims_.at(p, direction(i % 3, i < 3), kAllowedError);
-      if (share.clearance > clearance) best = crossings(sample, i % 3, i < 3) + share.winding;
-      clearance = std::max(clearance, share.clearance);
+    uint32_t ray = 0;
+    RimShare best{.clearance = 0.0};
+    for (uint32_t i = 0; i < 6 && best.clearance < double(kClearOfRims); ++i) {
+      const uint32_t next = rayToTry(i, glm::vec3(sample) - centre_);
+      const RimShare share = rims_.at(p, direction(next), kAllowedToTry);
+      if (share.clearance > best.clearance) ray = next, best = share;
     }
-    if (clearance >= double(kLeastClearance)) return rounded(best);
-    return rounded(
-        crossings(sample, 0, true) +
-        rims_.at(p + glm::dvec3(kDisplacement[0], kDisplacement[1], kDisplacement[2]), direction(0, true))
-            .winding);
+    if (best.clearance < double(kLeastClearance)) {
+      constexpr const float* d = kDisplacement;
+      return rounded(crossings(sample, 0) + rims_.at(p + glm::dvec3(d[0], d[1], d[2]), direction(0)).winding);
+    }
+    if (best.clearance < double(kClearOfRims)) best = rims_.at(p, direction(ray));
+    return rounded(crossings(sample, ray) + best.winding);
   }
 
  private:
-  static glm::dvec3 direction(int axis, bool isForward) {
+  static glm::dvec3 direction(uint32_t ray) {
     glm::dvec3 d(0.0);
-    d[axis] = isForward ? 1.0 : -1.0;
+    d[int(ray % 3)] = ray < 3 ? 1.0 : -1.0;
     return d;
   }
 
@@ -48,15 +53,17 @@ class SampleNumbers {
     return static_cast<float>(std::round(winding * double(kRimUnits)) / double(kRimUnits));
   }
 
-  double crossings(glm::ivec3 sample, int axis, bool isForward) const {
+  double crossings(glm::ivec3 sample, uint32_t ray) const {
+    const int axis = int(ray % 3);
     const int32_t after = map_.ray(axis, sample);
-    if (isForward) return after;
+    if (ray < 3) return after;
     sample[axis] = -1;
     return after - map_.ray(axis, sample);
   }
 
   const RayMap& map_;
-  const WindingRims& rims_;
+  glm::vec3 centre_;
+  WindingRims rims_;
 };
 
 LatticeBox rimBox(const glm::ivec3& dims, int level) {
@@ -79,8 +86,7 @@ void computeSamples(const SampleNumbers& numbers, const LatticeBox& box, const s
 
 void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& progress, double begin,
                      HarmonicScratch& scratch, Buffer<float>& winding) {
-  const WindingRims rims(lattices.rims);
-  const SampleNumbers numbers(map, rims);
+  const SampleNumbers numbers(map, lattices);
   const size_t count = lattices.computed.size();
   double total = 0.0;
   for (size_t l = 0; l < count; ++l)
@@ -120,9 +126,8 @@ void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<f
   const std::vector<uint32_t> doubtful = parallelSelect(winding.size(), [&](uint32_t i) {
     return std::abs(std::abs(winding[i]) - limit) < numberError(source, distance[i]);
   });
-  const WindingRims rims(lattices.rims);
   WorkMeter meter(progress, 0.0, 1.0, double(doubtful.size()));
-  computeSamples({map, rims}, rimBox(map.dims, 0), doubtful, meter, winding.data());
+  computeSamples({map, lattices}, rimBox(map.dims, 0), doubtful, meter, winding.data());
 }
 
 }  // namespace raymap::cpu

@@ -54,9 +54,10 @@ int crossingsAlong(Ints rays, uint axis, ivec3 s, bool isForward) {
   return isForward ? after : after - rayFrom(rays, axis, dims, before);
 }
 
-int crossingsOf(ivec3 s, uint axis, bool isForward) {
-  if (axis == 0) return crossingsAlong(push.rays[0], 0, s, isForward);
-  if (axis == 1) return crossingsAlong(push.rays[1], 1, s, isForward);
+float crossingsOf(ivec3 s, uint ray) {
+  const bool isForward = ray < 3;
+  if (ray % 3 == 0) return crossingsAlong(push.rays[0], 0, s, isForward);
+  if (ray % 3 == 1) return crossingsAlong(push.rays[1], 1, s, isForward);
   return crossingsAlong(push.rays[2], 2, s, isForward);
 }
 
@@ -65,17 +66,19 @@ float rounded(float winding) {
 }
 
 float windingNumber(ivec3 s) {
-  const vec3 p = vec3(s);
+  const vec3 p = vec3(s), fromCentre = p - vec3(push.centreX, push.centreY, push.centreZ);
   float best = 0, most = 0, clearance;
   for (uint i = 0; i < 6 && most < kClearOfRims; ++i) {
+    const uint ray = rayToTry(i, fromCentre);
     vec3 direction = vec3(0);
-    direction[i % 3] = i < 3 ? 1 : -1;
+    direction[ray % 3] = ray < 3 ? 1 : -1;
     const float share = shareOfRims(p, direction, clearance);
-    if (clearance > most) best = float(crossingsOf(s, i % 3, i < 3)) + share;
+    if (clearance > most) best = crossingsOf(s, ray) + share;
     most = max(most, clearance);
   }
   if (most >= kLeastClearance) return rounded(best);
-  return rounded(float(crossingsOf(s, 0, true)) + shareOfRims(p + vec3(kDisplacement[0], kDisplacement[1], kDisplacement[2]), vec3(1, 0, 0), clearance));
+  const vec3 displacement = vec3(kDisplacement[0], kDisplacement[1], kDisplacement[2]);
+  return rounded(crossingsOf(s, 0) + shareOfRims(p + displacement, vec3(1, 0, 0), clearance));
 }
 
 void compute(uint place) {

@@ -47,6 +47,7 @@ void WindingRimsStage::reserve(const glm::ivec3& dims) {
 void WindingRimsStage::upload(Commands& commands, const RimLattices& lattices) {
   rimCount_ = static_cast<uint32_t>(lattices.rims.size());
   source_ = lattices.source();
+  centre_ = lattices.centre;
   uint64_t bytes = rimCount_ * sizeof(RimLine);
   for (const std::vector<uint32_t>& places : lattices.computed) bytes += places.size() * sizeof(uint32_t);
   upload_.resize<std::byte>(bytes);
@@ -67,7 +68,10 @@ WindingRimsPush WindingRimsStage::push(const LatticeLines& rays, VkDeviceAddress
           .gridX = static_cast<uint32_t>(dims_.x),
           .gridY = static_cast<uint32_t>(dims_.y),
           .gridZ = static_cast<uint32_t>(dims_.z),
-          .rimCount = rimCount_};
+          .rimCount = rimCount_,
+          .centreX = centre_.x,
+          .centreY = centre_.y,
+          .centreZ = centre_.z};
 }
 
 void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,

@@ -33,6 +33,7 @@ class WindingRimsStage {
   Device* device_;
   ScratchMemory* scratch_;
   uint32_t rimCount_ = 0, source_ = kFromRims;
+  glm::vec3 centre_{0.0f};
   std::vector<DeviceBuffer> values_;  // Of the coarser lattices.
   DeviceBuffer upload_, lists_;       // Rims, then the places of each lattice's samples.
   Kernel<WindingHarmonicPush> prolong_;

@@ -17,8 +17,10 @@ struct WindingRimsPush {
   uint count;                       // Samples to compute or to look at.
   uint rimCount;
   float threshold;
-  uint source;  // What the numbers near the threshold come from.
+  float centreX, centreY, centreZ;  // Of the rims.
+  uint source;                      // What the numbers near the threshold come from.
+  uint unused;                      // Makes the size a multiple of eight bytes.
 };
-RAYMAP_CHECK_SIZE(WindingRimsPush, 88);
+RAYMAP_CHECK_SIZE(WindingRimsPush, 104);
 
 RAYMAP_SHARED_END
