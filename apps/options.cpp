@@ -103,7 +103,7 @@ constexpr OptionRow kRows[] = {
      "Distance to the closest triangle: exact, or a faster approximation, neighbours, cell or raster",
      namesOf<DistanceMode>},
     {"--sign", "", "Method", Choice, "MODE", "harmonic",
-     "Method that decides inside and outside: harmonic, paths, evolution, rays, ray or none",
+     "Method that decides inside and outside: harmonic, exact, paths, evolution, rays, ray or none",
      namesOf<SignMode>},
     {"--orientation", "", "Method", Choice, "MODE", "auto",
      "Reverse faces that point the wrong way: auto, if the field then fits clearly better; keep, never; "

@@ -99,7 +99,7 @@ RAYMAP_API void raymap_options_free(raymap_options* options);
 
 /* Sets an option whose value is a name:
  *   "distance"     "exact" (default), "neighbours", "cell", "raster"
- *   "sign"         "harmonic" (default), "paths", "evolution", "rays", "ray", "none"
+ *   "sign"         "harmonic" (default), "exact", "paths", "evolution", "rays", "ray", "none"
  *   "sampling"     "raymap" (default), "paper": how "paths" and "evolution" sample curves
  *   "orientation"  "auto" (default), "keep", "repair"
  *   "device"       "auto" (default), "cpu", "vulkan", "vulkan:0", ...; see raymap_devices_list */

@@ -19,6 +19,7 @@ enum class DistanceMode {
 /// Sources of the winding number (Krayer & Müller 2019, §3.5).
 enum class SignMode {
   Harmonic,   ///< Least-squares fit to all crossings (Eq. 5); exact on closed meshes.
+  Exact,      ///< `Harmonic`, then the exact number of every sample from a ray and the rims: for reference.
   Paths,      ///< Mean over paths through six axis orders to each offset point: the paper's simple variant.
   Evolution,  ///< Iteration of Eq. 10 and 11.
   Rays,       ///< Mean of the six axis-parallel rays (Eq. 9).
@@ -39,7 +40,8 @@ enum class Sampling {
 
 /// Whether faces that point the wrong way may be reversed.
 enum class Orientation {
-  Auto,   ///< If rays disagree and reversing makes them agree clearly better. Only with `Harmonic`.
+  Auto,   ///< If rays disagree and reversing makes them agree clearly better. Only with `Harmonic` and
+          ///< `Exact`.
   Keep,   ///< Never.
   Repair  ///< Whenever the rays then agree no worse.
 };

@@ -56,7 +56,7 @@ struct Room {
   uint32_t triangles = 0;  ///< Most triangles of any frame.
   glm::ivec3 dims{0};      ///< Dims of all grids; their origin and spacing may change.
   DistanceMode distance = DistanceMode::Exact;
-  SignMode sign = SignMode::Harmonic;
+  SignMode sign = SignMode::Harmonic;    ///< Not `Exact`: the host does not know the rims.
   VkFormat image = VK_FORMAT_UNDEFINED;  ///< Format of targets that are images: R32_SFLOAT or R16_SFLOAT.
   /// How far triangles may reach beyond the grid, in samples. Distances other than `Exact` look no further;
   /// `Exact` needs no such bound.

@@ -97,8 +97,8 @@ def generate(
             ``bounds`` is given.
         distance: Source of the magnitude: ``"exact"``, or the faster approximations ``"neighbours"``, ``"cell"`` and
             ``"raster"``.
-        sign: Method that decides inside and outside: ``"harmonic"``, ``"paths"``, ``"evolution"``, ``"rays"``,
-            ``"ray"``, or ``"none"`` for an unsigned field.
+        sign: Method that decides inside and outside: ``"harmonic"``, ``"exact"``, ``"paths"``, ``"evolution"``,
+            ``"rays"``, ``"ray"``, or ``"none"`` for an unsigned field.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the field then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
         passes: Number of passes of ``sign="paths"``, or of steps of ``"evolution"``.

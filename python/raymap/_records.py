@@ -84,6 +84,7 @@ Sampling = Literal[
 
 SignMode = Literal[
     "harmonic",
+    "exact",
     "paths",
     "evolution",
     "rays",

@@ -23,9 +23,10 @@ struct Names<DistanceMode> {
 template <>
 struct Names<SignMode> {
   static constexpr std::string_view kKind = "sign mode";
-  static constexpr std::array kValues{SignMode::Harmonic, SignMode::Paths, SignMode::Evolution,
-                                      SignMode::Rays,     SignMode::Ray,   SignMode::None};
-  static constexpr std::array<std::string_view, 6> kNames{"harmonic", "paths", "evolution",
+  static constexpr std::array kValues{SignMode::Harmonic,  SignMode::Exact, SignMode::Paths,
+                                      SignMode::Evolution, SignMode::Rays,  SignMode::Ray,
+                                      SignMode::None};
+  static constexpr std::array<std::string_view, 7> kNames{"harmonic", "exact", "paths", "evolution",
                                                           "rays",     "ray",   "none"};
 };
 

@@ -39,6 +39,7 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Fiel
   if (!isExact && !isRaster) bytes += VoxelGrid::bytesExpected(samples, triangles);
   if (isExact || options.sign == SignMode::Harmonic || options.closeHoles)
     bytes += SurfaceTree::bytesNeeded(triangles);
+  if (options.sign == SignMode::Exact) bytes += samples * sizeof(uint32_t);  // The list of samples.
   if (isSigned) bytes += crossingBytesExpected(grid.dims) + RayMap::bytesExpected(grid.dims);
   if (options.closeHoles) bytes += kRimBytesPerTriangle * triangles;
   return bytes;
@@ -169,8 +170,8 @@ void Backend::rayMap() {
 
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
-  const auto rims = [this]() -> const RimLattices& {
-    return rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid);
+  const auto rims = [this](SignMode mode) -> const RimLattices& {
+    return rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid, mode);
   };
   doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
 }

@@ -283,7 +283,12 @@ std::vector<uint32_t> FaceSides::facesWith(uint8_t turn) const {
 
 bool mayTurnFaces(const FieldOptions& options) {
   if (options.orientation == Orientation::Repair) return options.sign != SignMode::None;
-  return options.orientation == Orientation::Auto && options.sign == SignMode::Harmonic;
+  return options.orientation == Orientation::Auto &&
+         (options.sign == SignMode::Harmonic || options.sign == SignMode::Exact);
+}
+
+SignMode modeBeforeOrientation(const FieldOptions& options) {
+  return options.sign == SignMode::Exact && mayTurnFaces(options) ? SignMode::Harmonic : options.sign;
 }
 
 bool shouldExamineFaces(const FieldOptions& options, double misfit, bool contradictsParity) {

@@ -67,6 +67,9 @@ struct ExaminedMesh {
 /// Returns whether the options allow faces to be reversed at all.
 bool mayTurnFaces(const FieldOptions& options);
 
+/// Returns the mode of the numbers that choose the faces: exact ones wait until all are chosen.
+SignMode modeBeforeOrientation(const FieldOptions& options);
+
 /// Returns whether to examine the faces of a mesh whose field has this misfit. Unless `Orientation::Repair`
 /// forces it, it returns false if the misfit is small and no sign contradicts the parity of all six rays.
 /// Reversing faces could then hardly change a sign.
@@ -122,25 +125,25 @@ void orientFaces(B& backend) {
     if (!leaveOutTheSame(turns, counted)) count(turns);
     return backend.parityRises();
   };
-  const bool isHarmonic = options.sign == SignMode::Harmonic;
-  const double misfit = isHarmonic ? backend.misfit() : solve(counted);
+  const double misfit =
+      modeBeforeOrientation(options) == SignMode::Harmonic ? backend.misfit() : solve(counted);
   const bool mayReverse = shouldExamineFaces(options, misfit, backend.contradictsParity());
   if (!mayReverse && !hasDouble) {
     sides.misfitGiven = sides.misfit = misfit;
-    return;
+  } else {
+    requireExamining(backend.mesh(), backend.bytesLeft());
+    const double doubtfulShare = sides.doubtfulShare;
+    sides = chooseSides(examined, misfit, options.orientation, mayReverse,
+                        {.solve = solve,
+                         .raysAgree = raysAgree,
+                         .contradictsParity = [&] { return backend.contradictsParity(); },
+                         .rises = [&] { return backend.rises(); },
+                         .parityRises = parityRises,
+                         .nearSides = [&] { return backend.nearSides(); }},
+                        backend.progress());
+    sides.doubtfulShare = doubtfulShare;
   }
-  requireExamining(backend.mesh(), backend.bytesLeft());
-  const double doubtfulShare = sides.doubtfulShare;
-  sides = chooseSides(examined, misfit, options.orientation, mayReverse,
-                      {.solve = solve,
-                       .raysAgree = raysAgree,
-                       .contradictsParity = [&] { return backend.contradictsParity(); },
-                       .rises = [&] { return backend.rises(); },
-                       .parityRises = parityRises,
-                       .nearSides = [&] { return backend.nearSides(); }},
-                      backend.progress());
-  sides.doubtfulShare = doubtfulShare;
-  if (!isHarmonic) backend.winding(options.sign);
+  if (options.sign != SignMode::Harmonic) backend.winding(options.sign);
 }
 
 }  // namespace raymap

@@ -40,7 +40,7 @@ void runPipeline(B& backend) {
       backend.stage("crossings", [&] { backend.crossings(); });
       backend.stage("ray_map", [&] { backend.rayMap(); });
       // §3.5, Eq. 9-11, or the harmonic solve.
-      backend.stage("winding", [&] { backend.winding(options.sign); });
+      backend.stage("winding", [&] { backend.winding(modeBeforeOrientation(options)); });
       // Ours: reverses faces along whose normals the field rises. It runs the three stages above again for
       // every choice, up to 13 times.
       if constexpr (HostBackend<B>) backend.stage("orientation", [&] { orientFaces(backend); });

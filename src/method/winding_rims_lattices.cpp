@@ -139,15 +139,18 @@ int coarsestRimLevel(const glm::ivec3& dims) {
   return std::min(kCoarsestLevel, coarsestHarmonicLevel(dims));
 }
 
-RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid) {
+RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid, SignMode mode) {
   const std::vector<RimEdge> edges = findRimEdges(mesh, grid.spacing);
   size_t rimCount = 0;
   for (const RimEdge& edge : edges) rimCount += edge.times;
   RimLattices lattices;
-  if (rimCount > kMostRims) return lattices;
+  const bool isExact = mode == SignMode::Exact;
+  if (!isExact && rimCount > kMostRims) return lattices;
   lattices.rims = inCells(mesh, grid, edges);
   lattices.centre = centreOf(lattices.rims);
-  if (isInside(mesh, grid))
+  if (isExact)
+    lattices.computed = {allSamples(grid.dims, 0)};
+  else if (isInside(mesh, grid))
     lattices.computed =
         chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
   // To look at all triangles then takes no longer.

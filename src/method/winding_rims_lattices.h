@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/grid.h>
+#include <raymap/options.h>
 
 #include <vector>
 
@@ -32,7 +33,7 @@ struct RimLattices {
 /// Returns the level of the coarsest lattice.
 int coarsestRimLevel(const glm::ivec3& dims);
 
-/// Returns the rims of a mesh and the samples to be computed.
-RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid);
+/// Returns the rims of a mesh and the samples to be computed: all of the grid in `SignMode::Exact`.
+RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid, SignMode mode = SignMode::Harmonic);
 
 }  // namespace raymap

@@ -21,7 +21,7 @@ using glm::vec3;
 // Else the one that passes them farthest serves, unless its angle is below the least: a rim on the ray would
 // leave the number undefined.
 RAYMAP_CONSTANT float kClearOfRims = 0.05f;
-RAYMAP_CONSTANT float kLeastClearance = 1e-3f;
+RAYMAP_CONSTANT float kLeastClearance = 1e-4f;
 // Returns the i-th ray to try of a sample at this offset from the centre of the rims: 0 to 2 run along x, y
 // and z, 3 to 5 against them. Those that lead away from the rims come first.
 RAYMAP_FUNCTION uint rayToTry(uint i, vec3 fromCentre) {
@@ -34,6 +34,8 @@ RAYMAP_FUNCTION uint rayToTry(uint i, vec3 fromCentre) {
 
 // Stands for the infinitesimal by which all lines are displaced, where each ray meets a rim.
 RAYMAP_CONSTANT float kDisplacement[3] = {0.015625f, 0.001953125f, 0.000244140625f};
+// In double precision, this share of the last two constants serves.
+RAYMAP_CONSTANT float kShareInDoubles = 0.0009765625f;
 // Numbers are whole multiples of one over this, so that rounding puts none that equals the threshold beyond
 // it.
 RAYMAP_CONSTANT float kRimUnits = 262144.0f;

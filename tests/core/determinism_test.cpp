@@ -10,8 +10,8 @@ namespace {
 
 constexpr DistanceMode kDistances[] = {DistanceMode::Exact, DistanceMode::Neighbours, DistanceMode::Cell,
                                        DistanceMode::Raster};
-constexpr SignMode kSigns[] = {SignMode::Harmonic, SignMode::Paths, SignMode::Evolution, SignMode::Rays,
-                               SignMode::Ray};
+constexpr SignMode kSigns[] = {SignMode::Harmonic,  SignMode::Exact, SignMode::Paths,
+                               SignMode::Evolution, SignMode::Rays,  SignMode::Ray};
 
 void expectSame(const Mesh& mesh, int resolution, const FieldOptions& options) {
   expectSameForAnyThreads(mesh, fitGrid(mesh, {.resolution = resolution}), options, {2, 8});

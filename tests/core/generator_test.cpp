@@ -4,8 +4,10 @@
 #include <cfloat>
 
 #include "any_threads.h"
+#include "broken_meshes.h"
 #include "reference.h"
 #include "shapes.h"
+#include "sign_scene.h"
 
 namespace raymap {
 namespace {
@@ -237,6 +239,35 @@ double shareWhenStopped(const Mesh& mesh, const Grid& grid, const FieldOptions& 
     EXPECT_EQ(error.code(), ErrorCode::Cancelled);
   }
   return share;
+}
+
+/// Expects the exact number at all samples that lie on no face.
+void expectExact(const Mesh& mesh, const Grid& grid, Orientation orientation, const Mesh& turned) {
+  const Field field =
+      generate(mesh, grid, {.sign = SignMode::Exact, .orientation = orientation, .winding = true}).field;
+  for (uint32_t s = 0; s < grid.sampleCount(); ++s) {
+    const glm::dvec3 p = samplePosition(grid, s);
+    if (reference::distance(turned, p) < 1e-6) continue;
+    const double exact = reference::windingNumber(turned, p);
+    ASSERT_NEAR(field.winding[s], exact, 4e-6) << s;
+    if (std::abs(std::abs(exact) - 0.5) > 4e-6) {
+      ASSERT_EQ(field.distance[s]<0.0f, std::abs(exact)> 0.5) << s;
+    }
+  }
+}
+
+TEST(Generator, HasExactNumbersOnRequest) {
+  const Mesh soup = shapes::soup(1500, 7), open = withHoles(shapes::sphere(1.0, 3), 4, 0.2, 5);
+  expectExact(soup, fitGrid(soup, {.resolution = 10}), Orientation::Keep, soup);
+  for (const Orientation orientation : {Orientation::Keep, Orientation::Auto}) {
+    expectExact(open, fitGrid(open, {.resolution = 14}), orientation, open);
+    const Box part{{-0.5, -0.4, 0.2}, {0.9, 0.8, 1.1}};  // The mesh reaches beyond it.
+    expectExact(open, fitGrid(open, {.resolution = 10, .box = part}), orientation, open);
+  }
+  Mesh turned = open;
+  for (size_t f = 0; f < turned.triangles.size(); f += 5)
+    std::swap(turned.triangles[f].x, turned.triangles[f].y);
+  expectExact(turned, fitGrid(open, {.resolution = 14}), Orientation::Auto, open);
 }
 
 TEST(Generator, StopsWithinALongStage) {

@@ -33,7 +33,7 @@ class FakeBackend {
   void crossings() { calls.emplace_back("crossings"); }
   void rayMap() { calls.emplace_back("rayMap"); }
   void winding(SignMode mode) {
-    EXPECT_EQ(mode, options_.sign);
+    EXPECT_EQ(mode, modeBeforeOrientation(options_));
     calls.emplace_back("winding");
   }
   void windingDipoles() { calls.emplace_back("windingDipoles"); }
@@ -108,7 +108,8 @@ TEST(Pipeline, RunsTheStagesOfEveryDistance) {
 }
 
 TEST(Pipeline, RunsTheStagesOfEverySign) {
-  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution, SignMode::Rays, SignMode::Ray})
+  for (const SignMode sign :
+       {SignMode::Exact, SignMode::Paths, SignMode::Evolution, SignMode::Rays, SignMode::Ray})
     EXPECT_EQ(stagesOf({.sign = sign}), (Names{"begin", "exact_distance", "crossings", "ray_map", "winding",
                                                "orientation", "sign", "finish"}));
   EXPECT_EQ(stagesOf({.sign = SignMode::Harmonic, .closeHoles = true}),

@@ -286,6 +286,18 @@ TEST_F(Backends, GiveTheSameRays) {
   for (const float d : make(mesh, grid, options, "vulkan").distance) ASSERT_GE(d, 0.0f);
 }
 
+TEST_F(Backends, GiveTheSameExactNumbers) {
+  const Mesh mesh = holedSphere();
+  FieldOptions options = everything();
+  options.sign = SignMode::Exact;
+  for (const Grid& grid :
+       {fitGrid(mesh, {.resolution = 20}),
+        fitGrid(mesh, {.resolution = 12, .box = Box{{-0.5, -0.4, 0.2}, {0.9, 0.8, 1.1}}})}) {
+    const Field cpu = make(mesh, grid, options, "cpu"), gpu = make(mesh, grid, options, "vulkan");
+    for (size_t s = 0; s < cpu.winding.size(); ++s) ASSERT_NEAR(cpu.winding[s], gpu.winding[s], 1e-5f) << s;
+  }
+}
+
 TEST_F(Backends, GiveTheSamePathsAndEvolution) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 20});

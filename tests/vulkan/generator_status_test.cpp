@@ -99,6 +99,8 @@ TEST_F(VulkanGenerator, RefusesWhatExceedsItsCapacity) {
     EXPECT_EQ(codeOf([&] { generator().reserve(room); }), ErrorCode::Usage);
     refuses(uploaded.buffers, grid, {}, target);
   }
+  EXPECT_EQ(codeOf([&] { generator().reserve(roomFor(mesh, grid, {.sign = SignMode::Exact})); }),
+            ErrorCode::Unsupported);
   generator().reserve(roomFor(mesh, grid, {}));
   for (const auto& spoil : std::initializer_list<void (*)(MeshBuffers&)>{
            [](MeshBuffers& m) { ++m.vertexCount; }, [](MeshBuffers& m) { ++m.triangleCount; },

@@ -34,12 +34,12 @@ class SampleNumbers {
       const RimShare share = rims_.at(p, direction(next), kAllowedToTry);
       if (share.clearance > best.clearance) ray = next, best = share;
     }
-    if (best.clearance < double(kLeastClearance)) {
-      constexpr const float* d = kDisplacement;
-      return rounded(crossings(sample, 0) + rims_.at(p + glm::dvec3(d[0], d[1], d[2]), direction(0)).winding);
-    }
     if (best.clearance < double(kClearOfRims)) best = rims_.at(p, direction(ray));
-    return rounded(crossings(sample, ray) + best.winding);
+    if (best.clearance >= double(kShareInDoubles * kLeastClearance))
+      return rounded(crossings(sample, ray) + best.winding);
+    const glm::dvec3 displacement(kDisplacement[0], kDisplacement[1], kDisplacement[2]);
+    best = rims_.at(p + double(kShareInDoubles) * displacement, direction(0));
+    return rounded(crossings(sample, 0) + best.winding);
   }
 
  private:

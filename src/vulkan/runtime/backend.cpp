@@ -84,7 +84,7 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .hasWinding = options.winding,
                 .turnsFaces = mayTurnFaces(options),
                 .closesHoles = options.closeHoles,
-                .findsRims = options.sign == SignMode::Harmonic};
+                .findsRims = options.sign == SignMode::Harmonic || options.sign == SignMode::Exact};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -176,27 +176,27 @@ void Backend::searchDoubleSided() {
   if (!doubleSided_) doubleSided_ = findDoubleSidedFaces(mesh());
 }
 
-void Backend::searchRims() {
+void Backend::searchRims(SignMode mode) {
   Buffer<glm::uvec3> turned;  // A copy takes longer than the search on many threads.
   if (!turns_.empty()) turned = turnedTriangles(mesh().triangles, turns_);
   const std::span<const glm::uvec3> triangles = turns_.empty() ? mesh().triangles : std::span(turned);
-  rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid());
+  rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid(), mode);
 }
 
 void Backend::winding(SignMode mode) {
   rims_ = {};
   recordRays(mode);
-  if (mode == SignMode::Harmonic) {
+  if (mode == SignMode::Harmonic || mode == SignMode::Exact) {
     const bool isQuick = mesh().triangles.size() <= kFacesSearchedBeside;
     const double share = countDoubtful([&] {
       if (mayTurnFaces(options())) searchDoubleSided();
-      if (isQuick) searchRims();
+      if (isQuick) searchRims(mode);
     });
     if (share == 0.0) {
       rims_ = {};
       return;
     }
-    if (!isQuick) searchRims();
+    if (!isQuick) searchRims(mode);
     recordRims(rims_);
   }
   if (!rims_.haveAll()) recordWinding(mode);

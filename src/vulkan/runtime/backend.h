@@ -67,7 +67,7 @@ class Backend : public StageRecorder, private RecordingListener {
 
  private:
   void searchDoubleSided();
-  void searchRims();
+  void searchRims(SignMode mode);
   void startStage(const char* name);
   void stopStage();
   /// Runs all recorded work, and meanwhile `work` on the host.

@@ -17,6 +17,8 @@ namespace raymap::vulkan {
 namespace {
 
 void checkRoom(const Room& room) {
+  if (room.sign == SignMode::Exact)
+    throw Error(ErrorCode::Unsupported, "the rims of a mesh that only the device sees cannot be found");
   constexpr uint32_t kMostVertices = uint32_t{1} << 29, kMostTriangles = uint32_t{1} << 29;
   const auto outOf = [](uint32_t count, uint32_t most) { return count == 0 || count > most; };
   require(!outOf(room.vertices, kMostVertices) && !outOf(room.triangles, kMostTriangles),
