@@ -28,6 +28,7 @@
 #include <raymap/sample.h>
 #include <raymap/sample_points.h>
 #include <raymap/simplify.h>
+#include <raymap/sparse_field.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>
 #include <raymap/threads.h>

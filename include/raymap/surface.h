@@ -5,6 +5,7 @@
 #include <raymap/local_thickness.h>
 #include <raymap/machine.h>
 #include <raymap/query.h>
+#include <raymap/sparse_field.h>
 
 #include <memory>
 #include <span>
@@ -41,6 +42,13 @@ class RAYMAP_API Surface {
   /// `options.orientation` says. Uses `machine` and throws as `raymap::generate` does.
   Generated generate(const Grid& grid, const FieldOptions& options = {},
                      const MachineOptions& machine = {}) const;
+
+  /// Returns the field near the surface alone, on a lattice of up to 2^24 samples a side. A sample's values
+  /// are those of `query` at its position, rounded to `float`, however the lattice lies around it.
+  /// `machine.threads`, `memoryLimit` and `progress` count. Throws `Error`: Usage for a grid or options that
+  /// make no sense, Memory, Cancelled.
+  SparseField generateBand(const Grid& grid, const BandOptions& options = {},
+                           const MachineOptions& machine = {}) const;
 
   /// Returns whether the surface tells inside from outside.
   bool isSigned() const;

@@ -2,6 +2,7 @@
 #include <raymap/surface.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/memory.h"
@@ -9,6 +10,7 @@
 #include "base/require.h"
 #include "base/stopwatch.h"
 #include "cpu/points/local_thickness.h"
+#include "cpu/points/narrow_band.h"
 #include "cpu/points/point_query.h"
 
 namespace raymap {
@@ -23,6 +25,23 @@ void check(const SurfaceOptions& options) {
 
 void check(const QueryOptions& options, bool isSigned) {
   require(options.maxDistance > 0.0, "the largest distance must be positive");
+  require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
+  require(isSigned || !options.confidence,
+          "the surface was made without a sign, so it has no confidence in it");
+}
+
+void check(const Grid& grid, const BandOptions& options, bool isSigned) {
+  constexpr int kMostDims = 1 << 24;
+  require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
+          "the grid's spacing must be positive and finite");
+  for (int axis = 0; axis < 3; ++axis) {
+    require(grid.dims[axis] > 0 && grid.dims[axis] <= kMostDims,
+            "a lattice has 1 to 16777216 samples along each axis, not " + std::to_string(grid.dims[axis]));
+    require(std::isfinite(grid.origin[axis]), "the grid's origin must be finite");
+  }
+  require(options.outside > 0.0 && std::isfinite(options.outside),
+          "the band outside must be positive and finite");
+  require(options.inside > 0.0, "the band inside must be positive");
   require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
   require(isSigned || !options.confidence,
           "the surface was made without a sign, so it has no confidence in it");
@@ -106,6 +125,17 @@ std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, con
     });
   });
   return thickness;
+}
+
+SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
+                                  const MachineOptions& machine) const {
+  check(grid, options, impl_->prepared.isSigned);
+  Progress progress(machine.progress);
+  const size_t most = machine.memoryLimit > 0 ? machine.memoryLimit : bytes() + availableMemory();
+  SparseField band;
+  withThreads(machine.threads,
+              [&] { band = cpu::makeNarrowBand(impl_->prepared, grid, options, most, progress); });
+  return band;
 }
 
 Generated Surface::generate(const Grid& grid, const FieldOptions& asked,

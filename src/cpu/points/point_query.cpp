@@ -185,7 +185,7 @@ class Answers {
           QueryResult& result)
       : surface_(surface), view_(view), options_(options), result_(result) {
     if (surface.isSigned)
-      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.rims,
+      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.rimsOfSign(),
                                      surface.dipoles, surface.lattice, surface.threshold});
   }
 

@@ -30,8 +30,8 @@ constexpr float kClear = 0.1f;
 /// A way to a point that passes rims by less than this is taken only if there is no better one.
 constexpr double kSafeClearance = 1e-4;
 
-/// The lattice's error far from the surface, where it is largest: around thousands of rims.
-constexpr float kMostLatticeError = 0.3f;
+/// Most that a number changes between a sample and a point, but for crossings, where no rim is near.
+constexpr float kMostChange = 0.15f;
 
 /// Up to so many rims tell the numbers themselves.
 constexpr size_t kSomeRims = 4096;
@@ -100,12 +100,12 @@ PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float di
   return best;
 }
 
-/// Returns whether the number's side of the threshold is sure, although it comes from the lattice. Away from
-/// rims it changes by less than the lattice's error between a sample and the point, but for crossings.
-bool PointWinding::isSettled(double winding) const {
+/// Returns whether the number's side of the threshold is sure, although it comes from a sample at this
+/// distance from the surface.
+bool PointWinding::isSettled(double winding, float distance) const {
   if (source_.lattice.isWhole()) return true;
   const double gap = std::abs(std::abs(winding) - source_.threshold);
-  return gap >= kMostLatticeError;
+  return gap >= latticeError(distance) + kMostChange;
 }
 
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
@@ -173,6 +173,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   const bool isWhole = source_.lattice.isWhole();
   asked_.clear();
   crossing_.clear();
+  clear_.assign(points.cells.size(), 0.0f);
   for (uint32_t i = 0; i < points.cells.size(); ++i) {
     const glm::vec3& p = points.cells[i];
     const bool isBeyond = isOutside(p);
@@ -180,6 +181,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
     if (isBeyond || isNearRim(p)) continue;
     const Reference reference = findReference(p, points.distance[i]);
     if (reference.sample == Reference::kNone) continue;
+    clear_[i] = source_.lattice.distance[reference.sample];
     if (reference.isVisible)
       winding[i] = source_.lattice.winding[reference.sample];
     else
@@ -195,7 +197,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   }
   asked_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i)
-    if (std::isnan(winding[i]) || !isSettled(winding[i])) asked_.push_back(i);
+    if (std::isnan(winding[i]) || !isSettled(winding[i], clear_[i])) asked_.push_back(i);
   settle(points, winding);
 }
 
@@ -239,7 +241,7 @@ double PointWinding::sideOf(const WindingPoints& points, size_t i, double windin
   const glm::vec3& p = points.cells[i];
   if (points.distance[i] > slack_ || isOutside(p) || isNearRim(p)) return winding;
   const double crossed = exactNumber(points, i);
-  return isSettled(crossed) ? winding + std::round(crossed - winding) : winding;
+  return isSettled(crossed, 0.0f) ? winding + std::round(crossed - winding) : winding;
 }
 
 }  // namespace raymap::cpu

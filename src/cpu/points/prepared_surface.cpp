@@ -69,7 +69,6 @@ void prepareRims(PreparedSurface& surface) {
     surface.dipoles = {};
   else if (surface.turnedTree || !surface.dipoles.isPrepared())
     surface.dipoles.prepare(surface.signTree());
-  if (count > kMostRims) return;
   std::vector<RimLine> rims;
   for (const RimEdge& edge : edges)
     rims.insert(rims.end(), edge.times, RimLine{mesh.vertices[edge.from], mesh.vertices[edge.to]});
@@ -104,6 +103,11 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
 }
 
 }  // namespace
+
+const WindingRims& PreparedSurface::rimsOfSign() const {
+  static const WindingRims kNone;
+  return rims.count() <= kMostRims ? rims : kNone;
+}
 
 PackedMesh PreparedSurface::turnedMesh() const {
   if (turnedTriangles.empty()) return mesh;

@@ -25,12 +25,14 @@ struct PreparedSurface {
   Turns turns;                            ///< How the sign takes each face; empty: all as given.
   Buffer<glm::uvec3> turnedTriangles;     ///< Faces as the sign takes them; empty: as given.
   std::optional<SurfaceTree> turnedTree;  ///< Tree of them; none: `tree` serves.
-  WindingRims rims;                       ///< Rims of the faces as the sign takes them, unless too many.
+  WindingRims rims;                       ///< Rims of the faces as the sign takes them.
   WindingDipoles dipoles;                 ///< Dipoles of the faces as the sign takes them, of many rims.
   WindingLattice lattice;
   double threshold = 0.5;
 
   const SurfaceTree& signTree() const { return turnedTree ? *turnedTree : tree; }
+  /// Returns the rims if they are few enough to tell signs, else none.
+  const WindingRims& rimsOfSign() const;
   /// Returns the mesh with its faces as the sign takes them.
   PackedMesh turnedMesh() const;
   /// Returns the bytes held, without those of `mesh`.

@@ -255,5 +255,24 @@ RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, d
   return HWY_DYNAMIC_DISPATCH(sumDoubles)(paths_, scale_ * point, direction);
 }
 
+double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const {
+  constexpr double kRounding = 1.0 + 1e-4;
+  const glm::vec3 c(scale_ * centre);
+  const auto reach = float(scale_ * radius * kRounding);
+  const auto vertex = [&](size_t i) {
+    return glm::vec3(paths_.vertices[0][i], paths_.vertices[1][i], paths_.vertices[2][i]);
+  };
+  float sum = 0.0f;
+  for (size_t i = 0; count_ > 0 && i + 1 < paths_.isStart.size(); ++i) {
+    const glm::vec3 a = vertex(i), b = vertex(i + 1);
+    const float length = glm::distance(a, b);
+    const float distance = 0.5f * (glm::distance(a, c) + glm::distance(b, c) - length) - reach;
+    if (paths_.isStart[i] == 0.0f) continue;
+    if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
+    sum += length / (distance * distance);
+  }
+  return kRounding * scale_ * double(sum) / (4.0 * std::numbers::pi);
+}
+
 }  // namespace raymap::cpu
 #endif

@@ -36,6 +36,11 @@ class WindingRims {
   /// point must be closer than 1e10 times the size of the rims. An error of up to `allowed` costs less.
   RimShare at(const glm::dvec3& point, const glm::dvec3& direction, double allowed = 0.0) const;
 
+  /// Returns a bound on the gradient of the winding number in a ball that no rim meets: at a distance D from
+  /// a rim of length l it is at most l / 4 pi D^2 (the law of Biot and Savart). Infinite if a rim may meet
+  /// it.
+  double mostGradient(const glm::dvec3& centre, double radius) const;
+
   size_t count() const { return count_; }
   size_t bytes() const { return 4 * paths_.isStart.capacityBytes(); }
 

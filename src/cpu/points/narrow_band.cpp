@@ -1,0 +1,310 @@
+// Ours: distances near the surface alone, where Krayer & Müller 2019, §3.3, fill every cell of the grid.
+//
+// The lattice is one cube, which is halved where the surface may be near. The distance of a cube's centre
+// tells of most cubes that no sample of theirs is near. What is near at last are cubes of 4 x 4 x 4 samples,
+// and these are queried.
+
+#include "cpu/points/narrow_band.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "base/memory.h"
+#include "base/morton.h"
+#include "base/parallel.h"
+#include "cpu/points/point_query.h"
+
+namespace raymap::cpu {
+
+namespace {
+
+constexpr int kSmallest = 4;  ///< Side of the smallest cubes.
+constexpr size_t kPerSmallest = size_t(kSmallest) * kSmallest * kSmallest;
+constexpr size_t kPointsAtATime = size_t{1} << 20;
+/// Share by which a cube must be farther than the band, for rounding.
+constexpr double kMargin = 1e-5;
+/// Larger than the error of any winding number of a query: up to 4,096 rims, and beyond.
+constexpr double kExactNumberError = 1e-5, kDipoleNumberError = 1e-3;
+constexpr size_t kExactRims = 4096;
+
+enum class Side : uint8_t { Outside, Inside, Near };
+
+glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
+  return low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
+}
+
+/// A cube of 8 x 8 x 8 samples, and on which side its eight parts lie.
+struct LeafParts {
+  glm::ivec3 low;
+  std::array<Side, 8> sides;
+
+  bool has(Side side) const { return std::ranges::find(sides, side) != sides.end(); }
+};
+
+class BandMaker {
+ public:
+  BandMaker(const PreparedSurface& surface, const Grid& grid, const BandOptions& options, Progress& progress)
+      : surface_(surface), options_(options), progress_(progress) {
+    band_.grid = grid;
+    band_.outside = options.outside * grid.spacing;
+    band_.inside = options.inside * grid.spacing;
+  }
+
+  SparseField make(size_t most) {
+    progress_.stage("find_leaves", [&] { findLeaves(); });
+    const size_t arrays = 1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) +
+                          (options_.confidence ? 1 : 0);
+    constexpr size_t kPerPoint = 96;  // Of a query, with its results.
+    checkFieldMemory(surface_.bytes() + parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
+                                                         arrays * sizeof(float) * SparseField::kLeafSamples) +
+                         kPointsAtATime * kPerPoint,
+                     most);
+    progress_.stage("fill_leaves", [&] { fillLeaves(); });
+    return std::move(band_);
+  }
+
+ private:
+  bool isWhole() const { return !surface_.isSigned || surface_.lattice.isWhole(); }
+
+  /// Halves the cubes that may hold samples of the band, down to the parts of leaves.
+  void findLeaves() {
+    const glm::ivec3 dims = band_.grid.dims;
+    int side = std::max(int(std::bit_ceil(uint32_t(std::max({dims.x, dims.y, dims.z})))),
+                        SparseField::kLeafSide);
+    std::vector<glm::ivec3> cubes{glm::ivec3(0)};
+    const int levels = std::countr_zero(uint32_t(side / kSmallest));
+    for (int level = 0; !cubes.empty(); ++level) {
+      progress_.part(double(level) / double(levels + 1), double(level + 1) / double(levels + 1));
+      const std::vector<Side> sides = sidesOf(cubes, side);
+      if (side == kSmallest) {
+        keepParts(cubes, sides);
+        break;
+      }
+      std::vector<glm::ivec3> parts;
+      for (size_t c = 0; c < cubes.size(); ++c) {
+        if (sides[c] == Side::Inside) band_.tiles.push_back({cubes[c], side});
+        if (sides[c] != Side::Near) continue;
+        for (int child = 0; child < 8; ++child) {
+          const glm::ivec3 low = childOf(cubes[c], side, child);
+          // All parts of a leaf are kept, so that eight follow each other.
+          if (side == SparseField::kLeafSide || glm::all(glm::lessThan(low, dims))) parts.push_back(low);
+        }
+      }
+      cubes = std::move(parts);
+      side /= 2;
+    }
+    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOf(tile.low); });
+  }
+
+  static uint64_t placeOf(const glm::ivec3& low) {
+    const glm::uvec3 leaf = glm::uvec3(low) / uint32_t(SparseField::kLeafSide);
+    return mortonCode(leaf.x, leaf.y, leaf.z);
+  }
+
+  /// Returns for each cube whether all its samples lie beyond the band on one side.
+  std::vector<Side> sidesOf(const std::vector<glm::ivec3>& cubes, int side) {
+    const double spacing = band_.grid.spacing, radius = 0.5 * std::sqrt(3.0) * double(side - 1) * spacing;
+    const double inside = std::isfinite(band_.inside) ? band_.inside : 0.0;
+    QueryOptions query{.winding = !isWhole(),
+                       .maxDistance = (radius + std::max(band_.outside, inside)) * (1.0 + kMargin)};
+    std::vector<Side> sides(cubes.size());
+    std::vector<glm::dvec3> centres;
+    QueryResult found;
+    for (size_t begin = 0; begin < cubes.size(); begin += kPointsAtATime) {
+      const size_t count = std::min(kPointsAtATime, cubes.size() - begin);
+      centres.clear();
+      for (size_t c = begin; c < begin + count; ++c)
+        centres.push_back(band_.grid.position(glm::dvec3(cubes[c]) + 0.5 * double(side - 1)));
+      queryPoints(surface_, PointsView(centres), query, progress_, found);
+      parallelFor(count, kCheapGrain / 64, [&](size_t from, size_t to) {
+        for (size_t c = from; c < to; ++c) {
+          const double distance = found.distance[c];
+          const double width = distance < 0.0 ? band_.inside : band_.outside;
+          const bool isFar = std::abs(distance) >= (radius + width) * (1.0 + kMargin);
+          const bool isSure =
+              isFar && (isWhole() || isSettled(centres[c], radius, std::abs(double(found.winding[c]))));
+          sides[begin + c] = !isSure ? Side::Near : distance < 0.0 ? Side::Inside : Side::Outside;
+        }
+      });
+    }
+    return sides;
+  }
+
+  /// Returns whether the winding number stays on its side of the threshold in a whole ball without surface.
+  bool isSettled(const glm::dvec3& centre, double radius, double winding) const {
+    const size_t rims = surface_.rims.count();
+    const double error = rims <= kExactRims ? kExactNumberError : kDipoleNumberError;
+    const double gap = std::abs(winding - surface_.threshold) - error;
+    return gap > 0.0 &&
+           radius * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius) < gap;
+  }
+
+  void keepParts(const std::vector<glm::ivec3>& cubes, const std::vector<Side>& sides) {
+    for (size_t c = 0; c < cubes.size(); c += 8) {
+      LeafParts leaf{cubes[c], {}};
+      std::copy_n(sides.begin() + c, 8, leaf.sides.begin());
+      if (leaf.has(Side::Near) || (leaf.has(Side::Inside) && leaf.has(Side::Outside)))
+        parts_.push_back(leaf);
+      else if (leaf.has(Side::Inside))
+        band_.tiles.push_back({leaf.low, SparseField::kLeafSide});
+    }
+  }
+
+  /// Fills leaves, some at a time, and keeps those that have samples of the band or of both sides.
+  void fillLeaves() {
+    constexpr size_t kLeavesPerQuery = kPointsAtATime / SparseField::kLeafSamples;
+    const size_t values = parts_.size() * SparseField::kLeafSamples;
+    band_.leaves.resizeUninitialized(parts_.size());
+    band_.distance.resizeUninitialized(values);
+    band_.triangle.resizeUninitialized(options_.triangle ? values : 0);
+    band_.winding.resizeUninitialized(options_.winding ? values : 0);
+    band_.confidence.resizeUninitialized(options_.confidence ? values : 0);
+    size_t kept = 0;
+    std::vector<SparseField::Tile> insideTiles;
+    for (size_t begin = 0; begin < parts_.size(); begin += kLeavesPerQuery) {
+      const size_t end = std::min(begin + kLeavesPerQuery, parts_.size());
+      progress_.part(double(begin) / double(parts_.size()), double(end) / double(parts_.size()));
+      fill(begin, end);
+      for (size_t leaf = begin; leaf < end; ++leaf) kept = keepLeaf(leaf, kept, insideTiles);
+    }
+    shrink(kept);
+    if (insideTiles.empty()) return;
+    band_.tiles.insert(band_.tiles.end(), insideTiles.begin(), insideTiles.end());
+    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOf(tile.low); });
+  }
+
+  /// Fills the leaves numbered [begin, end).
+  void fill(size_t begin, size_t end) {
+    constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+    std::vector<size_t> offsets(end - begin + 1, 0);
+    for (size_t leaf = begin; leaf < end; ++leaf) offsets[leaf - begin + 1] = offsets[leaf - begin] + asked(leaf);
+    points_.resizeUninitialized(offsets.back());
+    places_.resizeUninitialized(offsets.back());
+    parallelFor(end - begin, 64, [&](size_t from, size_t to) {
+      for (size_t k = from; k < to; ++k) ask(begin + k, offsets[k]);
+    });
+    const QueryOptions query{.triangle = options_.triangle,
+                             .winding = options_.winding,
+                             .confidence = options_.confidence,
+                             .maxDistance = std::max(band_.outside, band_.inside)};
+    queryPoints(surface_, PointsView(std::span(points_)), query, progress_, found_);
+    parallelFor(points_.size(), kCheapGrain, [&](size_t from, size_t to) {
+      for (size_t k = from; k < to; ++k) {
+        const size_t place = begin * kLeafSamples + places_[k];
+        const auto value = float(std::clamp(found_.distance[k], -band_.inside, band_.outside));
+        band_.distance[place] = value;
+        if (options_.triangle) band_.triangle[place] = band_.isActive(value) ? found_.triangle[k] : kNoTriangle;
+        if (options_.winding) band_.winding[place] = found_.winding[k];
+        if (options_.confidence) band_.confidence[place] = found_.confidence[k];
+      }
+    });
+  }
+
+  /// Whether a part's samples are queried. Their signs are known where it is not near.
+  bool isAsked(Side side) const { return side == Side::Near || options_.winding || options_.confidence; }
+
+  template <class Visit>
+  void forEachSample(const glm::ivec3& low, int part, Visit&& visit) const {
+    const glm::ivec3 first = childOf(glm::ivec3(0), SparseField::kLeafSide, part);
+    for (int z = 0; z < kSmallest; ++z)
+      for (int y = 0; y < kSmallest; ++y)
+        for (int x = 0; x < kSmallest; ++x) {
+          const glm::ivec3 within = first + glm::ivec3(x, y, z);
+          visit(low + within,
+                size_t((within.z * SparseField::kLeafSide + within.y) * SparseField::kLeafSide + within.x));
+        }
+  }
+
+  bool isOnLattice(const glm::ivec3& sample) const { return glm::all(glm::lessThan(sample, band_.grid.dims)); }
+
+  size_t asked(size_t leaf) const {
+    size_t count = 0;
+    const LeafParts& parts = parts_[leaf];
+    for (int part = 0; part < 8; ++part) {
+      if (!isAsked(parts.sides[size_t(part)])) continue;
+      const glm::ivec3 low = childOf(parts.low, SparseField::kLeafSide, part);
+      const glm::ivec3 size = glm::clamp(band_.grid.dims - low, glm::ivec3(0), glm::ivec3(kSmallest));
+      count += size_t(size.x) * size_t(size.y) * size_t(size.z);
+    }
+    return count;
+  }
+
+  /// Lists the points of a leaf that are queried, from `next` on, and fills what is known of the others.
+  void ask(size_t leaf, size_t next) {
+    const LeafParts& parts = parts_[leaf];
+    const size_t first = leaf * SparseField::kLeafSamples,
+                 firstOfQuery = leaf % (kPointsAtATime / SparseField::kLeafSamples) * SparseField::kLeafSamples;
+    band_.leaves[leaf] = parts.low;
+    for (int part = 0; part < 8; ++part) {
+      const Side side = parts.sides[size_t(part)];
+      forEachSample(parts.low, part, [&](const glm::ivec3& sample, size_t place) {
+        if (isOnLattice(sample) && isAsked(side)) {
+          points_[next] = band_.grid.position(glm::dvec3(sample));
+          places_[next++] = uint32_t(firstOfQuery + place);
+          return;
+        }
+        const bool isInside = side == Side::Inside && isOnLattice(sample);
+        band_.distance[first + place] = isInside ? -float(band_.inside) : float(band_.outside);
+        if (options_.triangle) band_.triangle[first + place] = kNoTriangle;
+        if (options_.winding) band_.winding[first + place] = 0.0f;
+        if (options_.confidence) band_.confidence[first + place] = 0.0f;
+      });
+    }
+  }
+
+  /// Moves a leaf to where the kept ones end, unless all its samples lie beyond the band on one side. Returns
+  /// where they end now.
+  size_t keepLeaf(size_t leaf, size_t kept, std::vector<SparseField::Tile>& insideTiles) {
+    constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+    const float* values = band_.distance.data() + leaf * kLeafSamples;
+    const bool isInside = values[0] < 0.0f;
+    if (std::all_of(values, values + kLeafSamples,
+                    [&](float v) { return !band_.isActive(v) && (v < 0.0f) == isInside; })) {
+      if (isInside) insideTiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
+      return kept;
+    }
+    if (leaf != kept) {
+      band_.leaves[kept] = band_.leaves[leaf];
+      const auto move = [&](auto& array) {
+        if (!array.empty())
+          std::copy_n(array.data() + leaf * kLeafSamples, kLeafSamples, array.data() + kept * kLeafSamples);
+      };
+      move(band_.distance);
+      move(band_.triangle);
+      move(band_.winding);
+      move(band_.confidence);
+    }
+    return kept + 1;
+  }
+
+  void shrink(size_t kept) {
+    const auto cut = [&](auto& array, size_t size) {
+      if (!array.empty()) array.resizeUninitialized(size);
+    };
+    band_.leaves.resizeUninitialized(kept);
+    cut(band_.distance, kept * SparseField::kLeafSamples);
+    cut(band_.triangle, kept * SparseField::kLeafSamples);
+    cut(band_.winding, kept * SparseField::kLeafSamples);
+    cut(band_.confidence, kept * SparseField::kLeafSamples);
+  }
+
+  const PreparedSurface& surface_;
+  const BandOptions& options_;
+  Progress& progress_;
+  SparseField band_;
+  std::vector<LeafParts> parts_;
+  Buffer<glm::dvec3> points_;
+  Buffer<uint32_t> places_;  // From the first value of the query's leaves.
+  QueryResult found_;
+};
+
+}  // namespace
+
+SparseField makeNarrowBand(const PreparedSurface& surface, const Grid& grid, const BandOptions& options,
+                           size_t most, Progress& progress) {
+  return BandMaker(surface, grid, options, progress).make(most);
+}
+
+}  // namespace raymap::cpu
