@@ -7,6 +7,7 @@
 #include <raymap/query.h>
 #include <raymap/sample.h>
 #include <raymap/sample_points.h>
+#include <raymap/sparse_field.h>
 #include <raymap/units.h>
 
 #include <filesystem>
@@ -102,6 +103,12 @@ struct FieldWriteOptions {
 /// without samples or with numbers that are not finite; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
+
+/// Writes a narrow band with all its arrays as .vdb. Its memory, and the file, grow with the surface. The
+/// file appears whole or not at all. `readField` reads it as a field of all samples. `format` is as above.
+/// Throws `Error`: Usage for another extension, File, Unsupported in a build without OpenVDB.
+RAYMAP_API void writeBand(const std::filesystem::path& path, const SparseField& band,
+                          std::string_view format = {});
 
 /// Reads points in double precision, in the order of the file:
 /// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or

@@ -45,9 +45,12 @@ struct RAYMAP_API SparseField {
   /// In the mesh's units, negative inside, positive outside. Samples beyond the lattice are far outside.
   Buffer<float> distance = {};
   Buffer<uint32_t> triangle = {};  ///< Index of the closest triangle; `kNoTriangle` where not active.
-  Buffer<float> winding = {};  ///< Winding number, +1 inside a closed surface that faces outwards; else 0.
+  Buffer<float> winding = {};     ///< Winding number, +1 inside a closed surface that faces outwards; else 0.
   Buffer<float> confidence = {};  ///< Confidence in the sign, 0 to 1.
   std::vector<Tile> tiles = {};   ///< All that lies inside and in no leaf.
+
+  /// Bounds of the surface, in the mesh's units; empty if they are not known.
+  Box surfaceBounds = {};
 
   /// Returns the place of a sample's values, if it lies in a leaf.
   std::optional<size_t> find(const glm::ivec3& sample) const;

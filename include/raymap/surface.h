@@ -45,8 +45,8 @@ class RAYMAP_API Surface {
 
   /// Returns the field near the surface alone, on a lattice of up to 2^24 samples a side. A sample's values
   /// are those of `query` at its position, rounded to `float`, however the lattice lies around it.
-  /// `machine.threads`, `memoryLimit` and `progress` count. Throws `Error`: Usage for a grid or options that
-  /// make no sense, Memory, Cancelled.
+  /// `machine.threads`, `memoryLimit`, `warn` and `progress` count. Throws `Error`: Usage for a grid or
+  /// options that make no sense, Memory, Cancelled.
   SparseField generateBand(const Grid& grid, const BandOptions& options = {},
                            const MachineOptions& machine = {}) const;
 

@@ -1,10 +1,10 @@
-#include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
 
 #include <algorithm>
 
 #include "api/devices.h"
+#include "api/field_warnings.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
@@ -33,51 +33,8 @@ Box surfaceBounds(const PackedMesh& mesh, const Grid& grid, const FieldOptions& 
   return box;
 }
 
-void warnOfMisfit(const Stats& stats, const WarningCallback& warn) {
-  if (warn && !stats.orientationFits)
-    warn({WarningCode::OrientationMisfit,
-          "no directions of the faces fit the crossings, misfit " + numberText(stats.misfit, 3) +
-              ", so signs may be wrong; find out what is wrong with the mesh, and mend it",
-          {.share = stats.misfit}});
-}
-
-/// Returns whether the cells of the grid hold the box.
-bool holds(const Grid& grid, const Box& box) {
-  constexpr double kHalfCell = 0.5 + 1e-6;  // A box may be what the grid was fitted to.
-  const glm::dvec3 low = grid.position(glm::dvec3(-kHalfCell));
-  const glm::dvec3 high = grid.position(glm::dvec3(grid.dims - 1) + kHalfCell);
-  return glm::all(glm::lessThanEqual(low, box.min)) && glm::all(glm::lessThanEqual(box.max, high));
-}
-
 bool hasInside(const Field& field, const FieldOptions& options) {
   return std::ranges::any_of(field.distance, [&](float d) { return options.invert ? d > 0.0f : d < 0.0f; });
-}
-
-/// Warns if a mesh that lies in the grid has no sample inside, though a sign was asked for.
-void warnOfNothingInside(const PackedMesh& mesh, const Field& field, const FieldOptions& options,
-                         const MachineOptions& machine) {
-  if (!machine.warn || options.sign == SignMode::None || options.thickness > 0.0) return;
-  if (hasInside(field, options) || !holds(field.grid, bounds(mesh))) return;
-  const Diagnostics found = diagnose(mesh, {.brief = true}, {.threads = machine.threads});
-  const double spacing = field.grid.spacing;
-  const std::string begin = "no sample is inside, because ";
-  // A plate has half of its thickness as volume over area.
-  const double finer = found.balanced ? std::abs(found.signedVolume) / found.area : 0.0;
-  constexpr double kSheet = 0.03;  // Share of the spacing; below it, samples would be too many.
-  if (finer > kSheet * spacing && finer < spacing) {
-    const double voxelSize = roundDown(finer);
-    machine.warn({WarningCode::NothingInside,
-                  begin + "the mesh is thinner than the spacing " + numberText(spacing, 3) +
-                      "; use a spacing of " + numberText(voxelSize, 3),
-                  {.voxelSize = voxelSize}});
-    return;
-  }
-  const double thickness = 2.0 * spacing;
-  machine.warn({WarningCode::NothingInside,
-                begin + "the faces enclose nothing at the spacing " + numberText(spacing, 3) +
-                    "; make a solid around its surface, with a thickness of " + numberText(thickness, 3) +
-                    ", or use a smaller spacing",
-                {.length = thickness}});
 }
 
 }  // namespace
@@ -134,7 +91,8 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
     if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
     warnOfMisfit(stats, machine.warn);
-    warnOfNothingInside(mesh, field, asked, machine);
+    if (asked.sign != SignMode::None && asked.thickness == 0.0 && !hasInside(field, asked))
+      warnOfNothingInside(mesh, field.grid, machine);
   } catch (...) {
     field = {};
     throw;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "api/field_warnings.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/require.h"
@@ -135,6 +136,11 @@ SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
   SparseField band;
   withThreads(machine.threads,
               [&] { band = cpu::makeNarrowBand(impl_->prepared, grid, options, most, progress); });
+  band.surfaceBounds = bounds(impl_->prepared.mesh);
+  warnOfMisfit(stats(), machine.warn);
+  const bool hasInside =
+      !band.tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
+  if (isSigned() && !hasInside) warnOfNothingInside(impl_->prepared.mesh, grid, machine);
   return band;
 }
 

@@ -42,8 +42,8 @@ std::optional<size_t> SparseField::find(const glm::ivec3& sample) const {
 
 float SparseField::distanceAt(const glm::ivec3& sample) const {
   if (const std::optional<size_t> place = find(sample)) return distance[*place];
-  const bool isOnLattice = glm::all(glm::greaterThanEqual(sample, glm::ivec3(0))) &&
-                           glm::all(glm::lessThan(sample, grid.dims));
+  const bool isOnLattice =
+      glm::all(glm::greaterThanEqual(sample, glm::ivec3(0))) && glm::all(glm::lessThan(sample, grid.dims));
   if (!isOnLattice) return float(outside);
   const auto tile = lastBefore(tiles, sample, [](const Tile& each) { return each.low; });
   return tile != tiles.end() && contains(tile->low, tile->side, sample) ? -float(inside) : float(outside);

@@ -21,13 +21,16 @@ struct Format {
                 LeftOut& leftOut);  ///< Null if this build lacks the library for the format.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
+  void (*writeBand)(std::ostream& out, const SparseField& band) = nullptr;  ///< Null: not for bands.
 };
 
 constexpr std::array kFormats{
-    Format{".nrrd", readNrrd, writeNrrd},    Format{".npy", readNpy, writeNpy},
-    Format{".npz", readNpz, writeNpz, true}, Format{".vti", readVti, writeVti},
+    Format{".nrrd", readNrrd, writeNrrd},
+    Format{".npy", readNpy, writeNpy},
+    Format{".npz", readNpz, writeNpz, true},
+    Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", readVdb, writeVdb, true},
+    Format{".vdb", readVdb, writeVdb, true, writeVdb},
 #else
     Format{".vdb", nullptr, nullptr},
 #endif
@@ -92,6 +95,17 @@ Field readFieldAs(const SourceFile& source, std::string_view format, const Warni
 Field readField(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
   return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options.warn);
+}
+
+void writeBand(const fs::path& path, const SparseField& band, std::string_view asked) {
+  const Format& format = findFormat(path, formatOf(path, asked, fieldExtensions()));
+  if (!format.writeBand)
+    throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
+                                      " holds no narrow bands; write a .vdb, or a whole field");
+  validateGrid(band.grid);
+  writeAtomically(path, [&](std::ostream& out) {
+    writeSeekable(out, [&](std::ostream& seekable) { format.writeBand(seekable, band); });
+  });
 }
 
 void writeField(const fs::path& path, const Field& field, const FieldWriteOptions& options) {

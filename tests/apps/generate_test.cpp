@@ -43,6 +43,40 @@ TEST_F(CliGenerate, WarnsIfNothingIsInside) {
   EXPECT_LT(*std::ranges::min_element(field.distance), 0.0f);
 }
 
+// With so many samples, only those near the surface are made.
+TEST_F(CliGenerate, MakesANarrowBandOfManySamples) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
+  const Mesh mesh = shapes::sphere(1.0, 4);
+  writeMesh(path("ball.ply"), mesh);
+  const std::string make = "generate ball.ply --band 3 --device cpu --resolution ";
+  const auto stages = [&](const std::string& options) {
+    const Result result = succeed(make + options + " --stats s.json");
+    EXPECT_NE(result.out.find("wrote "), std::string::npos) << result.out;
+    std::string names;
+    const auto figures = json("s.json");
+    for (const auto& stage : figures["stats"]["stages"]) names += stage["name"].get<std::string>() + ' ';
+    return names;
+  };
+  EXPECT_EQ(stages("60 -o few.vdb").find("narrow_band"), std::string::npos);
+  EXPECT_EQ(stages("260 --sign rays -o other.vdb").find("narrow_band"), std::string::npos);
+  EXPECT_NE(stages("260 -o many.vdb").find("narrow_band"), std::string::npos);
+  const Field field = readField(path("many.vdb"));
+  const SparseField band = Surface(mesh).generateBand(field.grid);
+  EXPECT_EQ(field.clampDistance, 3.0 * field.grid.spacing);
+  size_t different = 0;
+  for (size_t s = 0; s < field.distance.size(); ++s)
+    different += field.distance[s] !=
+                 band.distanceAt({int(s) % field.grid.dims.x, int(s) / field.grid.dims.x % field.grid.dims.y,
+                                  int(s) / field.grid.dims.x / field.grid.dims.y});
+  EXPECT_EQ(different, 0u);
+  // More than 32 bits can number.
+  const Result huge = succeed(
+      "generate ball.ply --band 3 --device cpu --voxel-size 0.02 --bounds -25 -25 -25 25 25 25 -o huge.vdb");
+  EXPECT_NE(huge.out.find("grid: 2500 x 2500 x 2500 = 15,625,000,000 samples"), std::string::npos)
+      << huge.out;
+}
+
 TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {
   std::ofstream(path("empty.obj")) << "v 0 0 0\n";
   std::ofstream(path("empty.off")) << "OFF\n0 0 0\n";

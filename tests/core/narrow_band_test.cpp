@@ -108,11 +108,13 @@ TEST(NarrowBand, HasLeavesAndTilesInOrder) {
 // The spacing is a power of two, so that positions are exact.
 TEST(NarrowBand, DoesNotDependOnTheCut) {
   const Mesh mesh = withHoles(shapes::torus(1.0, 0.3, 40, 20), 3, 0.2, 7);
-  const Grid whole{.dims = {90, 90, 30}, .origin = glm::dvec3(-1.40625, -1.40625, -0.46875), .spacing = 0.03125};
+  const Grid whole{
+      .dims = {90, 90, 30}, .origin = glm::dvec3(-1.40625, -1.40625, -0.46875), .spacing = 0.03125};
   const Surface surface(mesh);
   const SparseField all = surface.generateBand(whole);
   for (const glm::ivec3& shift : {glm::ivec3(1, 2, 3), glm::ivec3(8, 0, 16), glm::ivec3(37, 50, 5)}) {
-    const Grid part{.dims = {41, 33, 9}, .origin = whole.position(glm::dvec3(shift)), .spacing = whole.spacing};
+    const Grid part{
+        .dims = {41, 33, 9}, .origin = whole.position(glm::dvec3(shift)), .spacing = whole.spacing};
     const SparseField cut = surface.generateBand(part);
     for (size_t i = 0; i < part.sampleCount(); ++i)
       ASSERT_EQ(cut.distanceAt(sampleOf(part, i)), all.distanceAt(sampleOf(part, i) + shift)) << i;
@@ -150,10 +152,9 @@ TEST(NarrowBand, HasHugeLattices) {
   for (size_t i = 0; i < band.distance.size(); i += 7) {
     if (!band.isActive(band.distance[i])) continue;
     const glm::ivec3 within = {i % 8, i / 8 % 8, i / 64 % 8};
-    const glm::dvec3 p =
-        grid.position(glm::dvec3(band.leaves[i / SparseField::kLeafSamples] + within));
+    const glm::dvec3 p = grid.position(glm::dvec3(band.leaves[i / SparseField::kLeafSamples] + within));
     ASSERT_NEAR(std::abs(band.distance[i]), reference::distance(mesh, p), 2e-6);
-    ASSERT_EQ(band.distance[i] < 0.0f, std::abs(reference::windingNumber(mesh, p)) > 0.5);
+    ASSERT_EQ(band.distance[i]<0.0f, std::abs(reference::windingNumber(mesh, p))> 0.5);
     ++active;
   }
   EXPECT_GT(active, 500u);

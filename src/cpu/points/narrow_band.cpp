@@ -54,11 +54,12 @@ class BandMaker {
 
   SparseField make(size_t most) {
     progress_.stage("find_leaves", [&] { findLeaves(); });
-    const size_t arrays = 1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) +
-                          (options_.confidence ? 1 : 0);
+    const size_t arrays =
+        1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) + (options_.confidence ? 1 : 0);
     constexpr size_t kPerPoint = 96;  // Of a query, with its results.
-    checkFieldMemory(surface_.bytes() + parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
-                                                         arrays * sizeof(float) * SparseField::kLeafSamples) +
+    checkFieldMemory(surface_.bytes() +
+                         parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
+                                          arrays * sizeof(float) * SparseField::kLeafSamples) +
                          kPointsAtATime * kPerPoint,
                      most);
     progress_.stage("fill_leaves", [&] { fillLeaves(); });
@@ -71,8 +72,8 @@ class BandMaker {
   /// Halves the cubes that may hold samples of the band, down to the parts of leaves.
   void findLeaves() {
     const glm::ivec3 dims = band_.grid.dims;
-    int side = std::max(int(std::bit_ceil(uint32_t(std::max({dims.x, dims.y, dims.z})))),
-                        SparseField::kLeafSide);
+    int side =
+        std::max(int(std::bit_ceil(uint32_t(std::max({dims.x, dims.y, dims.z})))), SparseField::kLeafSide);
     std::vector<glm::ivec3> cubes{glm::ivec3(0)};
     const int levels = std::countr_zero(uint32_t(side / kSmallest));
     for (int level = 0; !cubes.empty(); ++level) {
@@ -105,31 +106,44 @@ class BandMaker {
 
   /// Returns for each cube whether all its samples lie beyond the band on one side.
   std::vector<Side> sidesOf(const std::vector<glm::ivec3>& cubes, int side) {
-    const double spacing = band_.grid.spacing, radius = 0.5 * std::sqrt(3.0) * double(side - 1) * spacing;
-    const double inside = std::isfinite(band_.inside) ? band_.inside : 0.0;
-    QueryOptions query{.winding = !isWhole(),
-                       .maxDistance = (radius + std::max(band_.outside, inside)) * (1.0 + kMargin)};
+    const double radius = 0.5 * std::sqrt(3.0) * double(side - 1) * band_.grid.spacing;
     std::vector<Side> sides(cubes.size());
     std::vector<glm::dvec3> centres;
-    QueryResult found;
     for (size_t begin = 0; begin < cubes.size(); begin += kPointsAtATime) {
       const size_t count = std::min(kPointsAtATime, cubes.size() - begin);
       centres.clear();
       for (size_t c = begin; c < begin + count; ++c)
         centres.push_back(band_.grid.position(glm::dvec3(cubes[c]) + 0.5 * double(side - 1)));
-      queryPoints(surface_, PointsView(centres), query, progress_, found);
-      parallelFor(count, kCheapGrain / 64, [&](size_t from, size_t to) {
-        for (size_t c = from; c < to; ++c) {
-          const double distance = found.distance[c];
-          const double width = distance < 0.0 ? band_.inside : band_.outside;
-          const bool isFar = std::abs(distance) >= (radius + width) * (1.0 + kMargin);
-          const bool isSure =
-              isFar && (isWhole() || isSettled(centres[c], radius, std::abs(double(found.winding[c]))));
-          sides[begin + c] = !isSure ? Side::Near : distance < 0.0 ? Side::Inside : Side::Outside;
-        }
-      });
+      const std::span<Side> part = std::span(sides).subspan(begin, count);
+      findFar(centres, radius, part);
+      if (!isWhole()) doubtSides(centres, radius, part);
     }
     return sides;
+  }
+
+  /// Finds the balls that lie beyond the band, and the side of their centres.
+  void findFar(const std::vector<glm::dvec3>& centres, double radius, std::span<Side> sides) {
+    const double inside = std::isfinite(band_.inside) ? band_.inside : 0.0;
+    const QueryOptions query{.maxDistance = (radius + std::max(band_.outside, inside)) * (1.0 + kMargin)};
+    queryPoints(surface_, PointsView(centres), query, progress_, found_);
+    for (size_t c = 0; c < centres.size(); ++c) {
+      const double distance = found_.distance[c], width = distance < 0.0 ? band_.inside : band_.outside;
+      const bool isFar = std::abs(distance) >= (radius + width) * (1.0 + kMargin);
+      sides[c] = !isFar ? Side::Near : distance < 0.0 ? Side::Inside : Side::Outside;
+    }
+  }
+
+  /// Counts balls as near that hold no surface, but may hold points of both sides of the threshold.
+  void doubtSides(const std::vector<glm::dvec3>& centres, double radius, std::span<Side> sides) {
+    const std::vector<uint32_t> far =
+        parallelSelect(centres.size(), [&](uint32_t c) { return sides[c] != Side::Near; });
+    std::vector<glm::dvec3> points;
+    for (const uint32_t c : far) points.push_back(centres[c]);
+    queryPoints(surface_, PointsView(points), {.distance = false, .winding = true}, progress_, found_);
+    parallelFor(far.size(), 64, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k)
+        if (!isSettled(points[k], radius, std::abs(double(found_.winding[k])))) sides[far[k]] = Side::Near;
+    });
   }
 
   /// Returns whether the winding number stays on its side of the threshold in a whole ball without surface.
@@ -137,8 +151,7 @@ class BandMaker {
     const size_t rims = surface_.rims.count();
     const double error = rims <= kExactRims ? kExactNumberError : kDipoleNumberError;
     const double gap = std::abs(winding - surface_.threshold) - error;
-    return gap > 0.0 &&
-           radius * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius) < gap;
+    return gap > 0.0 && radius * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius) < gap;
   }
 
   void keepParts(const std::vector<glm::ivec3>& cubes, const std::vector<Side>& sides) {
@@ -179,7 +192,8 @@ class BandMaker {
   void fill(size_t begin, size_t end) {
     constexpr size_t kLeafSamples = SparseField::kLeafSamples;
     std::vector<size_t> offsets(end - begin + 1, 0);
-    for (size_t leaf = begin; leaf < end; ++leaf) offsets[leaf - begin + 1] = offsets[leaf - begin] + asked(leaf);
+    for (size_t leaf = begin; leaf < end; ++leaf)
+      offsets[leaf - begin + 1] = offsets[leaf - begin] + asked(leaf);
     points_.resizeUninitialized(offsets.back());
     places_.resizeUninitialized(offsets.back());
     parallelFor(end - begin, 64, [&](size_t from, size_t to) {
@@ -195,7 +209,8 @@ class BandMaker {
         const size_t place = begin * kLeafSamples + places_[k];
         const auto value = float(std::clamp(found_.distance[k], -band_.inside, band_.outside));
         band_.distance[place] = value;
-        if (options_.triangle) band_.triangle[place] = band_.isActive(value) ? found_.triangle[k] : kNoTriangle;
+        if (options_.triangle)
+          band_.triangle[place] = band_.isActive(value) ? found_.triangle[k] : kNoTriangle;
         if (options_.winding) band_.winding[place] = found_.winding[k];
         if (options_.confidence) band_.confidence[place] = found_.confidence[k];
       }
@@ -217,7 +232,9 @@ class BandMaker {
         }
   }
 
-  bool isOnLattice(const glm::ivec3& sample) const { return glm::all(glm::lessThan(sample, band_.grid.dims)); }
+  bool isOnLattice(const glm::ivec3& sample) const {
+    return glm::all(glm::lessThan(sample, band_.grid.dims));
+  }
 
   size_t asked(size_t leaf) const {
     size_t count = 0;
@@ -235,7 +252,8 @@ class BandMaker {
   void ask(size_t leaf, size_t next) {
     const LeafParts& parts = parts_[leaf];
     const size_t first = leaf * SparseField::kLeafSamples,
-                 firstOfQuery = leaf % (kPointsAtATime / SparseField::kLeafSamples) * SparseField::kLeafSamples;
+                 firstOfQuery =
+                     leaf % (kPointsAtATime / SparseField::kLeafSamples) * SparseField::kLeafSamples;
     band_.leaves[leaf] = parts.low;
     for (int part = 0; part < 8; ++part) {
       const Side side = parts.sides[size_t(part)];

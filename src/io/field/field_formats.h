@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/sparse_field.h>
+
 #include "io/field/field_array.h"
 
 #include <iosfwd>
@@ -25,5 +27,7 @@ void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVdb(const SourceFile& source, LeftOut& leftOut);
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array);
+/// Writes a narrow band with all its arrays.
+void writeVdb(std::ostream& out, const SparseField& band);
 
 }  // namespace raymap

@@ -81,6 +81,23 @@ Background backgroundOf(const Field& field) {
   return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
 }
 
+/// Writes what a grid is. A clamp distance of 0 is unknown.
+void describe(openvdb::GridBase& grid, std::string_view name, const char* meaning, const Grid& g,
+              double clampDistance, const Box& surfaceBounds) {
+  auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
+  transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
+  grid.setTransform(transform);
+  grid.setName(std::string(name));
+  grid.setCreator("raymap");
+  grid.insertMeta(kVdbBackgroundKey, openvdb::StringMetadata(meaning));
+  grid.insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
+  if (clampDistance > 0.0) grid.insertMeta(kVdbClampKey, openvdb::DoubleMetadata(clampDistance));
+  if (const auto& [low, high] = surfaceBounds; !surfaceBounds.isEmpty()) {
+    grid.insertMeta(kVdbSurfaceMinKey, openvdb::Vec3DMetadata({low.x, low.y, low.z}));
+    grid.insertMeta(kVdbSurfaceMaxKey, openvdb::Vec3DMetadata({high.x, high.y, high.z}));
+  }
+}
+
 openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   openvdb::GridBase::Ptr grid;
   const char* meaning = "outside of the grid nothing is known";
@@ -94,55 +111,129 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   } else {
     grid = makeGrid<openvdb::FloatGrid>(field, array, 0.0F, false);
   }
-  grid->insertMeta(kVdbBackgroundKey, openvdb::StringMetadata(meaning));
-  const Grid& g = field.grid;
-  auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
-  transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
-  grid->setTransform(transform);
-  grid->setName(std::string(array.name));
-  grid->setCreator("raymap");
-  grid->insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
-  if (field.clampDistance > 0.0) grid->insertMeta(kVdbClampKey, openvdb::DoubleMetadata(field.clampDistance));
-  if (const auto& [low, high] = field.surfaceBounds; !field.surfaceBounds.isEmpty()) {
-    grid->insertMeta(kVdbSurfaceMinKey, openvdb::Vec3DMetadata({low.x, low.y, low.z}));
-    grid->insertMeta(kVdbSurfaceMaxKey, openvdb::Vec3DMetadata({high.x, high.y, high.z}));
-  }
+  describe(*grid, array.name, meaning, field.grid, field.clampDistance, field.surfaceBounds);
   return grid;
 }
 
 /// Replaces the random identifier that OpenVDB gives each file by one computed from the contents. Equal
 /// fields then make equal files.
-void replaceIdentifier(std::ostream& out, const std::vector<NamedArray>& arrays) {
+void replaceIdentifier(std::ostream& out, const std::vector<std::span<const std::byte>>& arrays) {
   // The magic number, the versions and the offsets flag come first.
   constexpr std::streamoff kIdentifierOffset = 21;
   const auto end = out.tellp();
   if (end == std::ostream::pos_type(-1)) return;
   uLong check = 0;
   size_t count = 0;
-  for (const NamedArray& array : arrays) {
-    check = crc32_z(check, reinterpret_cast<const Bytef*>(array.bytes.data()), array.bytes.size());
-    count += array.bytes.size();
+  for (const std::span<const std::byte> array : arrays) {
+    check = crc32_z(check, reinterpret_cast<const Bytef*>(array.data()), array.size());
+    count += array.size();
   }
   std::array<char, 37> text{};
   std::snprintf(text.data(), text.size(), "%08x-0000-4000-8000-%012zx", static_cast<unsigned>(check), count);
   out.seekp(kIdentifierOffset).write(text.data(), 36).seekp(end);
 }
 
-}  // namespace
+/// Returns a tree with the leaves of a narrow band. Values that are not active take part in none of OpenVDB's
+/// tools.
+template <class GridType, class Stored, class IsActive>
+openvdb::GridBase::Ptr makeLeaves(const SparseField& band, std::span<const Stored> values,
+                                  typename GridType::ValueType background, IsActive&& isActive) {
+  using Leaf = typename GridType::TreeType::LeafNodeType;
+  constexpr int kSide = SparseField::kLeafSide;
+  static_assert(Leaf::DIM == kSide);
+  openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(GridType::gridType());
+  auto& tree = static_cast<GridType&>(*made).tree();
+  openvdb::tools::changeBackground(tree, background);
+  std::vector<Leaf*> leaves;
+  for (const glm::ivec3& low : band.leaves) leaves.push_back(tree.touchLeaf({low.x, low.y, low.z}));
+  parallelFor(leaves.size(), 256, [&](size_t begin, size_t end) {
+    for (size_t l = begin; l < end; ++l) {
+      const Stored* from = values.data() + l * SparseField::kLeafSamples;
+      for (int z = 0; z < kSide; ++z)
+        for (int y = 0; y < kSide; ++y)
+          for (int x = 0; x < kSide; ++x, ++from) {
+            const auto place = static_cast<openvdb::Index>((x * kSide + y) * kSide + z);  // z fastest.
+            leaves[l]->setValueOnly(place, static_cast<typename GridType::ValueType>(*from));
+            leaves[l]->setActiveState(place, isActive(*from));
+          }
+    }
+  });
+  return made;
+}
 
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
+std::vector<std::span<const std::byte>> bytesOf(const std::vector<NamedArray>& arrays) {
+  std::vector<std::span<const std::byte>> bytes;
+  for (const NamedArray& array : arrays) bytes.push_back(array.bytes);
+  return bytes;
+}
+
+/// Writes grids with equal bytes for equal arrays.
+void writeGrids(std::ostream& out, const std::vector<std::span<const std::byte>>& arrays,
+                FunctionView<openvdb::GridPtrVec&> make) {
   openvdb::initialize();  // Thread-safe; later calls do nothing.
-  const std::vector<NamedArray> arrays = arraysWith(field, array);
   try {
     withCallersThreads([&] {
       openvdb::GridPtrVec grids;
-      for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
+      make(grids);
       StreamArchive().writeTo(out, grids);
     });
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::File, std::string("OpenVDB cannot write the field: ") + e.what());
   }
   replaceIdentifier(out, arrays);
+}
+
+/// Returns the grid of a band's distances. What lies inside and in no leaf is filled with one value.
+openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
+  openvdb::GridBase::Ptr made =
+      makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.distance), float(band.outside),
+                                     [&](float value) { return band.isActive(value); });
+  auto& grid = static_cast<openvdb::FloatGrid&>(*made);
+  const openvdb::CoordBBox lattice = boxOf(band.grid);
+  for (const SparseField::Tile& tile : band.tiles) {
+    openvdb::CoordBBox box = openvdb::CoordBBox::createCube({tile.low.x, tile.low.y, tile.low.z}, tile.side);
+    box.intersect(lattice);
+    grid.tree().sparseFill(box, -float(band.inside), false);
+  }
+  openvdb::tools::prune(grid.tree());
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  return made;
+}
+
+}  // namespace
+
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
+  const std::vector<NamedArray> arrays = arraysWith(field, array);
+  writeGrids(out, bytesOf(arrays), [&](openvdb::GridPtrVec& grids) {
+    for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
+  });
+}
+
+void writeVdb(std::ostream& out, const SparseField& band) {
+  const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
+  const auto bytes = [](const auto& array) { return std::as_bytes(std::span(array)); };
+  const std::vector<std::span<const std::byte>> arrays{bytes(band.leaves), bytes(band.distance),
+                                                       bytes(band.triangle), bytes(band.winding),
+                                                       bytes(band.confidence)};
+  writeGrids(out, arrays, [&](openvdb::GridPtrVec& grids) {
+    const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
+      describe(*grid, name, meaning, band.grid, clampDistance, band.surfaceBounds);
+      grids.push_back(std::move(grid));
+    };
+    constexpr const char* kUnknown = "beyond the band nothing is known";
+    const auto always = [](float) { return true; };
+    add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band));
+    if (!band.triangle.empty())
+      add("triangle", kUnknown,
+          makeLeaves<openvdb::Int32Grid>(band, std::span<const uint32_t>(band.triangle), -1,
+                                         [](uint32_t id) { return id != kNoTriangle; }));
+    if (!band.winding.empty())
+      add("winding", kUnknown,
+          makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.winding), 0.0F, always));
+    if (!band.confidence.empty())
+      add("confidence", kUnknown,
+          makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.confidence), 0.0F, always));
+  });
 }
 
 }  // namespace raymap
