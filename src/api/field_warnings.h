@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/grid.h>
 #include <raymap/machine.h>
 #include <raymap/options.h>
 

@@ -31,10 +31,9 @@ TEST(BandFile, KeepsWhatABandHas) {
   const Scene scene;
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "band.vdb";
-  for (const BandOptions& options :
-       {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
-        BandOptions{.inside = std::numeric_limits<double>::infinity()},
-        BandOptions{.triangle = true, .winding = true, .confidence = true}}) {
+  for (const BandOptions& options : {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
+                                     BandOptions{.inside = std::numeric_limits<double>::infinity()},
+                                     BandOptions{.triangle = true, .winding = true, .confidence = true}}) {
     const SparseField band = scene.surface.generateBand(scene.grid, options);
     writeBand(path, band);
     const Field read = readField(path);

@@ -21,7 +21,6 @@ namespace raymap::cpu {
 namespace {
 
 constexpr int kSmallest = 4;  ///< Side of the smallest cubes.
-constexpr size_t kPerSmallest = size_t(kSmallest) * kSmallest * kSmallest;
 constexpr size_t kPointsAtATime = size_t{1} << 20;
 /// Share by which a cube must be farther than the band, for rounding.
 constexpr double kMargin = 1e-5;
@@ -227,8 +226,8 @@ class BandMaker {
       for (int y = 0; y < kSmallest; ++y)
         for (int x = 0; x < kSmallest; ++x) {
           const glm::ivec3 within = first + glm::ivec3(x, y, z);
-          visit(low + within,
-                size_t((within.z * SparseField::kLeafSide + within.y) * SparseField::kLeafSide + within.x));
+          constexpr size_t kSide = SparseField::kLeafSide;
+          visit(low + within, (size_t(within.z) * kSide + size_t(within.y)) * kSide + size_t(within.x));
         }
   }
 
