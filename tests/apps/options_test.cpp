@@ -143,7 +143,7 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"generate torus.ply -o o.nrrd --resolutoin 8", "did you mean --resolution?"},
       {"generate torus.ply -o o.nrrd --gpu", "--device vulkan computes on a GPU"},
       {"generate torus.ply -o o.nrrd --cut", "--cut; it is an option of render"},
-      {"generate torus.ply -o o.nrrd --sign harmonc", "--sign: must be one of harmonic, paths,"},
+      {"generate torus.ply -o o.nrrd --sign harmonc", "--sign: must be one of harmonic, exact, paths,"},
       {"generate torus.ply -o o.nrrd --resolution 8 --resolution 9", "--resolution is given more than once"},
       {"generate torus.ply -o o.nrrd --invert=3", "--invert takes no value"},
       {"generate -i torus.ply -o o.nrrd", "files that are read are named without an option"},
@@ -242,9 +242,10 @@ TEST_F(CliOptions, AreCompletedByShells) {
   EXPECT_EQ(completed("devices", "--vox"), "\n");
   const std::string zsh = succeed("completion zsh").out, fish = succeed("completion FISH").out;
   EXPECT_NE(zsh.find("'--sign["), std::string::npos);
-  EXPECT_NE(zsh.find(":MODE:(harmonic paths evolution rays ray none)'"), std::string::npos);
+  EXPECT_NE(zsh.find(":MODE:(harmonic exact paths evolution rays ray none)'"), std::string::npos);
   EXPECT_NE(
-      fish.find("complete -c raymap -n '__fish_seen_subcommand_from generate' -l sign -x -a 'harmonic paths"),
+      fish.find(
+          "complete -c raymap -n '__fish_seen_subcommand_from generate' -l sign -x -a 'harmonic exact paths"),
       std::string::npos);
   for (const char* check : {"command -v zsh || exit 0; $R completion zsh >f; zsh -n f",
                             "command -v fish || exit 0; $R completion fish >f; fish -n f"})
