@@ -43,7 +43,7 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(WarningCode::DrainHolesMissing), "drain_holes_missing");
   EXPECT_EQ(name(WarningCode::TrianglesMissed), "triangles_missed");
   EXPECT_EQ(name(WarningCode::NothingInside), "nothing_inside");
-  EXPECT_EQ(names<SignMode>().size(), 6u);
+  EXPECT_EQ(names<SignMode>().size(), 7u);
   EXPECT_THROW(name(static_cast<SignMode>(77)), Error);
 }
 
