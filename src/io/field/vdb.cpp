@@ -193,7 +193,7 @@ openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
   for (const SparseField::Tile& tile : band.tiles) {
     openvdb::CoordBBox box = openvdb::CoordBBox::createCube({tile.low.x, tile.low.y, tile.low.z}, tile.side);
     box.intersect(lattice);
-    grid.tree().sparseFill(box, -float(band.inside), false);
+    grid.tree().root().sparseFill(box, -float(band.inside), false);
   }
   openvdb::tools::prune(grid.tree());
   grid.setGridClass(openvdb::GRID_LEVEL_SET);
