@@ -59,7 +59,6 @@ TEST_F(CliGenerate, MakesANarrowBandOfManySamples) {
     return names;
   };
   EXPECT_EQ(stages("60 -o few.vdb").find("narrow_band"), std::string::npos);
-  EXPECT_EQ(stages("260 --sign rays -o other.vdb").find("narrow_band"), std::string::npos);
   EXPECT_NE(stages("260 -o many.vdb").find("narrow_band"), std::string::npos);
   const Field field = readField(path("many.vdb"));
   const SparseField band = Surface(mesh).generateBand(field.grid);
