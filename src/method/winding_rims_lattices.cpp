@@ -153,7 +153,7 @@ RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid, SignMode m
   else if (isInside(mesh, grid))
     lattices.computed =
         chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
-  // To look at all triangles then takes no longer.
+  // The dipoles then need less time, even if they look at every triangle.
   if (!lattices.haveAll() && rimCount > mesh.triangles.size()) lattices.rims.clear();
   return lattices;
 }

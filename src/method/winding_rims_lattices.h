@@ -16,7 +16,7 @@ namespace raymap {
 /// interpolated.
 struct RimLattices {
   std::vector<RimLine> rims;  ///< In cell units; empty if they are too many.
-  glm::vec3 centre{0.0f};     ///< Of the rims' bounds.
+  glm::vec3 centre{0.0f};     ///< Centre of the rims' bounds, in cell units.
   /// Places in `rimDims`, x fastest, by level; the coarsest has all samples. Empty if it takes less time to
   /// fit the field to all crossings, or if the mesh reaches beyond the grid.
   std::vector<std::vector<uint32_t>> computed;
