@@ -4,17 +4,12 @@
 #include <atomic>
 #include <ranges>
 
-#include "base/morton.h"
 #include "base/parallel.h"
+#include "field/leaf_order.h"
 
 namespace raymap {
 
 namespace {
-
-uint64_t placeOnCurve(const glm::ivec3& sample) {
-  const glm::uvec3 leaf = glm::uvec3(sample) / uint32_t(SparseField::kLeafSide);
-  return mortonCode(leaf.x, leaf.y, leaf.z);
-}
 
 /// Returns the last cube that begins at or before a sample on the curve, or the end.
 template <class Cubes, class LowOf>

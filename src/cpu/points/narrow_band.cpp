@@ -12,9 +12,9 @@
 #include <cmath>
 
 #include "base/memory.h"
-#include "base/morton.h"
 #include "base/parallel.h"
 #include "cpu/points/point_query.h"
+#include "field/leaf_order.h"
 
 namespace raymap::cpu {
 
@@ -95,12 +95,6 @@ class BandMaker {
       cubes = std::move(parts);
       side /= 2;
     }
-    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOf(tile.low); });
-  }
-
-  static uint64_t placeOf(const glm::ivec3& low) {
-    const glm::uvec3 leaf = glm::uvec3(low) / uint32_t(SparseField::kLeafSide);
-    return mortonCode(leaf.x, leaf.y, leaf.z);
   }
 
   /// Returns for each cube whether all its samples lie beyond the band on one side.
@@ -174,17 +168,14 @@ class BandMaker {
     band_.winding.resizeUninitialized(options_.winding ? values : 0);
     band_.confidence.resizeUninitialized(options_.confidence ? values : 0);
     size_t kept = 0;
-    std::vector<SparseField::Tile> insideTiles;
     for (size_t begin = 0; begin < parts_.size(); begin += kLeavesPerQuery) {
       const size_t end = std::min(begin + kLeavesPerQuery, parts_.size());
       progress_.part(double(begin) / double(parts_.size()), double(end) / double(parts_.size()));
       fill(begin, end);
-      for (size_t leaf = begin; leaf < end; ++leaf) kept = keepLeaf(leaf, kept, insideTiles);
+      for (size_t leaf = begin; leaf < end; ++leaf) kept = keepLeaf(leaf, kept);
     }
     shrink(kept);
-    if (insideTiles.empty()) return;
-    band_.tiles.insert(band_.tiles.end(), insideTiles.begin(), insideTiles.end());
-    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOf(tile.low); });
+    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOnCurve(tile.low); });
   }
 
   /// Fills the leaves numbered [begin, end).
@@ -273,13 +264,13 @@ class BandMaker {
 
   /// Moves a leaf to where the kept ones end, unless all its samples lie beyond the band on one side. Returns
   /// where they end now.
-  size_t keepLeaf(size_t leaf, size_t kept, std::vector<SparseField::Tile>& insideTiles) {
+  size_t keepLeaf(size_t leaf, size_t kept) {
     constexpr size_t kLeafSamples = SparseField::kLeafSamples;
     const float* values = band_.distance.data() + leaf * kLeafSamples;
     const bool isInside = values[0] < 0.0f;
     if (std::all_of(values, values + kLeafSamples,
                     [&](float v) { return !band_.isActive(v) && (v < 0.0f) == isInside; })) {
-      if (isInside) insideTiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
+      if (isInside) band_.tiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
       return kept;
     }
     if (leaf != kept) {
