@@ -13,6 +13,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cpu/points/block_sides.h"
 #include "cpu/points/point_query.h"
 #include "field/leaf_order.h"
 
@@ -24,17 +25,11 @@ constexpr int kSmallest = 4;  ///< Side of the smallest cubes.
 constexpr size_t kPointsAtATime = size_t{1} << 20;
 /// Share by which a cube must be farther than the band, for rounding.
 constexpr double kMargin = 1e-5;
-/// Larger than the error of any winding number of a query: up to 4,096 rims, and beyond.
-constexpr double kExactNumberError = 1e-5, kDipoleNumberError = 1e-3;
-constexpr size_t kExactRims = 4096;
-
-enum class Side : uint8_t { Outside, Inside, Near };
-
 glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
   return low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
 }
 
-/// A cube of 8 x 8 x 8 samples, and on which side its eight parts lie.
+/// A cube of 8 x 8 x 8 samples, and on which side its eight parts lie. `Side::Unknown` counts as near.
 struct LeafParts {
   glm::ivec3 low;
   std::array<Side, 8> sides;
@@ -55,7 +50,7 @@ class BandMaker {
     progress_.stage("find_leaves", [&] { findLeaves(); });
     const size_t arrays =
         1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) + (options_.confidence ? 1 : 0);
-    constexpr size_t kPerPoint = 96;  // Of a query, with its results.
+    constexpr size_t kPerPoint = 128;  // Of a query, with its results.
     checkFieldMemory(surface_.bytes() +
                          parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
                                           arrays * sizeof(float) * SparseField::kLeafSamples) +
@@ -66,8 +61,6 @@ class BandMaker {
   }
 
  private:
-  bool isWhole() const { return !surface_.isSigned || surface_.lattice.isWhole(); }
-
   /// Halves the cubes that may hold samples of the band, down to the parts of leaves.
   void findLeaves() {
     const glm::ivec3 dims = band_.grid.dims;
@@ -85,7 +78,7 @@ class BandMaker {
       std::vector<glm::ivec3> parts;
       for (size_t c = 0; c < cubes.size(); ++c) {
         if (sides[c] == Side::Inside) band_.tiles.push_back({cubes[c], side});
-        if (sides[c] != Side::Near) continue;
+        if (sides[c] != Side::Unknown) continue;
         for (int child = 0; child < 8; ++child) {
           const glm::ivec3 low = childOf(cubes[c], side, child);
           // All parts of a leaf are kept, so that eight follow each other.
@@ -97,61 +90,86 @@ class BandMaker {
     }
   }
 
-  /// Returns for each cube whether all its samples lie beyond the band on one side.
+  /// Returns the side of each cube whose samples all lie beyond the band on one side. The children of a cube
+  /// follow each other.
   std::vector<Side> sidesOf(const std::vector<glm::ivec3>& cubes, int side) {
     const double radius = 0.5 * std::sqrt(3.0) * double(side - 1) * band_.grid.spacing;
     std::vector<Side> sides(cubes.size());
-    std::vector<glm::dvec3> centres;
-    for (size_t begin = 0; begin < cubes.size(); begin += kPointsAtATime) {
-      const size_t count = std::min(kPointsAtATime, cubes.size() - begin);
-      centres.clear();
-      for (size_t c = begin; c < begin + count; ++c)
-        centres.push_back(band_.grid.position(glm::dvec3(cubes[c]) + 0.5 * double(side - 1)));
-      const std::span<Side> part = std::span(sides).subspan(begin, count);
-      findFar(centres, radius, part);
-      if (!isWhole()) doubtSides(centres, radius, part);
+    const auto parentOf = [&](size_t c) { return cubes[c] / (2 * side); };
+    for (size_t begin = 0, end = 0; begin < cubes.size(); begin = end) {
+      end = std::min(begin + kPointsAtATime, cubes.size());
+      while (end < cubes.size() && parentOf(end) == parentOf(end - 1)) ++end;
+      const std::span part = std::span(cubes).subspan(begin, end - begin);
+      findFar(part, side, radius, std::span(sides).subspan(begin, part.size()));
     }
     return sides;
   }
 
-  /// Finds the balls that lie beyond the band, and the side of their centres.
-  void findFar(const std::vector<glm::dvec3>& centres, double radius, std::span<Side> sides) {
-    const double inside = std::isfinite(band_.inside) ? band_.inside : 0.0;
-    const QueryOptions query{.maxDistance = (radius + std::max(band_.outside, inside)) * (1.0 + kMargin)};
-    queryPoints(surface_, PointsView(centres), query, progress_, found_);
-    for (size_t c = 0; c < centres.size(); ++c) {
-      const double distance = found_.distance[c], width = distance < 0.0 ? band_.inside : band_.outside;
-      const bool isFar = std::abs(distance) >= (radius + width) * (1.0 + kMargin);
-      sides[c] = !isFar ? Side::Near : distance < 0.0 ? Side::Inside : Side::Outside;
-    }
-  }
+  /// Returns the width of the band on a side.
+  double widthOf(Side side) const { return side == Side::Inside ? band_.inside : band_.outside; }
 
-  /// Counts balls as near that hold no surface, but may hold points of both sides of the threshold.
-  void doubtSides(const std::vector<glm::dvec3>& centres, double radius, std::span<Side> sides) {
+  void findFar(std::span<const glm::ivec3> cubes, int side, double radius, std::span<Side> sides) {
+    const auto limit = [&](double width) { return (radius + width) * (1.0 + kMargin); };
+    const double narrow = std::min(band_.outside, band_.inside), wide = std::max(band_.outside, band_.inside);
+    points_.resizeUninitialized(cubes.size());
+    for (size_t c = 0; c < cubes.size(); ++c)
+      points_[c] = band_.grid.position(glm::dvec3(cubes[c]) + 0.5 * double(side - 1));
+    const QueryOptions query{.maxDistance = limit(std::isfinite(wide) ? wide : narrow)};
+    queryUnsigned(surface_, PointsView(std::span(points_)), query, progress_, found_);
     const std::vector<uint32_t> far =
-        parallelSelect(centres.size(), [&](uint32_t c) { return sides[c] != Side::Near; });
-    std::vector<glm::dvec3> points;
-    for (const uint32_t c : far) points.push_back(centres[c]);
-    queryPoints(surface_, PointsView(points), {.distance = false, .winding = true}, progress_, found_);
-    parallelFor(far.size(), 64, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k)
-        if (!isSettled(points[k], radius, std::abs(double(found_.winding[k])))) sides[far[k]] = Side::Near;
-    });
+        parallelSelect(cubes.size(), [&](uint32_t c) { return found_.distance[c] >= limit(narrow); });
+    const std::vector<Side> known = sidesOfFar(cubes, side, radius, far);
+    std::ranges::fill(sides, Side::Unknown);
+    for (size_t k = 0; k < far.size(); ++k)
+      if (found_.distance[far[k]] >= limit(widthOf(known[k]))) sides[far[k]] = known[k];
   }
 
-  /// Returns whether the winding number stays on its side of the threshold in a whole ball without surface.
-  bool isSettled(const glm::dvec3& centre, double radius, double winding) const {
-    const size_t rims = surface_.rims.count();
-    const double error = rims <= kExactRims ? kExactNumberError : kDipoleNumberError;
-    const double gap = std::abs(winding - surface_.threshold) - error;
-    return gap > 0.0 && radius * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius) < gap;
+  /// Returns the sides of balls without surface about the centres of some cubes, which are in `points_`.
+  std::vector<Side> sidesOfFar(std::span<const glm::ivec3> cubes, int side, double radius,
+                               std::span<const uint32_t> far) {
+    std::vector<glm::dvec3> centres;
+    std::vector<double> distances;
+    std::vector<uint16_t> places;
+    std::vector<size_t> begins;
+    for (size_t k = 0; k < far.size(); ++k) {
+      const glm::ivec3 cube = cubes[far[k]] / side;
+      if (k == 0 || cube / 2 != cubes[far[k - 1]] / side / 2) begins.push_back(k);
+      centres.push_back(points_[far[k]]);
+      distances.push_back(found_.distance[far[k]]);
+      places.push_back(uint16_t((cube.x & 1) | (cube.y & 1) << 1 | (cube.z & 1) << 2));
+    }
+    begins.push_back(far.size());
+    std::vector<Side> sides(far.size());
+    findSides(surface_, {2, double(side) * band_.grid.spacing, radius, centres, distances, places, begins},
+              progress_, sides);
+    const std::vector<uint32_t> rest =
+        parallelSelect(far.size(), [&](uint32_t k) { return sides[k] == Side::Unknown; });
+    if (!rest.empty()) findSidesApart(rest, radius, centres, distances, sides);
+    return sides;
+  }
+
+  /// Finds the sides of some balls, each by itself.
+  void findSidesApart(std::span<const uint32_t> which, double radius, std::span<const glm::dvec3> centres,
+                      std::span<const double> distances, std::span<Side> sides) {
+    std::vector<glm::dvec3> ownCentres;
+    std::vector<double> ownDistances;
+    std::vector<size_t> begins{0};
+    for (const uint32_t k : which) {
+      ownCentres.push_back(centres[k]);
+      ownDistances.push_back(distances[k]);
+      begins.push_back(ownCentres.size());
+    }
+    const std::vector<uint16_t> places(which.size(), 0);
+    std::vector<Side> own(which.size());
+    findSides(surface_, {1, 0.0, radius, ownCentres, ownDistances, places, begins}, progress_, own);
+    for (size_t k = 0; k < which.size(); ++k) sides[which[k]] = own[k];
   }
 
   void keepParts(const std::vector<glm::ivec3>& cubes, const std::vector<Side>& sides) {
     for (size_t c = 0; c < cubes.size(); c += 8) {
       LeafParts leaf{cubes[c], {}};
       std::copy_n(sides.begin() + c, 8, leaf.sides.begin());
-      if (leaf.has(Side::Near) || (leaf.has(Side::Inside) && leaf.has(Side::Outside)))
+      if (leaf.has(Side::Unknown) || (leaf.has(Side::Inside) && leaf.has(Side::Outside)))
         parts_.push_back(leaf);
       else if (leaf.has(Side::Inside))
         band_.tiles.push_back({leaf.low, SparseField::kLeafSide});
@@ -180,35 +198,62 @@ class BandMaker {
 
   /// Fills the leaves numbered [begin, end).
   void fill(size_t begin, size_t end) {
-    constexpr size_t kLeafSamples = SparseField::kLeafSamples;
-    std::vector<size_t> offsets(end - begin + 1, 0);
-    for (size_t leaf = begin; leaf < end; ++leaf)
-      offsets[leaf - begin + 1] = offsets[leaf - begin] + asked(leaf);
-    points_.resizeUninitialized(offsets.back());
-    places_.resizeUninitialized(offsets.back());
+    begins_.assign(1, 0);
+    for (size_t leaf = begin; leaf < end; ++leaf) begins_.push_back(begins_.back() + asked(leaf));
+    points_.resizeUninitialized(begins_.back());
+    places_.resizeUninitialized(begins_.back());
     parallelFor(end - begin, 64, [&](size_t from, size_t to) {
-      for (size_t k = from; k < to; ++k) ask(begin + k, offsets[k]);
+      for (size_t k = from; k < to; ++k) ask(begin + k, begins_[k]);
     });
-    const QueryOptions query{.triangle = options_.triangle,
-                             .winding = options_.winding,
-                             .confidence = options_.confidence,
-                             .maxDistance = std::max(band_.outside, band_.inside)};
-    queryPoints(surface_, PointsView(std::span(points_)), query, progress_, found_);
-    parallelFor(points_.size(), kCheapGrain, [&](size_t from, size_t to) {
-      for (size_t k = from; k < to; ++k) {
-        const size_t place = begin * kLeafSamples + places_[k];
-        const auto value = float(std::clamp(found_.distance[k], -band_.inside, band_.outside));
-        band_.distance[place] = value;
-        if (options_.triangle)
-          band_.triangle[place] = band_.isActive(value) ? found_.triangle[k] : kNoTriangle;
-        if (options_.winding) band_.winding[place] = found_.winding[k];
-        if (options_.confidence) band_.confidence[place] = found_.confidence[k];
-      }
+    query();
+    parallelFor(end - begin, 64, [&](size_t from, size_t to) {
+      for (size_t k = from; k < to; ++k)
+        for (size_t i = begins_[k]; i < begins_[k + 1]; ++i)
+          take(i, (begin + k) * SparseField::kLeafSamples + places_[i]);
     });
   }
 
+  /// Queries all points of `points_`. Those near each other share their sign, but where numbers are asked for.
+  void query() {
+    QueryOptions query{.triangle = options_.triangle,
+                       .winding = options_.winding,
+                       .confidence = options_.confidence,
+                       .maxDistance = std::max(band_.outside, band_.inside)};
+    const PointsView points{std::span(points_)};
+    if (options_.winding || options_.confidence || !surface_.isSigned) {
+      queryPoints(surface_, points, query, progress_, found_);
+      return;
+    }
+    queryUnsigned(surface_, points, query, progress_, found_);
+    sides_.resizeUninitialized(points_.size());
+    findSides(surface_,
+              {SparseField::kLeafSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, begins_},
+              progress_, sides_);
+    parallelFor(sides_.size(), kCheapGrain, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i)
+        if (sides_[i] == Side::Inside) found_.distance[i] = -found_.distance[i];
+    });
+    const std::vector<uint32_t> rest =
+        parallelSelect(sides_.size(), [&](uint32_t i) { return sides_[i] == Side::Unknown; });
+    std::vector<glm::dvec3> restPoints;
+    for (const uint32_t i : rest) restPoints.push_back(points_[i]);
+    QueryResult found;
+    query.triangle = false;
+    queryPoints(surface_, PointsView(restPoints), query, progress_, found);
+    for (size_t k = 0; k < rest.size(); ++k) found_.distance[rest[k]] = found.distance[k];
+  }
+
+  /// Stores what was found at a point.
+  void take(size_t point, size_t place) {
+    const auto value = float(std::clamp(found_.distance[point], -band_.inside, band_.outside));
+    band_.distance[place] = value;
+    if (options_.triangle) band_.triangle[place] = band_.isActive(value) ? found_.triangle[point] : kNoTriangle;
+    if (options_.winding) band_.winding[place] = found_.winding[point];
+    if (options_.confidence) band_.confidence[place] = found_.confidence[point];
+  }
+
   /// Whether a part's samples are queried. Their signs are known where it is not near.
-  bool isAsked(Side side) const { return side == Side::Near || options_.winding || options_.confidence; }
+  bool isAsked(Side side) const { return side == Side::Unknown || options_.winding || options_.confidence; }
 
   template <class Visit>
   void forEachSample(const glm::ivec3& low, int part, Visit&& visit) const {
@@ -241,16 +286,14 @@ class BandMaker {
   /// Lists the points of a leaf that are queried, from `next` on, and fills what is known of the others.
   void ask(size_t leaf, size_t next) {
     const LeafParts& parts = parts_[leaf];
-    const size_t first = leaf * SparseField::kLeafSamples,
-                 firstOfQuery =
-                     leaf % (kPointsAtATime / SparseField::kLeafSamples) * SparseField::kLeafSamples;
+    const size_t first = leaf * SparseField::kLeafSamples;
     band_.leaves[leaf] = parts.low;
     for (int part = 0; part < 8; ++part) {
       const Side side = parts.sides[size_t(part)];
       forEachSample(parts.low, part, [&](const glm::ivec3& sample, size_t place) {
         if (isOnLattice(sample) && isAsked(side)) {
           points_[next] = band_.grid.position(glm::dvec3(sample));
-          places_[next++] = uint32_t(firstOfQuery + place);
+          places_[next++] = uint16_t(place);
           return;
         }
         const bool isInside = side == Side::Inside && isOnLattice(sample);
@@ -304,7 +347,9 @@ class BandMaker {
   SparseField band_;
   std::vector<LeafParts> parts_;
   Buffer<glm::dvec3> points_;
-  Buffer<uint32_t> places_;  // From the first value of the query's leaves.
+  Buffer<uint16_t> places_;     // In their leaves.
+  std::vector<size_t> begins_;  // First point of each leaf of the query, and at last their number.
+  Buffer<Side> sides_;
   QueryResult found_;
 };
 

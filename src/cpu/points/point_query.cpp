@@ -181,10 +181,10 @@ class Batch {
 /// Answers for one part of a batch after another. Each thread has its own instance.
 class Answers {
  public:
-  Answers(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
+  Answers(const PreparedSurface& surface, bool isSigned, const PointsView& view, const QueryOptions& options,
           QueryResult& result)
       : surface_(surface), view_(view), options_(options), result_(result) {
-    if (surface.isSigned)
+    if (isSigned)
       winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.rimsOfSign(),
                                      surface.dipoles, surface.lattice, surface.threshold});
   }
@@ -308,10 +308,8 @@ void fillRest(const PointsView& view, size_t begin, size_t end, QueryResult& res
   }
 }
 
-}  // namespace
-
-void queryPoints(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
-                 Progress& progress, QueryResult& result) {
+void answerAll(const PreparedSurface& surface, bool isSigned, const PointsView& view,
+               const QueryOptions& options, Progress& progress, QueryResult& result) {
   sizeResult(options, view.count, result);
   Batch batch;
   std::atomic<size_t> done{0};
@@ -324,7 +322,7 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
                    part = std::clamp(batch.count() / (8 * parallelThreads()), fewest, kMostAtOnce);
       const size_t parts = (batch.count() + part - 1) / part;
       parallelWorkers(parts, [&](const auto& next) {
-        Answers answers(surface, view, options, result);
+        Answers answers(surface, isSigned, view, options, result);
         for (size_t k = next(); k < parts; k = next()) {
           const size_t from = k * part, to = std::min(from + part, batch.count());
           answers.answer(batch, from, to);
@@ -334,6 +332,18 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
     }
     if (batch.hasNowhere()) fillRest(view, begin, end, result);
   }
+}
+
+}  // namespace
+
+void queryPoints(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
+                 Progress& progress, QueryResult& result) {
+  answerAll(surface, surface.isSigned, view, options, progress, result);
+}
+
+void queryUnsigned(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
+                   Progress& progress, QueryResult& result) {
+  answerAll(surface, false, view, options, progress, result);
 }
 
 }  // namespace raymap::cpu

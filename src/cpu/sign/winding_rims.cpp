@@ -262,16 +262,15 @@ double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const 
   const auto vertex = [&](size_t i) {
     return glm::vec3(paths_.vertices[0][i], paths_.vertices[1][i], paths_.vertices[2][i]);
   };
-  float sum = 0.0f, nearest = std::numeric_limits<float>::max();
+  float sum = 0.0f;
   for (size_t i = 0; count_ > 0 && i + 1 < paths_.isStart.size(); ++i) {
     if (paths_.isStart[i] == 0.0f) continue;
     const glm::vec3 a = vertex(i), b = vertex(i + 1);
     const float length = glm::distance(a, b);
     const float distance = 0.5f * (glm::distance(a, c) + glm::distance(b, c) - length) - reach;
-    nearest = std::min(nearest, distance);
+    if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
     sum += length / (distance * distance);
   }
-  if (nearest <= 0.0f) return std::numeric_limits<double>::infinity();
   return kRounding * scale_ * double(sum) / (4.0 * std::numbers::pi);
 }
 

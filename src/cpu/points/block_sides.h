@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/progress.h"
+#include "cpu/points/prepared_surface.h"
+
+namespace raymap::cpu {
+
+/// On which side of the surface something lies, as far as it is known.
+enum class Side : uint8_t { Outside, Inside, Unknown };
+
+/// Some of the points of a cube, that lie on a lattice in it.
+struct BlockPoints {
+  static constexpr int kMostSide = 8;  ///< Most points along the side of a cube.
+
+  int side = kMostSide;  ///< Points along the side of each cube.
+  double spacing = 0.0;  ///< From one to the next, in the mesh's units.
+  double reach = 0.0;    ///< Radius of a ball about each point whose side is asked for, too.
+  std::span<const glm::dvec3> points;
+  std::span<const double> distances;  ///< Of each point, not negative. The true one may be larger.
+  /// Of each point, its place in its cube, x fastest. The points of a cube follow each other, in any order.
+  std::span<const uint16_t> places;
+  std::span<const size_t> begins;  ///< First point of each cube, and at last the number of points.
+};
+
+/// Finds the sides of points. Those that see each other share one winding number, so that few of them are
+/// queried. `Side::Unknown` is left where the number may pass the threshold without surface between, close to
+/// rims. Uses all threads of the caller's arena.
+void findSides(const PreparedSurface& surface, const BlockPoints& blocks, Progress& progress,
+               std::span<Side> sides);
+
+}  // namespace raymap::cpu
