@@ -13,7 +13,7 @@ enum class Side : uint8_t { Outside, Inside, Unknown };
 
 /// Some of the points of a cube, that lie on a lattice in it.
 struct BlockPoints {
-  static constexpr int kMostSide = 8;  ///< Most points along the side of a cube.
+  static constexpr int kMostSide = 8;  ///< Most points along the side of a cube, a power of two.
 
   int side = kMostSide;  ///< Points along the side of each cube.
   double spacing = 0.0;  ///< From one to the next, in the mesh's units.
@@ -26,8 +26,8 @@ struct BlockPoints {
 };
 
 /// Finds the sides of points. Those that see each other share one winding number, so that few of them are
-/// queried. `Side::Unknown` is left where the number may pass the threshold without surface between, close to
-/// rims. Uses all threads of the caller's arena.
+/// queried. `Side::Unknown` is left where rounding could decide, or the number may pass the threshold within
+/// `reach`. Uses all threads of the caller's arena.
 void findSides(const PreparedSurface& surface, const BlockPoints& blocks, Progress& progress,
                std::span<Side> sides);
 

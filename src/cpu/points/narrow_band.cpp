@@ -142,27 +142,7 @@ class BandMaker {
     std::vector<Side> sides(far.size());
     findSides(surface_, {2, double(side) * band_.grid.spacing, radius, centres, distances, places, begins},
               progress_, sides);
-    const std::vector<uint32_t> rest =
-        parallelSelect(far.size(), [&](uint32_t k) { return sides[k] == Side::Unknown; });
-    if (!rest.empty()) findSidesApart(rest, radius, centres, distances, sides);
     return sides;
-  }
-
-  /// Finds the sides of some balls, each by itself.
-  void findSidesApart(std::span<const uint32_t> which, double radius, std::span<const glm::dvec3> centres,
-                      std::span<const double> distances, std::span<Side> sides) {
-    std::vector<glm::dvec3> ownCentres;
-    std::vector<double> ownDistances;
-    std::vector<size_t> begins{0};
-    for (const uint32_t k : which) {
-      ownCentres.push_back(centres[k]);
-      ownDistances.push_back(distances[k]);
-      begins.push_back(ownCentres.size());
-    }
-    const std::vector<uint16_t> places(which.size(), 0);
-    std::vector<Side> own(which.size());
-    findSides(surface_, {1, 0.0, radius, ownCentres, ownDistances, places, begins}, progress_, own);
-    for (size_t k = 0; k < which.size(); ++k) sides[which[k]] = own[k];
   }
 
   void keepParts(const std::vector<glm::ivec3>& cubes, const std::vector<Side>& sides) {
@@ -213,7 +193,8 @@ class BandMaker {
     });
   }
 
-  /// Queries all points of `points_`. Those near each other share their sign, but where numbers are asked for.
+  /// Queries all points of `points_`. Those near each other share their sign, but where numbers are asked
+  /// for.
   void query() {
     QueryOptions query{.triangle = options_.triangle,
                        .winding = options_.winding,
@@ -247,7 +228,8 @@ class BandMaker {
   void take(size_t point, size_t place) {
     const auto value = float(std::clamp(found_.distance[point], -band_.inside, band_.outside));
     band_.distance[place] = value;
-    if (options_.triangle) band_.triangle[place] = band_.isActive(value) ? found_.triangle[point] : kNoTriangle;
+    if (options_.triangle)
+      band_.triangle[place] = band_.isActive(value) ? found_.triangle[point] : kNoTriangle;
     if (options_.winding) band_.winding[place] = found_.winding[point];
     if (options_.confidence) band_.confidence[place] = found_.confidence[point];
   }

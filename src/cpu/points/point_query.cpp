@@ -178,15 +178,29 @@ class Batch {
   float side_ = 0.0f;
 };
 
+/// What is asked, and where the answers go.
+struct Query {
+  const PreparedSurface& surface;
+  bool isSigned;
+  const PointsView& view;
+  const QueryOptions& options;
+  QueryResult& result;
+  DoubtfulNumbers* doubtful = nullptr;
+};
+
 /// Answers for one part of a batch after another. Each thread has its own instance.
 class Answers {
  public:
-  Answers(const PreparedSurface& surface, bool isSigned, const PointsView& view, const QueryOptions& options,
-          QueryResult& result)
-      : surface_(surface), view_(view), options_(options), result_(result) {
-    if (isSigned)
-      winding_.emplace(WindingSource{surface.mesh, surface.turns, surface.signTree(), surface.rimsOfSign(),
-                                     surface.dipoles, surface.lattice, surface.threshold});
+  explicit Answers(const Query& query)
+      : surface_(query.surface),
+        view_(query.view),
+        options_(query.options),
+        result_(query.result),
+        doubtful_(query.doubtful) {
+    if (query.isSigned)
+      winding_.emplace(WindingSource{surface_.mesh, surface_.turns, surface_.signTree(),
+                                     surface_.rimsOfSign(), surface_.dipoles, surface_.lattice,
+                                     surface_.threshold});
   }
 
   void answer(const Batch& batch, size_t begin, size_t end) {
@@ -256,6 +270,10 @@ class Answers {
       winding_->compute(points, numbers_);
     for (size_t k = 0; k < cells_.size(); ++k) {
       const size_t number = batch.number(begin + k);
+      if (doubtful_ != nullptr) {
+        doubtful_->winding[number] = numbers_[k];
+        doubtful_->doubt[number] = winding_->doubtOf(k);
+      }
       const bool isInside = std::abs(numbers_[k]) > surface_.threshold;
       if (options_.distance) result_.distance[number] = isInside ? -unsigned_[k] : unsigned_[k];
       if (options_.winding) result_.winding[number] = static_cast<float>(numbers_[k]);
@@ -267,6 +285,7 @@ class Answers {
   const PointsView& view_;
   const QueryOptions& options_;
   QueryResult& result_;
+  DoubtfulNumbers* doubtful_;
   std::optional<PointWinding> winding_;
   std::vector<NearestTriangle> nearest_;
   std::vector<glm::vec3> cells_;
@@ -308,21 +327,22 @@ void fillRest(const PointsView& view, size_t begin, size_t end, QueryResult& res
   }
 }
 
-void answerAll(const PreparedSurface& surface, bool isSigned, const PointsView& view,
-               const QueryOptions& options, Progress& progress, QueryResult& result) {
-  sizeResult(options, view.count, result);
+void answerAll(const Query& query, Progress& progress) {
+  const PointsView& view = query.view;
+  const SurfaceTree& tree = query.surface.tree;
+  sizeResult(query.options, view.count, query.result);
   Batch batch;
   std::atomic<size_t> done{0};
   for (size_t begin = 0; begin < view.count; begin += kPointsAtOnce) {
     const size_t end = std::min(begin + kPointsAtOnce, view.count);
-    batch.load(surface.grid, view, begin, end);
+    batch.load(query.surface.grid, view, begin, end);
     for (const bool isFar : {false, true}) {
       batch.sort(isFar);
-      const size_t fewest = areSparse(batch.count(), surface.tree) ? kFewestSparseAtOnce : kFewestAtOnce,
+      const size_t fewest = areSparse(batch.count(), tree) ? kFewestSparseAtOnce : kFewestAtOnce,
                    part = std::clamp(batch.count() / (8 * parallelThreads()), fewest, kMostAtOnce);
       const size_t parts = (batch.count() + part - 1) / part;
       parallelWorkers(parts, [&](const auto& next) {
-        Answers answers(surface, isSigned, view, options, result);
+        Answers answers(query);
         for (size_t k = next(); k < parts; k = next()) {
           const size_t from = k * part, to = std::min(from + part, batch.count());
           answers.answer(batch, from, to);
@@ -330,7 +350,7 @@ void answerAll(const PreparedSurface& surface, bool isSigned, const PointsView& 
         }
       });
     }
-    if (batch.hasNowhere()) fillRest(view, begin, end, result);
+    if (batch.hasNowhere()) fillRest(view, begin, end, query.result);
   }
 }
 
@@ -338,12 +358,20 @@ void answerAll(const PreparedSurface& surface, bool isSigned, const PointsView& 
 
 void queryPoints(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
                  Progress& progress, QueryResult& result) {
-  answerAll(surface, surface.isSigned, view, options, progress, result);
+  answerAll({surface, surface.isSigned, view, options, result}, progress);
 }
 
 void queryUnsigned(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
                    Progress& progress, QueryResult& result) {
-  answerAll(surface, false, view, options, progress, result);
+  answerAll({surface, false, view, options, result}, progress);
+}
+
+void queryNumbers(const PreparedSurface& surface, const PointsView& view, Progress& progress,
+                  DoubtfulNumbers& numbers) {
+  numbers.winding.resizeUninitialized(view.count);
+  numbers.doubt.resizeUninitialized(view.count);
+  QueryResult none;
+  answerAll({surface, surface.isSigned, view, {.distance = false}, none, &numbers}, progress);
 }
 
 }  // namespace raymap::cpu

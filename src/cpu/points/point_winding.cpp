@@ -197,8 +197,16 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   }
   asked_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i)
-    if (std::isnan(winding[i]) || !isSettled(winding[i], clear_[i])) asked_.push_back(i);
+    if (std::isnan(winding[i]) || !isSettled(winding[i], clear_[i])) {
+      asked_.push_back(i);
+      clear_[i] = -1.0f;
+    }
   settle(points, winding);
+}
+
+double PointWinding::doubtOf(size_t point) const {
+  if (source_.lattice.isWhole()) return 0.0;
+  return clear_[point] < 0.0f ? INFINITY : latticeError(clear_[point]) + kMostChange;
 }
 
 void PointWinding::computeClosely(const WindingPoints& points, std::span<double> winding) {

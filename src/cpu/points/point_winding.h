@@ -55,6 +55,9 @@ class PointWinding {
   /// Computes the numbers well enough to tell on which side of the threshold a point lies: from the nearest
   /// sample and the faces between it and the point where that is enough. Whole numbers are exact.
   void compute(const WindingPoints& points, std::span<double> winding);
+  /// Returns how far the number of a point that `compute` was called with may be wrong, 0 to 1; infinite if
+  /// only its side is known.
+  double doubtOf(size_t point) const;
   /// Computes them exactly, or with too many rims by dipoles, to about 0.0002 and ever closer towards the
   /// threshold.
   void computeClosely(const WindingPoints& points, std::span<double> winding);
@@ -99,7 +102,8 @@ class PointWinding {
   std::vector<uint64_t> crossing_;  // a point below its sample
   std::vector<glm::vec3> ends_;
   std::vector<int32_t> changes_;
-  std::vector<float> clear_;  // distance of the surface from the sample of each point
+  std::vector<float>
+      clear_;  // distance of the surface from the sample of each point; < 0 if not taken from it
   std::vector<float> numbers_;
 };
 

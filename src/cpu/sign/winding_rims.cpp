@@ -244,6 +244,7 @@ WindingRims::WindingRims(std::span<const RimLine> rims) : count_(rims.size()) {
       paths_.vertices[axis][i] = float(scale_ * double(path.vertices[std::min(i, count - 1)][axis]));
     paths_.isStart[i] = i < count && path.isStart[i] ? 1.0f : 0.0f;
   }
+  makeGroups();
 }
 
 RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, double allowed) const {
@@ -255,21 +256,43 @@ RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, d
   return HWY_DYNAMIC_DISPATCH(sumDoubles)(paths_, scale_ * point, direction);
 }
 
+void WindingRims::makeGroups() {
+  constexpr size_t kMostOfGroup = 16;
+  for (size_t begin = 0; begin + 1 < paths_.isStart.size(); begin += kMostOfGroup) {
+    Group group{begin, std::min(begin + kMostOfGroup, paths_.isStart.size() - 1), {}, 0.0f, 0.0f};
+    glm::vec3 low(INFINITY), high(-INFINITY);
+    for (size_t i = begin; i <= group.end; ++i) {
+      low = glm::min(low, paths_.vertex(i));
+      high = glm::max(high, paths_.vertex(i));
+      if (i < group.end && paths_.isStart[i] != 0.0f)
+        group.length += glm::distance(paths_.vertex(i), paths_.vertex(i + 1));
+    }
+    group.centre = 0.5f * (low + high);
+    group.radius = 0.5f * glm::distance(low, high);
+    if (group.length > 0.0f) groups_.push_back(group);
+  }
+}
+
 double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const {
   constexpr double kRounding = 1.0 + 1e-4;
+  constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group counts as a whole.
   const glm::vec3 c(scale_ * centre);
   const auto reach = float(scale_ * radius * kRounding);
-  const auto vertex = [&](size_t i) {
-    return glm::vec3(paths_.vertices[0][i], paths_.vertices[1][i], paths_.vertices[2][i]);
-  };
   float sum = 0.0f;
-  for (size_t i = 0; count_ > 0 && i + 1 < paths_.isStart.size(); ++i) {
-    if (paths_.isStart[i] == 0.0f) continue;
-    const glm::vec3 a = vertex(i), b = vertex(i + 1);
-    const float length = glm::distance(a, b);
-    const float distance = 0.5f * (glm::distance(a, c) + glm::distance(b, c) - length) - reach;
-    if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
-    sum += length / (distance * distance);
+  for (const Group& group : groups_) {
+    const float near = glm::distance(group.centre, c) - group.radius * float(kRounding) - reach;
+    if (near > kFar * group.radius) {
+      sum += group.length / (near * near);
+      continue;
+    }
+    for (size_t i = group.begin; i < group.end; ++i) {
+      if (paths_.isStart[i] == 0.0f) continue;
+      const glm::vec3 a = paths_.vertex(i), b = paths_.vertex(i + 1);
+      const float length = glm::distance(a, b);
+      const float distance = 0.5f * (glm::distance(a, c) + glm::distance(b, c) - length) - reach;
+      if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
+      sum += length / (distance * distance);
+    }
   }
   return kRounding * scale_ * double(sum) / (4.0 * std::numbers::pi);
 }

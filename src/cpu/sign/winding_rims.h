@@ -5,6 +5,7 @@
 #include <array>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "mesh/rim_edges.h"
 
@@ -22,6 +23,8 @@ struct RimShare {
 struct RimPaths {
   std::array<Buffer<float>, 3> vertices;
   Buffer<float> isStart;  ///< By vertex: 1 if a rim begins there, 0 if a path ends.
+
+  glm::vec3 vertex(size_t i) const { return {vertices[0][i], vertices[1][i], vertices[2][i]}; }
 };
 
 /// Exact winding numbers from one ray and the rims: Martens, Trettner & Bessmeltsev 2026, "The Antipodal
@@ -42,12 +45,22 @@ class WindingRims {
   double mostGradient(const glm::dvec3& centre, double radius) const;
 
   size_t count() const { return count_; }
-  size_t bytes() const { return 4 * paths_.isStart.capacityBytes(); }
+  size_t bytes() const { return 4 * paths_.isStart.capacityBytes() + groups_.capacity() * sizeof(Group); }
 
  private:
+  /// Vertices that follow each other, the ball that holds the rims from them on, and the length of these.
+  struct Group {
+    size_t begin, end;
+    glm::vec3 centre;
+    float radius, length;
+  };
+
+  void makeGroups();
+
   size_t count_ = 0;
   double scale_ = 1.0;  ///< Factor of all positions, so that no square leaves the range of floats.
   RimPaths paths_;
+  std::vector<Group> groups_;
 };
 
 }  // namespace raymap::cpu
