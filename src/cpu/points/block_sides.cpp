@@ -15,6 +15,8 @@
 #include "base/parallel.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/segment_crossings.h"
+#include "method/winding_paths_offsets.h"
+#include "method/winding_rims_shared.h"
 
 namespace raymap::cpu {
 
@@ -76,38 +78,32 @@ class JoinedPoints {
   std::array<uint32_t, kMostPlaces> chosen_;
 };
 
-/// Returns whether winding numbers are whole, so that they change at the surface alone.
-bool isWhole(const PreparedSurface& surface) {
-  return !surface.isSigned || surface.lattice.isWhole();
-}
-
 /// A winding number and how far it may be wrong.
 struct Number {
   double winding, doubt;
 };
 
-/// Returns the side of all points of a ball that are joined to this one, which has this winding number.
-Side sideOf(const PreparedSurface& surface, const glm::dvec3& point, const Number& number,
-            const glm::dvec3& centre, double radius) {
-  const Side side = std::abs(number.winding) > surface.threshold ? Side::Inside : Side::Outside;
-  if (isWhole(surface)) return side;
-  const double gap = std::abs(std::abs(number.winding) - surface.threshold) - number.doubt;
-  if (gap <= 0.0) return Side::Unknown;
-  const double way = glm::distance(point, centre) + radius;
-  const double change = way * surface.rims.mostGradient(centre - surface.mesh.origin, radius);
-  return change < gap ? side : Side::Unknown;
-}
-
-/// Returns the place of a point in its cube, along each axis.
-glm::ivec3 placeOf(const BlockPoints& blocks, size_t point) {
-  const int side = blocks.side, place = blocks.places[point];
-  return {place % side, place / side % side, place / side / side};
-}
-
-/// Returns the middle of a point's cube.
-glm::dvec3 middleOf(const BlockPoints& blocks, size_t point) {
-  const glm::dvec3 toMiddle = 0.5 * double(blocks.side - 1) - glm::dvec3(placeOf(blocks, point));
-  return blocks.points[point] + blocks.spacing * toMiddle;
+/// Computes the number of a point that is joined to one of nearly this number. What the rims add to the
+/// crossings of any ray is known, and these are whole.
+Number numberNear(const PreparedSurface& surface, const glm::dvec3& point, double near) {
+  constexpr double kAllowed = 1e-3, kExact = 1e-9;
+  const Grid& grid = surface.lattice.grid;
+  const glm::dvec3 fromCentre = point - grid.position(0.5 * glm::dvec3(grid.dims - 1));
+  const glm::dvec3 p = point - surface.mesh.origin;
+  for (uint32_t i = 0; i < uint32_t(kRays); ++i) {
+    const uint32_t ray = rayToTry(i, glm::vec3(fromCentre));
+    glm::dvec3 direction(0.0);
+    direction[int(ray % 3)] = ray < 3 ? 1.0 : -1.0;
+    const auto numberOf = [&](const RimShare& share) {
+      return share.winding + std::round(near - share.winding);
+    };
+    const RimShare share = surface.rims.at(p, direction, kAllowed);
+    if (share.clearance < double(kLeastClearance)) continue;
+    const double number = numberOf(share);
+    if (std::abs(std::abs(number) - surface.threshold) > 2.0 * kAllowed) return {number, kAllowed};
+    return {numberOf(surface.rims.at(p, direction)), kExact};
+  }
+  return {near, INFINITY};
 }
 
 /// Returns some of the points.
@@ -117,78 +113,175 @@ std::vector<glm::dvec3> pointsOf(const BlockPoints& blocks, std::span<const uint
   return points;
 }
 
-/// Finds the sides of all that some points are joined to: from quick numbers, and where these are in doubt,
-/// from exact ones.
-void askFirsts(const PreparedSurface& surface, const BlockPoints& blocks, std::span<const uint32_t> firsts,
-               Progress& progress, std::span<Side> sides) {
-  const double radius = 0.5 * std::sqrt(3.0) * double(blocks.side - 1) * blocks.spacing + blocks.reach;
-  const auto decide = [&](std::span<const uint32_t> which, auto&& numberOf) {
-    parallelFor(which.size(), 64, [&](size_t from, size_t to) {
-      for (size_t i = from; i < to; ++i)
-        sides[which[i]] =
-            sideOf(surface, blocks.points[which[i]], numberOf(i), middleOf(blocks, which[i]), radius);
+class SideFinder {
+ public:
+  /// `near` has a number within `kWhole` of each point's, or NaN.
+  SideFinder(const PreparedSurface& surface, const BlockPoints& blocks, std::span<const double> near,
+             Progress& progress, std::span<Side> sides)
+      : surface_(surface), blocks_(blocks), near_(near), progress_(progress), sides_(sides) {}
+
+  void find() {
+    joinAll();
+    const std::vector<uint32_t> asked =
+        parallelSelect(firsts_.size(), [&](uint32_t k) { return firsts_[k] == k; });
+    numbers_.assign(firsts_.size(), NAN);
+    ask(asked);
+    parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
+      for (size_t k = from; k < to; ++k)
+        if (firsts_[k] != k) sides_[k] = sides_[firsts_[k]];
     });
+    if (blocks_.side > 1) findRest();
+  }
+
+ private:
+  /// Numbers that are closer than this to each other tell which whole number lies between.
+  static constexpr double kWhole = 0.45;
+
+  void joinAll() {
+    // Exceeds the errors of two distances.
+    const double overlap = 2.0 * surface_.grid.spacing * double(slackOf(surface_.tree, surface_.grid.dims));
+    firsts_.resize(blocks_.points.size());
+    cubes_.resize(blocks_.points.size());
+    parallelFor(blocks_.begins.size() - 1, 64, [&](size_t from, size_t to) {
+      JoinedPoints joined(blocks_.side);
+      for (size_t cube = from; cube < to; ++cube) {
+        const size_t begin = blocks_.begins[cube], end = blocks_.begins[cube + 1];
+        joined.join(blocks_, begin, end, overlap, firsts_);
+        std::fill(cubes_.begin() + ptrdiff_t(begin), cubes_.begin() + ptrdiff_t(end), uint32_t(cube));
+      }
+    });
+  }
+
+  /// Finds the sides of all that some points are joined to, the quickest way first.
+  void ask(std::span<const uint32_t> which) {
+    std::vector<uint32_t> rest;
+    const auto takeRest = [&](std::span<const uint32_t> from) {
+      std::vector<uint32_t> left;
+      std::ranges::copy_if(from, std::back_inserter(left),
+                           [&](uint32_t k) { return sides_[k] == Side::Unknown && std::isnan(numbers_[k]); });
+      rest = std::move(left);
+    };
+    for (const uint32_t k : which) sides_[k] = Side::Unknown;
+    decide(which, [&](size_t i) { return known(which[i]); });
+    takeRest(which);
+    // A point alone is as well queried by the caller.
+    if (rest.empty() || (blocks_.side == 1 && blocks_.reach == 0.0)) return;
+    DoubtfulNumbers quick;
+    queryNumbers(surface_, PointsView(pointsOf(blocks_, rest)), progress_, quick);
+    decide(rest, [&](size_t i) { return Number{quick.winding[i], quick.doubt[i]}; });
+    takeRest(std::vector(rest));
+    if (rest.empty()) return;
+    QueryResult exact;
+    queryPoints(surface_, PointsView(pointsOf(blocks_, rest)), {.distance = false, .winding = true},
+                progress_, exact);
+    const double error = surface_.rims.count() <= kExactRims ? kExactNumberError : kDipoleNumberError;
+    decide(rest, [&](size_t i) { return Number{double(exact.winding[i]), error}; });
+  }
+
+  /// Returns what follows from a number of the larger cube.
+  Number known(uint32_t point) const {
+    if (std::isnan(near_[point]) || surface_.rims.count() > kFewRims) return {0.0, INFINITY};
+    return numberNear(surface_, blocks_.points[point], near_[point]);
+  }
+
+  /// Stores the sides that follow from the numbers of some points.
+  template <class NumberOf>
+  void decide(std::span<const uint32_t> which, NumberOf&& numberOf) {
+    parallelFor(which.size(), 64, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) sides_[which[i]] = sideOf(which[i], numberOf(i));
+    });
+  }
+
+  /// Returns the side of all that a point is joined to, and keeps its number if it says something about
+  /// theirs.
+  Side sideOf(uint32_t point, const Number& number) {
+    const double gap = std::abs(std::abs(number.winding) - surface_.threshold) - number.doubt;
+    if (std::isinf(number.doubt)) return Side::Unknown;
+    const double change = isWhole() ? 0.0 : mostChange(point);
+    if (change >= gap) {
+      if (number.doubt < 1e-2 && change + number.doubt < kWhole) numbers_[point] = number.winding;
+      return Side::Unknown;
+    }
+    return std::abs(number.winding) > surface_.threshold ? Side::Inside : Side::Outside;
+  }
+
+  /// Returns whether winding numbers are whole, so that they change at the surface alone.
+  bool isWhole() const { return surface_.lattice.isWhole(); }
+
+  /// Returns a bound on the change of the number between a point and all that it is joined to.
+  double mostChange(uint32_t point) const {
+    if (blocks_.side == 1 && blocks_.reach == 0.0) return 0.0;
+    const size_t first = blocks_.begins[cubes_[point]];
+    const glm::dvec3 toMiddle = 0.5 * double(blocks_.side - 1) - glm::dvec3(placeOf(first));
+    const glm::dvec3 centre = blocks_.points[first] + blocks_.spacing * toMiddle;
+    const double radius = 0.5 * std::sqrt(3.0) * double(blocks_.side - 1) * blocks_.spacing + blocks_.reach;
+    const double way = glm::distance(blocks_.points[point], centre) + radius;
+    return way * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius);
+  }
+
+  /// Returns the place of a point in its cube, along each axis.
+  glm::ivec3 placeOf(size_t point) const {
+    const int side = blocks_.side, place = blocks_.places[point];
+    return {place % side, place / side % side, place / side / side};
+  }
+
+  /// Asks again for what is not known, in smaller cubes.
+  void findRest() {
+    const Halved rest = halve();
+    if (rest.points.empty()) return;
+    std::vector<Side> found(rest.points.size());
+    const BlockPoints blocks{blocks_.side / 2, blocks_.spacing, blocks_.reach, rest.points,
+                             rest.distances,   rest.places,     rest.begins};
+    SideFinder(surface_, blocks, rest.near, progress_, found).find();
+    for (size_t k = 0; k < found.size(); ++k) sides_[rest.which[k]] = found[k];
+  }
+
+  /// Some points, in smaller cubes.
+  struct Halved {
+    std::vector<uint32_t> which;
+    std::vector<glm::dvec3> points;
+    std::vector<double> distances, near;
+    std::vector<uint16_t> places;
+    std::vector<size_t> begins;
   };
-  DoubtfulNumbers numbers;
-  queryNumbers(surface, PointsView(pointsOf(blocks, firsts)), progress, numbers);
-  decide(firsts, [&](size_t i) { return Number{numbers.winding[i], numbers.doubt[i]}; });
-  if (isWhole(surface)) return;
-  std::vector<uint32_t> rest;
-  std::ranges::copy_if(firsts, std::back_inserter(rest),
-                       [&](uint32_t k) { return sides[k] == Side::Unknown; });
-  QueryResult found;
-  queryPoints(surface, PointsView(pointsOf(blocks, rest)), {.distance = false, .winding = true}, progress,
-              found);
-  const double error = surface.rims.count() <= kExactRims ? kExactNumberError : kDipoleNumberError;
-  decide(rest, [&](size_t i) { return Number{double(found.winding[i]), error}; });
-}
 
-/// Some points, in smaller cubes.
-struct HalvedPoints {
-  std::vector<uint32_t> numbers;  ///< Of each point among those of the whole cubes.
-  std::vector<glm::dvec3> points;
-  std::vector<double> distances;
-  std::vector<uint16_t> places;
-  std::vector<size_t> begins;
-
-  /// Takes those points whose side is not known.
-  HalvedPoints(const BlockPoints& blocks, std::span<const Side> sides) {
+  /// Returns the points whose side is not known.
+  Halved halve() const {
+    Halved halved;
+    const int side = blocks_.side / 2;
     std::array<std::vector<uint32_t>, 8> halves;
-    for (size_t cube = 0; cube + 1 < blocks.begins.size(); ++cube) {
-      for (size_t k = blocks.begins[cube]; k < blocks.begins[cube + 1]; ++k)
-        if (sides[k] == Side::Unknown) {
-          const glm::ivec3 half = placeOf(blocks, k) / (blocks.side / 2);
-          halves[size_t(half.x + 2 * half.y + 4 * half.z)].push_back(uint32_t(k));
-        }
+    for (size_t cube = 0; cube + 1 < blocks_.begins.size(); ++cube) {
+      for (size_t k = blocks_.begins[cube]; k < blocks_.begins[cube + 1]; ++k) {
+        if (sides_[k] != Side::Unknown) continue;
+        const glm::ivec3 half = placeOf(k) / side;
+        halves[size_t(half.x + 2 * half.y + 4 * half.z)].push_back(uint32_t(k));
+      }
       for (std::vector<uint32_t>& half : halves) {
-        if (!half.empty()) begins.push_back(numbers.size());
-        numbers.insert(numbers.end(), half.begin(), half.end());
+        if (!half.empty()) halved.begins.push_back(halved.which.size());
+        halved.which.insert(halved.which.end(), half.begin(), half.end());
         half.clear();
       }
     }
-    begins.push_back(numbers.size());
-    const int side = blocks.side / 2;
-    for (const uint32_t k : numbers) {
-      const glm::ivec3 p = placeOf(blocks, k) % side;
-      points.push_back(blocks.points[k]);
-      distances.push_back(blocks.distances[k]);
-      places.push_back(uint16_t((p.z * side + p.y) * side + p.x));
+    halved.begins.push_back(halved.which.size());
+    for (const uint32_t k : halved.which) {
+      const glm::ivec3 p = placeOf(k) % side;
+      halved.points.push_back(blocks_.points[k]);
+      halved.distances.push_back(blocks_.distances[k]);
+      halved.near.push_back(numbers_[firsts_[k]]);
+      halved.places.push_back(uint16_t((p.z * side + p.y) * side + p.x));
     }
+    return halved;
   }
-};
 
-/// Asks again for what is not known, in smaller cubes.
-void findRest(const PreparedSurface& surface, const BlockPoints& blocks, Progress& progress,
-              std::span<Side> sides) {
-  const HalvedPoints rest(blocks, sides);
-  if (rest.numbers.empty()) return;
-  std::vector<Side> found(rest.numbers.size());
-  findSides(
-      surface,
-      {blocks.side / 2, blocks.spacing, blocks.reach, rest.points, rest.distances, rest.places, rest.begins},
-      progress, found);
-  for (size_t k = 0; k < found.size(); ++k) sides[rest.numbers[k]] = found[k];
-}
+  const PreparedSurface& surface_;
+  const BlockPoints& blocks_;
+  std::span<const double> near_;
+  Progress& progress_;
+  std::span<Side> sides_;
+  std::vector<uint32_t> firsts_;  // Of each point, the first of its cube that it is joined to.
+  std::vector<uint32_t> cubes_;
+  std::vector<double> numbers_;  // Of those first points whose number is within `kWhole` of all joined ones'.
+};
 
 }  // namespace
 
@@ -198,24 +291,8 @@ void findSides(const PreparedSurface& surface, const BlockPoints& blocks, Progre
     std::ranges::fill(sides, Side::Outside);
     return;
   }
-  // Exceeds the errors of two distances.
-  const double overlap = 2.0 * surface.grid.spacing * double(slackOf(surface.tree, surface.grid.dims));
-  std::vector<uint32_t> firsts(blocks.points.size());
-  const size_t cubes = blocks.begins.size() - 1;
-  parallelFor(cubes, 64, [&](size_t from, size_t to) {
-    JoinedPoints joined(blocks.side);
-    for (size_t cube = from; cube < to; ++cube)
-      joined.join(blocks, blocks.begins[cube], blocks.begins[cube + 1], overlap, firsts);
-  });
-  const std::vector<uint32_t> asked =
-      parallelSelect(firsts.size(), [&](uint32_t k) { return firsts[k] == k; });
-  askFirsts(surface, blocks, asked, progress, sides);
-  parallelFor(firsts.size(), kCheapGrain, [&](size_t from, size_t to) {
-    for (size_t k = from; k < to; ++k)
-      if (firsts[k] != k) sides[k] = sides[firsts[k]];
-  });
-  // A point alone is as well queried by the caller.
-  if (blocks.side > (blocks.reach > 0.0 ? 1 : 2)) findRest(surface, blocks, progress, sides);
+  const std::vector<double> near(blocks.points.size(), NAN);
+  SideFinder(surface, blocks, near, progress, sides).find();
 }
 
 }  // namespace raymap::cpu
