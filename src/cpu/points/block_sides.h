@@ -13,7 +13,7 @@ enum class Side : uint8_t { Outside, Inside, Unknown };
 
 /// Some of the points of a cube, that lie on a lattice in it.
 struct BlockPoints {
-  static constexpr int kMostSide = 8;  ///< Most points along the side of a cube, a power of two.
+  static constexpr int kMostSide = 16;  ///< Most points along the side of a cube, a power of two.
 
   int side = kMostSide;  ///< Points along the side of each cube.
   double spacing = 0.0;  ///< From one to the next, in the mesh's units.

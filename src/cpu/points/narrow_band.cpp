@@ -21,7 +21,8 @@ namespace raymap::cpu {
 
 namespace {
 
-constexpr int kSmallest = 4;  ///< Side of the smallest cubes.
+constexpr int kSmallest = 4;    ///< Side of the smallest cubes.
+constexpr int kBlockSide = 16;  ///< Side of the cubes whose samples share signs.
 constexpr size_t kPointsAtATime = size_t{1} << 20;
 /// Share by which a cube must be farther than the band, for rounding.
 constexpr double kMargin = 1e-5;
@@ -179,7 +180,13 @@ class BandMaker {
   /// Fills the leaves numbered [begin, end).
   void fill(size_t begin, size_t end) {
     begins_.assign(1, 0);
-    for (size_t leaf = begin; leaf < end; ++leaf) begins_.push_back(begins_.back() + asked(leaf));
+    blockBegins_.clear();
+    for (size_t leaf = begin; leaf < end; ++leaf) {
+      const auto blockOf = [&](size_t l) { return parts_[l].low / kBlockSide; };
+      if (leaf == begin || blockOf(leaf) != blockOf(leaf - 1)) blockBegins_.push_back(begins_.back());
+      begins_.push_back(begins_.back() + asked(leaf));
+    }
+    blockBegins_.push_back(begins_.back());
     points_.resizeUninitialized(begins_.back());
     places_.resizeUninitialized(begins_.back());
     parallelFor(end - begin, 64, [&](size_t from, size_t to) {
@@ -189,7 +196,7 @@ class BandMaker {
     parallelFor(end - begin, 64, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
         for (size_t i = begins_[k]; i < begins_[k + 1]; ++i)
-          take(i, (begin + k) * SparseField::kLeafSamples + places_[i]);
+          take(i, (begin + k) * SparseField::kLeafSamples + placeInLeaf(places_[i]));
     });
   }
 
@@ -208,7 +215,7 @@ class BandMaker {
     queryUnsigned(surface_, points, query, progress_, found_);
     sides_.resizeUninitialized(points_.size());
     findSides(surface_,
-              {SparseField::kLeafSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, begins_},
+              {kBlockSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, blockBegins_},
               progress_, sides_);
     parallelFor(sides_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i)
@@ -232,6 +239,20 @@ class BandMaker {
       band_.triangle[place] = band_.isActive(value) ? found_.triangle[point] : kNoTriangle;
     if (options_.winding) band_.winding[place] = found_.winding[point];
     if (options_.confidence) band_.confidence[place] = found_.confidence[point];
+  }
+
+  static uint16_t placeInBlock(const glm::ivec3& sample) {
+    const glm::ivec3 p = sample % kBlockSide;
+    return uint16_t((p.z * kBlockSide + p.y) * kBlockSide + p.x);
+  }
+
+  /// Returns the place in its leaf of a sample with this place in its block.
+  static size_t placeInLeaf(uint16_t place) {
+    constexpr int kSide = SparseField::kLeafSide;
+    const glm::ivec3 p =
+        glm::ivec3(place % kBlockSide, place / kBlockSide % kBlockSide, place / kBlockSide / kBlockSide) %
+        kSide;
+    return size_t((p.z * kSide + p.y) * kSide + p.x);
   }
 
   /// Whether a part's samples are queried. Their signs are known where it is not near.
@@ -275,7 +296,7 @@ class BandMaker {
       forEachSample(parts.low, part, [&](const glm::ivec3& sample, size_t place) {
         if (isOnLattice(sample) && isAsked(side)) {
           points_[next] = band_.grid.position(glm::dvec3(sample));
-          places_[next++] = uint16_t(place);
+          places_[next++] = placeInBlock(sample);
           return;
         }
         const bool isInside = side == Side::Inside && isOnLattice(sample);
@@ -329,8 +350,9 @@ class BandMaker {
   SparseField band_;
   std::vector<LeafParts> parts_;
   Buffer<glm::dvec3> points_;
-  Buffer<uint16_t> places_;     // In their leaves.
-  std::vector<size_t> begins_;  // First point of each leaf of the query, and at last their number.
+  Buffer<uint16_t> places_;          // In their blocks.
+  std::vector<size_t> begins_;       // First point of each leaf of the query, and at last their number.
+  std::vector<size_t> blockBegins_;  // The same of blocks.
   Buffer<Side> sides_;
   QueryResult found_;
 };

@@ -287,11 +287,14 @@ double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const 
     }
     for (size_t i = group.begin; i < group.end; ++i) {
       if (paths_.isStart[i] == 0.0f) continue;
-      const glm::vec3 a = paths_.vertex(i), b = paths_.vertex(i + 1);
-      const float length = glm::distance(a, b);
-      const float distance = 0.5f * (glm::distance(a, c) + glm::distance(b, c) - length) - reach;
+      const glm::vec3 a = paths_.vertex(i), along = paths_.vertex(i + 1) - a;
+      const float length = glm::length(along);
+      const float place =
+          length > 0.0f ? glm::clamp(glm::dot(c - a, along) / (length * length), 0.0f, 1.0f) : 0.0f;
+      const float distance = glm::distance(a + place * along, c) - reach;
       if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
-      sum += length / (distance * distance);
+      // The second is the integral along an infinite line.
+      sum += std::min(length / (distance * distance), std::numbers::pi_v<float> / distance);
     }
   }
   return kRounding * scale_ * double(sum) / (4.0 * std::numbers::pi);

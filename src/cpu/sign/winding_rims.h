@@ -40,8 +40,8 @@ class WindingRims {
   RimShare at(const glm::dvec3& point, const glm::dvec3& direction, double allowed = 0.0) const;
 
   /// Returns a bound on the gradient of the winding number in a ball that no rim meets: at a distance D from
-  /// a rim of length l it is at most l / 4 pi D^2 (the law of Biot and Savart). Infinite if a rim may meet
-  /// it.
+  /// a rim of length l it is at most l / 4 pi D^2, and at most 1 / 4 D (the law of Biot and Savart). Infinite
+  /// if a rim may meet it.
   double mostGradient(const glm::dvec3& centre, double radius) const;
 
   size_t count() const { return count_; }
