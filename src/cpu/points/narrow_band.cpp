@@ -12,7 +12,9 @@
 #include <cmath>
 
 #include "base/memory.h"
+#include "base/morton.h"
 #include "base/parallel.h"
+#include "cpu/points/block_distances.h"
 #include "cpu/points/block_sides.h"
 #include "cpu/points/point_query.h"
 #include "field/leaf_order.h"
@@ -181,14 +183,19 @@ class BandMaker {
   void fill(size_t begin, size_t end) {
     begins_.assign(1, 0);
     blockBegins_.clear();
+    blocks_.clear();
     for (size_t leaf = begin; leaf < end; ++leaf) {
-      const auto blockOf = [&](size_t l) { return parts_[l].low / kBlockSide; };
-      if (leaf == begin || blockOf(leaf) != blockOf(leaf - 1)) blockBegins_.push_back(begins_.back());
+      const glm::ivec3 block = parts_[leaf].low / kBlockSide;
+      if (blocks_.empty() || blocks_.back() != block) {
+        blocks_.push_back(block);
+        blockBegins_.push_back(begins_.back());
+      }
       begins_.push_back(begins_.back() + asked(leaf));
     }
     blockBegins_.push_back(begins_.back());
     points_.resizeUninitialized(begins_.back());
     places_.resizeUninitialized(begins_.back());
+    codes_.resizeUninitialized(begins_.back());
     parallelFor(end - begin, 64, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k) ask(begin + k, begins_[k]);
     });
@@ -208,11 +215,11 @@ class BandMaker {
                        .confidence = options_.confidence,
                        .maxDistance = std::max(band_.outside, band_.inside)};
     const PointsView points{std::span(points_)};
-    if (options_.winding || options_.confidence || !surface_.isSigned) {
+    if (options_.winding || options_.confidence) {
       queryPoints(surface_, points, query, progress_, found_);
       return;
     }
-    queryUnsigned(surface_, points, query, progress_, found_);
+    measure(query.maxDistance);
     sides_.resizeUninitialized(points_.size());
     findSides(surface_,
               {kBlockSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, blockBegins_},
@@ -231,6 +238,24 @@ class BandMaker {
     for (size_t k = 0; k < rest.size(); ++k) found_.distance[rest[k]] = found.distance[k];
   }
 
+  /// Finds unsigned distances and triangles, a block at a time.
+  void measure(double most) {
+    found_.distance.resizeUninitialized(points_.size());
+    found_.triangle.resizeUninitialized(points_.size());
+    parallelWorkers(blocks_.size(), [&](const auto& next) {
+      BlockDistances distances(surface_);
+      for (size_t b = next(); b < blocks_.size(); b = next()) {
+        const size_t begin = blockBegins_[b], count = blockBegins_[b + 1] - begin;
+        const LatticeBlock block{band_.grid.position(glm::dvec3(blocks_[b] * kBlockSide)), kBlockSide,
+                                 band_.grid.spacing};
+        distances.find(block, std::span(points_).subspan(begin, count),
+                       std::span(codes_).subspan(begin, count), most,
+                       std::span(found_.distance).subspan(begin, count),
+                       std::span(found_.triangle).subspan(begin, count));
+      }
+    });
+  }
+
   /// Stores what was found at a point.
   void take(size_t point, size_t place) {
     const auto value = float(std::clamp(found_.distance[point], -band_.inside, band_.outside));
@@ -246,6 +271,11 @@ class BandMaker {
     return uint16_t((p.z * kBlockSide + p.y) * kBlockSide + p.x);
   }
 
+  static uint16_t codeInBlock(const glm::ivec3& sample) {
+    const glm::uvec3 p(sample % kBlockSide);
+    return uint16_t(mortonCode(p.x, p.y, p.z));
+  }
+
   /// Returns the place in its leaf of a sample with this place in its block.
   static size_t placeInLeaf(uint16_t place) {
     constexpr int kSide = SparseField::kLeafSide;
@@ -258,16 +288,16 @@ class BandMaker {
   /// Whether a part's samples are queried. Their signs are known where it is not near.
   bool isAsked(Side side) const { return side == Side::Unknown || options_.winding || options_.confidence; }
 
+  /// Visits the samples of a part of a leaf along a Morton curve, with their places in the leaf.
   template <class Visit>
   void forEachSample(const glm::ivec3& low, int part, Visit&& visit) const {
-    const glm::ivec3 first = childOf(glm::ivec3(0), SparseField::kLeafSide, part);
-    for (int z = 0; z < kSmallest; ++z)
-      for (int y = 0; y < kSmallest; ++y)
-        for (int x = 0; x < kSmallest; ++x) {
-          const glm::ivec3 within = first + glm::ivec3(x, y, z);
-          constexpr size_t kSide = SparseField::kLeafSide;
-          visit(low + within, (size_t(within.z) * kSide + size_t(within.y)) * kSide + size_t(within.x));
-        }
+    constexpr int kSide = SparseField::kLeafSide;
+    for (int pair = 0; pair < 8; ++pair)
+      for (int one = 0; one < 8; ++one) {
+        const glm::ivec3 within =
+            childOf(childOf(childOf(glm::ivec3(0), kSide, part), kSmallest, pair), kSmallest / 2, one);
+        visit(low + within, size_t((within.z * kSide + within.y) * kSide + within.x));
+      }
   }
 
   bool isOnLattice(const glm::ivec3& sample) const {
@@ -296,7 +326,8 @@ class BandMaker {
       forEachSample(parts.low, part, [&](const glm::ivec3& sample, size_t place) {
         if (isOnLattice(sample) && isAsked(side)) {
           points_[next] = band_.grid.position(glm::dvec3(sample));
-          places_[next++] = placeInBlock(sample);
+          places_[next] = placeInBlock(sample);
+          codes_[next++] = codeInBlock(sample);
           return;
         }
         const bool isInside = side == Side::Inside && isOnLattice(sample);
@@ -350,8 +381,9 @@ class BandMaker {
   SparseField band_;
   std::vector<LeafParts> parts_;
   Buffer<glm::dvec3> points_;
-  Buffer<uint16_t> places_;          // In their blocks.
+  Buffer<uint16_t> places_, codes_;  // In their blocks, and there along a Morton curve.
   std::vector<size_t> begins_;       // First point of each leaf of the query, and at last their number.
+  std::vector<glm::ivec3> blocks_;   // Those of the query, by their places among all.
   std::vector<size_t> blockBegins_;  // The same of blocks.
   Buffer<Side> sides_;
   QueryResult found_;

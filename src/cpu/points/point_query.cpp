@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "cpu/points/closest_point.h"
 #include "cpu/points/nearest_triangles.h"
+#include "cpu/points/point_cells.h"
 
 namespace raymap::cpu {
 
@@ -27,9 +28,8 @@ constexpr size_t kPointsAtOnce = size_t{1} << (64 - 3 * kCurveBits);
 constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 64;
 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
-/// search is that of its farthest point. Even farther ones are moved closer, to this distance, at which the
-/// two directions differ too little to matter.
-constexpr float kFar = 4.0f, kFarthest = 1e4f;
+/// search is that of its farthest point.
+constexpr float kFar = 4.0f;
 
 const std::byte* bytesAt(const PointsView& view, size_t i) {
   return static_cast<const std::byte*>(view.data) + i * view.stride;
@@ -43,32 +43,6 @@ glm::dvec3 pointAt(const PointsView& view, size_t i) {
     return glm::dvec3(p[0], p[1], p[2]);
   };
   return view.scalar == Scalar::Float ? read(float{}) : read(double{});
-}
-
-double largestOf(const glm::dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-/// Returns the factor by which an offset shrinks so that its square does not overflow; 1 for most.
-double shrinkingOf(const glm::dvec3& offset) {
-  constexpr double kSafe = 1e150;
-  const double largest = largestOf(offset);
-  return largest > kSafe ? kSafe / largest : 1.0;
-}
-
-bool isFinite(const glm::dvec3& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
-/// Returns a point in the cells of a grid.
-glm::vec3 toCells(const Grid& grid, const glm::dvec3& p) {
-  if (!isFinite(p)) return glm::vec3(NAN);
-  const glm::dvec3 offset = p - grid.origin;
-  glm::dvec3 q = offset * shrinkingOf(offset) * (1.0 / grid.spacing);
-  const double far = largestOf(q),
-               most = double(kFarthest) * double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
-  if (far > most) q = q / far * most;
-  return glm::vec3(q);
 }
 
 /// Some points of a query, sorted along a curve.
