@@ -16,8 +16,8 @@ struct LatticeBlock {
   double spacing;  ///< From one to the next.
 };
 
-/// Measures unsigned distances as `queryUnsigned` does, to the same bits, of points that need no sorting. Each
-/// thread has its own instance.
+/// Measures unsigned distances as `queryUnsigned` does, to the same bits, of points that need no sorting.
+/// Each thread has its own instance.
 class BlockDistances {
  public:
   explicit BlockDistances(const PreparedSurface& surface) : surface_(surface) {}

@@ -23,8 +23,9 @@ namespace raymap::cpu {
 
 namespace {
 
-constexpr int kSmallest = 4;    ///< Side of the smallest cubes.
-constexpr int kBlockSide = 16;  ///< Side of the cubes whose samples share signs.
+constexpr int kSmallest = 4;       ///< Side of the smallest cubes.
+constexpr int kSignSide = 16;      ///< Side of the cubes whose samples share signs.
+constexpr int kDistanceSide = 32;  ///< Side of the cubes whose samples are measured together.
 constexpr size_t kPointsAtATime = size_t{1} << 20;
 /// Share by which a cube must be farther than the band, for rounding.
 constexpr double kMargin = 1e-5;
@@ -181,18 +182,9 @@ class BandMaker {
 
   /// Fills the leaves numbered [begin, end).
   void fill(size_t begin, size_t end) {
+    firstLeaf_ = begin;
     begins_.assign(1, 0);
-    blockBegins_.clear();
-    blocks_.clear();
-    for (size_t leaf = begin; leaf < end; ++leaf) {
-      const glm::ivec3 block = parts_[leaf].low / kBlockSide;
-      if (blocks_.empty() || blocks_.back() != block) {
-        blocks_.push_back(block);
-        blockBegins_.push_back(begins_.back());
-      }
-      begins_.push_back(begins_.back() + asked(leaf));
-    }
-    blockBegins_.push_back(begins_.back());
+    for (size_t leaf = begin; leaf < end; ++leaf) begins_.push_back(begins_.back() + asked(leaf));
     points_.resizeUninitialized(begins_.back());
     places_.resizeUninitialized(begins_.back());
     codes_.resizeUninitialized(begins_.back());
@@ -219,11 +211,12 @@ class BandMaker {
       queryPoints(surface_, points, query, progress_, found_);
       return;
     }
-    measure(query.maxDistance);
+    measure(cubesOf(kDistanceSide), query.maxDistance);
     sides_.resizeUninitialized(points_.size());
-    findSides(surface_,
-              {kBlockSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, blockBegins_},
-              progress_, sides_);
+    findSides(
+        surface_,
+        {kSignSide, band_.grid.spacing, 0.0, points_, found_.distance, places_, cubesOf(kSignSide).begins},
+        progress_, sides_);
     parallelFor(sides_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i)
         if (sides_[i] == Side::Inside) found_.distance[i] = -found_.distance[i];
@@ -238,15 +231,34 @@ class BandMaker {
     for (size_t k = 0; k < rest.size(); ++k) found_.distance[rest[k]] = found.distance[k];
   }
 
-  /// Finds unsigned distances and triangles, a block at a time.
-  void measure(double most) {
+  /// Cubes of samples, and which points lie in each.
+  struct Cubes {
+    std::vector<glm::ivec3> lows;
+    std::vector<size_t> begins;  // First point of each, and at last the number of points.
+  };
+
+  /// Returns the cubes with this side that hold the leaves of the query.
+  Cubes cubesOf(int side) const {
+    Cubes cubes;
+    for (size_t k = 0; k + 1 < begins_.size(); ++k) {
+      const glm::ivec3 low = parts_[firstLeaf_ + k].low / side * side;
+      if (!cubes.lows.empty() && cubes.lows.back() == low) continue;
+      cubes.lows.push_back(low);
+      cubes.begins.push_back(begins_[k]);
+    }
+    cubes.begins.push_back(begins_.back());
+    return cubes;
+  }
+
+  /// Finds unsigned distances and triangles, a cube at a time.
+  void measure(const Cubes& cubes, double most) {
     found_.distance.resizeUninitialized(points_.size());
     found_.triangle.resizeUninitialized(points_.size());
-    parallelWorkers(blocks_.size(), [&](const auto& next) {
+    parallelWorkers(cubes.lows.size(), [&](const auto& next) {
       BlockDistances distances(surface_);
-      for (size_t b = next(); b < blocks_.size(); b = next()) {
-        const size_t begin = blockBegins_[b], count = blockBegins_[b + 1] - begin;
-        const LatticeBlock block{band_.grid.position(glm::dvec3(blocks_[b] * kBlockSide)), kBlockSide,
+      for (size_t c = next(); c < cubes.lows.size(); c = next()) {
+        const size_t begin = cubes.begins[c], count = cubes.begins[c + 1] - begin;
+        const LatticeBlock block{band_.grid.position(glm::dvec3(cubes.lows[c])), kDistanceSide,
                                  band_.grid.spacing};
         distances.find(block, std::span(points_).subspan(begin, count),
                        std::span(codes_).subspan(begin, count), most,
@@ -266,22 +278,21 @@ class BandMaker {
     if (options_.confidence) band_.confidence[place] = found_.confidence[point];
   }
 
-  static uint16_t placeInBlock(const glm::ivec3& sample) {
-    const glm::ivec3 p = sample % kBlockSide;
-    return uint16_t((p.z * kBlockSide + p.y) * kBlockSide + p.x);
+  static uint16_t placeInCube(const glm::ivec3& sample) {
+    const glm::ivec3 p = sample % kSignSide;
+    return uint16_t((p.z * kSignSide + p.y) * kSignSide + p.x);
   }
 
-  static uint16_t codeInBlock(const glm::ivec3& sample) {
-    const glm::uvec3 p(sample % kBlockSide);
+  static uint16_t codeInCube(const glm::ivec3& sample) {
+    const glm::uvec3 p(sample % kDistanceSide);
     return uint16_t(mortonCode(p.x, p.y, p.z));
   }
 
-  /// Returns the place in its leaf of a sample with this place in its block.
+  /// Returns the place in its leaf of a sample with this place in its cube.
   static size_t placeInLeaf(uint16_t place) {
     constexpr int kSide = SparseField::kLeafSide;
     const glm::ivec3 p =
-        glm::ivec3(place % kBlockSide, place / kBlockSide % kBlockSide, place / kBlockSide / kBlockSide) %
-        kSide;
+        glm::ivec3(place % kSignSide, place / kSignSide % kSignSide, place / kSignSide / kSignSide) % kSide;
     return size_t((p.z * kSide + p.y) * kSide + p.x);
   }
 
@@ -326,8 +337,8 @@ class BandMaker {
       forEachSample(parts.low, part, [&](const glm::ivec3& sample, size_t place) {
         if (isOnLattice(sample) && isAsked(side)) {
           points_[next] = band_.grid.position(glm::dvec3(sample));
-          places_[next] = placeInBlock(sample);
-          codes_[next++] = codeInBlock(sample);
+          places_[next] = placeInCube(sample);
+          codes_[next++] = codeInCube(sample);
           return;
         }
         const bool isInside = side == Side::Inside && isOnLattice(sample);
@@ -381,10 +392,9 @@ class BandMaker {
   SparseField band_;
   std::vector<LeafParts> parts_;
   Buffer<glm::dvec3> points_;
-  Buffer<uint16_t> places_, codes_;  // In their blocks, and there along a Morton curve.
+  Buffer<uint16_t> places_, codes_;  // In their cubes of signs, and of distances along a Morton curve.
   std::vector<size_t> begins_;       // First point of each leaf of the query, and at last their number.
-  std::vector<glm::ivec3> blocks_;   // Those of the query, by their places among all.
-  std::vector<size_t> blockBegins_;  // The same of blocks.
+  size_t firstLeaf_ = 0;             // Of the query.
   Buffer<Side> sides_;
   QueryResult found_;
 };

@@ -8,8 +8,8 @@
 
 namespace raymap::cpu {
 
-/// Points farther from a grid than this many times its size are moved closer, to this distance, at which the two
-/// directions differ too little to matter.
+/// Points farther from a grid than this many times its size are moved closer, to this distance, at which the
+/// two directions differ too little to matter.
 inline constexpr float kFarthest = 1e4f;
 
 inline double largestOf(const glm::dvec3& v) {
