@@ -17,7 +17,8 @@ namespace {
 struct Arguments {
   StreamFormat format;
   std::filesystem::path input, output, second;  ///< `second`: the output without -o.
-  bool mayOverwrite = false;
+  bool mayOverwrite = false, half = false;
+  std::string gridName;
   MeshUnits units;
 };
 
@@ -31,6 +32,9 @@ std::vector<std::string> outputExtensions(const Arguments& arguments) {
 }
 
 void writeConverted(const Arguments& arguments, Mesh& mesh) {
+  if (arguments.half || !arguments.gridName.empty())
+    throw Error(ErrorCode::Usage, "--grid-name and --half are for the .vdb of a field, and " +
+                                      displayName(arguments.input) + " is a mesh; leave them out");
   const std::filesystem::path input = named(arguments.input, arguments.format.input),
                               output = named(arguments.output, arguments.format.output);
   checkMeshUnits(arguments.units, output);
@@ -58,7 +62,11 @@ void warnOfDropped(const Arguments& arguments, const Field& field) {
 
 void writeConverted(const Arguments& arguments, Field& field) {
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
-  writeField(arguments.output, field, {.array = heldArray(field), .format = arguments.format.output});
+  writeField(arguments.output, field,
+             {.array = heldArray(field),
+              .format = arguments.format.output,
+              .gridName = arguments.gridName,
+              .half = arguments.half});
   warnOfDropped(arguments, field);
   printWritten(arguments.output);
 }
@@ -89,6 +97,8 @@ void addConvert(CLI::App& app) {
       ->type_name("FILE")
       ->excludes(addOption(*command, "--output", arguments->output));
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid-name", arguments->gridName);
+  addOption(*command, "--half", arguments->half);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   command->footer(
       "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.3mf -o bunny.ply\n"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -38,7 +39,8 @@ struct Arguments : FieldArguments {
   StreamFormat format;
   FrameArguments frames;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
-  bool mayOverwrite = false;
+  std::string gridName;
+  bool mayOverwrite = false, half = false, fullInside = false;
 };
 
 /// Results of one run, for the summary and the statistics.
@@ -91,7 +93,12 @@ void finishOptions(Arguments& arguments) {
 void writeAll(const Arguments& arguments, const Field& field, Report& report) {
   const auto write = [&](const fs::path& path, FieldArray array) {
     if (path.empty()) return;
-    writeField(path, field, {.array = array, .format = arguments.format.output});
+    const bool isVdb = arguments.format.output == ".vdb" || hasExtension(path, {".vdb"});
+    writeField(path, field,
+               {.array = array,
+                .format = arguments.format.output,
+                .gridName = array == FieldArray::Distance ? std::string_view(arguments.gridName) : "",
+                .half = arguments.half && (isVdb || array == FieldArray::Distance)});
     report.written.push_back(path);
   };
   write(arguments.field, FieldArray::Distance);
@@ -225,7 +232,13 @@ bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
                        !o.invert && o.thickness == 0.0;
   const bool isAlone = !o.triangle && !o.winding && !o.confidence;
   const bool isOnCpu = !arguments.machine.device.starts_with("vulkan");
-  return grid.sampleCount() > kManySamples && o.band > 0.0 && isVdb && isPlain && isAlone && isOnCpu;
+  const bool isPossible = o.band > 0.0 && isVdb && isPlain && isAlone && isOnCpu;
+  if (arguments.fullInside && !isPossible)
+    throw Error(
+        ErrorCode::Usage,
+        "--full-inside needs --band and a .vdb, with --distance exact and --sign harmonic on the CPU, "
+        "without --close-holes, --invert, --thickness, --triangle-ids, --winding and --confidence");
+  return isPossible && (arguments.fullInside || grid.sampleCount() > kManySamples);
 }
 
 /// Makes and writes a field near the surface alone.
@@ -235,11 +248,15 @@ void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, cons
   report.stats = surface.stats();
   SparseField band;
   timeStep(report.stats.stages, "narrow_band", [&] {
-    band = surface.generateBand(report.grid, {.outside = options.band, .inside = options.band}, machine);
+    const double inside = arguments.fullInside ? std::numeric_limits<double>::infinity() : options.band;
+    band = surface.generateBand(report.grid, {.outside = options.band, .inside = inside}, machine);
   });
   report.stats.milliseconds += report.stats.stages.back().milliseconds;
   report.stats.bytes = std::max(report.stats.bytes, surface.bytes() + band.bytes());
-  timeStep(report.after, "write", [&] { writeBand(arguments.field, band, arguments.format.output); });
+  timeStep(report.after, "write", [&] {
+    writeBand(arguments.field, band,
+              {.format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half});
+  });
   report.written.push_back(arguments.field);
 }
 
@@ -356,6 +373,8 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
   addFigureOptions(command, arguments.stats);
   addOption(command, "--report", arguments.report);
   addOption(command, "--report-picture", arguments.reportPicture);
+  addOption(command, "--grid-name", arguments.gridName);
+  addOption(command, "--half", arguments.half);
   addOption(command, "--overwrite", arguments.mayOverwrite);
 }
 
@@ -371,6 +390,7 @@ void addGenerate(CLI::App& app) {
   addFrameOptions(*command, arguments->frames);
   addUnitOptions(*command, arguments->units);
   addFieldOptions(*command, *arguments);
+  addOption(*command, "--full-inside", arguments->fullInside);
   addOption(*command, "--allow-empty", arguments->options.allowEmpty);
   command->footer(kFooter);
   command->callback([arguments] { run(*arguments); });

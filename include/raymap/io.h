@@ -95,20 +95,24 @@ RAYMAP_API std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path
 struct FieldWriteOptions {
   /// Array to write. With the distance, .npz, .vti and .vdb hold all other arrays of the field too.
   FieldArray array = FieldArray::Distance;
-  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+  std::string_view format = {};    ///< Extension that counts where the path has none that is known.
+  std::string_view gridName = {};  ///< Name of the array's grid in a .vdb; empty: that of the array.
+  bool half = false;               ///< Whether a .vdb stores numbers that are not whole in 16 bits.
 };
 
 /// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension. The file appears whole or not
 /// at all. Throws `Error`: Usage for another extension, an array that the field does not have or a grid
-/// without samples or with numbers that are not finite; File.
+/// without samples or with numbers that are not finite, a name or 16 bits for another format than .vdb, 16
+/// bits for distances beyond 65504 or samples closer than 0.0001; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
 
 /// Writes a narrow band with all its arrays as .vdb. Its memory, and the file, grow with the surface. The
-/// file appears whole or not at all. `readField` reads it as a field of all samples. `format` is as above.
-/// Throws `Error`: Usage for another extension, File, Unsupported in a build without OpenVDB.
+/// file appears whole or not at all. `readField` reads it as a field of all samples. Throws `Error`: Usage
+/// for another extension or array than the distance and as `writeField` does, File, Unsupported in a build
+/// without OpenVDB.
 RAYMAP_API void writeBand(const std::filesystem::path& path, const SparseField& band,
-                          std::string_view format = {});
+                          const FieldWriteOptions& options = {});
 
 /// Reads points in double precision, in the order of the file:
 /// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or

@@ -5,6 +5,7 @@
 #include <array>
 #include <ostream>
 
+#include "base/text.h"
 #include "field/field_sampler.h"
 #include "io/field/field_formats.h"
 #include "io/file_format.h"
@@ -21,7 +22,10 @@ struct Format {
                 LeftOut& leftOut);  ///< Null if this build lacks the library for the format.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
-  void (*writeBand)(std::ostream& out, const SparseField& band) = nullptr;  ///< Null: not for bands.
+  // Writers of the one format that has names, sizes of numbers and narrow bands.
+  void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
+                     const FieldWriteOptions& options) = nullptr;
+  void (*writeBand)(std::ostream& out, const SparseField& band, const FieldWriteOptions& options) = nullptr;
 };
 
 constexpr std::array kFormats{
@@ -30,7 +34,7 @@ constexpr std::array kFormats{
     Format{".npz", readNpz, writeNpz, true},
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", readVdb, writeVdb, true, writeVdb},
+    Format{".vdb", readVdb, nullptr, true, writeVdb, writeVdb},
 #else
     Format{".vdb", nullptr, nullptr},
 #endif
@@ -53,6 +57,24 @@ NamedArray arrayOf(const Field& field, FieldArray asked) {
   if (found == arrays.end())
     throw Error(ErrorCode::Usage, "the field has no array '" + std::string(name) + "' to write");
   return *found;
+}
+
+/// Throws `Error(Usage)` unless the format has what the options ask for.
+void checkStorage(const fs::path& path, const Format& format, const Grid& grid, double farthest,
+                  const FieldWriteOptions& options) {
+  constexpr double kMostHalf = 65504.0, kLeastSpacing = 1e-4;
+  if (!format.writeNamed && (!options.gridName.empty() || options.half))
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has a grid's name and numbers of 16 bits");
+  const std::string name(options.gridName);
+  if (std::ranges::any_of(kArrayNames, [&](std::string_view other) {
+        return other == name && other != kArrayNames[size_t(options.array)];
+      }))
+    throw Error(ErrorCode::Usage, "'" + name + "' is the name of another array; choose another for the grid");
+  if (options.half && (farthest > kMostHalf || grid.spacing < kLeastSpacing))
+    throw Error(ErrorCode::Usage,
+                path.string() + ": numbers of 16 bits reach from " + numberText(kLeastSpacing) + " to " +
+                    numberText(kMostHalf) + ", and here are samples " + numberText(grid.spacing) +
+                    " apart and distances of " + numberText(farthest) + "; use another unit, or 32 bits");
 }
 
 /// Returns "'a', 'b' and 3 more".
@@ -97,14 +119,18 @@ Field readField(const fs::path& path, const ReadOptions& options) {
   return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options.warn);
 }
 
-void writeBand(const fs::path& path, const SparseField& band, std::string_view asked) {
-  const Format& format = findFormat(path, formatOf(path, asked, fieldExtensions()));
+void writeBand(const fs::path& path, const SparseField& band, const FieldWriteOptions& options) {
+  const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
   if (!format.writeBand)
     throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
                                       " holds no narrow bands; write a .vdb, or a whole field");
+  if (options.array != FieldArray::Distance)
+    throw Error(ErrorCode::Usage, "the file of a narrow band holds the distance and all other arrays");
   validateGrid(band.grid);
+  const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
+  checkStorage(path, format, band.grid, std::max(farthest, double(largestMagnitude(band.distance))), options);
   writeAtomically(path, [&](std::ostream& out) {
-    writeSeekable(out, [&](std::ostream& seekable) { format.writeBand(seekable, band); });
+    writeSeekable(out, [&](std::ostream& seekable) { format.writeBand(seekable, band, options); });
   });
 }
 
@@ -116,7 +142,10 @@ void writeField(const fs::path& path, const Field& field, const FieldWriteOption
     if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))
       throw Error(ErrorCode::Usage,
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
-  const auto write = [&](std::ostream& out) { format.write(out, field, array); };
+  checkStorage(path, format, field.grid, largestMagnitude(field.distance), options);
+  const auto write = [&](std::ostream& out) {
+    format.write ? format.write(out, field, array) : format.writeNamed(out, field, array, options);
+  };
   writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }
 

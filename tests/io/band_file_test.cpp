@@ -67,8 +67,84 @@ TEST(BandFile, HasTheSameBytesEachTime) {
   const TemporaryFolder folder;
   const SparseField band = scene.surface.generateBand(scene.grid, {.triangle = true});
   writeBand(folder.path() / "a.vdb", band);
-  writeBand(folder.path() / "b", band, ".vdb");
+  writeBand(folder.path() / "b", band, {.format = ".vdb"});
   EXPECT_EQ(readBytes(folder.path() / "a.vdb"), readBytes(folder.path() / "b"));
+}
+
+/// Returns the message of what writing throws as `Error(Usage)`.
+template <class Write>
+std::string refusal(Write&& write) {
+  try {
+    write();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::Usage);
+    return e.what();
+  }
+  return "";
+}
+
+TEST(BandFile, HasAGridOfAnyName) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "named.vdb";
+  const SparseField band = scene.surface.generateBand(scene.grid, {.winding = true});
+  writeBand(path, band, {.gridName = "surface"});
+  const std::string bytes = readBytes(path);
+  EXPECT_NE(bytes.find("surface"), std::string::npos);
+  const Field read = readField(path);
+  EXPECT_EQ(read.grid, band.grid);
+  EXPECT_EQ(read.winding.size(), read.distance.size());
+  const Field dense = scene.surface.generate(scene.grid, {.band = 3.0}).field;
+  writeField(path, dense, {.gridName = "surface"});
+  const Field again = readField(path);
+  EXPECT_TRUE(std::ranges::equal(again.distance, dense.distance));
+  EXPECT_NE(refusal([&] { writeField(path, dense, {.gridName = "winding"}); }).find("'winding'"),
+            std::string::npos);
+  writeField(path, dense, {.gridName = "distance"});
+  for (const FieldWriteOptions& options :
+       {FieldWriteOptions{.gridName = "a"}, FieldWriteOptions{.half = true}})
+    EXPECT_NE(refusal([&] { writeField(folder.path() / "x.nrrd", dense, options); }).find(".vdb"),
+              std::string::npos);
+}
+
+TEST(BandFile, HoldsHalfFloats) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path whole = folder.path() / "whole.vdb", half = folder.path() / "half.vdb";
+  const SparseField band = scene.surface.generateBand(scene.grid, {.triangle = true});
+  writeBand(whole, band);
+  writeBand(half, band, {.half = true});
+  EXPECT_LT(fs::file_size(half), 0.8 * double(fs::file_size(whole)));
+  const Field exact = readField(whole), rounded = readField(half);
+  EXPECT_EQ(rounded.clampDistance, exact.clampDistance);
+  EXPECT_TRUE(std::ranges::equal(rounded.triangle, exact.triangle));
+  for (size_t s = 0; s < exact.distance.size(); ++s)
+    ASSERT_NEAR(rounded.distance[s], exact.distance[s], 0.0005 * std::abs(exact.distance[s]) + 1e-7) << s;
+  const Field dense = scene.surface.generate(scene.grid, {.band = 3.0}).field;
+  writeField(half, dense, {.half = true});
+  const Field read = readField(half);
+  for (size_t s = 0; s < dense.distance.size(); ++s)
+    ASSERT_NEAR(read.distance[s], dense.distance[s], 0.0005 * std::abs(dense.distance[s]) + 1e-7) << s;
+}
+
+TEST(BandFile, RefusesWhatHalfFloatsCannotHold) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "half.vdb";
+  Field field{.grid = {.dims = {2, 1, 1}, .spacing = 1.0}};
+  const auto fill = [&](float a, float b) {
+    field.distance.resizeUninitialized(2);
+    field.distance[0] = a, field.distance[1] = b;
+  };
+  fill(1.0F, 65504.0F);
+  writeField(path, field, {.half = true});
+  fill(-65505.0F, 1.0F);
+  EXPECT_NE(refusal([&] { writeField(path, field, {.half = true}); }).find("65505"), std::string::npos);
+  fill(1.0F, 2.0F);
+  field.grid.spacing = 0.00009;
+  EXPECT_NE(refusal([&] { writeField(path, field, {.half = true}); }).find("9e-05"), std::string::npos);
 }
 
 TEST(BandFile, IsSmall) {

@@ -257,4 +257,11 @@ std::optional<std::array<int64_t, 3>> parseDims(std::string_view text) {
   return dims;
 }
 
+float largestMagnitude(std::span<const float> values) {
+  float largest = 0.0F;
+  for (const float value : values)
+    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
 }  // namespace raymap

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/io.h>
 #include <raymap/sparse_field.h>
 
 #include "io/field/field_array.h"
@@ -26,8 +27,10 @@ Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVdb(const SourceFile& source, LeftOut& leftOut);
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array);
+/// Of the options, only the grid's name and the size of its numbers count.
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array,
+              const FieldWriteOptions& options);
 /// Writes a narrow band with all its arrays.
-void writeVdb(std::ostream& out, const SparseField& band);
+void writeVdb(std::ostream& out, const SparseField& band, const FieldWriteOptions& options);
 
 }  // namespace raymap

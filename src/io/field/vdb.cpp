@@ -55,13 +55,6 @@ openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
   return made;
 }
 
-float largestMagnitude(std::span<const float> values) {
-  float largest = 0.0F;
-  for (const float value : values)
-    if (std::isfinite(value)) largest = std::max(largest, std::abs(value));
-  return largest;
-}
-
 /// Value outside of the stored samples, and what it means.
 struct Background {
   float value;
@@ -81,15 +74,28 @@ Background backgroundOf(const Field& field) {
   return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
 }
 
+/// Which array a grid holds, its name, and the size of its numbers.
+struct GridLabel {
+  std::string_view array, name;
+  bool half;
+
+  /// Returns the label of an array. The options name the first one of a file.
+  static GridLabel of(std::string_view array, bool isFirst, const FieldWriteOptions& options) {
+    return {array, isFirst && !options.gridName.empty() ? options.gridName : array, options.half};
+  }
+};
+
 /// Writes what a grid is. A clamp distance of 0 is unknown.
-void describe(openvdb::GridBase& grid, std::string_view name, const char* meaning, const Grid& g,
+void describe(openvdb::GridBase& grid, const GridLabel& label, const char* meaning, const Grid& g,
               double clampDistance, const Box& surfaceBounds) {
   auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
   transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
   grid.setTransform(transform);
-  grid.setName(std::string(name));
+  grid.setName(std::string(label.name));
+  grid.setSaveFloatAsHalf(label.half && grid.isType<openvdb::FloatGrid>());
   grid.setCreator("raymap");
   grid.insertMeta(kVdbBackgroundKey, openvdb::StringMetadata(meaning));
+  grid.insertMeta(kVdbArrayKey, openvdb::StringMetadata(std::string(label.array)));
   grid.insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
   if (clampDistance > 0.0) grid.insertMeta(kVdbClampKey, openvdb::DoubleMetadata(clampDistance));
   if (const auto& [low, high] = surfaceBounds; !surfaceBounds.isEmpty()) {
@@ -98,7 +104,7 @@ void describe(openvdb::GridBase& grid, std::string_view name, const char* meanin
   }
 }
 
-openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
+openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array, const GridLabel& label) {
   openvdb::GridBase::Ptr grid;
   const char* meaning = "outside of the grid nothing is known";
   if (array.type == ElementType::UInt32) {
@@ -111,7 +117,7 @@ openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array) {
   } else {
     grid = makeGrid<openvdb::FloatGrid>(field, array, 0.0F, false);
   }
-  describe(*grid, array.name, meaning, field.grid, field.clampDistance, field.surfaceBounds);
+  describe(*grid, label, meaning, field.grid, field.clampDistance, field.surfaceBounds);
   return grid;
 }
 
@@ -202,14 +208,16 @@ openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
 
 }  // namespace
 
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array) {
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array,
+              const FieldWriteOptions& options) {
   const std::vector<NamedArray> arrays = arraysWith(field, array);
   writeGrids(out, bytesOf(arrays), [&](openvdb::GridPtrVec& grids) {
-    for (const NamedArray& each : arrays) grids.push_back(gridOf(field, each));
+    for (const NamedArray& each : arrays)
+      grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, options)));
   });
 }
 
-void writeVdb(std::ostream& out, const SparseField& band) {
+void writeVdb(std::ostream& out, const SparseField& band, const FieldWriteOptions& options) {
   const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
   const auto bytes = [](const auto& array) { return std::as_bytes(std::span(array)); };
   const std::vector<std::span<const std::byte>> arrays{bytes(band.leaves), bytes(band.distance),
@@ -217,7 +225,8 @@ void writeVdb(std::ostream& out, const SparseField& band) {
                                                        bytes(band.confidence)};
   writeGrids(out, arrays, [&](openvdb::GridPtrVec& grids) {
     const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
-      describe(*grid, name, meaning, band.grid, clampDistance, band.surfaceBounds);
+      describe(*grid, GridLabel::of(name, name == "distance", options), meaning, band.grid, clampDistance,
+               band.surfaceBounds);
       grids.push_back(std::move(grid));
     };
     constexpr const char* kUnknown = "beyond the band nothing is known";

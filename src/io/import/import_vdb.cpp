@@ -19,9 +19,15 @@ namespace raymap {
 
 namespace {
 
+/// Returns the name of the array that a grid holds.
+std::string arrayOf(const openvdb::GridBase& grid) {
+  const auto array = grid.getMetadata<openvdb::StringMetadata>(kVdbArrayKey);
+  return array ? array->value() : grid.getName();
+}
+
 bool isOurs(const openvdb::GridBase& grid) {
   static const std::set<std::string> kNames{"distance", "winding", "confidence", "triangle"};
-  return kNames.contains(grid.getName()) && grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey) &&
+  return kNames.contains(arrayOf(grid)) && grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey) &&
          (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::Int32Grid>());
 }
 
@@ -102,7 +108,7 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
     header.surface[axis] = low->value()[axis];
     header.surface[3 + axis] = high->value()[axis];
   }
-  grid.getName().copy(header.name.data(), header.name.size() - 1);
+  arrayOf(grid).copy(header.name.data(), header.name.size() - 1);
   header.isWhole = grid.isType<openvdb::Int32Grid>() ? 1 : 0;
   return header;
 }
