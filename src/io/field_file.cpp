@@ -24,8 +24,8 @@ struct Format {
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
   // Writers of the one format that has names, sizes of numbers and narrow bands.
   void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
-                     const FieldWriteOptions& options) = nullptr;
-  void (*writeBand)(std::ostream& out, const SparseField& band, const FieldWriteOptions& options) = nullptr;
+                     const VdbStorage& storage) = nullptr;
+  void (*writeBand)(std::ostream& out, const SparseField& band, const VdbStorage& storage) = nullptr;
 };
 
 constexpr std::array kFormats{
@@ -130,7 +130,9 @@ void writeBand(const fs::path& path, const SparseField& band, const FieldWriteOp
   const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
   checkStorage(path, format, band.grid, std::max(farthest, double(largestMagnitude(band.distance))), options);
   writeAtomically(path, [&](std::ostream& out) {
-    writeSeekable(out, [&](std::ostream& seekable) { format.writeBand(seekable, band, options); });
+    writeSeekable(out, [&](std::ostream& seekable) {
+      format.writeBand(seekable, band, {options.gridName, options.half});
+    });
   });
 }
 
@@ -144,7 +146,8 @@ void writeField(const fs::path& path, const Field& field, const FieldWriteOption
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
   checkStorage(path, format, field.grid, largestMagnitude(field.distance), options);
   const auto write = [&](std::ostream& out) {
-    format.write ? format.write(out, field, array) : format.writeNamed(out, field, array, options);
+    format.write ? format.write(out, field, array)
+                 : format.writeNamed(out, field, array, {options.gridName, options.half});
   };
   writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <raymap/io.h>
 #include <raymap/sparse_field.h>
 
 #include "io/field/field_array.h"
@@ -27,10 +26,14 @@ Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVdb(const SourceFile& source, LeftOut& leftOut);
-/// Of the options, only the grid's name and the size of its numbers count.
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array,
-              const FieldWriteOptions& options);
+/// How a .vdb stores an array.
+struct VdbStorage {
+  std::string_view gridName;  ///< Empty: that of the array.
+  bool half = false;          ///< Whether numbers that are not whole take 16 bits.
+};
+
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
 /// Writes a narrow band with all its arrays.
-void writeVdb(std::ostream& out, const SparseField& band, const FieldWriteOptions& options);
+void writeVdb(std::ostream& out, const SparseField& band, const VdbStorage& storage);
 
 }  // namespace raymap

@@ -79,9 +79,9 @@ struct GridLabel {
   std::string_view array, name;
   bool half;
 
-  /// Returns the label of an array. The options name the first one of a file.
-  static GridLabel of(std::string_view array, bool isFirst, const FieldWriteOptions& options) {
-    return {array, isFirst && !options.gridName.empty() ? options.gridName : array, options.half};
+  /// Returns the label of an array. The storage names the first one of a file.
+  static GridLabel of(std::string_view array, bool isFirst, const VdbStorage& storage) {
+    return {array, isFirst && !storage.gridName.empty() ? storage.gridName : array, storage.half};
   }
 };
 
@@ -208,16 +208,15 @@ openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
 
 }  // namespace
 
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array,
-              const FieldWriteOptions& options) {
+void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
   const std::vector<NamedArray> arrays = arraysWith(field, array);
   writeGrids(out, bytesOf(arrays), [&](openvdb::GridPtrVec& grids) {
     for (const NamedArray& each : arrays)
-      grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, options)));
+      grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage)));
   });
 }
 
-void writeVdb(std::ostream& out, const SparseField& band, const FieldWriteOptions& options) {
+void writeVdb(std::ostream& out, const SparseField& band, const VdbStorage& storage) {
   const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
   const auto bytes = [](const auto& array) { return std::as_bytes(std::span(array)); };
   const std::vector<std::span<const std::byte>> arrays{bytes(band.leaves), bytes(band.distance),
@@ -225,7 +224,7 @@ void writeVdb(std::ostream& out, const SparseField& band, const FieldWriteOption
                                                        bytes(band.confidence)};
   writeGrids(out, arrays, [&](openvdb::GridPtrVec& grids) {
     const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
-      describe(*grid, GridLabel::of(name, name == "distance", options), meaning, band.grid, clampDistance,
+      describe(*grid, GridLabel::of(name, name == "distance", storage), meaning, band.grid, clampDistance,
                band.surfaceBounds);
       grids.push_back(std::move(grid));
     };
