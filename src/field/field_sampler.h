@@ -1,11 +1,13 @@
 #pragma once
 
 #include <raymap/sample.h>
+#include <raymap/sparse_field.h>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "field/sparse_reader.h"
 #include "field/trilinear.h"
 
 namespace raymap {
@@ -17,6 +19,8 @@ void validateField(const Field& field);
 
 /// Throws `Error(Usage)` unless the grid is valid and the field has one value of this array per sample.
 void validateArray(const Field& field, FieldArray array);
+/// Throws `Error(Usage)` unless the grid is valid, and each array that is not empty has 512 values per leaf.
+void validateField(const SparseField& band);
 /// Returns an array of numbers: any but the triangles.
 const Buffer<float>& numbersOf(const Field& field, FieldArray array);
 
@@ -25,14 +29,32 @@ const Buffer<float>& numbersOf(const Field& field, FieldArray array);
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient);
 
-/// Interpolates a field between its samples. Positions are in sample coordinates and values in units of the
-/// spacing, so that drawing does not depend on the field's scale.
-class FieldSampler {
+/// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field.
+class SparseTrilinear {
  public:
-  explicit FieldSampler(const Field& field)
-      : between_(field.grid.dims, field.distance.data()),
-        last_(between_.last()),
-        scale_(1.0 / field.grid.spacing) {}
+  explicit SparseTrilinear(const SparseField& band) : band_(&band) {}
+
+  glm::dvec3 last() const { return glm::dvec3(band_->grid.dims - 1); }
+
+  double operator()(const glm::dvec3& p) const {
+    const glm::ivec3 last = band_->grid.dims - 1, cell = glm::min(glm::ivec3(p), glm::max(last - 1, 0));
+    SparseReader read(*band_, cell);
+    return interpolate<double>(p - glm::dvec3(cell), [&](int x, int y, int z) {
+      return double(read(glm::min(cell + glm::ivec3(x, y, z), last)));
+    });
+  }
+
+ private:
+  const SparseField* band_;
+};
+
+/// Interpolates a field between its samples, by `Between`. Positions are in sample coordinates and values in
+/// units of the spacing, so that drawing does not depend on the field's scale.
+template <class Between>
+class Sampler {
+ public:
+  Sampler(const Between& between, double spacing)
+      : between_(between), last_(between_.last()), scale_(1.0 / spacing) {}
 
   /// Returns the trilinear value inside the grid. Outside, where a picture shows nothing, it returns a lower
   /// bound on the distance to a surface inside, but for the interpolation's error. Let q be the point of the
@@ -62,9 +84,20 @@ class FieldSampler {
   const glm::dvec3& last() const { return last_; }
 
  private:
-  Trilinear<double> between_;
+  Between between_;
   glm::dvec3 last_;
   double scale_;
+};
+
+class FieldSampler : public Sampler<Trilinear<double>> {
+ public:
+  explicit FieldSampler(const Field& field)
+      : Sampler({field.grid.dims, field.distance.data()}, field.grid.spacing) {}
+};
+
+class SparseSampler : public Sampler<SparseTrilinear> {
+ public:
+  explicit SparseSampler(const SparseField& band) : Sampler(SparseTrilinear(band), band.grid.spacing) {}
 };
 
 }  // namespace raymap
