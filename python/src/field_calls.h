@@ -29,12 +29,19 @@ auto withArray(AField& field, FieldArray array, Use&& use) {
   return use(field.distance);
 }
 
+/// Returns whether this names the distances of a narrow band without leaves, which it has nonetheless.
+template <class Handle>
+bool isEmptyBand(const Handle& handle, std::string_view array) {
+  return std::is_same_v<Handle, SparseHandle> && array == name(FieldArray::Distance) &&
+         handle.field.distance.empty();
+}
+
 template <class Handle>
 std::vector<std::string> arrayNames(const Handle& handle) {
   std::vector<std::string> all;
   for (const std::string_view name : names<FieldArray>())
     withArray(handle.field, fromName<FieldArray>(name), [&](const auto& buffer) {
-      if (!buffer.empty()) all.emplace_back(name);
+      if (!buffer.empty() || isEmptyBand(handle, name)) all.emplace_back(name);
     });
   return all;
 }

@@ -136,6 +136,16 @@ def test_the_grid_may_be_huge(ball):
         field.to_dense()
 
 
+def test_it_may_be_empty(ball):
+    far = raymap.generate(ball, bounds=((5, 5, 5), (9, 9, 9)), resolution=16, sparse=True)
+    for field in (far, pickle.loads(pickle.dumps(far))):
+        assert field.values.shape == (0, 8, 8, 8) and field.origins.shape == (0, 3) and field.active_count == 0
+        assert field.tile_origins.shape == (0, 3) and field.arrays == ("distance",)
+        assert (field.to_dense().distance == np.float32(field.outside)).all()
+        with pytest.raises(raymap.UsageError, match="no surface at 0"):
+            field.to_mesh()
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -4,6 +4,7 @@
 #include <raymap/sparse_field.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -29,23 +30,38 @@ const Buffer<float>& numbersOf(const Field& field, FieldArray array);
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient);
 
-/// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field.
+/// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field. For one thread.
 class SparseTrilinear {
  public:
-  explicit SparseTrilinear(const SparseField& band) : band_(&band) {}
+  explicit SparseTrilinear(const SparseField& band) : last_(band.grid.dims - 1), read_(band, glm::ivec3(0)) {}
 
-  glm::dvec3 last() const { return glm::dvec3(band_->grid.dims - 1); }
+  glm::dvec3 last() const { return glm::dvec3(last_); }
 
-  double operator()(const glm::dvec3& p) const {
-    const glm::ivec3 last = band_->grid.dims - 1, cell = glm::min(glm::ivec3(p), glm::max(last - 1, 0));
-    SparseReader read(*band_, cell);
-    return interpolate<double>(p - glm::dvec3(cell), [&](int x, int y, int z) {
-      return double(read(glm::min(cell + glm::ivec3(x, y, z), last)));
-    });
+  double operator()(const glm::dvec3& p) {
+    const glm::ivec3 cell = glm::min(glm::ivec3(p), glm::max(last_ - 1, 0));
+    const std::array<double, 8> corners = cornersOf(cell);
+    return interpolate<double>(p - glm::dvec3(cell),
+                               [&](int x, int y, int z) { return corners[x + 2 * y + 4 * z]; });
   }
 
  private:
-  const SparseField* band_;
+  /// Returns the samples around a point, and looks up each block that has some of them once.
+  std::array<double, 8> cornersOf(const glm::ivec3& cell) {
+    const glm::bvec3 isApart = glm::notEqual(blockOf(cell), blockOf(cell + 1));
+    const int apart = (isApart.x ? 1 : 0) + (isApart.y ? 2 : 0) + (isApart.z ? 4 : 0);
+    std::array<SparseBlock, 8> blocks;
+    std::array<double, 8> corners;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), last_);
+      const int block = corner & apart;  // The first corner that has the same block.
+      if (block == corner) blocks[block] = read_.blockWith(sample);
+      corners[corner] = double(blocks[block].at(sample));
+    }
+    return corners;
+  }
+
+  glm::ivec3 last_;
+  SparseReader read_;
 };
 
 /// Interpolates a field between its samples, by `Between`. Positions are in sample coordinates and values in
@@ -61,22 +77,19 @@ class Sampler {
   /// box closest to p. The surface lies at least value(q) from q. Seen from q, it is never at an acute angle
   /// to p, so Pythagoras gives the bound. The sum of both distances would be too large a step.
   double value(const glm::dvec3& p) const {
-    glm::dvec3 q;
-    for (int a = 0; a < 3; ++a)
-      q[a] = std::max(0.0, std::min(p[a], last_[a]));  // in this order, NaN becomes 0
-    const double inGrid = scale_ * between_(q);
-    if (q == p) return inGrid;
-    return std::hypot(glm::length(p - q), std::max(inGrid, 0.0));
+    Between between = between_;
+    return value(p, between);
   }
 
   /// Returns central differences of the value, one sample to each side. They are continuous across cells,
   /// where the gradient of the trilinear value jumps.
   glm::dvec3 gradient(const glm::dvec3& p) const {
+    Between between = between_;
     glm::dvec3 g;
     for (int a = 0; a < 3; ++a) {
       glm::dvec3 step(0.0);
       step[a] = 1.0;
-      g[a] = 0.5 * (value(p + step) - value(p - step));
+      g[a] = 0.5 * (value(p + step, between) - value(p - step, between));
     }
     return g;
   }
@@ -84,7 +97,16 @@ class Sampler {
   const glm::dvec3& last() const { return last_; }
 
  private:
-  Between between_;
+  double value(const glm::dvec3& p, Between& between) const {
+    glm::dvec3 q;
+    for (int a = 0; a < 3; ++a)
+      q[a] = std::max(0.0, std::min(p[a], last_[a]));  // in this order, NaN becomes 0
+    const double inGrid = scale_ * between(q);
+    if (q == p) return inGrid;
+    return std::hypot(glm::length(p - q), std::max(inGrid, 0.0));
+  }
+
+  Between between_;  // Copied for each point, because a narrow band's remembers a block.
   glm::dvec3 last_;
   double scale_;
 };

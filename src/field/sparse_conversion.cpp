@@ -151,8 +151,7 @@ class SparseMaker {
     for (int z = 0; z < dims.z; z += kSide)
       for (int y = 0; y < dims.y; y += kSide)
         for (int x = 0; x < dims.x; x += kSide) blocks.emplace_back(x, y, z);
-    parallelSort(blocks.begin(), blocks.end(),
-                 [](const glm::ivec3& a, const glm::ivec3& b) { return placeOnCurve(a) < placeOnCurve(b); });
+    parallelSort(blocks.begin(), blocks.end(), comesBefore);
     return blocks;
   }
 

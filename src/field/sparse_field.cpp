@@ -11,16 +11,16 @@
 #include "base/require.h"
 #include "field/field_sampler.h"
 #include "field/leaf_order.h"
+#include "field/sparse_reader.h"
 
 namespace raymap {
 
 namespace {
 
-/// Returns the last cube that begins at or before a sample on the curve, or the end.
+/// Returns the last cube that begins at or before a sample's leaf on the curve, or the end.
 template <class Cubes, class LowOf>
 auto lastBefore(const Cubes& cubes, const glm::ivec3& sample, LowOf&& lowOf) {
-  const auto after = std::ranges::upper_bound(cubes, placeOnCurve(sample), {},
-                                              [&](const auto& cube) { return placeOnCurve(lowOf(cube)); });
+  const auto after = std::ranges::upper_bound(cubes, blockOf(sample), comesBefore, lowOf);
   return after == std::ranges::begin(cubes) ? std::ranges::end(cubes) : std::prev(after);
 }
 

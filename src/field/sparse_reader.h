@@ -43,12 +43,15 @@ class SparseReader {
   SparseReader(const SparseField& band, const glm::ivec3& first)
       : band_(band), low_(blockOf(first)), block_(blockAt(band, low_)) {}
 
-  float operator()(const glm::ivec3& sample) {
+  float operator()(const glm::ivec3& sample) { return blockWith(sample).at(sample); }
+
+  /// Returns the block of a sample.
+  const SparseBlock& blockWith(const glm::ivec3& sample) {
     if (const glm::ivec3 low = blockOf(sample); low != low_) {
       low_ = low;
       block_ = blockAt(band_, low);
     }
-    return block_.at(sample);
+    return block_;
   }
 
  private:
