@@ -2,6 +2,7 @@
 
 #include <raymap/field.h>
 #include <raymap/machine.h>
+#include <raymap/sparse_field.h>
 
 namespace raymap {
 
@@ -24,6 +25,15 @@ RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options 
                            const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`, which an error leaves empty.
 RAYMAP_API void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
+                           const MachineOptions& machine = {});
+
+/// Returns the surface of a narrow band. It is, bit for bit, that of the field that `toDense` makes of it,
+/// but the time and memory grow with the surface. On the wider side of a band, `iso` may exceed that field's
+/// `clampDistance`. Vertices have single precision about the grid's middle: beyond 16384 samples along a
+/// side, they lose the cubes that they lie in.
+RAYMAP_API Mesh isosurface(const SparseField& band, const IsosurfaceOptions& options = {},
+                           const MachineOptions& machine = {});
+RAYMAP_API void isosurface(const SparseField& band, const IsosurfaceOptions& options, Mesh& result,
                            const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -2,6 +2,7 @@
 
 #include <raymap/field.h>
 #include <raymap/machine.h>
+#include <raymap/sparse_field.h>
 
 #include <span>
 
@@ -38,6 +39,8 @@ namespace raymap {
 // clamped. The result is NaN where one of the samples around the point is, and for points that are NaN. The
 // gradient of an infinite point is NaN.
 
+// A narrow band gives the same bits as the field that `toDense` makes of it, without its memory.
+
 /// Results of points outside the box of the outermost samples.
 enum class Outside {
   Bound,  ///< A lower bound on the distance, and a gradient that leads away from the box.
@@ -58,17 +61,25 @@ struct Samples {
 
 /// Returns the distance at a point. Throws `Error(Usage)` if the field has no distances.
 RAYMAP_API double distanceAt(const Field& field, const glm::dvec3& point, Outside outside = Outside::Bound);
+RAYMAP_API double distanceAt(const SparseField& band, const glm::dvec3& point,
+                             Outside outside = Outside::Bound);
 
 /// Returns the gradient of the distance at a point. Throws `Error(Usage)` if the field has no distances.
 RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point,
+                                 Outside outside = Outside::Bound);
+RAYMAP_API glm::dvec3 gradientAt(const SparseField& band, const glm::dvec3& point,
                                  Outside outside = Outside::Bound);
 
 /// Samples many points in parallel. A point's results do not depend on the others. Of `machine` only
 /// `threads` counts. Throws `Error`: Usage if the field has no distances, Memory.
 RAYMAP_API Samples sample(const Field& field, std::span<const glm::dvec3> points,
                           const SampleOptions& options = {}, const MachineOptions& machine = {});
+RAYMAP_API Samples sample(const SparseField& band, std::span<const glm::dvec3> points,
+                          const SampleOptions& options = {}, const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`.
 RAYMAP_API void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
                        Samples& result, const MachineOptions& machine = {});
+RAYMAP_API void sample(const SparseField& band, std::span<const glm::dvec3> points,
+                       const SampleOptions& options, Samples& result, const MachineOptions& machine = {});
 
 }  // namespace raymap

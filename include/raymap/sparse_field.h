@@ -4,6 +4,7 @@
 #include <raymap/export.h>
 #include <raymap/field.h>
 #include <raymap/grid.h>
+#include <raymap/machine.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -62,5 +63,23 @@ struct RAYMAP_API SparseField {
   /// Returns the bytes that the field holds.
   size_t bytes() const;
 };
+
+/// Throws `Error(Usage)` unless the grid and the widths make sense, each array that is not empty has 512
+/// values per leaf, and leaves and tiles lie on the lattice, in their order. Fields from this library are
+/// valid.
+RAYMAP_API void validate(const SparseField& band);
+
+/// Returns the field of all samples. Distances are those of `SparseField::distanceAt`. `clampDistance` is the
+/// smaller of both widths: on the wider side, distances beyond it are kept, and are right. Samples in no leaf
+/// have `kNoTriangle` and NaN for winding number and confidence. `machine.threads` and `memoryLimit` count.
+/// Throws `Error`: Usage if the band is not valid, Memory if the field does not fit.
+RAYMAP_API Field toDense(const SparseField& band, const MachineOptions& machine = {});
+
+/// Returns the samples of a field near its surface. Leaves are those cubes of 8 x 8 x 8 samples that have an
+/// active sample, or samples of both sides. Distances are clamped to the band. `machine.threads` and
+/// `memoryLimit` count. Throws `Error`: Usage for a band that makes no sense or is wider than the field's
+/// `clampDistance`, and for arrays that the field lacks; Input if a distance is NaN; Memory.
+RAYMAP_API SparseField toSparse(const Field& field, const BandOptions& options = {},
+                                const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -49,6 +49,7 @@ from ._repair import (
     simplify,
 )
 from ._samples import Samples, sample_points
+from ._sparse import SparseField
 from ._surface import (
     Closest,
     FacePoints,
@@ -101,6 +102,7 @@ __all__ = [
     "Samples",
     "Simplified",
     "SimplifyReport",
+    "SparseField",
     "Stats",
     "Surface",
     "Thickness",

@@ -237,11 +237,7 @@ class Field:
         return self._sample(points, True, outside, threads)
 
     def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
-        if outside not in ("bound", "nan"):
-            raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
-        flat, shape = _arrays.to_points(points)
-        result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
-        return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
+        return _arrays.sampled(self._core, points, gradients, outside, to_threads(threads))
 
     def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
         """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
@@ -465,7 +461,7 @@ class Field:
         faulty = None
         if mesh is not None:
             faulty = core_of(_inputs.to_mesh(*mesh) if isinstance(mesh, tuple) else _inputs.to_mesh(mesh))
-        core = None if other is None else _core_of(other)
+        core = None if other is None else core_of_field(other)
         with reporting(progress) as report:
             return _raymap.make_page(self._core, view, page, chosen, faulty, core, to_machine(device, threads), report)
 
@@ -542,7 +538,8 @@ class Field:
         return _restore, (*placement, arrays, self.stats)
 
 
-def _core_of(field: Field) -> _raymap.Field:
+def core_of_field(field: Field) -> _raymap.Field:
+    """Returns the field as the extension module takes it."""
     return field._core
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, TypedDict, Unpack, get_args
+from typing import Any, Literal, TypedDict, Unpack, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from ._field import Field, field_of_core
 from ._mesh import Mesh, core_of
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
+from ._sparse import SparseField, sparse_of_core, sparse_options
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -52,6 +53,14 @@ class FieldOptions(SurfaceFieldOptions, total=False):
     allow_empty: bool
 
 
+@overload
+def generate(
+    mesh_or_vertices: Any, faces: Any = None, *, sparse: Literal[False] = False, **options: Unpack[FieldOptions]
+) -> Field: ...
+@overload
+def generate(
+    mesh_or_vertices: Any, faces: Any = None, *, sparse: Literal[True], **options: Unpack[FieldOptions]
+) -> SparseField: ...
 def generate(
     mesh_or_vertices: Any,
     faces: Any = None,
@@ -77,7 +86,8 @@ def generate(
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
-) -> Field:
+    sparse: bool = False,
+) -> Field | SparseField:
     """Returns the signed distance field of a triangle mesh, negative inside.
 
     Any mesh will do: with holes, overlaps, missing parts, or faces that point the wrong way. Nothing is scaled or
@@ -122,6 +132,8 @@ def generate(
             times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
             a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
             writes an object a line.
+        sparse: Whether to make the samples within the ``band`` alone, 3 samples if it is None: a ``raymap.SparseField``,
+            on the CPU. The magnitude must be ``"exact"`` and the sign ``"harmonic"`` or ``"none"``.
 
     Raises:
         InputError: The mesh has no face, a vertex number out of range or a position that is not finite.
@@ -140,9 +152,7 @@ def generate(
     >>> field.origin.round(2), round(field.spacing, 4)
     (array([-1.16, -1.16, -1.16]), 0.075)
     """
-    return Generator().generate(
-        mesh_or_vertices,
-        faces,
+    options = FieldOptions(
         resolution=resolution,
         voxel_size=voxel_size,
         bounds=bounds,
@@ -165,6 +175,21 @@ def generate(
         memory_limit=memory_limit,
         progress=progress,
     )
+    if sparse:
+        return _generate_sparse(_inputs.to_mesh(mesh_or_vertices, faces), options)
+    return Generator().generate(mesh_or_vertices, faces, **options)
+
+
+def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
+    core_options = sparse_options(options, to_options(options, options.get("orientation", "auto")))
+    surface_options = _raymap.SurfaceOptions()
+    surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
+    core = core_of(mesh)
+    grid = fit_grid(partial(_raymap.fit_grid, core), options)
+    machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
+    with reporting(options.get("progress")) as report:
+        surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
+        return sparse_of_core(surface.generate_sparse(grid, core_options, machine, report))
 
 
 class Generator:

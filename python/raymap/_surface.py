@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, Literal, NamedTuple, TypeAlias, Unpack, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, Unpack, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import Orientation, Part, Stats, ThicknessSummary
+from ._sparse import SparseField, sparse_of_core, sparse_options
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -264,11 +265,16 @@ class Surface:
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
 
-    def generate(self, **options: Unpack[SurfaceFieldOptions]) -> Field:
+    @overload
+    def generate(self, *, sparse: Literal[False] = False, **options: Unpack[SurfaceFieldOptions]) -> Field: ...
+    @overload
+    def generate(self, *, sparse: Literal[True], **options: Unpack[SurfaceFieldOptions]) -> SparseField: ...
+    def generate(self, *, sparse: bool = False, **options: Unpack[SurfaceFieldOptions]) -> Field | SparseField:
         """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
 
         Arguments and errors are those of ``raymap.generate``, without ``orientation``: faces are turned as the
-        surface found best. A surface without a sign gives a field without one, unless ``sign`` asks for it.
+        surface found best. A surface without a sign gives a field without one, unless ``sign`` asks for it. With
+        ``sparse=True``, ``sign`` and ``threshold`` are those of the surface.
 
         >>> surface = raymap.Surface("ball.ply")
         >>> field = surface.generate(resolution=32)
@@ -280,9 +286,15 @@ class Surface:
         if not self._sign:
             options = {"sign": "none", **options}
         core_options = to_options(options, self._orientation)
+        if sparse:
+            sparse_options(options, core_options)
+            if (core_options.sign != "none") != self._sign or core_options.threshold != 0.5:
+                raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
         grid = fit_grid(self._core.fit_grid, options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
+            if sparse:
+                return sparse_of_core(self._core.generate_sparse(grid, core_options, machine, report))
             return field_of_core(self._core.generate(grid, core_options, machine, report))
 
     def thickness(

@@ -18,7 +18,7 @@ class Record(dict[str, Any]):
         return _table(self)
 
     def _repr_html_(self) -> str:
-        return _html_table("", self)
+        return html_table("", self)
 
 
 class Records(list[Record]):
@@ -28,7 +28,7 @@ class Records(list[Record]):
         return "\n".join(_cut(f"{number}: {_short(record)}") for number, record in enumerate(self)) or "[]"
 
     def _repr_html_(self) -> str:
-        return "".join(_html_table(str(number), record) for number, record in enumerate(self))
+        return "".join(html_table(str(number), record) for number, record in enumerate(self))
 
 
 def shown(kind: type[_Tuple]) -> type[_Tuple]:
@@ -39,7 +39,7 @@ def shown(kind: type[_Tuple]) -> type[_Tuple]:
         return dict(zip(names, result, strict=True))
 
     kind.__repr__ = lambda self: f"{title}\n{_table(values(self))}"  # type: ignore[method-assign]
-    setattr(kind, "_repr_html_", lambda self: _html_table(title, values(self)))
+    setattr(kind, "_repr_html_", lambda self: html_table(title, values(self)))
     return kind
 
 
@@ -48,7 +48,8 @@ def _table(values: dict[str, Any]) -> str:
     return "\n".join(_cut(f"{name:{width}}  {_short(value)}") for name, value in values.items())
 
 
-def _html_table(caption: str, values: dict[str, Any]) -> str:
+def html_table(caption: str, values: dict[str, Any]) -> str:
+    """Returns a table with a line for each value."""
     rows = "".join(
         f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
         f"<td style='text-align:left'>{html.escape(_cut(_short(value)))}</td></tr>"

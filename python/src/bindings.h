@@ -18,6 +18,7 @@
 #include <raymap/machine.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
+#include <raymap/sparse_field.h>
 
 #include <initializer_list>
 #include <memory>
@@ -52,6 +53,10 @@ struct MeshHandle {
 struct FieldHandle {
   Field field = {};
   Stats stats = {};
+};
+
+struct SparseHandle {
+  SparseField field = {};
 };
 
 inline glm::dvec3 toVector(const Triple& v) {
@@ -94,6 +99,7 @@ void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
 void bindSamplePoints(nb::module_& module);
+void bindSparseField(nb::module_& module);
 void bindSurface(nb::module_& module);
 
 }  // namespace raymap::python

@@ -6,8 +6,8 @@ namespace raymap::python {
 
 namespace {
 
-std::shared_ptr<MeshHandle> makeSurface(const FieldHandle& field, double iso, int threads,
-                                        nb::object progress) {
+template <class Handle>
+std::shared_ptr<MeshHandle> makeSurface(const Handle& field, double iso, int threads, nb::object progress) {
   Call call(std::move(progress));
   Mesh mesh;
   call.run([&] { mesh = isosurface(field.field, {.iso = iso}, call.on({.threads = threads})); });
@@ -17,7 +17,8 @@ std::shared_ptr<MeshHandle> makeSurface(const FieldHandle& field, double iso, in
 }  // namespace
 
 void bindIsosurface(nb::module_& module) {
-  module.def("isosurface", &makeSurface, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
+  module.def("isosurface", &makeSurface<FieldHandle>, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
+  module.def("isosurface", &makeSurface<SparseHandle>, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -32,6 +32,7 @@ NB_MODULE(_raymap, module) {
   bindField(module);
   bindGenerate(module);
   bindIsosurface(module);
+  bindSparseField(module);
   bindSurface(module);
   bindSamplePoints(module);
   bindMeasure(module);

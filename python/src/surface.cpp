@@ -31,6 +31,21 @@ std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, con
   return result;
 }
 
+/// Returns the field near the surface, as the options tell: of these, `band` and the arrays count.
+std::shared_ptr<SparseHandle> generateSparse(const Surface& self, const Grid& grid,
+                                             const FieldOptions& options, const MachineOptions& machine,
+                                             nb::object progress) {
+  Call call(std::move(progress));
+  const auto result = std::make_shared<SparseHandle>();
+  const BandOptions band{.outside = options.band,
+                         .inside = options.band,
+                         .triangle = options.triangle,
+                         .winding = options.winding,
+                         .confidence = options.confidence};
+  call.run([&] { result->field = self.generateBand(grid, band, call.on(machine)); });
+  return result;
+}
+
 /// Returns the arrays that the options ask for, by name.
 nb::dict toDict(QueryResult result, const QueryOptions& options, size_t count) {
   nb::dict dict;
@@ -74,7 +89,8 @@ void bindOptions(nb::module_& module) {
       .def(nb::init<>())
       .def_prop_rw(
           "sign", [](const SurfaceOptions& self) { return self.sign != SignMode::None; },
-          [](SurfaceOptions& self, bool sign) { self.sign = sign ? SignMode::Harmonic : SignMode::None; });
+          [](SurfaceOptions& self, bool sign) { self.sign = sign ? SignMode::Harmonic : SignMode::None; })
+      .def_rw("threshold", &SurfaceOptions::threshold);
   nb::class_<QueryOptions>(module, "QueryOptions")
       .def(nb::init<>())
       .def_rw("distance", &QueryOptions::distance)
@@ -101,6 +117,7 @@ void bindSurface(nb::module_& module) {
           },
           "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a)
       .def("generate", &generate, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
+      .def("generate_sparse", &generateSparse, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })

@@ -16,6 +16,8 @@ prepared = raymap.Surface(mesh, orientation="keep")
 winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).winding
 distances: npt.NDArray[np.float64] = raymap.signed_distance(mesh, [(0, 0, 0)], sign=False)
 again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
+band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=3, sparse=True)
+values: npt.NDArray[np.float32] = prepared.generate(resolution=16, sparse=True).values
 generator = raymap.Generator()
 again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
 picture: npt.NDArray[np.uint8] = field.slice("z", width=64)
@@ -40,13 +42,13 @@ except raymap.FileError as error:
     reason: str = str(error)
 
 if TYPE_CHECKING:
-    raymap.generate(mesh, distance="near")  # type: ignore[arg-type]
-    raymap.generate(mesh, resolutoin=3)  # type: ignore[call-arg]
+    raymap.generate(mesh, distance="near")  # type: ignore[call-overload]
+    raymap.generate(mesh, resolutoin=3)  # type: ignore[call-overload]
     generator.generate(mesh, threads="all")  # type: ignore[arg-type]
     raymap.signed_distance(mesh)  # type: ignore[call-arg]
     field.distance = distance  # type: ignore[misc]
     field.slice("w")  # type: ignore[arg-type]
     prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
-    prepared.generate(orientation="keep")  # type: ignore[call-arg]
+    prepared.generate(orientation="keep")  # type: ignore[call-overload]
     found["colour"]  # type: ignore[typeddict-item]
     raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[index]

@@ -12,4 +12,16 @@ inline uint64_t placeOnCurve(const glm::ivec3& sample) {
   return mortonCode(leaf.x, leaf.y, leaf.z);
 }
 
+/// Returns whether a leaf or tile comes before another: whether `placeOnCurve` is less, at less cost. The
+/// axis of the highest bit that differs decides (Chan 2002).
+inline bool comesBefore(const glm::ivec3& low, const glm::ivec3& other) {
+  const glm::ivec3 differing = low ^ other;
+  int axis = 2;
+  for (const int lower : {1, 0})
+    if (const int highest = differing[axis], bits = differing[lower];
+        highest < bits && highest < (highest ^ bits))
+      axis = lower;
+  return low[axis] < other[axis];
+}
+
 }  // namespace raymap

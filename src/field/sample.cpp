@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "field/field_sampler.h"
@@ -21,16 +22,41 @@ float roundDown(double bound) {
   return double(rounded) > bound ? std::nextafter(rounded, -INFINITY) : rounded;
 }
 
-/// Samples in the box and outside it.
+// What a dense field and a narrow band have in common for a sampler.
+
+FieldSampler samplerOf(const Field& field) {
+  return FieldSampler(field);
+}
+SparseSampler samplerOf(const SparseField& band) {
+  return SparseSampler(band);
+}
+
+double clampDistanceOf(const Field& field) {
+  return field.clampDistance;
+}
+
+float valueAt(const Field& field, const glm::ivec3& sample) {
+  return field.distance[field.grid.index(sample)];
+}
+float valueAt(const SparseField& band, const glm::ivec3& sample) {
+  return band.distanceAt(sample);
+}
+
+/// Samples in the box and outside it. `AnyField` is a dense field or a narrow band.
+template <class AnyField>
 class PointSampler {
  public:
-  PointSampler(const Field& field, Outside outside)
-      : grid_(field.grid), isNaN_(outside == Outside::NaN), between_(field), bound_(field) {}
+  PointSampler(const AnyField& field, Outside outside)
+      : grid_(field.grid),
+        isNaN_(outside == Outside::NaN),
+        between_(samplerOf(field)),
+        bound_(field.grid, field.surfaceBounds, clampDistanceOf(field)),
+        read_([&field](const glm::ivec3& sample) { return valueAt(field, sample); }) {}
 
   double distance(const glm::dvec3& point) const {
     const glm::dvec3 p = toSamples(point);
     if (!bound_.isOutside(p)) return grid_.spacing * between_.value(p);
-    return isNaN_ ? kNaN : grid_.spacing * bound_.at(p);
+    return isNaN_ ? kNaN : grid_.spacing * bound_.at(p, read_);
   }
   float shortDistance(const glm::dvec3& point) const {
     const double distance = this->distance(point);
@@ -46,24 +72,14 @@ class PointSampler {
 
   const Grid& grid_;
   bool isNaN_;
-  FieldSampler between_;
+  decltype(samplerOf(std::declval<const AnyField&>())) between_;
   OutsideBound bound_;
+  OutsideBound::Read read_;
 };
 
-}  // namespace
-
-double distanceAt(const Field& field, const glm::dvec3& point, Outside outside) {
-  validateField(field);
-  return PointSampler(field, outside).distance(point);
-}
-
-glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point, Outside outside) {
-  validateField(field);
-  return PointSampler(field, outside).gradient(point);
-}
-
-void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
-                glm::vec3* gradient) {
+template <class AnyField>
+void samplePoints(const AnyField& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
+                  glm::vec3* gradient) {
   validateField(field);
   const PointSampler sampler(field, outside);
   parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
@@ -72,6 +88,56 @@ void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside 
       if (gradient) gradient[i] = glm::vec3(sampler.gradient(points[i]));
     }
   });
+}
+
+template <class AnyField>
+void sampleAll(const AnyField& field, std::span<const glm::dvec3> points, const SampleOptions& options,
+               Samples& result, const MachineOptions& machine) {
+  result.distance.resizeUninitialized(points.size());
+  result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
+  withThreads(machine.threads, [&] {
+    samplePoints(field, points, options.outside, result.distance.data(),
+                 options.gradients ? result.gradient.data() : nullptr);
+  });
+}
+
+}  // namespace
+
+double distanceAt(const Field& field, const glm::dvec3& point, Outside outside) {
+  validateField(field);
+  return PointSampler(field, outside).distance(point);
+}
+
+double distanceAt(const SparseField& band, const glm::dvec3& point, Outside outside) {
+  validateField(band);
+  return PointSampler(band, outside).distance(point);
+}
+
+glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point, Outside outside) {
+  validateField(field);
+  return PointSampler(field, outside).gradient(point);
+}
+
+glm::dvec3 gradientAt(const SparseField& band, const glm::dvec3& point, Outside outside) {
+  validateField(band);
+  return PointSampler(band, outside).gradient(point);
+}
+
+void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
+                glm::vec3* gradient) {
+  samplePoints(field, points, outside, distance, gradient);
+}
+
+Samples sample(const SparseField& band, std::span<const glm::dvec3> points, const SampleOptions& options,
+               const MachineOptions& machine) {
+  Samples result;
+  sample(band, points, options, result, machine);
+  return result;
+}
+
+void sample(const SparseField& band, std::span<const glm::dvec3> points, const SampleOptions& options,
+            Samples& result, const MachineOptions& machine) {
+  sampleAll(band, points, options, result, machine);
 }
 
 Samples sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
@@ -83,12 +149,7 @@ Samples sample(const Field& field, std::span<const glm::dvec3> points, const Sam
 
 void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
             Samples& result, const MachineOptions& machine) {
-  result.distance.resizeUninitialized(points.size());
-  result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
-  withThreads(machine.threads, [&] {
-    sampleInto(field, points, options.outside, result.distance.data(),
-               options.gradients ? result.gradient.data() : nullptr);
-  });
+  sampleAll(field, points, options, result, machine);
 }
 
 }  // namespace raymap

@@ -2,20 +2,25 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
+#include <cmath>
 #include <ranges>
+#include <string>
 
 #include "base/parallel.h"
+#include "base/require.h"
+#include "field/field_sampler.h"
 #include "field/leaf_order.h"
+#include "field/sparse_reader.h"
 
 namespace raymap {
 
 namespace {
 
-/// Returns the last cube that begins at or before a sample on the curve, or the end.
+/// Returns the last cube that begins at or before a sample's leaf on the curve, or the end.
 template <class Cubes, class LowOf>
 auto lastBefore(const Cubes& cubes, const glm::ivec3& sample, LowOf&& lowOf) {
-  const auto after = std::ranges::upper_bound(cubes, placeOnCurve(sample), {},
-                                              [&](const auto& cube) { return placeOnCurve(lowOf(cube)); });
+  const auto after = std::ranges::upper_bound(cubes, blockOf(sample), comesBefore, lowOf);
   return after == std::ranges::begin(cubes) ? std::ranges::end(cubes) : std::prev(after);
 }
 
@@ -23,7 +28,65 @@ bool contains(const glm::ivec3& low, int side, const glm::ivec3& sample) {
   return glm::all(glm::greaterThanEqual(sample, low)) && glm::all(glm::lessThan(sample, low + side));
 }
 
+std::string textOf(const glm::ivec3& sample) {
+  return "(" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " + std::to_string(sample.z) +
+         ")";
+}
+
+void checkCube(const glm::ivec3& low, int side, const glm::ivec3& dims, const char* what) {
+  require(side >= SparseField::kLeafSide && std::has_single_bit(uint32_t(side)),
+          std::string("the side of the ") + what + " at sample " + textOf(low) + " is " +
+              std::to_string(side) + "; it must be 8 times a power of two");
+  require(low % side == glm::ivec3(0) && glm::all(glm::greaterThanEqual(low, glm::ivec3(0))) &&
+              glm::all(glm::lessThan(low, dims)),
+          std::string("the ") + what + " at sample " + textOf(low) +
+              " must begin on the lattice, at multiples of its side, " + std::to_string(side));
+}
+
+/// Checks that each cube begins where the one before has ended on the curve, or later.
+template <class Cubes, class LowOf, class SideOf>
+void checkOrder(const Cubes& cubes, const glm::ivec3& dims, const char* what, LowOf&& lowOf,
+                SideOf&& sideOf) {
+  uint64_t end = 0;
+  for (const auto& cube : cubes) {
+    const glm::ivec3 low = lowOf(cube);
+    checkCube(low, sideOf(cube), dims, what);
+    const uint64_t place = placeOnCurve(low), side = uint64_t(sideOf(cube) / SparseField::kLeafSide);
+    require(place >= end, std::string("the ") + what + " at sample " + textOf(low) +
+                              " must come before others: they are ordered along a Morton curve, x lowest");
+    end = place + side * side * side;
+  }
+}
+
 }  // namespace
+
+void validate(const SparseField& band) {
+  constexpr int kMostDims = 1 << 24;
+  validateField(band);
+  const glm::ivec3 dims = band.grid.dims;
+  require(std::max({dims.x, dims.y, dims.z}) <= kMostDims,
+          "a lattice has at most 16777216 samples along each axis");
+  require(band.outside > 0.0 && std::isfinite(band.outside), "the band outside must be positive and finite");
+  require(band.inside > 0.0, "the band inside must be positive");
+  checkOrder(std::span<const glm::ivec3>(band.leaves), dims, "leaf", std::identity(),
+             [](const glm::ivec3&) { return SparseField::kLeafSide; });
+  checkOrder(
+      band.tiles, dims, "tile", [](const SparseField::Tile& tile) { return tile.low; },
+      [](const SparseField::Tile& tile) { return tile.side; });
+}
+
+void validateField(const SparseField& band) {
+  validateGrid(band.grid);
+  const size_t count = band.leaves.size() * SparseField::kLeafSamples;
+  const auto check = [&](size_t size, const char* values) {
+    require(size == count, "the narrow band holds " + std::to_string(size) + " " + values + " but has " +
+                               std::to_string(band.leaves.size()) + " leaves of 512 samples");
+  };
+  check(band.distance.size(), "distances");
+  if (!band.triangle.empty()) check(band.triangle.size(), "triangles");
+  if (!band.winding.empty()) check(band.winding.size(), "winding numbers");
+  if (!band.confidence.empty()) check(band.confidence.size(), "confidences");
+}
 
 std::optional<size_t> SparseField::find(const glm::ivec3& sample) const {
   if (glm::any(glm::lessThan(sample, glm::ivec3(0)))) return std::nullopt;

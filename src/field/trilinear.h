@@ -4,7 +4,23 @@
 
 namespace raymap {
 
-/// Interpolates the samples of a grid linearly along x, then y, then z, in the precision of `Real`.
+/// Interpolates linearly along x, then y, then z, in the precision of `Real`. `at(x, y, z)` returns the value
+/// of a corner, 0 or 1 along each axis.
+template <class Real, class At>
+Real interpolate(const glm::vec<3, Real>& t, At&& at) {
+  const auto alongX = [&](int y, int z) {
+    const Real low = at(0, y, z);
+    return low + t.x * (at(1, y, z) - low);
+  };
+  const auto alongY = [&](int z) {
+    const Real low = alongX(0, z);
+    return low + t.y * (alongX(1, z) - low);
+  };
+  const Real low = alongY(0);
+  return low + t.z * (alongY(1) - low);
+}
+
+/// Interpolates the samples of a grid, as `interpolate` does.
 template <class Real>
 class Trilinear {
  public:
@@ -24,18 +40,11 @@ class Trilinear {
   /// Returns the value at a point between the outermost samples.
   Real operator()(const Point& p) const {
     const glm::ivec3 cell = glm::min(glm::ivec3(p), lastCell_);
-    const Point t = p - Point(cell);
     const float* at =
         samples_ + (size_t(cell.z) * size_t(dims_.y) + size_t(cell.y)) * size_t(dims_.x) + size_t(cell.x);
-    const auto alongX = [&](const float* row) {
-      return Real(row[0]) + t.x * (Real(row[strideX_]) - Real(row[0]));
-    };
-    const auto alongY = [&](const float* sheet) {
-      const Real low = alongX(sheet);
-      return low + t.y * (alongX(sheet + strideY_) - low);
-    };
-    const Real low = alongY(at);
-    return low + t.z * (alongY(at + strideZ_) - low);
+    return interpolate<Real>(p - Point(cell), [&](int x, int y, int z) {
+      return Real(at[size_t(x) * strideX_ + size_t(y) * strideY_ + size_t(z) * strideZ_]);
+    });
   }
 
  private:

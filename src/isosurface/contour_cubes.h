@@ -1,14 +1,12 @@
 #pragma once
 
-#include <raymap/field.h>
-
-#include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "isosurface/cube_cycles.h"
+#include "isosurface/contour_rows.h"
 
 namespace raymap {
 
@@ -23,28 +21,14 @@ inline glm::ivec3 cornerOffset(int corner) {
   return {corner & 1, corner >> 1 & 1, corner >> 2};
 }
 
-/// A cube between eight samples that the surface passes. Its lowest corner is sample (x - 1, y - 1, z - 1);
-/// its row gives y and z.
-struct ContourCube {
-  int32_t x;
-  uint8_t corners;    // Bits of the corners that are inside.
-  uint8_t ambiguous;  // Bits of the ambiguous faces.
-  uint8_t joined;     // Bits of the ambiguous faces whose inside corners are joined.
-  CubeCycles cycles;
-  uint32_t firstVertex;  // First of its vertices, one per sheet.
-  uint32_t firstQuad;    // First of its quads, one per own edge that the surface crosses.
-
-  /// Returns whether the surface crosses the cube's own edge along an axis. A cube owns the lattice edges
-  /// that start at its lowest corner.
-  bool isCrossed(int axis) const { return ((corners ^ corners >> (1 << axis)) & 1) != 0; }
-  bool startsInside() const { return (corners & 1) != 0; }
-};
-
-/// All cubes that the surface passes, in rows along x. Everything beyond the grid is outside.
+/// All cubes that the surface passes, in rows along x.
 class ContourCubes {
  public:
-  /// Finds the cubes and reports to `progress`, as `forEach` does.
-  ContourCubes(const Field& field, double iso, Progress& progress);
+  /// Returns the distance of a sample on the grid, less that of the surface.
+  using SampleValue = std::function<double(const glm::ivec3& sample)>;
+
+  /// Completes the cubes that `findCubes` has found, and reports to `progress`, as `forEach` does.
+  ContourCubes(ContourRows found, const SampleValue& value, Progress& progress);
 
   size_t vertexCount() const { return vertexCount_; }
   size_t quadCount() const { return quadCount_; }
@@ -52,13 +36,15 @@ class ContourCubes {
   /// Calls `work(cube, place)` for each cube, on any thread.
   template <class Work>
   void forEach(Work&& work) const {
-    forEachRow([&](size_t row, int y, int z) {
-      for (size_t c = rowBegin_[row]; c < rowBegin_[row + 1]; ++c)
-        work(cubes_[c], glm::ivec3(cubes_[c].x, y, z));
+    const std::vector<size_t>& begin = found_.begin;
+    parallelFor(found_.rows.size(), kRowsPerTask, [&](size_t first, size_t end) {
+      progress_.report(double(first) / double(found_.rows.size()));
+      for (size_t row = first; row < end; ++row)
+        for (size_t c = begin[row]; c < begin[row + 1]; ++c) work(found_.cubes[c], placeOf(row, c));
     });
   }
 
-  const ContourCube& at(const glm::ivec3& place) const { return cubes_[find(place)]; }
+  const ContourCube& at(const glm::ivec3& place) const { return found_.cubes[find(place)]; }
 
   struct Found {
     const ContourCube& cube;
@@ -70,32 +56,18 @@ class ContourCubes {
  private:
   static constexpr size_t kRowsPerTask = 64;
 
-  template <class Work>
-  void forEachRow(Work&& work) const {
-    parallelFor(rowBegin_.size() - 1, kRowsPerTask, [&](size_t begin, size_t end) {
-      progress_.report(double(begin) / double(rowBegin_.size()));
-      for (size_t row = begin; row < end; ++row) work(row, int(row % dims_.y), int(row / dims_.y));
-    });
+  glm::ivec3 placeOf(size_t row, size_t cube) const {
+    return {found_.cubes[cube].x, found_.rows[row].y, found_.rows[row].z};
   }
-
-  double value(const glm::ivec3& sample) const;
-  template <class Visit>
-  void scanRow(int y, int z, Visit&& visit) const;
-  void findCubes();
-  ContourCube makeCube(const glm::ivec3& place, unsigned corners) const;
-  bool isJoined(const glm::ivec3& place, unsigned corners, const CubeFace& face) const;
+  void joinCorners(const SampleValue& value);
   size_t find(const glm::ivec3& place) const;
   Found last(uint32_t ContourCube::*first, uint32_t number) const;
   void splitDoubledEdges();
   void splitDoubledEdges(ContourCube& cube, const glm::ivec3& place);
   void numberAll();
 
-  const Field& field_;
-  double iso_;
+  ContourRows found_;
   Progress& progress_;
-  glm::ivec3 dims_;  // Number of cubes per axis, one more than samples.
-  std::vector<size_t> rowBegin_;
-  std::vector<ContourCube> cubes_;
   size_t vertexCount_ = 0, quadCount_ = 0;
 };
 

@@ -31,11 +31,12 @@ double shapeOf(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 
 class Contour {
  public:
-  Contour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress, Mesh& result)
-      : grid_(field.grid),
-        middle_(0.5 * glm::dvec3(field.grid.dims - 1)),
+  Contour(const Grid& grid, ContourRows cubes, const ContourCubes::SampleValue& value,
+          const AddPlanes& addPlanes, Progress& progress, Mesh& result)
+      : grid_(grid),
+        middle_(0.5 * glm::dvec3(grid.dims - 1)),
         progress_(progress),
-        cubes_(field, iso, progress),
+        cubes_(std::move(cubes), value, progress),
         sheets_(cubes_, addPlanes),
         mesh_(result) {}
 
@@ -182,10 +183,9 @@ class Contour {
 
 }  // namespace
 
-void dualContour(const Field& field, double iso, const AddPlanes& addPlanes, Progress& progress,
-                 Mesh& result) {
-  progress.part(0.0, 0.2);
-  Contour(field, iso, addPlanes, progress, result).run();
+void dualContour(const Grid& grid, ContourRows cubes, const ContourCubes::SampleValue& value,
+                 const AddPlanes& addPlanes, Progress& progress, Mesh& result) {
+  Contour(grid, std::move(cubes), value, addPlanes, progress, result).run();
 }
 
 }  // namespace raymap

@@ -1,17 +1,15 @@
-#include <raymap/error.h>
 #include <raymap/isosurface.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <string>
+#include <type_traits>
 
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/text.h"
-#include "field/field_sampler.h"
+#include "field/sparse_reader.h"
+#include "isosurface/contour_rows.h"
 #include "isosurface/dual_contour.h"
+#include "isosurface/field_values.h"
 
 namespace raymap {
 
@@ -30,11 +28,26 @@ constexpr double kCrossing = 0.02;
 // Least length of a gradient with a direction.
 constexpr double kMinLength = 1e-6;
 
-/// Derives planes of the surface from the samples of a distance field. A sample's value gives the plane's
-/// distance, its gradient the direction.
+/// Reads the samples of a dense field, as `SparseReader` those of a narrow band.
+class DenseReader {
+ public:
+  DenseReader(const Field& field, const glm::ivec3&) : field_(field) {}
+
+  float operator()(const glm::ivec3& sample) const { return field_.distance[field_.grid.index(sample)]; }
+
+ private:
+  const Field& field_;
+};
+
+template <class AnyField>
+using SampleReader = std::conditional_t<std::is_same_v<AnyField, Field>, DenseReader, SparseReader>;
+
+/// Derives planes of the surface from the samples of a distance field, dense or a narrow band. A sample's
+/// value gives the plane's distance, its gradient the direction.
+template <class AnyField>
 class SamplePlanes {
  public:
-  SamplePlanes(const Field& field, double iso)
+  SamplePlanes(const AnyField& field, double iso)
       : field_(field), dims_(field.grid.dims), iso_(iso), scale_(1.0 / field.grid.spacing) {}
 
   void operator()(const glm::ivec3& inside, const glm::ivec3& outside, PlaneFit& fit) const {
@@ -44,10 +57,11 @@ class SamplePlanes {
       fit.addPlane(start + 0.5 * step, step);
       return;
     }
-    const double from = value(inside), to = value(outside);
+    Reader read(field_, inside);
+    const double from = value(read, inside), to = value(read, outside);
     const glm::dvec3 crossing = start + step * (from / (from - to));
     fit.addCrossing(crossing);
-    const glm::dvec3 g = gradient(inside), h = gradient(outside);
+    const glm::dvec3 g = gradient(read, inside), h = gradient(read, outside);
     fit.addPlane(start - from * g, g);
     fit.addPlane(start + step - to * h, h);
     if (const double length = glm::length(g + h); length > kMinLength)
@@ -55,22 +69,22 @@ class SamplePlanes {
   }
 
  private:
-  double value(const glm::ivec3& s) const {
-    return scale_ * (double(field_.distance[field_.grid.index(s)]) - iso_);
-  }
+  using Reader = SampleReader<AnyField>;
+
+  double value(Reader& read, const glm::ivec3& s) const { return scale_ * (double(read(s)) - iso_); }
 
   /// Returns the gradient at a sample, at length 1 like that of any distance. Central differences across an
   /// edge of the surface are shorter than 1; one-sided differences that do not cross it replace them.
   /// Curvature shortens central differences a little too, but then one-sided ones are worse, or better only
   /// by chance.
-  glm::dvec3 gradient(const glm::ivec3& s) const {
+  glm::dvec3 gradient(Reader& read, const glm::ivec3& s) const {
     glm::dvec3 low(0.0), high(0.0);
     for (int a = 0; a < 3; ++a) {
       glm::ivec3 step(0);
       step[a] = 1;
-      const double here = value(s);
-      low[a] = s[a] > 0 ? here - value(s - step) : NAN;
-      high[a] = s[a] + 1 < dims_[a] ? value(s + step) - here : NAN;
+      const double here = value(read, s);
+      low[a] = s[a] > 0 ? here - value(read, s - step) : NAN;
+      high[a] = s[a] + 1 < dims_[a] ? value(read, s + step) - here : NAN;
       if (std::isnan(low[a])) low[a] = std::isnan(high[a]) ? 0.0 : high[a];
       if (std::isnan(high[a])) high[a] = low[a];
     }
@@ -94,65 +108,40 @@ class SamplePlanes {
     return length > kMinLength ? best / length : glm::dvec3(0.0);
   }
 
-  const Field& field_;
+  const AnyField& field_;
   glm::ivec3 dims_;
   double iso_;
   double scale_;
 };
 
-struct Range {
-  float low = INFINITY, high = -INFINITY;
-};
-
-/// Returns the range of the values. Throws `Error(Input)` if a sample is not finite.
-Range rangeOf(const Field& field) {
-  const glm::ivec3 dims = field.grid.dims;
-  const size_t sheet = size_t(dims.x) * size_t(dims.y);
-  std::vector<Range> ranges(size_t(dims.z));
-  parallelFor(ranges.size(), 1, [&](size_t k, size_t) {
-    for (size_t i = k * sheet; i < (k + 1) * sheet; ++i) {
-      const float value = field.distance[i];
-      if (!std::isfinite(value))
-        throw Error(ErrorCode::Input, "sample (" + std::to_string(i % dims.x) + ", " +
-                                          std::to_string(i / dims.x % dims.y) + ", " + std::to_string(k) +
-                                          ") of the field is " + numberText(value) +
-                                          ": a surface needs finite samples; make the field again");
-      ranges[k].low = std::min(ranges[k].low, value);
-      ranges[k].high = std::max(ranges[k].high, value);
-    }
-  });
-  Range all;
-  for (const Range& range : ranges) all = {std::min(all.low, range.low), std::max(all.high, range.high)};
-  return all;
-}
-
-/// Returns whether a sample on the sides of the grid is inside.
-bool reachesBox(const Field& field, double iso) {
-  const glm::ivec3 last = field.grid.dims - 1;
-  for (int k = 0; k <= last.z; ++k)
-    for (int j = 0; j <= last.y; ++j) {
-      const bool isSide = k == 0 || k == last.z || j == 0 || j == last.y;
-      for (int i = 0; i <= last.x; i += isSide ? 1 : std::max(last.x, 1))
-        if (field.distance[field.grid.index({i, j, k})] < iso) return true;
-    }
-  return false;
-}
-
-void check(const Field& field, double iso) {
-  validateField(field);
-  const auto text = [](double value) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%g", value);
-    return std::string(digits.data());
+/// Makes the surface of a dense field or a narrow band.
+template <class AnyField>
+void contour(const AnyField& field, double iso, Progress& progress, Mesh& result) {
+  checkValues(field, iso);
+  progress.part(0.0, 0.2);
+  ContourRows cubes = findCubes(field, iso, progress);
+  const auto value = [&](const glm::ivec3& sample) {
+    return double(SampleReader<AnyField>(field, sample)(sample)) - iso;
   };
-  const Range range = rangeOf(field);
-  if (!(range.low < iso))
-    throw Error(ErrorCode::Usage, "there is no surface at " + text(iso) + ": the field's values go from " +
-                                      text(range.low) + " to " + text(range.high) +
-                                      "; choose a distance between them");
-  if (field.clampDistance > 0.0 && std::abs(iso) >= field.clampDistance)
-    throw Error(ErrorCode::Usage, "there is no surface at " + text(iso) +
-                                      ": the field's distances are clamped at " + text(field.clampDistance));
+  dualContour(field.grid, std::move(cubes), value, SamplePlanes(field, iso), progress, result);
+}
+
+template <class AnyField>
+void makeSurface(const AnyField& field, const IsosurfaceOptions& options, Mesh& result,
+                 const MachineOptions& machine) {
+  Progress progress(machine.progress);
+  try {
+    progress.stage("isosurface", [&] {
+      withThreads(machine.threads, [&] { contour(field, options.iso, progress, result); });
+    });
+  } catch (...) {
+    result = {};
+    throw;
+  }
+  if (machine.warn && reachesBox(field, options.iso))
+    machine.warn(
+        {WarningCode::BoxReached,
+         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
 }
 
 }  // namespace
@@ -165,21 +154,18 @@ Mesh isosurface(const Field& field, const IsosurfaceOptions& options, const Mach
 
 void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
                 const MachineOptions& machine) {
-  Progress progress(machine.progress);
-  const auto contour = [&] {
-    check(field, options.iso);
-    dualContour(field, options.iso, SamplePlanes(field, options.iso), progress, result);
-  };
-  try {
-    progress.stage("isosurface", [&] { withThreads(machine.threads, contour); });
-  } catch (...) {
-    result = {};
-    throw;
-  }
-  if (machine.warn && reachesBox(field, options.iso))
-    machine.warn(
-        {WarningCode::BoxReached,
-         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
+  makeSurface(field, options, result, machine);
+}
+
+Mesh isosurface(const SparseField& band, const IsosurfaceOptions& options, const MachineOptions& machine) {
+  Mesh mesh;
+  isosurface(band, options, mesh, machine);
+  return mesh;
+}
+
+void isosurface(const SparseField& band, const IsosurfaceOptions& options, Mesh& result,
+                const MachineOptions& machine) {
+  makeSurface(band, options, result, machine);
 }
 
 }  // namespace raymap

@@ -249,9 +249,9 @@ TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
 }
 
 TEST(Sample, RefusesAFieldWithoutDistances) {
-  EXPECT_THROW(distanceAt({}, glm::dvec3(0)), Error);
-  EXPECT_THROW(gradientAt({.grid = kGrid}, glm::dvec3(0)), Error);
-  EXPECT_THROW(sample({}, {}), Error);
+  EXPECT_THROW(distanceAt(Field{}, glm::dvec3(0)), Error);
+  EXPECT_THROW(gradientAt(Field{.grid = kGrid}, glm::dvec3(0)), Error);
+  EXPECT_THROW(sample(Field{}, {}), Error);
 }
 
 TEST(Isosurface, ReusesTheMemoryOfItsResult) {

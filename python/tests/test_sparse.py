@@ -1,0 +1,177 @@
+"""Narrow bands: their arrays against queries of the surface, all else against the dense field of the same samples."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+import raymap
+
+ALL = ("distance", "triangle", "winding", "confidence")
+
+
+@pytest.fixture(scope="module")
+def band(ball) -> raymap.SparseField:
+    return raymap.generate(ball, resolution=40, band=3, arrays=ALL, sparse=True)
+
+
+def samples_of(field: raymap.SparseField) -> np.ndarray:
+    """Returns the sample of each value, (n, 8, 8, 8, 3)."""
+    return field.origins[:, None, None, None] + np.stack(np.mgrid[:8, :8, :8], axis=-1)
+
+
+def test_values_are_those_of_the_surface(ball, band):
+    samples = samples_of(band)
+    assert samples.shape == (*band.values.shape, 3) and band.values.dtype == np.float32
+    on_grid = (samples < band.shape).all(axis=-1)
+    assert 0 < on_grid.mean() <= 1
+    points = band.origin + band.spacing * samples[on_grid]
+    found = raymap.Surface(ball).query(points, ALL)
+    width = 3 * band.spacing
+    assert band.outside == band.inside == width
+    expected = np.clip(found.distance, -width, width).astype(np.float32)
+    np.testing.assert_array_equal(band.values[on_grid], expected)
+    active = np.abs(expected) < np.float32(width)
+    assert band.active_count == active.sum() > 1000
+    np.testing.assert_array_equal(band.triangle[on_grid], np.where(active, found.triangle, raymap.NO_TRIANGLE))
+    np.testing.assert_array_equal(band.winding[on_grid], found.winding)
+    np.testing.assert_array_equal(band.confidence[on_grid], found.confidence)
+    assert (band.values[~on_grid] == np.float32(width)).all()
+    # Elsewhere, samples are far outside, but for those in tiles.
+    assert all((band.origins % 8 == 0).ravel()) and set(band.tile_sides) <= {8, 16, 32}
+    assert (band.tile_origins % band.tile_sides[:, None] == 0).all()
+    assert (band.values < 0).sum() + (band.tile_sides**3).sum() == (band.to_dense().distance < 0).sum()
+
+
+def test_arrays_are_views(ball):
+    band = raymap.generate(ball, resolution=30, sparse=True)
+    assert band.values.strides == (4 * 512, 4, 32, 256) and not band.values.flags.owndata
+    assert np.shares_memory(band.values, band.values)
+    before = band.to_dense().distance
+    band.values[:] *= 0.5
+    origin = tuple(band.origins[4])
+    assert band.to_dense().distance[origin] == band.values[4, 0, 0, 0] == 0.5 * before[origin]
+    values = band.values
+    del band
+    assert np.isfinite(values).all()  # They keep the memory.
+    with pytest.raises(AttributeError, match="'winding'; ask for it"):
+        _ = raymap.generate(ball, resolution=30, sparse=True).winding
+
+
+def test_it_is_as_its_dense_field(band):
+    dense = band.to_dense()
+    assert dense.shape == band.shape and dense.spacing == band.spacing and (dense.origin == band.origin).all()
+    assert dense.clamp_distance == band.outside and (dense.surface_bounds == band.surface_bounds).all()
+    assert dense.arrays == band.arrays == ("distance", "winding", "confidence", "triangle")
+    for leaf in (0, 7, len(band.origins) - 1):
+        x, y, z = band.origins[leaf]
+        part = dense.distance[x : x + 8, y : y + 8, z : z + 8]
+        np.testing.assert_array_equal(part, band.values[leaf][tuple(slice(n) for n in part.shape)])
+    points = np.random.default_rng(3).uniform(-2, 2, (2, 500, 3))
+    for outside in ("bound", "nan"):
+        for name in ("sample", "gradient"):
+            expected, got = (getattr(f, name)(points, outside=outside) for f in (dense, band))
+            assert got.dtype == np.float32
+            np.testing.assert_array_equal(got, expected)
+    for iso in (0.0, 0.05):
+        expected, got = dense.to_mesh(iso), band.to_mesh(iso)
+        np.testing.assert_array_equal(got.vertices, expected.vertices)
+        np.testing.assert_array_equal(got.faces, expected.faces)
+
+
+def test_it_comes_from_a_dense_field(ball, band):
+    dense = raymap.generate(ball, resolution=40, arrays=("winding",))
+    made = raymap.SparseField.from_dense(dense, band=2)
+    assert made.arrays == ("distance", "winding")
+    np.testing.assert_array_equal(made.to_dense().distance, np.clip(dense.distance, -made.inside, made.outside))
+    again = raymap.SparseField.from_dense(band.to_dense())
+    np.testing.assert_array_equal(again.origins, band.origins)
+    np.testing.assert_array_equal(again.triangle, band.triangle)
+    with pytest.raises(raymap.UsageError, match="clamped at 3 samples"):
+        raymap.SparseField.from_dense(band.to_dense(), band=4)
+
+
+def test_it_is_pickled(band):
+    again = pickle.loads(pickle.dumps(band))
+    for name in ("values", "triangle", "winding", "confidence", "origins", "tile_origins", "tile_sides"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(band, name))
+    assert repr(again) == repr(band) and again.spacing == band.spacing and again.outside == band.outside
+    assert (again.surface_bounds == band.surface_bounds).all() and (again.origin == band.origin).all()
+    function, state = band.__reduce__()
+    wrong = (*state[:6], state[6][::-1], *state[7:])
+    with pytest.raises(raymap.UsageError, match="ordered along a Morton curve"):
+        function(*wrong)
+    with pytest.raises(raymap.UsageError, match="leaves of 512 samples"):
+        function(*state[:6], state[6][:-1], *state[7:])
+
+
+def test_it_is_shown(band):
+    text = f"raymap.SparseField(40 x 40 x 40 samples, {len(band.origins)} leaves, spacing 0.06, arrays distance"
+    assert repr(band).startswith(text)
+    assert f">{band.active_count}<" in band._repr_html_() and 0 < band.nbytes < 2**23
+    with pytest.raises(TypeError, match="sparse=True"):
+        raymap.SparseField()
+
+
+def test_a_surface_makes_the_same(ball, band):
+    surface = raymap.Surface(ball)
+    made = surface.generate(resolution=40, band=3, sparse=True)
+    np.testing.assert_array_equal(made.values, band.values)
+    unsigned = raymap.Surface(ball, sign=False).generate(resolution=40, sparse=True)
+    np.testing.assert_array_equal(unsigned.origins, band.origins)
+    np.testing.assert_array_equal(unsigned.values, np.abs(band.values))
+    assert len(unsigned.tile_sides) == 0
+    for options in ({"sign": "none"}, {"threshold": 0.4}):
+        with pytest.raises(raymap.UsageError, match="takes the sign and the threshold"):
+            surface.generate(sparse=True, **options)
+
+
+def test_the_grid_may_be_huge(ball):
+    size = 4096.0
+    field = raymap.generate(ball, bounds=((-size,) * 3, (size,) * 3), voxel_size=0.1, sparse=True, threads=1)
+    assert field.shape == (81920,) * 3 and field.nbytes < 2**26
+    np.testing.assert_allclose(field.sample([(0, 0, 1.1), (0, 0.95, 0)]), (0.1, -0.05), atol=0.02)
+    with pytest.raises(raymap.MemoryLimitError, match="the field needs 2097152000 MiB"):
+        field.to_dense()
+
+
+def test_it_may_be_empty(ball):
+    far = raymap.generate(ball, bounds=((5, 5, 5), (9, 9, 9)), resolution=16, sparse=True)
+    for field in (far, pickle.loads(pickle.dumps(far))):
+        assert field.values.shape == (0, 8, 8, 8) and field.origins.shape == (0, 3) and field.active_count == 0
+        assert field.tile_origins.shape == (0, 3) and field.arrays == ("distance",)
+        assert (field.to_dense().distance == np.float32(field.outside)).all()
+        with pytest.raises(raymap.UsageError, match="no surface at 0"):
+            field.to_mesh()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"distance": "raster"}, "has no distance"),
+        ({"passes": 3}, "has no passes"),
+        ({"offsets": [(0, 0, 1)]}, "has no offsets"),
+        ({"invert": True}, "has no invert"),
+        ({"close_holes": True}, "has no close_holes"),
+        ({"thickness": 0.1}, "has no thickness"),
+        ({"allow_empty": True}, "has no allow_empty"),
+        ({"sign": "rays"}, "'harmonic' or 'none', not 'rays'"),
+        ({"device": "vulkan"}, "on the CPU, not on 'vulkan'"),
+        ({"band": -1}, "band must be"),
+        ({"sign": "none", "arrays": ("winding",)}, "need a sign"),
+        ({"arrays": ("colour",)}, "no array is named 'colour'"),
+    ],
+)
+def test_what_a_narrow_band_cannot_do_is_refused(ball, options, message):
+    with pytest.raises(raymap.UsageError, match=message):
+        raymap.generate(ball, resolution=16, sparse=True, **options)
+
+
+def test_it_is_written(band, tmp_path):
+    band.save(tmp_path / "ball.vdb")
+    read = raymap.load_field(tmp_path / "ball.vdb")
+    point = (0.3, 0.2, 0.9)
+    np.testing.assert_allclose(read.sample(point), band.sample(point), atol=1e-6)
+    with pytest.raises(raymap.UsageError, match="npz"):
+        band.save(tmp_path / "ball.npz")

@@ -1,0 +1,250 @@
+// Narrow bands from dense fields, and the reverse.
+
+#include <raymap/error.h>
+#include <raymap/sparse_field.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/parallel_sort.h"
+#include "base/require.h"
+#include "base/text.h"
+#include "field/field_sampler.h"
+#include "field/leaf_order.h"
+#include "field/sparse_reader.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr int kSide = SparseField::kLeafSide;
+constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+/// Share by which a band may exceed the distance at which a field is clamped, for rounding.
+constexpr double kWidthRounding = 1e-6;
+
+uint64_t limitOf(const MachineOptions& machine) {
+  return machine.memoryLimit > 0 ? machine.memoryLimit : availableMemory();
+}
+
+/// Returns the samples of a cube that lie on the lattice, along each axis.
+glm::ivec3 sizeOnLattice(const Grid& grid, const glm::ivec3& low, int side) {
+  return glm::min(grid.dims - low, glm::ivec3(side));
+}
+
+/// Calls `visit(first, within, count)` for each row along x of a cube's samples on the lattice: the index of
+/// its first sample, its place in the cube, y and z, and its length.
+template <class Visit>
+void forEachRow(const Grid& grid, const glm::ivec3& low, int side, Visit&& visit) {
+  const glm::ivec3 size = sizeOnLattice(grid, low, side);
+  for (int z = 0; z < size.z; ++z)
+    for (int y = 0; y < size.y; ++y)
+      visit(grid.index(low + glm::ivec3(0, y, z)), (size_t(z) * size_t(side) + size_t(y)) * size_t(side),
+            size_t(size.x));
+}
+
+template <class Number>
+void fillWith(Buffer<Number>& array, size_t count, Number value) {
+  array.resizeUninitialized(count);
+  parallelFor(count, kCheapGrain, [&](size_t begin, size_t end) {
+    std::fill(array.begin() + begin, array.begin() + end, value);
+  });
+}
+
+void checkDenseMemory(const SparseField& band, const MachineOptions& machine) {
+  const glm::dvec3 dims(band.grid.dims);
+  const int arrays = 1 + (band.triangle.empty() ? 0 : 1) + (band.winding.empty() ? 0 : 1) +
+                     (band.confidence.empty() ? 0 : 1);
+  // Samples of large lattices have no number of 64 bits.
+  const double bytes = dims.x * dims.y * dims.z * double(sizeof(float)) * arrays;
+  constexpr double kMost = 0x1p63;
+  checkFieldMemory(uint64_t(std::min(bytes, kMost)), limitOf(machine));
+}
+
+/// Copies the values of all leaves to the field.
+template <class Number>
+void copyLeaves(const SparseField& band, const Buffer<Number>& from, const Grid& grid, Buffer<Number>& to) {
+  parallelFor(band.leaves.size(), 64, [&](size_t begin, size_t end) {
+    for (size_t leaf = begin; leaf < end; ++leaf)
+      forEachRow(grid, band.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
+        std::copy_n(from.data() + leaf * kLeafSamples + within, count, to.data() + first);
+      });
+  });
+}
+
+template <class Number>
+void spread(const SparseField& band, const Buffer<Number>& from, Number elsewhere, Field& field,
+            Buffer<Number>& to) {
+  if (from.empty()) return;
+  fillWith(to, field.grid.sampleCount(), elsewhere);
+  copyLeaves(band, from, field.grid, to);
+}
+
+void makeDense(const SparseField& band, Field& field) {
+  fillWith(field.distance, field.grid.sampleCount(), float(band.outside));
+  parallelFor(band.tiles.size(), 1, [&](size_t t, size_t) {
+    const SparseField::Tile& tile = band.tiles[t];
+    forEachRow(field.grid, tile.low, tile.side, [&](size_t first, size_t, size_t count) {
+      std::fill_n(field.distance.data() + first, count, -float(band.inside));
+    });
+  });
+  copyLeaves(band, band.distance, field.grid, field.distance);
+  spread(band, band.triangle, kNoTriangle, field, field.triangle);
+  spread(band, band.winding, kUnknown, field, field.winding);
+  spread(band, band.confidence, kUnknown, field, field.confidence);
+}
+
+void checkWidth(const Field& field, double width, const char* side) {
+  require(width > 0.0, std::string("the band ") + side + " must be positive");
+  if (field.clampDistance > 0.0 && width * field.grid.spacing > field.clampDistance * (1.0 + kWidthRounding))
+    throw Error(ErrorCode::Usage, std::string("the band ") + side + " is " + numberText(width) +
+                                      " samples wide, but the field's distances are clamped at " +
+                                      numberText(field.clampDistance / field.grid.spacing) +
+                                      " samples; choose a band of that width or less");
+}
+
+void check(const Field& field, const BandOptions& options) {
+  validateField(field);
+  require(std::isfinite(options.outside), "the band outside must be finite");
+  checkWidth(field, options.outside, "outside");
+  checkWidth(field, options.inside, "inside");
+  if (options.triangle) validateArray(field, FieldArray::Triangle);
+  if (options.winding) validateArray(field, FieldArray::Winding);
+  if (options.confidence) validateArray(field, FieldArray::Confidence);
+}
+
+/// Finds the leaves and tiles of a dense field, and fills them.
+class SparseMaker {
+ public:
+  SparseMaker(const Field& field, const BandOptions& options) : field_(field), options_(options) {
+    band_.grid = field.grid;
+    band_.outside = options.outside * field.grid.spacing;
+    band_.inside = options.inside * field.grid.spacing;
+    band_.surfaceBounds = field.surfaceBounds;
+  }
+
+  SparseField make(uint64_t most) {
+    const std::vector<glm::ivec3> blocks = blocksInOrder();
+    std::vector<Kind> kinds(blocks.size());
+    parallelFor(blocks.size(), 64, [&](size_t begin, size_t end) {
+      for (size_t b = begin; b < end; ++b) kinds[b] = kindOf(blocks[b]);
+    });
+    std::vector<glm::ivec3> leaves;
+    for (size_t b = 0; b < blocks.size(); ++b) {
+      if (kinds[b] == Kind::Leaf) leaves.push_back(blocks[b]);
+      if (kinds[b] == Kind::Inside) addTile({blocks[b], kSide});
+    }
+    fill(leaves, most);
+    return std::move(band_);
+  }
+
+ private:
+  enum class Kind : uint8_t { Outside, Inside, Leaf };
+
+  std::vector<glm::ivec3> blocksInOrder() const {
+    std::vector<glm::ivec3> blocks;
+    const glm::ivec3 dims = field_.grid.dims;
+    for (int z = 0; z < dims.z; z += kSide)
+      for (int y = 0; y < dims.y; y += kSide)
+        for (int x = 0; x < dims.x; x += kSide) blocks.emplace_back(x, y, z);
+    parallelSort(blocks.begin(), blocks.end(), comesBefore);
+    return blocks;
+  }
+
+  float clamped(float distance) const {
+    return float(std::clamp(double(distance), -band_.inside, band_.outside));
+  }
+
+  Kind kindOf(const glm::ivec3& low) const {
+    bool isActive = false, hasInside = false, hasOutside = false;
+    forEachRow(field_.grid, low, kSide, [&](size_t first, size_t, size_t count) {
+      for (size_t i = first; i < first + count; ++i) {
+        if (std::isnan(field_.distance[i])) throwNaN(i);
+        const float value = clamped(field_.distance[i]);
+        isActive |= band_.isActive(value);
+        (value < 0.0f ? hasInside : hasOutside) = true;
+      }
+    });
+    if (isActive || (hasInside && hasOutside)) return Kind::Leaf;
+    return hasInside ? Kind::Inside : Kind::Outside;
+  }
+
+  [[noreturn]] void throwNaN(size_t i) const {
+    const glm::ivec3 dims = field_.grid.dims;
+    throw Error(ErrorCode::Input, "sample (" + std::to_string(i % dims.x) + ", " +
+                                      std::to_string(i / dims.x % dims.y) + ", " +
+                                      std::to_string(i / dims.x / dims.y) +
+                                      ") of the field is NaN: a band needs numbers; make the field again");
+  }
+
+  /// Adds a tile, and joins eight that make a larger one.
+  void addTile(const SparseField::Tile& tile) {
+    std::vector<SparseField::Tile>& tiles = band_.tiles;
+    tiles.push_back(tile);
+    while (tiles.size() >= 8) {
+      const SparseField::Tile first = tiles[tiles.size() - 8];
+      const int side = tiles.back().side;
+      // Eight tiles of this size in a row on the curve, the first of them aligned, fill the larger cube.
+      const auto isOfThisSize = [&](const SparseField::Tile& each) { return each.side == side; };
+      if (!std::all_of(tiles.end() - 8, tiles.end(), isOfThisSize) ||
+          first.low % (2 * side) != glm::ivec3(0) || tiles.back().low != first.low + side)
+        return;
+      tiles.resize(tiles.size() - 8);
+      tiles.push_back({first.low, 2 * side});
+    }
+  }
+
+  void fill(const std::vector<glm::ivec3>& leaves, uint64_t most) {
+    const size_t arrays =
+        1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) + (options_.confidence ? 1 : 0);
+    checkFieldMemory(leaves.size() * (sizeof(glm::ivec3) + arrays * sizeof(float) * kLeafSamples), most);
+    band_.leaves.resizeUninitialized(leaves.size());
+    std::ranges::copy(leaves, band_.leaves.begin());
+    gather(field_.distance, float(band_.outside), band_.distance, [this](float d) { return clamped(d); });
+    const auto same = [](auto value) { return value; };
+    if (options_.triangle) gather(field_.triangle, kNoTriangle, band_.triangle, same);
+    if (options_.winding) gather(field_.winding, 0.0f, band_.winding, same);
+    if (options_.confidence) gather(field_.confidence, 0.0f, band_.confidence, same);
+    for (size_t i = 0; i < band_.triangle.size(); ++i)
+      if (!band_.isActive(band_.distance[i])) band_.triangle[i] = kNoTriangle;
+  }
+
+  template <class Number, class Convert>
+  void gather(const Buffer<Number>& from, Number beyond, Buffer<Number>& to, Convert&& convert) const {
+    fillWith(to, band_.leaves.size() * kLeafSamples, beyond);
+    parallelFor(band_.leaves.size(), 64, [&](size_t begin, size_t end) {
+      for (size_t leaf = begin; leaf < end; ++leaf)
+        forEachRow(field_.grid, band_.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
+          std::transform(from.data() + first, from.data() + first + count,
+                         to.data() + leaf * kLeafSamples + within, convert);
+        });
+    });
+  }
+
+  const Field& field_;
+  const BandOptions& options_;
+  SparseField band_;
+};
+
+}  // namespace
+
+Field toDense(const SparseField& band, const MachineOptions& machine) {
+  validate(band);
+  checkDenseMemory(band, machine);
+  Field field{.grid = band.grid, .clampDistance = clampDistanceOf(band), .surfaceBounds = band.surfaceBounds};
+  withThreads(machine.threads, [&] { makeDense(band, field); });
+  return field;
+}
+
+SparseField toSparse(const Field& field, const BandOptions& options, const MachineOptions& machine) {
+  check(field, options);
+  SparseField band;
+  withThreads(machine.threads, [&] { band = SparseMaker(field, options).make(limitOf(machine)); });
+  return band;
+}
+
+}  // namespace raymap

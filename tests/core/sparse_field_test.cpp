@@ -1,0 +1,308 @@
+// Narrow bands against the dense fields of the same samples.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <tuple>
+
+#include "broken_meshes.h"
+#include "error_code.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+
+template <class Number>
+bool same(const Buffer<Number>& a, const Buffer<Number>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Number)) == 0;
+}
+
+template <class Visit>
+void forEachSample(const Grid& grid, Visit&& visit) {
+  for (int z = 0; z < grid.dims.z; ++z)
+    for (int y = 0; y < grid.dims.y; ++y)
+      for (int x = 0; x < grid.dims.x; ++x) visit(glm::ivec3(x, y, z));
+}
+
+Mesh openTorus() {
+  return withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
+}
+
+/// Bands of several widths, of a lattice around the mesh and of one that cuts it.
+std::vector<SparseField> someBands() {
+  std::vector<SparseField> bands;
+  const Mesh mesh = openTorus();
+  const Surface surface(mesh);
+  const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};
+  for (const Grid& grid :
+       {fitGrid(mesh, {.resolution = 45}), fitGrid(mesh, {.voxelSize = 0.04, .box = part})})
+    for (const BandOptions& options :
+         {BandOptions{.triangle = true, .winding = true, .confidence = true},
+          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = kEverywhere}})
+      bands.push_back(surface.generateBand(grid, options));
+  return bands;
+}
+
+TEST(SparseField, MakesADenseField) {
+  for (const SparseField& band : someBands()) {
+    const Field field = toDense(band);
+    EXPECT_EQ(field.grid, band.grid);
+    EXPECT_EQ(field.clampDistance, std::min(band.inside, band.outside));
+    EXPECT_EQ(field.surfaceBounds.min, band.surfaceBounds.min);
+    EXPECT_EQ(field.surfaceBounds.max, band.surfaceBounds.max);
+    EXPECT_EQ(field.triangle.size(), band.triangle.empty() ? 0 : field.distance.size());
+    EXPECT_EQ(field.winding.size(), band.winding.empty() ? 0 : field.distance.size());
+    EXPECT_EQ(field.confidence.size(), band.confidence.empty() ? 0 : field.distance.size());
+    forEachSample(band.grid, [&](const glm::ivec3& sample) {
+      const size_t i = band.grid.index(sample);
+      ASSERT_EQ(field.distance[i], band.distanceAt(sample));
+      if (band.triangle.empty()) return;
+      if (const std::optional<size_t> place = band.find(sample)) {
+        ASSERT_EQ(field.triangle[i], band.triangle[*place]);
+        ASSERT_EQ(field.winding[i], band.winding[*place]);
+        ASSERT_EQ(field.confidence[i], band.confidence[*place]);
+      } else {
+        ASSERT_EQ(field.triangle[i], kNoTriangle);
+        ASSERT_TRUE(std::isnan(field.winding[i]) && std::isnan(field.confidence[i]));
+      }
+    });
+  }
+}
+
+TEST(SparseField, ComesFromADenseField) {
+  const Mesh mesh = openTorus();
+  const FieldOptions all{.triangle = true, .winding = true, .confidence = true};
+  const Field field = generate(mesh, fitGrid(mesh, {.resolution = 70}), all, {.device = "cpu"}).field;
+  for (const BandOptions& options :
+       {BandOptions{.triangle = true, .winding = true, .confidence = true},
+        BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.inside = kEverywhere}}) {
+    const SparseField band = toSparse(field, options);
+    EXPECT_NO_THROW(validate(band));
+    EXPECT_GT(band.leaves.size(), 0u);
+    size_t active = 0;
+    forEachSample(field.grid, [&](const glm::ivec3& sample) {
+      const size_t i = field.grid.index(sample);
+      const auto value = float(std::clamp(double(field.distance[i]), -band.inside, band.outside));
+      ASSERT_EQ(band.distanceAt(sample), value);
+      const std::optional<size_t> place = band.find(sample);
+      active += band.isActive(value);
+      ASSERT_TRUE(place || !band.isActive(value));
+      if (!place || !options.triangle) return;
+      ASSERT_EQ(band.triangle[*place], band.isActive(value) ? field.triangle[i] : kNoTriangle);
+      ASSERT_EQ(band.winding[*place], field.winding[i]);
+      ASSERT_EQ(band.confidence[*place], field.confidence[i]);
+    });
+    EXPECT_EQ(band.activeCount(), active);
+  }
+}
+
+// Both find the leaves that are needed. Of the tiles, only those that can be joined change.
+TEST(SparseField, KeepsItsLeavesOnTheWayThroughADenseField) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 160}), {.triangle = true});
+  const SparseField again = toSparse(toDense(band), {.triangle = true});
+  EXPECT_TRUE(same(again.leaves, band.leaves));
+  EXPECT_TRUE(same(again.distance, band.distance));
+  EXPECT_TRUE(same(again.triangle, band.triangle));
+  EXPECT_NO_THROW(validate(again));
+  EXPECT_LT(again.tiles.size(), band.tiles.size());
+  EXPECT_TRUE(same(toDense(again).distance, toDense(band).distance));
+}
+
+TEST(SparseField, RefusesADenseFieldThatDoesNotFit) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Surface surface(mesh);
+  const SparseField band = surface.generateBand(fitGrid(mesh, {.resolution = 40}));
+  EXPECT_EQ(codeOf([&] { toDense(band, {.memoryLimit = 100000}); }), ErrorCode::Memory);
+  EXPECT_NO_THROW(toDense(band, {.memoryLimit = band.grid.sampleCount() * 4}));
+  const Grid huge{.dims = glm::ivec3(1 << 24), .origin = glm::dvec3(-1.5), .spacing = 0.1};
+  EXPECT_EQ(codeOf([&] { toDense(surface.generateBand(huge)); }), ErrorCode::Memory);
+}
+
+TEST(SparseField, RefusesBandsThatADenseFieldCannotGive) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  Field field = generate(mesh, grid, {.band = 2.0}, {.device = "cpu"}).field;
+  const auto refuses = [&](const BandOptions& options) {
+    EXPECT_EQ(codeOf([&] { toSparse(field, options); }), ErrorCode::Usage);
+  };
+  refuses({.outside = 3.0, .inside = 2.0});
+  refuses({.outside = 2.0, .inside = 3.0});
+  refuses({.outside = 2.0, .inside = kEverywhere});
+  refuses({.outside = 2.0, .inside = 0.0});
+  refuses({.outside = NAN, .inside = 2.0});
+  refuses({.outside = 2.0, .inside = 2.0, .winding = true});
+  EXPECT_NO_THROW(toSparse(field, {.outside = 2.0, .inside = 2.0}));
+  EXPECT_EQ(codeOf([&] { toSparse(field, {.outside = 2.0, .inside = 2.0}, {.memoryLimit = 10000}); }),
+            ErrorCode::Memory);
+  field.distance[grid.index({3, 4, 5})] = NAN;
+  EXPECT_EQ(codeOf([&] { toSparse(field, {.outside = 2.0, .inside = 2.0}); }), ErrorCode::Input);
+}
+
+TEST(SparseField, SaysWhatIsNotValid) {
+  const auto codeWith = [](auto&& change) {
+    SparseField band{.grid = {.dims = {40, 40, 40}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
+    band.leaves.resizeUninitialized(2);
+    band.leaves[0] = {8, 0, 0};
+    band.leaves[1] = {0, 8, 0};
+    band.distance.resizeUninitialized(2 * SparseField::kLeafSamples);
+    std::ranges::fill(band.distance, 1.0f);
+    band.tiles = {{{0, 0, 16}, 16}, {{32, 0, 0}, 8}};
+    change(band);
+    return codeOf([&] { validate(band); });
+  };
+  EXPECT_EQ(codeWith([](SparseField&) {}), std::nullopt);
+  const auto refuses = [&](auto&& change) { EXPECT_EQ(codeWith(change), ErrorCode::Usage); };
+  refuses([](SparseField& band) { band.grid.spacing = 0.0; });
+  refuses([](SparseField& band) { band.grid.dims.z = (1 << 24) + 1; });
+  refuses([](SparseField& band) { band.outside = kEverywhere; });
+  refuses([](SparseField& band) { band.inside = 0.0; });
+  refuses([](SparseField& band) { band.distance.resizeUninitialized(512); });
+  refuses([](SparseField& band) { band.winding.resizeUninitialized(512); });
+  refuses([](SparseField& band) { std::swap(band.leaves[0], band.leaves[1]); });
+  refuses([](SparseField& band) { band.leaves[1] = band.leaves[0]; });
+  refuses([](SparseField& band) { band.leaves[1].y = 9; });
+  refuses([](SparseField& band) { band.leaves[0].x = -8; });
+  refuses([](SparseField& band) { band.leaves[1].z = 40; });
+  refuses([](SparseField& band) { band.tiles[0].side = 24; });
+  refuses([](SparseField& band) { band.tiles[0].side = 4; });
+  refuses([](SparseField& band) { band.tiles[0].side = 32; });
+  refuses([](SparseField& band) { std::swap(band.tiles[0], band.tiles[1]); });
+}
+
+TEST(SparseField, IsSampledAsItsDenseField) {
+  std::mt19937 random(5);
+  for (const SparseField& band : someBands()) {
+    const Field field = toDense(band);
+    const glm::dvec3 size = glm::dvec3(band.grid.dims - 1);
+    std::uniform_real_distribution<> share(-0.3, 1.3);
+    std::vector<glm::dvec3> points{{NAN, 0, 0}, {INFINITY, 0, 0}, {0, -1e300, 0}};
+    for (int n = 0; n < 3000; ++n)
+      points.push_back(band.grid.position(size * glm::dvec3(share(random), share(random), share(random))));
+    for (int n = 0; n < 300; ++n)  // On samples, and on sides of leaves.
+      points.push_back(band.grid.position(glm::round(size * glm::dvec3(share(random), share(random), 0.5))));
+    for (const Outside outside : {Outside::Bound, Outside::NaN}) {
+      const SampleOptions options{.gradients = true, .outside = outside};
+      const Samples expected = sample(field, points, options), got = sample(band, points, options),
+                    one = sample(band, points, options, {.threads = 1});
+      for (const Samples& samples : {std::cref(got), std::cref(one)}) {
+        EXPECT_TRUE(same(samples.distance, expected.distance));
+        EXPECT_TRUE(same(samples.gradient, expected.gradient));
+      }
+      const auto isSame = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+      for (size_t i = 0; i < points.size(); i += 10) {
+        EXPECT_TRUE(isSame(distanceAt(band, points[i], outside), distanceAt(field, points[i], outside)));
+        const glm::dvec3 g = gradientAt(band, points[i], outside), h = gradientAt(field, points[i], outside);
+        for (int a = 0; a < 3; ++a) EXPECT_TRUE(isSame(g[a], h[a]));
+      }
+    }
+  }
+}
+
+TEST(SparseField, IsSampledAlongAnAxisOfOneSample) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid flat{.dims = {30, 1, 30}, .origin = {-1.45, 0.0, -1.45}, .spacing = 0.1};
+  const SparseField band = Surface(mesh).generateBand(flat);
+  const Field field = toDense(band);
+  for (const glm::dvec3& p : {glm::dvec3(0.93, 0, 0.2), glm::dvec3(0.5, 0, -0.8), glm::dvec3(0.1, 0.3, 1)})
+    EXPECT_EQ(distanceAt(band, p), distanceAt(field, p));
+}
+
+TEST(SparseField, IsNotSampledWithoutItsArrays) {
+  SparseField band{.grid = {.dims = {8, 8, 8}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
+  band.leaves.resizeUninitialized(1);
+  band.leaves[0] = {0, 0, 0};
+  EXPECT_EQ(codeOf([&] { distanceAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { gradientAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { sample(band, std::vector<glm::dvec3>{{0, 0, 0}}); }), ErrorCode::Usage);
+}
+
+void expectSameSurface(const SparseField& band, const Field& field, double iso) {
+  std::vector<WarningCode> ofBand, ofField;
+  const auto into = [](std::vector<WarningCode>& codes) {
+    return [&codes](const Warning& warning) { codes.push_back(warning.code); };
+  };
+  const Mesh expected = isosurface(field, {.iso = iso}, {.warn = into(ofField)});
+  const Mesh got = isosurface(band, {.iso = iso}, {.warn = into(ofBand)}),
+             one = isosurface(band, {.iso = iso}, {.threads = 1});
+  EXPECT_GT(expected.triangles.size(), 0u);
+  for (const Mesh& mesh : {std::cref(got), std::cref(one)}) {
+    EXPECT_TRUE(mesh.vertices == expected.vertices);
+    EXPECT_TRUE(mesh.triangles == expected.triangles);
+    EXPECT_EQ(mesh.origin, expected.origin);
+  }
+  EXPECT_EQ(ofBand, ofField);
+}
+
+TEST(SparseField, HasTheSurfaceOfItsDenseField) {
+  for (const SparseField& band : someBands()) {
+    const Field field = toDense(band);
+    for (const double share : {0.0, 0.4, -0.4}) expectSameSurface(band, field, share * field.clampDistance);
+  }
+}
+
+// The sides of tiles are surface where no leaf lies beside them, as in the middle of a large hole, and where
+// the lattice ends.
+TEST(SparseField, HasASurfaceAtTheSidesOfTiles) {
+  SparseField band{.grid = {.dims = {45, 41, 50}, .spacing = 0.5}, .outside = 2.0, .inside = 1.5};
+  band.tiles = {{{0, 0, 0}, 16}, {{16, 0, 0}, 8}, {{24, 24, 8}, 8}, {{16, 32, 16}, 8}, {{32, 32, 32}, 16}};
+  std::ranges::sort(band.tiles, {}, [](const SparseField::Tile& tile) {
+    return std::tuple(tile.low.z / 32, tile.low.y / 32, tile.low.x / 32, tile.low.z / 16, tile.low.y / 16,
+                      tile.low.x / 16, tile.low.z, tile.low.y, tile.low.x);
+  });
+  expectSameSurface(band, toDense(band), 0.0);
+  expectSameSurface(band, toDense(band), 0.7);
+}
+
+TEST(SparseField, HasTheSurfaceOfNoise) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise;
+  Field field{.grid = {.dims = {21, 17, 12}, .spacing = 2.0}};
+  field.distance.resizeUninitialized(field.grid.sampleCount());
+  for (float& value : field.distance) value = noise(random);
+  const SparseField band = toSparse(field, {.outside = 0.25, .inside = 0.25});
+  expectSameSurface(band, toDense(band), 0.1);
+}
+
+TEST(SparseField, SaysWhyThereIsNoSurface) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Surface surface(mesh);
+  const Grid grid = fitGrid(mesh, {.resolution = 30});
+  SparseField band = surface.generateBand(grid, {.outside = 3.0, .inside = 5.0});
+  const auto codeAt = [&](double iso) { return codeOf([&] { isosurface(band, {.iso = iso}); }); };
+  EXPECT_EQ(codeAt(2.9 * grid.spacing), std::nullopt);
+  EXPECT_EQ(codeAt(3.0 * grid.spacing), ErrorCode::Usage);
+  EXPECT_EQ(codeAt(-4.9 * grid.spacing), std::nullopt);
+  EXPECT_EQ(codeAt(-5.0 * grid.spacing), ErrorCode::Usage);
+  band.distance[*band.find(band.leaves[3])] = NAN;
+  EXPECT_EQ(codeAt(0.0), ErrorCode::Input);
+  band.distance.resizeUninitialized(512);
+  EXPECT_EQ(codeAt(0.0), ErrorCode::Usage);
+  const SparseField none = Surface(mesh, {.sign = SignMode::None}).generateBand(grid);
+  EXPECT_EQ(codeOf([&] { isosurface(none); }), ErrorCode::Usage);
+}
+
+// The way through a dense field would take 4 TB.
+TEST(SparseField, HasASurfaceOnAHugeLattice) {
+  const Mesh ball = shapes::sphere(1.0, 3);
+  const Surface surface(ball);
+  const Grid small = fitGrid(ball, {.voxelSize = 0.0625});
+  Grid huge = small;
+  huge.dims = glm::ivec3(10000);
+  huge.origin -= huge.spacing * 8.0 * 600.0;
+  const Mesh expected = isosurface(surface.generateBand(small)), got = isosurface(surface.generateBand(huge));
+  EXPECT_EQ(got.triangles.size(), expected.triangles.size());
+  const Box box = bounds(got);
+  EXPECT_NEAR(box.min.x, -1.0, 0.02);
+  EXPECT_NEAR(box.max.z, 1.0, 0.02);
+}
+
+}  // namespace
+}  // namespace raymap
