@@ -9,6 +9,7 @@
 #include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/field.h>
+#include <raymap/field_slabs.h>
 #include <raymap/generate.h>
 #include <raymap/grid.h>
 #include <raymap/io.h>

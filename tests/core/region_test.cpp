@@ -115,9 +115,8 @@ TEST(Region, LiesOnHugeLattices) {
   const Surface surface(shapes::sphere(1.0, 3, centre));
   for (const int side : {1300, 1700, 1 << 24}) {
     const double spacing = 0.0625;
-    const Grid lattice{.dims = glm::ivec3(side),
-                       .origin = centre - spacing * glm::dvec3(side - 60),
-                       .spacing = spacing};
+    const Grid lattice{
+        .dims = glm::ivec3(side), .origin = centre - spacing * glm::dvec3(side - 60), .spacing = spacing};
     expectQueried(surface, lattice, {{side - 100, side - 80, side - 60}, {99, 70, 2}}, {.triangle = true});
     expectQueried(surface, lattice, {{side - 100, side - 80, side - 60}, {99, 70, 2}}, {.band = 2.0});
     expectQueried(surface, lattice, {{side - 1, side - 50, side - 90}, {1, 50, 90}}, kAll);

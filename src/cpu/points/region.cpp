@@ -54,12 +54,15 @@ class RegionMaker {
                  blocks = size_t(blocks_.x) * size_t(blocks_.y) * size_t(blocks_.z);
     for (size_t begin = 0; begin < blocks; begin += kBlocksAtOnce) {
       const size_t end = std::min(begin + kBlocksAtOnce, blocks);
-      const auto share = [&](double part) { return (double(begin) + part * double(end - begin)) / double(blocks); };
+      const auto share = [&](double part) {
+        return (double(begin) + part * double(end - begin)) / double(blocks);
+      };
       progress_.part(share(0.0), share(0.0));
       const std::vector<size_t> near = fillFar(begin, end);
       for (size_t k = 0; k < near.size(); k += perQuery) {
         const size_t count = std::min(perQuery, near.size() - k);
-        progress_.part(share(double(k) / double(near.size())), share(double(k + count) / double(near.size())));
+        progress_.part(share(double(k) / double(near.size())),
+                       share(double(k + count) / double(near.size())));
         fillNear(std::span(near).subspan(k, count));
       }
     }
