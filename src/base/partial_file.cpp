@@ -79,7 +79,9 @@ void PartialFile::note() {
 }
 
 void PartialFile::writeNote() {
-  writeAtomically(note_, [&](std::ostream& out) { out << kNoteMagic << ' ' << key_ << ' ' << noted_ << '\n'; });
+  const std::string text =
+      std::string(kNoteMagic) + ' ' + std::to_string(key_) + ' ' + std::to_string(noted_) + '\n';
+  writeAtomically(note_, [&](std::ostream& out) { out << text; });
 }
 
 void PartialFile::publish() {

@@ -111,7 +111,8 @@ class SlabWriter {
   uint64_t key() const {
     const Grid& grid = about_.grid;
     std::string text = frame_.head + options_.key;
-    for (const double number : {grid.origin.x, grid.origin.y, grid.origin.z, grid.spacing, about_.clampDistance})
+    for (const double number :
+         {grid.origin.x, grid.origin.y, grid.origin.z, grid.spacing, about_.clampDistance})
       text += ' ' + toText(number);
     return hashOf(text);
   }
@@ -122,8 +123,7 @@ class SlabWriter {
   }
 
   void warn(const std::string& message) const {
-    if (options_.warn)
-      options_.warn({WarningCode::FileContent, message, {.file = path_.string()}});
+    if (options_.warn) options_.warn({WarningCode::FileContent, message, {.file = path_.string()}});
   }
 
   void tellLeft(const PartialFile& file) const {

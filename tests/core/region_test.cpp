@@ -55,8 +55,15 @@ Mesh openTorus() {
   return withHoles(shapes::torus(1.0, 0.3, 40, 20), 3, 0.2, 7);
 }
 
+/// A box without one side. In the opening, far from any face, the sign changes.
+Mesh openBox() {
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  mesh.triangles.resize(mesh.triangles.size() - 2);
+  return mesh;
+}
+
 TEST(Region, HasWhatAQueryGives) {
-  const Mesh meshes[] = {shapes::torus(1.0, 0.3, 40, 20), openTorus(), shapes::soup(60, 3)};
+  const Mesh meshes[] = {shapes::torus(1.0, 0.3, 40, 20), openTorus(), openBox(), shapes::soup(60, 3)};
   for (const Mesh& mesh : meshes) {
     const Surface surface(mesh);
     const Grid lattice = fitGrid(mesh, {.resolution = 45, .padding = 0.3});

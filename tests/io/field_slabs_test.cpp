@@ -29,7 +29,8 @@ Field counted() {
 }
 
 Field planesOf(const Field& field, int begin, int end) {
-  const size_t plane = size_t(field.grid.dims.x) * size_t(field.grid.dims.y), count = plane * size_t(end - begin);
+  const size_t plane = size_t(field.grid.dims.x) * size_t(field.grid.dims.y),
+               count = plane * size_t(end - begin);
   Field slab;
   slab.distance.resizeUninitialized(count);
   slab.triangle.resizeUninitialized(count);
@@ -190,7 +191,8 @@ TEST_F(FieldSlabs, RefuseWhatMakesNoSense) {
       FAIL() << "no disk has so much space";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::File);
-      EXPECT_NE(std::string(error.what()).find("the file needs 68719476737 MiB, but only "), std::string::npos)
+      EXPECT_NE(std::string(error.what()).find("the file needs 68719476737 MiB, but only "),
+                std::string::npos)
           << error.what();
     }
   }
