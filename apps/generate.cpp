@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <ostream>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "checks.h"
 #include "commands.h"
@@ -222,17 +225,26 @@ void checkEmpty(const Arguments& arguments, const Box& bounds) {
     throw Error(ErrorCode::Usage, "--report-picture: " + name + " has no triangles to draw; leave it out");
 }
 
+/// Returns whether the field's only array is what a `Surface` gives at the samples.
+bool isOfSurface(const Arguments& arguments) {
+  const FieldOptions& o = arguments.options;
+  const bool isPlain = o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles &&
+                       !o.invert && o.thickness == 0.0;
+  const bool isAlone = !o.triangle && !o.winding && !o.confidence;
+  return isPlain && isAlone && !arguments.machine.device.starts_with("vulkan");
+}
+
+bool isWritten(const Arguments& arguments, const std::vector<std::string>& extensions) {
+  return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
+         hasExtension(arguments.field, extensions);
+}
+
 /// Returns whether a field is made near the surface alone, which takes less time and memory for so many
 /// samples. Only a .vdb has no place for the others.
 bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
   constexpr size_t kManySamples = size_t{1} << 24;
-  const FieldOptions& o = arguments.options;
-  const bool isVdb = arguments.format.output == ".vdb" || hasExtension(arguments.field, {".vdb"});
-  const bool isPlain = o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles &&
-                       !o.invert && o.thickness == 0.0;
-  const bool isAlone = !o.triangle && !o.winding && !o.confidence;
-  const bool isOnCpu = !arguments.machine.device.starts_with("vulkan");
-  const bool isPossible = o.band > 0.0 && isVdb && isPlain && isAlone && isOnCpu;
+  const bool isPossible =
+      arguments.options.band > 0.0 && isWritten(arguments, {".vdb"}) && isOfSurface(arguments);
   if (arguments.fullInside && !isPossible)
     throw Error(
         ErrorCode::Usage,
@@ -260,6 +272,81 @@ void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, cons
   report.written.push_back(arguments.field);
 }
 
+/// Returns how many planes of a grid are made at a time: few enough for the limit of memory, and no more than
+/// the speed gains from.
+int slabThickness(const Surface& surface, const Grid& grid, size_t memoryLimit) {
+  constexpr size_t kManySamples = size_t{1} << 26;
+  const size_t plane = size_t(grid.dims.x) * size_t(grid.dims.y);
+  auto planes = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(grid.dims.z)));
+  const auto fits = [&] {
+    return memoryLimit == 0 || surface.regionBytes({grid.dims.x, grid.dims.y, planes}) <= memoryLimit;
+  };
+  while (planes > 1 && !fits()) planes /= 2;
+  return planes;
+}
+
+/// Returns a text that names all that the samples of a field of a surface depend on besides their positions.
+std::string keyOf(const Mesh& mesh, const Arguments& arguments) {
+  const auto hash = [](const auto& array) {
+    const auto bytes = std::as_bytes(std::span(array));
+    return std::to_string(
+        std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  };
+  const Json key = {version().text,        hash(mesh.vertices),   hash(mesh.triangles),
+                    toJson(mesh.origin),   arguments.orientation, arguments.options.threshold,
+                    arguments.options.band};
+  return key.dump();
+}
+
+/// Makes a field that does not fit into memory, and writes it slab by slab.
+void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, const MachineOptions& machine) {
+  const FieldOptions& options = arguments.options;
+  const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
+  report.stats = surface.stats();
+  const Grid& grid = report.grid;
+  const int planes = slabThickness(surface, grid, machine.memoryLimit);
+  bool isFirst = true;
+  const auto slab = [&](int begin, int end) {
+    if (isFirst)
+      printNote("the field does not fit into memory, so it is written in slabs of " +
+                counted(size_t(planes), "plane"));
+    MachineOptions one = machine;
+    if (!std::exchange(isFirst, false)) one.warn = {};  // Once is enough.
+    one.progress = [&](std::string_view stage, double done) {
+      return machine.progress(stage, (double(begin) + done * double(end - begin)) / double(grid.dims.z));
+    };
+    return surface.generateRegion(grid, {{0, 0, begin}, {grid.dims.x, grid.dims.y, end - begin}},
+                                  {.band = options.band}, one);
+  };
+  const Field about{
+      .grid = grid, .clampDistance = options.band * grid.spacing, .surfaceBounds = bounds(surface.mesh())};
+  const SlabOptions slabs{.thickness = planes,
+                          .format = arguments.format.output,
+                          .key = keyOf(mesh, arguments),
+                          .warn = machine.warn};
+  timeStep(report.stats.stages, "slabs", [&] { writeFieldInSlabs(arguments.field, about, slab, slabs); });
+  report.stats.milliseconds += report.stats.stages.back().milliseconds;
+  report.stats.bytes = std::max(report.stats.bytes, surface.regionBytes({grid.dims.x, grid.dims.y, planes}));
+  report.written.push_back(arguments.field);
+}
+
+/// Makes a field of all samples, or writes it slab by slab if it does not fit into memory.
+void makeDense(const Arguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
+               Report& report, const MachineOptions& machine) {
+  const bool mayBeSlabs =
+      !mesh.triangles.empty() && isOfSurface(arguments) && isWritten(arguments, slabExtensions());
+  if (!mayBeSlabs || report.grid.sampleCount() < kNoTriangle) {
+    try {
+      report.stats = generator.generate(mesh, report.grid, arguments.options, field, machine);
+      return;
+    } catch (const Error& error) {
+      if (!mayBeSlabs || error.code() != ErrorCode::Memory) throw;
+    }
+  }
+  generator = {};  // Its memory goes to the slabs.
+  makeSlabs(arguments, mesh, report, machine);
+}
+
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
 void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
           const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
@@ -279,7 +366,7 @@ void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>
     if (!isEmpty && isNarrowBand(arguments, report.grid))
       makeBand(arguments, mesh, report, machine);
     else
-      report.stats = generator.generate(mesh, report.grid, arguments.options, field, machine);
+      makeDense(arguments, mesh, generator, field, report, machine);
   }
   if (report.written.empty()) timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
   if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())

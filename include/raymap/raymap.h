@@ -9,6 +9,7 @@
 #include <raymap/diagnostics.h>
 #include <raymap/error.h>
 #include <raymap/field.h>
+#include <raymap/field_slabs.h>
 #include <raymap/generate.h>
 #include <raymap/grid.h>
 #include <raymap/io.h>
@@ -23,6 +24,7 @@
 #include <raymap/picture.h>
 #include <raymap/query.h>
 #include <raymap/records.h>
+#include <raymap/region.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>

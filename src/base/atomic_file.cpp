@@ -33,7 +33,7 @@ class DescriptorBuffer : public std::streambuf {
     const char* begin = pbase();
     const auto count = static_cast<size_t>(pptr() - pbase());
     setp(buffer_.data(), buffer_.data() + buffer_.size());
-    writeAll(begin, count);
+    writeAll(descriptor_, path_, begin, count);
   }
 
  protected:
@@ -46,7 +46,7 @@ class DescriptorBuffer : public std::streambuf {
     if (count > epptr() - pptr()) {
       flush();
       if (static_cast<size_t>(count) >= buffer_.size()) {
-        writeAll(data, static_cast<size_t>(count));
+        writeAll(descriptor_, path_, data, static_cast<size_t>(count));
         return count;
       }
     }
@@ -71,16 +71,6 @@ class DescriptorBuffer : public std::streambuf {
   }
 
  private:
-  void writeAll(const char* data, size_t count) {
-    while (count > 0) {
-      const ssize_t written = ::write(descriptor_, data, count);
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) throwWriteError(path_, written < 0 ? errno : ENOSPC);
-      data += written;
-      count -= static_cast<size_t>(written);
-    }
-  }
-
   int descriptor_;
   const fs::path& path_;
   bool isSeekable_;

@@ -19,6 +19,16 @@ void throwWriteError(const std::filesystem::path& path, int error) {
   throw Error(ErrorCode::File, message);
 }
 
+void writeAll(int file, const std::filesystem::path& path, const char* data, size_t count) {
+  while (count > 0) {
+    const ssize_t written = ::write(file, data, count);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) throwWriteError(path, written < 0 ? errno : ENOSPC);
+    data += written;
+    count -= static_cast<size_t>(written);
+  }
+}
+
 bool hasName(int file, const std::filesystem::path& name) {
   struct stat opened {};
   struct stat named {};

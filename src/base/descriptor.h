@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
 namespace raymap {
 
 /// Throws `Error(File)`: the path cannot be written, by an error of the system.
 [[noreturn]] void throwWriteError(const std::filesystem::path& path, int error);
+
+/// Writes all bytes to an open file. Throws `Error(File)` that names the path.
+void writeAll(int file, const std::filesystem::path& path, const char* data, size_t count);
 
 /// Returns whether a name still leads to an open file.
 bool hasName(int file, const std::filesystem::path& name);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <ostream>
 
 #include "base/memory.h"
 
@@ -74,6 +75,19 @@ bool isSeparator(char c) {
 
 size_t elementSize(ElementType type) {
   return type == ElementType::Float64 ? 8 : 4;
+}
+
+NamedArray describe(FieldArray array) {
+  const bool isTriangle = array == FieldArray::Triangle;
+  return {kArrayNames[size_t(array)], isTriangle ? ElementType::UInt32 : ElementType::Float32};
+}
+
+uint64_t arrayBytes(const Grid& grid, const NamedArray& array) {
+  return grid.sampleCount() * elementSize(array.type);
+}
+
+void writeBytes(std::ostream& out, std::span<const std::byte> bytes) {
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 std::vector<NamedArray> arraysOf(const Field& field) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iosfwd>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,12 @@ struct NamedArray {
   ElementType type = ElementType::Float32;
   std::span<const std::byte> bytes;
 };
+
+/// Returns the name and the type of one of a field's arrays, without samples.
+NamedArray describe(FieldArray array);
+/// Returns the number of bytes of an array over a grid.
+uint64_t arrayBytes(const Grid& grid, const NamedArray& array);
+void writeBytes(std::ostream& out, std::span<const std::byte> bytes);
 
 /// Returns the arrays that the field has, distance first.
 std::vector<NamedArray> arraysOf(const Field& field);

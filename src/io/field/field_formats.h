@@ -7,23 +7,31 @@
 #include <iosfwd>
 
 // One reader and one writer per format, for `readField` and `writeField`. Readers add the names of the arrays
-// that they leave out. The arrays passed to writers fit the grid.
+// that they leave out. The arrays passed to writers fit the grid. A frame needs no samples.
 
 namespace raymap {
 
 using LeftOut = std::vector<std::string>;
 
+/// The bytes of a file before and after the samples of its only array.
+struct Frame {
+  std::string head, tail;
+};
+
 Field readNrrd(const SourceFile& source, LeftOut& leftOut);
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
+Frame frameNrrd(const Field& about, const NamedArray& array);
 
 Field readNpy(const SourceFile& source, LeftOut& leftOut);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
+Frame frameNpy(const Field& about, const NamedArray& array);
 
 Field readNpz(const SourceFile& source, LeftOut& leftOut);
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
+Frame frameVti(const Field& about, const NamedArray& array);
 
 Field readVdb(const SourceFile& source, LeftOut& leftOut);
 /// How a .vdb stores an array.

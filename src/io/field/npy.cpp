@@ -133,9 +133,12 @@ Field readNpy(const SourceFile& source, LeftOut&) {
 }
 
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array) {
-  out << npyHeader(field.grid, array.type);
-  out.write(reinterpret_cast<const char*>(array.bytes.data()),
-            static_cast<std::streamsize>(array.bytes.size()));
+  out << frameNpy(field, array).head;
+  writeBytes(out, array.bytes);
+}
+
+Frame frameNpy(const Field& about, const NamedArray& array) {
+  return {.head = npyHeader(about.grid, array.type)};
 }
 
 }  // namespace raymap

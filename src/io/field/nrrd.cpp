@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <ostream>
+#include <sstream>
 
 #include "io/field/field_formats.h"
 #include "io/field/gzip.h"
@@ -135,7 +136,13 @@ Field readNrrd(const SourceFile& source, LeftOut&) {
 }
 
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array) {
-  const Grid& grid = field.grid;
+  out << frameNrrd(field, array).head;
+  writeBytes(out, array.bytes);
+}
+
+Frame frameNrrd(const Field& about, const NamedArray& array) {
+  const Grid& grid = about.grid;
+  std::ostringstream out;
   const std::string h = toText(grid.spacing);
   out << "NRRD0004\n"
       << "type: " << (array.type == ElementType::UInt32 ? "uint32" : "float") << "\n"
@@ -149,11 +156,10 @@ void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array) {
       << "space origin: (" << toText(grid.origin.x) << ',' << toText(grid.origin.y) << ','
       << toText(grid.origin.z) << ")\n"
       << "content: " << array.name << "\n";
-  if (field.clampDistance > 0.0) out << kClampDistance << ":=" << toText(field.clampDistance) << "\n";
-  if (!field.surfaceBounds.isEmpty()) out << kSurfaceBounds << ":=" << toText(surfaceBoundsOf(field)) << "\n";
+  if (about.clampDistance > 0.0) out << kClampDistance << ":=" << toText(about.clampDistance) << "\n";
+  if (!about.surfaceBounds.isEmpty()) out << kSurfaceBounds << ":=" << toText(surfaceBoundsOf(about)) << "\n";
   out << '\n';
-  out.write(reinterpret_cast<const char*>(array.bytes.data()),
-            static_cast<std::streamsize>(array.bytes.size()));
+  return {.head = std::move(out).str()};
 }
 
 }  // namespace raymap

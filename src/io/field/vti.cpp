@@ -7,6 +7,7 @@
 #include <ostream>
 #include <pugixml.hpp>
 #include <set>
+#include <sstream>
 
 #include "io/field/field_formats.h"
 #include "io/field/vti_data.h"
@@ -216,6 +217,38 @@ void writeFieldData(std::ostream& out, const Field& field) {
   out << "    </FieldData>\n";
 }
 
+/// Returns the text before the appended arrays.
+std::string headOf(const Field& field, std::span<const NamedArray> arrays) {
+  const Grid& grid = field.grid;
+  const std::string h = toText(grid.spacing);
+  const std::string extent = "0 " + std::to_string(grid.dims.x - 1) + " 0 " +
+                             std::to_string(grid.dims.y - 1) + " 0 " + std::to_string(grid.dims.z - 1);
+  std::ostringstream out;
+  out << "<?xml version=\"1.0\"?>\n"
+      << "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      << "  <ImageData WholeExtent=\"" << extent << "\" Origin=\"" << toText(grid.origin.x) << ' '
+      << toText(grid.origin.y) << ' ' << toText(grid.origin.z) << "\" Spacing=\"" << h << ' ' << h << ' ' << h
+      << "\">\n";
+  writeFieldData(out, field);
+  out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << arrays.front().name
+      << "\">\n";
+  uint64_t offset = 0;
+  for (const NamedArray& each : arrays) {
+    out << "        <DataArray type=\"" << (each.type == ElementType::UInt32 ? "UInt32" : "Float32")
+        << "\" Name=\"" << each.name << "\" format=\"appended\" offset=\"" << offset << "\"/>\n";
+    offset += sizeof offset + arrayBytes(grid, each);
+  }
+  out << "      </PointData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
+  return std::move(out).str();
+}
+
+std::string countBefore(const Grid& grid, const NamedArray& array) {
+  const uint64_t count = arrayBytes(grid, array);
+  return {reinterpret_cast<const char*>(&count), sizeof count};
+}
+
+constexpr const char* kTail = "\n  </AppendedData>\n</VTKFile>\n";
+
 }  // namespace
 
 Field readVti(const SourceFile& source, LeftOut& leftOut) {
@@ -251,30 +284,16 @@ Field readVti(const SourceFile& source, LeftOut& leftOut) {
 
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
   const std::vector<NamedArray> arrays = arraysWith(field, array);
-  const Grid& grid = field.grid;
-  const std::string h = toText(grid.spacing);
-  const std::string extent = "0 " + std::to_string(grid.dims.x - 1) + " 0 " +
-                             std::to_string(grid.dims.y - 1) + " 0 " + std::to_string(grid.dims.z - 1);
-  out << "<?xml version=\"1.0\"?>\n"
-      << "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-      << "  <ImageData WholeExtent=\"" << extent << "\" Origin=\"" << toText(grid.origin.x) << ' '
-      << toText(grid.origin.y) << ' ' << toText(grid.origin.z) << "\" Spacing=\"" << h << ' ' << h << ' ' << h
-      << "\">\n";
-  writeFieldData(out, field);
-  out << "    <Piece Extent=\"" << extent << "\">\n      <PointData Scalars=\"" << array.name << "\">\n";
-  uint64_t offset = 0;
+  out << headOf(field, arrays);
   for (const NamedArray& each : arrays) {
-    out << "        <DataArray type=\"" << (each.type == ElementType::UInt32 ? "UInt32" : "Float32")
-        << "\" Name=\"" << each.name << "\" format=\"appended\" offset=\"" << offset << "\"/>\n";
-    offset += sizeof offset + each.bytes.size();
+    out << countBefore(field.grid, each);
+    writeBytes(out, each.bytes);
   }
-  out << "      </PointData>\n    </Piece>\n  </ImageData>\n  <AppendedData encoding=\"raw\">\n_";
-  for (const NamedArray& each : arrays) {
-    const uint64_t count = each.bytes.size();
-    out.write(reinterpret_cast<const char*>(&count), sizeof count);
-    out.write(reinterpret_cast<const char*>(each.bytes.data()), static_cast<std::streamsize>(count));
-  }
-  out << "\n  </AppendedData>\n</VTKFile>\n";
+  out << kTail;
+}
+
+Frame frameVti(const Field& about, const NamedArray& array) {
+  return {headOf(about, {&array, 1}) + countBefore(about.grid, array), kTail};
 }
 
 }  // namespace raymap

@@ -1,0 +1,98 @@
+#include "base/partial_file.h"
+
+#include <fcntl.h>
+#include <raymap/atomic_file.h>
+#include <raymap/error.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <ostream>
+#include <string>
+
+namespace raymap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kNoteMagic = "raymap-part";
+
+fs::path withSuffix(fs::path path, const char* suffix) {
+  path += suffix;
+  return path;
+}
+
+}  // namespace
+
+PartialFile::PartialFile(const fs::path& path, uint64_t key)
+    : path_(path),
+      target_(fs::weakly_canonical(path)),
+      part_(withSuffix(target_, ".part")),
+      note_(withSuffix(part_, ".done")),
+      key_(key),
+      file_(open(part_.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666), part_) {
+  const bool isLocked = flock(file_.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+  // The name of a file can change until it is locked.
+  if (!isLocked || !hasName(file_.get(), part_))
+    throw Error(ErrorCode::File, part_.string() + ": another run is writing it");
+  findLeft();
+  if (ftruncate(file_.get(), off_t(noted_)) != 0 || lseek(file_.get(), 0, SEEK_END) < 0)
+    throwWriteError(part_, errno);
+  written_ = noted_;
+  writeNote();
+}
+
+PartialFile::~PartialFile() {
+  if (isPublished_ || noted_ > 0) return;
+  unlink(part_.c_str());
+  unlink(note_.c_str());
+}
+
+void PartialFile::findLeft() {
+  struct stat about {};
+  if (fstat(file_.get(), &about) != 0) throwWriteError(part_, errno);
+  const auto size = uint64_t(about.st_size);
+  std::ifstream note(note_);
+  std::string magic;
+  uint64_t key = 0, bytes = 0;
+  const bool isOurs = bool(note >> magic >> key >> bytes) && magic == kNoteMagic;
+  if (!isOurs && size > 0)
+    throw Error(ErrorCode::File,
+                part_.string() + ": it is in the way and was not left by an earlier run; move it");
+  if (!isOurs || bytes == 0) return;
+  left_ = key != key_ ? Left::OtherWork : size < bytes ? Left::TooLittle : Left::Start;
+  if (left_ == Left::Start) noted_ = bytes;
+}
+
+void PartialFile::write(std::span<const std::byte> bytes) {
+  writeAll(file_.get(), part_, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  written_ += bytes.size();
+}
+
+void PartialFile::note() {
+  if (fsync(file_.get()) != 0) throwWriteError(part_, errno);
+  noted_ = written_;
+  writeNote();
+}
+
+void PartialFile::writeNote() {
+  const std::string text =
+      std::string(kNoteMagic) + ' ' + std::to_string(key_) + ' ' + std::to_string(noted_) + '\n';
+  writeAtomically(note_, [&](std::ostream& out) { out << text; });
+}
+
+void PartialFile::publish() {
+  struct stat existing {};
+  const bool replaces = stat(target_.c_str(), &existing) == 0;
+  if (replaces && access(target_.c_str(), W_OK) != 0) throwWriteError(path_, errno);
+  if (replaces && fchmod(file_.get(), existing.st_mode & 07777) != 0) throwWriteError(path_, errno);
+  if (fsync(file_.get()) != 0) throwWriteError(part_, errno);
+  if (rename(part_.c_str(), target_.c_str()) != 0) throwWriteError(path_, errno);
+  isPublished_ = true;
+  unlink(note_.c_str());
+}
+
+}  // namespace raymap
