@@ -61,13 +61,14 @@ from ._surface import (
 from ._threads import get_threads, set_threads
 
 if TYPE_CHECKING:
+    from . import dask as dask
     from . import torch as torch
 else:
 
     def __getattr__(name: str) -> Any:
-        """Imports raymap.torch, which needs PyTorch, when it is first used."""
-        if name == "torch":
-            return importlib.import_module(".torch", __name__)
+        """Imports raymap.dask and raymap.torch, which need Dask and PyTorch, when they are first used."""
+        if name in ("dask", "torch"):
+            return importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
