@@ -10,7 +10,7 @@ array([-0.5,  0.1], dtype=float32)
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import dataset
+from . import dataset, zarr
 from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
@@ -125,6 +125,7 @@ __all__ = [
     "signed_distance",
     "simplify",
     "test_device",
+    "zarr",
 ]
 
 for _name in __all__:  # Messages name classes as users import them.
