@@ -23,6 +23,7 @@
 #include <raymap/picture.h>
 #include <raymap/query.h>
 #include <raymap/records.h>
+#include <raymap/region.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
 #include <raymap/sample.h>

@@ -5,6 +5,7 @@
 #include <raymap/local_thickness.h>
 #include <raymap/machine.h>
 #include <raymap/query.h>
+#include <raymap/region.h>
 #include <raymap/sparse_field.h>
 
 #include <memory>
@@ -49,6 +50,18 @@ class RAYMAP_API Surface {
   /// options that make no sense, Memory, Cancelled.
   SparseField generateBand(const Grid& grid, const BandOptions& options = {},
                            const MachineOptions& machine = {}) const;
+
+  /// Returns the field of a region of a lattice of up to 2^24 samples a side. A sample's values are those of
+  /// `query` at its position on the lattice, `lattice.position(sample)`, rounded to `float`, however the
+  /// lattice is cut into regions. With a band, the distances are clamped after that. The field's grid has the
+  /// position of the region's first sample as its origin, so positions on it may differ from those on the
+  /// lattice in the last bits. `machine.threads`, `memoryLimit`, `warn` and `progress` count. Throws `Error`:
+  /// Usage for a region that does not lie on the lattice, for a lattice or options that make no sense,
+  /// Memory, Cancelled.
+  Field generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options = {},
+                       const MachineOptions& machine = {}) const;
+  /// Returns the most bytes that the surface and a region of this size hold together.
+  size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {}) const;
 
   /// Returns whether the surface tells inside from outside.
   bool isSigned() const;

@@ -87,6 +87,23 @@ def to_vector(name: str, vector: Any) -> Vector:
     return x, y, z
 
 
+def to_wholes(name: str, numbers: Any, *, least: int = 0) -> tuple[int, int, int]:
+    """Returns three whole numbers from ``least`` on.
+
+    Raises:
+        TypeError: They are no whole numbers.
+        UsageError: One is out of range, or there are not three.
+    """
+    try:
+        given = list(numbers)
+    except TypeError:
+        raise TypeError(f"{name} must be whole numbers (x, y, z), not {_shown(numbers)}") from None
+    if len(given) != 3:
+        raise UsageError(f"{name} must be whole numbers (x, y, z), not {len(given)} numbers")
+    x, y, z = (to_whole(name, number, least=least) for number in given)
+    return x, y, z
+
+
 def to_plane(name: str, plane: Any) -> tuple[Vector, float]:
     """Returns the normal and the offset of a plane."""
     x, y, z, offset = _numbers(name, plane, (4,), "(nx, ny, nz, offset)").tolist()

@@ -251,7 +251,9 @@ def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.
     _set_thickness(options, given.get("thickness"))
     if (band := given.get("band")) is not None:
         options.band = to_length("band", band)
-    _set_arrays(options, given.get("arrays", ("distance",)))
+    set_arrays(options, given.get("arrays", ("distance",)))
+    if options.sign == "none" and (options.winding or options.confidence):
+        raise UsageError("winding and confidence need a sign; leave out sign='none' and thickness")
     return options
 
 
@@ -274,14 +276,13 @@ def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> No
     options.sign, options.thickness = "none", to_length("thickness", thickness)
 
 
-def _set_arrays(options: _raymap.FieldOptions, arrays: Iterable[str]) -> None:
+def set_arrays(options: _raymap.FieldOptions | _raymap.RegionOptions, arrays: Iterable[str]) -> None:
+    """Sets which arrays a field has besides the distance."""
     names = {arrays} if isinstance(arrays, str) else set(arrays)
     if unknown := names - set(get_args(FieldArray)):
         raise UsageError(
             f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
         )
-    if options.sign == "none" and names & {"winding", "confidence"}:
-        raise UsageError("winding and confidence need a sign; leave out sign='none' and thickness")
     options.winding = "winding" in names
     options.confidence = "confidence" in names
     options.triangle = "triangle" in names

@@ -10,14 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
-from ._arguments import to_number
+from ._arguments import to_length, to_number, to_vector, to_wholes
 from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, set_arrays, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
-from ._records import Orientation, Part, Stats, ThicknessSummary
+from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -284,6 +284,60 @@ class Surface:
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
             return field_of_core(self._core.generate(grid, core_options, machine, report))
+
+    def generate_region(
+        self,
+        low: Iterable[int],
+        size: Iterable[int],
+        *,
+        origin: npt.ArrayLike,
+        spacing: float,
+        dims: Iterable[int],
+        band: float | None = None,
+        arrays: Iterable[FieldArray] = ("distance",),
+        threads: int | None = None,
+        memory_limit: int | None = None,
+        progress: Progress = None,
+    ) -> Field:
+        """Returns the field of a region of a lattice, which may have more samples than any memory holds.
+
+        A sample's values are those of ``query`` at its position on the lattice, ``origin + spacing * (i, j, k)``, rounded
+        to float32, however the lattice is cut into regions, and for any number of threads. The ``origin`` of the field is
+        the position of ``low``, so positions that are computed from it may differ from those on the lattice in the last
+        bits.
+
+        Args:
+            low: First sample of the region, (i, j, k).
+            size: Number of samples of the region along x, y and z.
+            origin: Position of sample (0, 0, 0) of the lattice, in the mesh's units.
+            spacing: Distance between samples, in the mesh's units.
+            dims: Number of samples of the lattice along x, y and z, up to 2**24 each.
+            band: Number of samples at which distances are clamped; smaller is faster. None = not clamped.
+            arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
+                which every field has.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            memory_limit: Most bytes that the surface and the field may take; None = what is available.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: A region that does not lie on the lattice, an unknown name, ``"winding"`` or ``"confidence"`` of a
+                surface without a sign, or numbers that make no sense.
+            MemoryLimitError: The region needs more memory than allowed.
+            Cancelled: ``progress`` returned False.
+
+        >>> surface = raymap.Surface("ball.ply")
+        >>> lattice = dict(origin=(-2, -2, -2), spacing=4 / 100_000, dims=(100_001,) * 3)
+        >>> part = surface.generate_region((50_000, 50_000, 25_000), (2, 2, 3), **lattice)
+        >>> part.distance.shape, part.origin, bool(abs(part.distance).max() < 0.01)
+        ((2, 2, 3), array([ 0.,  0., -1.]), True)
+        """
+        options = _raymap.RegionOptions()
+        options.band = 0.0 if band is None else to_length("band", band)
+        set_arrays(options, arrays)
+        first, counts, whole = to_wholes("low", low), to_wholes("size", size, least=1), to_wholes("dims", dims, least=1)
+        start, step, machine = to_vector("origin", origin), to_length("spacing", spacing), to_machine("cpu", threads, memory_limit)
+        with reporting(progress) as report:
+            return field_of_core(self._core.generate_region(start, step, whole, first, counts, options, machine, report))
 
     def thickness(
         self,

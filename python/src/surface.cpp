@@ -31,6 +31,24 @@ std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, con
   return result;
 }
 
+glm::ivec3 toWhole(const std::tuple<int, int, int>& v) {
+  return {std::get<0>(v), std::get<1>(v), std::get<2>(v)};
+}
+
+std::shared_ptr<FieldHandle> generateRegion(const Surface& self, const Triple& origin, double spacing,
+                                            const std::tuple<int, int, int>& dims,
+                                            const std::tuple<int, int, int>& low,
+                                            const std::tuple<int, int, int>& size,
+                                            const RegionOptions& options, const MachineOptions& machine,
+                                            nb::object progress) {
+  Call call(std::move(progress));
+  const auto result = std::make_shared<FieldHandle>();
+  const Grid lattice{toWhole(dims), toVector(origin), spacing};
+  const Region region{toWhole(low), toWhole(size)};
+  call.run([&] { result->field = self.generateRegion(lattice, region, options, call.on(machine)); });
+  return result;
+}
+
 /// Returns the arrays that the options ask for, by name.
 nb::dict toDict(QueryResult result, const QueryOptions& options, size_t count) {
   nb::dict dict;
@@ -85,6 +103,12 @@ void bindOptions(nb::module_& module) {
       .def_rw("winding", &QueryOptions::winding)
       .def_rw("confidence", &QueryOptions::confidence)
       .def_rw("max_distance", &QueryOptions::maxDistance);
+  nb::class_<RegionOptions>(module, "RegionOptions")
+      .def(nb::init<>())
+      .def_rw("band", &RegionOptions::band)
+      .def_rw("triangle", &RegionOptions::triangle)
+      .def_rw("winding", &RegionOptions::winding)
+      .def_rw("confidence", &RegionOptions::confidence);
 }
 
 }  // namespace
@@ -101,6 +125,8 @@ void bindSurface(nb::module_& module) {
           },
           "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a)
       .def("generate", &generate, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
+      .def("generate_region", &generateRegion, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a,
+           "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })

@@ -370,3 +370,55 @@ def test_no_points_are_an_empty_answer(ball, points):
     assert surface.thickness(points, []).inward.shape == (0, 3)
     field = raymap.generate(ball, resolution=8, device="cpu")
     assert field.sample(points).shape == (0,) and field.gradient(points).shape == (0, 3)
+
+
+LATTICE = {"origin": (-2.0, -1.9, -1.8), "spacing": 0.0731, "dims": (60, 55, 50)}
+
+
+def test_regions_have_what_queries_give(surface):
+    low, size = (5, 17, 20), (40, 11, 9)
+    field = surface.generate_region(low, size, arrays=("distance", "winding", "confidence", "triangle"), **LATTICE)
+    samples = np.stack(np.meshgrid(*(np.arange(a, a + n) for a, n in zip(low, size)), indexing="ij"), axis=-1)
+    positions = np.array(LATTICE["origin"]) + LATTICE["spacing"] * samples
+    found = surface.query(positions, ("distance", "winding", "confidence", "triangle"))
+    np.testing.assert_array_equal(field.distance, found.distance.astype(np.float32))
+    np.testing.assert_array_equal(field.winding, found.winding)
+    np.testing.assert_array_equal(field.confidence, found.confidence)
+    np.testing.assert_array_equal(field.triangle, found.triangle)
+    np.testing.assert_array_equal(field.origin, positions[0, 0, 0])
+    assert field.spacing == LATTICE["spacing"] and field.clamp_distance == 0
+    near = surface.generate_region(low, size, band=2, **LATTICE)
+    clamp = 2 * LATTICE["spacing"]
+    assert near.clamp_distance == clamp
+    np.testing.assert_array_equal(near.distance, np.clip(found.distance, -clamp, clamp).astype(np.float32))
+    assert right_in_threads(lambda k: np.array_equal(surface.generate_region(low, size, **LATTICE).distance, field.distance))
+
+
+def test_regions_lie_on_huge_lattices(surface):
+    side = 2**24
+    lattice = {"origin": (-1.0, -1.0, -1.0), "spacing": 2 / side, "dims": (side,) * 3}
+    field = surface.generate_region((side // 2, side // 2, side - 4), (3, 1, 4), band=1e5, **lattice)
+    assert field.distance.shape == (3, 1, 4) and (np.abs(field.distance) < 0.012).all()
+    with pytest.raises(raymap.MemoryLimitError, match="the field needs"):
+        surface.generate_region((0, 0, 0), lattice["dims"], **lattice)
+
+
+def test_regions_refuse_what_makes_no_sense(surface):
+    def refuses(error, match, **changes):
+        arguments = {"low": (0, 0, 0), "size": (2, 2, 2), **LATTICE, **changes}
+        with pytest.raises(error, match=match):
+            surface.generate_region(**arguments)
+
+    refuses(raymap.UsageError, "60 samples from 1 on along x, but the lattice has 60", low=(1, 0, 0), size=(60, 2, 2))
+    refuses(raymap.UsageError, "low must be 0 or more", low=(-1, 0, 0))
+    refuses(raymap.UsageError, "size must be 1 or more", size=(0, 1, 1))
+    refuses(raymap.UsageError, "dims must be whole numbers", dims=(1, 2))
+    refuses(TypeError, "low must be whole numbers", low=3)
+    refuses(TypeError, "low must be a whole number", low=(0.5, 0, 0))
+    refuses(raymap.UsageError, "spacing must be above 0", spacing=0)
+    refuses(raymap.UsageError, "band must be above 0", band=0)
+    refuses(raymap.UsageError, "no array is named 'colour'", arrays=("colour",))
+    refuses(raymap.MemoryLimitError, "the field needs", memory_limit=1000)
+    refuses(raymap.Cancelled, None, progress=lambda stage, share: False)
+    with pytest.raises(raymap.UsageError, match="made without a sign"):
+        raymap.Surface(surface.mesh, sign=False).generate_region((0, 0, 0), (2, 2, 2), arrays="winding", **LATTICE)

@@ -13,6 +13,7 @@
 #include "cpu/points/local_thickness.h"
 #include "cpu/points/narrow_band.h"
 #include "cpu/points/point_query.h"
+#include "cpu/points/region.h"
 
 namespace raymap {
 
@@ -24,14 +25,20 @@ void check(const SurfaceOptions& options) {
   require(options.threshold >= 0.0, "the threshold must not be negative");
 }
 
-void check(const QueryOptions& options, bool isSigned) {
-  require(options.maxDistance > 0.0, "the largest distance must be positive");
+/// Throws if the options ask for what needs a sign, and there is none.
+template <class Options>
+void checkSigned(const Options& options, bool isSigned) {
   require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
   require(isSigned || !options.confidence,
           "the surface was made without a sign, so it has no confidence in it");
 }
 
-void check(const Grid& grid, const BandOptions& options, bool isSigned) {
+void check(const QueryOptions& options, bool isSigned) {
+  require(options.maxDistance > 0.0, "the largest distance must be positive");
+  checkSigned(options, isSigned);
+}
+
+void checkLattice(const Grid& grid) {
   constexpr int kMostDims = 1 << 24;
   require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
           "the grid's spacing must be positive and finite");
@@ -40,12 +47,26 @@ void check(const Grid& grid, const BandOptions& options, bool isSigned) {
             "a lattice has 1 to 16777216 samples along each axis, not " + std::to_string(grid.dims[axis]));
     require(std::isfinite(grid.origin[axis]), "the grid's origin must be finite");
   }
+}
+
+void check(const Grid& grid, const BandOptions& options, bool isSigned) {
+  checkLattice(grid);
   require(options.outside > 0.0 && std::isfinite(options.outside),
           "the band outside must be positive and finite");
   require(options.inside > 0.0, "the band inside must be positive");
-  require(isSigned || !options.winding, "the surface was made without a sign, so it has no winding numbers");
-  require(isSigned || !options.confidence,
-          "the surface was made without a sign, so it has no confidence in it");
+  checkSigned(options, isSigned);
+}
+
+void check(const Grid& lattice, const Region& region, const RegionOptions& options, bool isSigned) {
+  checkLattice(lattice);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int64_t low = region.low[axis], size = region.size[axis], dims = lattice.dims[axis];
+    require(low >= 0 && size > 0 && low + size <= dims,
+            "the region has " + std::to_string(size) + " samples from " + std::to_string(low) + " on along " +
+                "xyz"[axis] + ", but the lattice has " + std::to_string(dims) + " from 0 on");
+  }
+  require(options.band >= 0.0 && std::isfinite(options.band), "the band must be finite and not negative");
+  checkSigned(options, isSigned);
 }
 
 void check(const ThicknessOptions& options, std::span<const FacePoint> points, size_t triangles,
@@ -79,6 +100,11 @@ struct Surface::Impl {
     return {vertices, triangles, mesh.origin};
   }
 
+  size_t bytes() const { return meshBytes() + prepared.bytes(); }
+  /// Returns the most bytes that the surface and what a call makes may hold.
+  size_t most(const MachineOptions& machine) const {
+    return machine.memoryLimit > 0 ? machine.memoryLimit : bytes() + availableMemory();
+  }
   size_t meshBytes() const { return vertices.capacityBytes() + triangles.capacityBytes(); }
 };
 
@@ -132,16 +158,32 @@ SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
                                   const MachineOptions& machine) const {
   check(grid, options, impl_->prepared.isSigned);
   Progress progress(machine.progress);
-  const size_t most = machine.memoryLimit > 0 ? machine.memoryLimit : bytes() + availableMemory();
   SparseField band;
-  withThreads(machine.threads,
-              [&] { band = cpu::makeNarrowBand(impl_->prepared, grid, options, most, progress); });
+  withThreads(machine.threads, [&] {
+    band = cpu::makeNarrowBand(impl_->prepared, grid, options, impl_->most(machine), progress);
+  });
   band.surfaceBounds = bounds(impl_->prepared.mesh);
   warnOfMisfit(stats(), machine.warn);
   const bool hasInside =
       !band.tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
   if (isSigned() && !hasInside) warnOfNothingInside(impl_->prepared.mesh, grid, machine);
   return band;
+}
+
+Field Surface::generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options,
+                              const MachineOptions& machine) const {
+  check(lattice, region, options, impl_->prepared.isSigned);
+  checkFieldMemory(regionBytes(region.size, options), impl_->most(machine), " in one piece");
+  Progress progress(machine.progress);
+  Field field;
+  withThreads(machine.threads,
+              [&] { field = cpu::makeRegion(impl_->prepared, lattice, region, options, progress); });
+  warnOfMisfit(stats(), machine.warn);
+  return field;
+}
+
+size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options) const {
+  return bytes() + cpu::regionBytes(size, options);
 }
 
 Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
@@ -164,7 +206,7 @@ MeshView Surface::mesh() const {
 }
 
 size_t Surface::bytes() const {
-  return impl_->meshBytes() + impl_->prepared.bytes();
+  return impl_->bytes();
 }
 
 const Stats& Surface::stats() const {

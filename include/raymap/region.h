@@ -1,0 +1,21 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace raymap {
+
+/// A box of samples of a lattice.
+struct Region {
+  glm::ivec3 low{0};   ///< First sample.
+  glm::ivec3 size{0};  ///< Number of samples along each axis.
+};
+
+/// Which arrays a region has besides the distance, and where its distances are clamped.
+struct RegionOptions {
+  double band = 0.0;        ///< Distances are clamped to this many samples; 0 = not clamped.
+  bool triangle = false;    ///< Whether to fill `Field::triangle`.
+  bool winding = false;     ///< Whether to fill `Field::winding`. Needs a sign.
+  bool confidence = false;  ///< Whether to fill `Field::confidence`. Needs a sign.
+};
+
+}  // namespace raymap

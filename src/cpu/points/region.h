@@ -1,0 +1,19 @@
+#pragma once
+
+#include <raymap/field.h>
+#include <raymap/region.h>
+
+#include "base/progress.h"
+#include "cpu/points/prepared_surface.h"
+
+namespace raymap::cpu {
+
+/// Returns the most bytes that a region of this size holds while it is made, or a bound of them that no
+/// memory has.
+size_t regionBytes(const glm::ivec3& size, const RegionOptions& options);
+
+/// Returns what a surface gives at the samples of a region, which lies on the lattice.
+Field makeRegion(const PreparedSurface& surface, const Grid& lattice, const Region& region,
+                 const RegionOptions& options, Progress& progress);
+
+}  // namespace raymap::cpu
