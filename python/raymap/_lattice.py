@@ -8,7 +8,6 @@ import os
 import socket
 import sys
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -27,11 +26,8 @@ from ._repair import info
 from ._surface import Surface
 
 Whole3 = tuple[int, int, int]
-_Samples = npt.NDArray[np.int64]
 
-_SMALLEST = 4  # Side of the smallest cubes, in samples.
-_POINTS_AT_A_TIME = 1 << 17
-_BYTES_PER_POINT = 192  # Of a query: position, place, result, and what NumPy needs between them.
+_QUERY_BYTES = 28 << 20  # Of a query of a part of a box, the largest that is made at once.
 _KEPT = 2  # Meshes that a process keeps prepared.
 
 
@@ -50,10 +46,6 @@ class Lattice(NamedTuple):
         x, y, z = (low + 0.5 * (factor - 1) * self.spacing for low in self.origin)
         nx, ny, nz = (-(-count // factor) for count in self.dims)
         return Lattice((nx, ny, nz), (x, y, z), factor * self.spacing)
-
-    def positions(self, samples: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
-        """Returns the positions of samples, (n, 3), which need not be whole."""
-        return np.array(self.origin) + self.spacing * samples
 
 
 @dataclass(frozen=True)
@@ -102,9 +94,9 @@ def make_lattice(
     return Lattice(grid.dims, grid.origin, grid.spacing)
 
 
-def to_width(lattice: Lattice, band: float | None) -> float:
-    """Returns the distance at which samples are clamped, in the mesh's units."""
-    return math.inf if band is None else to_length("band", band) * lattice.spacing
+def to_band(band: float | None) -> float | None:
+    """Returns the number of samples at which distances are clamped."""
+    return None if band is None else to_length("band", band)
 
 
 class Machine(NamedTuple):
@@ -201,85 +193,41 @@ def _is_balanced(surface: Surface) -> bool:
 
 def box_bytes(dims: Whole3) -> int:
     """Returns the most bytes that `distances` takes for a box of so many samples, with its result."""
-    return 4 * math.prod(dims) + _POINTS_AT_A_TIME * _BYTES_PER_POINT
+    return 4 * math.prod(dims) + _QUERY_BYTES
 
 
-def distances(prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, width: float) -> npt.NDArray[np.float32]:
+def distances(
+    prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, band: float | None
+) -> npt.NDArray[np.float32]:
     """Returns the distances of a box of the lattice, (nx, ny, nz) with x fastest in memory.
 
-    Each is that of `Surface.query` with the width as `max_distance`, rounded to float32, whatever the box. Only one
-    thread works. With a width, the time grows with the surface in the box, unless the mesh is open: then the sign may
-    change far from the surface, and each sample is queried.
+    Each is that of `Surface.query` at its position, rounded to float32, whatever the box. Only one thread works. With a
+    band, a box that holds none of it costs one query, or a few if the mesh is open: its sign may change far from it.
 
     Args:
         prepared: The surface.
         lattice: The whole lattice.
         low: First sample of the box.
         dims: Number of its samples (nx, ny, nz).
-        width: Distance at which samples are clamped, in the mesh's units; infinite for none.
+        band: Number of samples at which distances are clamped; None = not clamped.
     """
-    values = np.empty(dims, np.float32, order="F")
-    first = np.array(low)
-    if not math.isfinite(width) or not prepared.is_whole:
-        flat = values.reshape(-1, order="F")
-        for begin in range(0, flat.size, _POINTS_AT_A_TIME):
-            places = np.arange(begin, min(begin + _POINTS_AT_A_TIME, flat.size))
-            samples = np.stack(np.unravel_index(places, dims, order="F"), axis=1)
-            flat[places] = _query(prepared.surface, lattice.positions(first + samples), width)
-        return values
-    values.fill(width)
-    near = _fill_far(values, prepared, lattice, first, width)
-    inner = np.stack(np.unravel_index(np.arange(_SMALLEST**3), (_SMALLEST,) * 3, order="F"), axis=1)
-    for cubes in _batches(near, _POINTS_AT_A_TIME // _SMALLEST**3):
-        samples = (cubes[:, None] + inner).reshape(-1, 3)
-        samples = samples[(samples < dims).all(axis=1)]
-        x, y, z = samples.T
-        values[x, y, z] = _query(prepared.surface, lattice.positions(first + samples), width)
-    return values
+    if band is not None and prepared.is_whole and (side := _side(prepared, lattice, low, dims, band)):
+        return np.full(dims, side * band * lattice.spacing, np.float32, order="F")
+    x, y, z = lattice.origin
+    region = prepared.surface.generate_region(
+        low, dims, origin=(x, y, z), spacing=lattice.spacing, dims=lattice.dims, band=band, threads=1
+    )
+    return region.distance
 
 
-def _query(surface: Surface, positions: npt.NDArray[np.float64], most: float) -> npt.NDArray[np.float64]:
-    found: npt.NDArray[np.float64] = surface.query(positions, max_distance=most, threads=1).distance
-    return found
-
-
-def _batches(rows: _Samples, count: int) -> Iterator[_Samples]:
-    return (rows[begin : begin + count] for begin in range(0, len(rows), count))
-
-
-def _fill_far(
-    values: npt.NDArray[np.float32], prepared: Prepared, lattice: Lattice, first: _Samples, width: float
-) -> _Samples:
-    """Writes the far samples that lie inside. Returns the first samples of the smallest cubes that may be near.
-
-    The distance of a cube's centre tells of most cubes that all of their samples lie beyond the width on one side. The
-    others are halved.
-    """
-    side = max(_SMALLEST, 1 << (max(values.shape) - 1).bit_length())
-    near = np.zeros((1, 3), np.int64)
-    while True:
-        kept = []
-        for cubes in _batches(near, _POINTS_AT_A_TIME):
-            found, is_far = _look(prepared, lattice, first + cubes, side, width)
-            for x, y, z in cubes[is_far & (found < 0)].tolist():
-                values[x : x + side, y : y + side, z : z + side] = -width
-            kept.append(cubes[~is_far])
-        near = np.concatenate(kept)
-        if side == _SMALLEST or len(near) == 0:
-            return near
-        side //= 2
-        near = (near[:, None] + side * np.stack(np.unravel_index(np.arange(8), (2, 2, 2)), axis=1)).reshape(-1, 3)
-        near = near[(near < values.shape).all(axis=1)]
-
-
-def _look(
-    prepared: Prepared, lattice: Lattice, cubes: _Samples, side: int, width: float
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
-    """Returns the distances of the centres of cubes, and whether all samples of a cube lie beyond the width.
+def _side(prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, band: float) -> float:
+    """Returns -1 if a box lies inside and beyond the band, 1 if it lies so outside, else 0. Looks at its centre.
 
     Distances are right within a millionth of the mesh's diagonal, or of the distance if that is larger.
     """
-    radius = 0.5 * math.sqrt(3.0) * (side - 1) * lattice.spacing
-    reach = radius + width + 4e-6 * (radius + width + prepared.diagonal)
-    found = _query(prepared.surface, lattice.positions(cubes + 0.5 * (side - 1)), reach)
-    return found, np.abs(found) >= reach
+    half = 0.5 * (np.array(dims) - 1)
+    far = (float(np.linalg.norm(half)) + band) * lattice.spacing
+    reach = far + 4e-6 * (far + prepared.diagonal)
+    centre = np.array(lattice.origin) + lattice.spacing * (np.array(low) + half)
+    found = float(prepared.surface.query(centre, max_distance=reach, threads=1).distance)
+    return math.copysign(1.0, found) if abs(found) >= reach else 0.0

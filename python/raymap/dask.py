@@ -26,7 +26,7 @@ from ._lattice import (
     make_source,
     prepare,
     this_machine,
-    to_width,
+    to_band,
 )
 from ._records import Orientation
 
@@ -47,7 +47,7 @@ class LazyField(NamedTuple):
     spacing: float
     """Distance between neighbouring samples, in the mesh's units."""
     clamp_distance: float
-    """Distance at which samples are clamped, in the mesh's units; infinite without a band."""
+    """Distance at which samples are clamped, in the mesh's units; 0 = not clamped."""
 
 
 def field(
@@ -68,8 +68,8 @@ def field(
     once, and its threads share it. Each chunk is computed by one thread. A sample has the distance of
     ``raymap.Surface.query`` at its position, ``origin + spacing * (i, j, k)``, rounded to float32, whatever the chunks.
 
-    With a band, the time grows with the surface: a chunk that holds none of it costs a few queries. The sign of an open
-    mesh may change far from its surface, so there each sample is queried.
+    With a band, the time grows with the surface: a chunk that holds none of it costs a query. The sign of an open mesh
+    may change far from its surface, so there a chunk costs some more.
 
     Args:
         mesh: A mesh or path as for ``raymap.Surface``. Workers get its arrays, so they need no file.
@@ -97,21 +97,21 @@ def field(
     """
     source = make_source(mesh, sign, orientation)
     lattice = make_lattice(source, resolution, voxel_size, bounds, padding)
-    width = to_width(lattice, band)
+    samples = to_band(band)
     sides = _sides(chunks)
-    name = f"raymap-field-{dask.base.tokenize(source.key, lattice, width, sides)}"
+    name = f"raymap-field-{dask.base.tokenize(source.key, lattice, samples, sides)}"
     made = array.map_blocks(
         _chunk,
         dask.delayed(source, name=f"raymap-mesh-{source.key}", pure=True, traverse=False),
         lattice,
         sides,
-        width,
+        samples,
         chunks=array.core.normalize_chunks(sides, lattice.dims),
         dtype=np.float32,
         meta=np.empty((0, 0, 0), np.float32),
         name=name,
     )
-    return LazyField(made, lattice.origin, lattice.spacing, width)
+    return LazyField(made, lattice.origin, lattice.spacing, (samples or 0.0) * lattice.spacing)
 
 
 def _sides(chunks: int | Whole3) -> Whole3:
@@ -125,10 +125,10 @@ def _sides(chunks: int | Whole3) -> Whole3:
 
 
 def _chunk(
-    source: Source, lattice: Lattice, sides: Whole3, width: float, block_id: Whole3
+    source: Source, lattice: Lattice, sides: Whole3, band: float | None, block_id: Whole3
 ) -> npt.NDArray[np.float32]:
     """Returns the distances of a chunk."""
     low = tuple(k * side for k, side in zip(block_id, sides, strict=True))
     dims = tuple(min(side, count - first) for side, count, first in zip(sides, lattice.dims, low, strict=True))
     prepared = prepare(source, this_machine(), box_bytes(sides))
-    return distances(prepared, lattice, low, dims, width)  # type: ignore[arg-type]
+    return distances(prepared, lattice, low, dims, band)  # type: ignore[arg-type]

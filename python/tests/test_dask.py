@@ -38,7 +38,7 @@ MESHES = {"closed": lambda: raymap.Mesh(*make_ball(2)), "open": half_ball, "turn
 def truth(field: raymap.dask.LazyField, mesh: raymap.Mesh, **options) -> np.ndarray:
     """Returns what the surface says at the samples of a field."""
     samples = np.stack(np.indices(field.distance.shape), axis=-1)
-    width = field.clamp_distance if np.isfinite(field.clamp_distance) else None
+    width = field.clamp_distance or None
     surface = raymap.Surface(mesh, **options)
     return surface.query(np.array(field.origin) + field.spacing * samples, max_distance=width).distance.astype(np.float32)
 
@@ -64,25 +64,29 @@ def test_unsigned_fields_and_their_lattice() -> None:
     assert (field.origin == like.origin).all() and field.clamp_distance == 2 * field.spacing
 
 
-@pytest.mark.parametrize("name", ["closed", "turned"])
-def test_far_cubes_cost_one_look(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = 0
-    query = raymap.Surface.query
+@pytest.mark.parametrize("name", MESHES)
+def test_far_chunks_cost_one_look(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    generate_region = raymap.Surface.generate_region
 
-    def counted(self: raymap.Surface, points: np.ndarray, **options) -> object:
-        nonlocal asked
-        asked += len(points)
-        return query(self, points, **options)
+    def counted(self: raymap.Surface, low: tuple, *arguments, **options) -> raymap.Field:
+        made.append(low)
+        return generate_region(self, low, *arguments, **options)
 
-    monkeypatch.setattr(raymap.Surface, "query", counted)
-    field = raymap.dask.field(MESHES[name](), resolution=160, chunks=80, band=1)
+    monkeypatch.setattr(raymap.Surface, "generate_region", counted)
+    mesh = MESHES[name]()
+    field = raymap.dask.field(mesh, chunks=8, band=1, **SIZES)
     found = field.distance.compute(scheduler="synchronous")
-    clamped = float((np.abs(found) == np.float32(field.clamp_distance)).mean())
-    assert 0.9 < clamped < 1
-    assert asked < 0.3 * found.size
-    asked = 0
-    raymap.dask.field("ball.ply", resolution=2048, chunks=128, band=3).distance[:128, :128, :128].compute()
-    assert asked == 1
+    np.testing.assert_array_equal(found, truth(field, mesh))
+    low = np.array(made)
+    ends = np.minimum(low + 8, found.shape)
+    radius = field.spacing * (np.linalg.norm((ends - 1 - low) / 2, axis=1) + 1)
+    centres = np.array(field.origin) + field.spacing * (low + ends - 1) / 2
+    distance = raymap.Surface(mesh, sign=False).signed_distance(centres)
+    if name == "open":
+        assert len(made) == field.distance.npartitions
+    else:
+        assert (distance < 1.001 * radius).all() and len(made) < field.distance.npartitions
 
 
 def test_threads_of_a_process_share_one_surface(monkeypatch: pytest.MonkeyPatch) -> None:

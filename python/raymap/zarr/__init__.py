@@ -16,7 +16,7 @@ import numpy.typing as npt
 from .._arguments import to_threads, to_whole
 from .._cluster import KILLED, dask_results
 from .._errors import Cancelled, Error
-from .._lattice import Machine, Source, make_lattice, make_source, prepare, this_machine, to_width
+from .._lattice import Machine, Source, make_lattice, make_source, prepare, this_machine, to_band
 from .._progress import Progress, pace_text, reporting
 from .._records import Orientation
 from .._whole_file import only_writer, remove_leftovers
@@ -63,8 +63,7 @@ def generate(
     """Makes the signed distance field of a mesh, negative inside, as an OME-Zarr store of any size.
 
     ``out`` is a Zarr 3 store with OME-Zarr 0.5 metadata. Its array ``0`` has the axes z, y, x. A sample has the distance
-    of ``raymap.Surface.query`` at its position, rounded to float32. With a band, the time grows with the surface, unless
-    the mesh is open: its sign may change far from its surface, so each sample is queried.
+    of ``raymap.Surface.query`` at its position, rounded to float32. With a band, the time grows with the surface.
 
     It may be stopped and run again at any time: a second run makes the shards that are missing. The store is the same,
     bit for bit, for any number of workers, and whatever was killed meanwhile. A shard appears whole or not at all. One
@@ -117,7 +116,7 @@ def generate(
     source = make_source(mesh, sign, orientation)
     lattice = make_lattice(source, resolution, voxel_size, bounds, padding)
     lattices = [lattice.coarser(2**k) for k in range(to_whole("pyramid", pyramid, most=30) + 1)]
-    levels = [Level(each, to_width(each, band)) for each in lattices]
+    levels = [Level(each, to_band(band)) for each in lattices]
     chunks, shards = (to_whole(name, side, least=1, most=512) for name, side in (("chunks", chunks), ("shards", shards)))
     store = make_store(Path(out).resolve(), source, levels, band, chunks, shards, unit)
     machine = None if client is not None else _machine(threads, memory_limit)

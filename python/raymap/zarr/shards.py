@@ -34,7 +34,7 @@ def make_shard(name: str, source: Source, store: Store, machine: Machine | None 
     check_worker(store, machine.name)
     prepared = prepare(source, machine, shard_bytes(store))
     level, low, dims = store.box(name)
-    content = _encoded(store, level, distances(prepared, level.lattice, low, dims, level.width))
+    content = _encoded(store, level, distances(prepared, level.lattice, low, dims, level.band))
     if content is None:
         return True
     path = store.folder / name

@@ -35,8 +35,8 @@ class Level(NamedTuple):
     """A level of the pyramid."""
 
     lattice: Lattice
-    width: float
-    """Distance at which its samples are clamped, in the mesh's units; infinite for none."""
+    band: float | None
+    """Number of its samples at which distances are clamped; None = not clamped."""
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def create_array(store: Store, level: Level, memory: Any, name: str | None, shap
         chunks=(store.chunks,) * 3,
         shards=(store.shards,) * 3,
         dtype=np.float32,
-        fill_value=float(np.float32(level.width)) if math.isfinite(level.width) else math.nan,
+        fill_value=math.nan if level.band is None else float(np.float32(level.band * level.lattice.spacing)),
         compressors=zarr.codecs.BloscCodec(cname="zstd", clevel=3, shuffle="shuffle"),
         dimension_names=["z", "y", "x"],
     )
