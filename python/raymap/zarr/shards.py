@@ -34,9 +34,10 @@ def make_shard(name: str, source: Source, store: Store, machine: Machine | None 
     check_worker(store, machine.name)
     prepared = prepare(source, machine, shard_bytes(store))
     level, low, dims = store.box(name)
-    content = _encoded(store, level, distances(prepared, level.lattice, low, dims, level.band))
-    if content is None:
+    values = distances(prepared, level.lattice, low, dims, level.band)
+    if (values == level.outside).all():
         return True
+    content = _encoded(store, level, values)
     path = store.folder / name
     check_worker(store, machine.name)
     with file_errors():
@@ -45,11 +46,10 @@ def make_shard(name: str, source: Source, store: Store, machine: Machine | None 
     return False
 
 
-def _encoded(store: Store, level: Level, values: npt.NDArray[np.float32]) -> bytes | None:
-    """Returns the file of a shard, or None if it holds nothing but the value of what is missing."""
+def _encoded(store: Store, level: Level, values: npt.NDArray[np.float32]) -> bytes:
+    """Returns the file of a shard."""
     files: dict[str, Any] = {}
     array = create_array(store, level, zarr_package().storage.MemoryStore(files), None, (store.shards,) * 3)
     nx, ny, nz = values.shape
     array[:nz, :ny, :nx] = values.T
-    found = files.get("c/0/0/0")
-    return None if found is None else bytes(found.to_bytes())
+    return bytes(files["c/0/0/0"].to_bytes())

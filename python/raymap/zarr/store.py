@@ -38,6 +38,11 @@ class Level(NamedTuple):
     band: float | None
     """Number of its samples at which distances are clamped; None = not clamped."""
 
+    @property
+    def outside(self) -> float:
+        """Value of samples far outside, which files need not hold; NaN if there is none."""
+        return math.nan if self.band is None else float(np.float32(self.band * self.lattice.spacing))
+
 
 @dataclass(frozen=True)
 class Store:
@@ -167,7 +172,7 @@ def create_array(store: Store, level: Level, memory: Any, name: str | None, shap
         chunks=(store.chunks,) * 3,
         shards=(store.shards,) * 3,
         dtype=np.float32,
-        fill_value=math.nan if level.band is None else float(np.float32(level.band * level.lattice.spacing)),
+        fill_value=level.outside,
         compressors=zarr.codecs.BloscCodec(cname="zstd", clevel=3, shuffle="shuffle"),
         dimension_names=["z", "y", "x"],
     )
