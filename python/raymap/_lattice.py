@@ -197,7 +197,12 @@ def box_bytes(dims: Whole3) -> int:
 
 
 def distances(
-    prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, band: float | None
+    prepared: Prepared,
+    lattice: Lattice,
+    low: Whole3,
+    dims: Whole3,
+    band: float | None,
+    stop: threading.Event | None = None,
 ) -> npt.NDArray[np.float32]:
     """Returns the distances of a box of the lattice, (nx, ny, nz) with x fastest in memory.
 
@@ -210,12 +215,23 @@ def distances(
         low: First sample of the box.
         dims: Number of its samples (nx, ny, nz).
         band: Number of samples at which distances are clamped; None = not clamped.
+        stop: What another thread sets to cancel the work.
+
+    Raises:
+        Cancelled: ``stop`` was set.
     """
     if band is not None and prepared.is_whole and (side := _side(prepared, lattice, low, dims, band)):
         return np.full(dims, side * band * lattice.spacing, np.float32, order="F")
     x, y, z = lattice.origin
     region = prepared.surface.generate_region(
-        low, dims, origin=(x, y, z), spacing=lattice.spacing, dims=lattice.dims, band=band, threads=1
+        low,
+        dims,
+        origin=(x, y, z),
+        spacing=lattice.spacing,
+        dims=lattice.dims,
+        band=band,
+        threads=1,
+        progress=None if stop is None else lambda stage, share: not stop.is_set(),
     )
     return region.distance
 

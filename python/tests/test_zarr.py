@@ -6,6 +6,7 @@ import json
 import resource
 import shutil
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,17 @@ def test_a_cancelled_run_goes_on_and_threads_change_nothing() -> None:
     assert not zarr.open_group("out.zarr").attrs["raymap"]["complete"]
     assert generate(threads=3).new <= 12 - 5
     assert without_lock() == without_lock("serial.zarr")
+
+
+def test_a_shard_stops_when_it_is_told() -> None:
+    source, stop = make_source("ball.ply", True, "auto"), threading.Event()
+    lattice = raymap._lattice.make_lattice(source, 8, None, None, 0.1)
+    prepared = raymap._lattice.prepare(source, raymap._lattice.this_machine(), 0)
+    box = prepared, lattice, (0, 0, 0), (8, 8, 8), None
+    assert raymap._lattice.distances(*box, stop).shape == (8, 8, 8)
+    stop.set()
+    with pytest.raises(raymap.Cancelled):
+        raymap._lattice.distances(*box, stop)
 
 
 def test_another_field_is_not_touched_unless_overwritten() -> None:

@@ -10,6 +10,7 @@ import raymap
 from dask_cluster import Cluster
 from data_set import ENDLESS, start_module
 from held_mesh import wait_for
+from raymap._lattice import this_machine
 from test_zarr import without_lock
 
 SIZES = {"resolution": 80, "band": 2.0, "shards": 16, "chunks": 8}
@@ -28,6 +29,8 @@ def test_clusters_whose_processes_are_killed_make_what_one_process_makes(tmp_pat
     with Cluster(tmp_path / "dask", 2) as cluster:
         with distributed.Client(cluster.address, timeout=ENDLESS) as client:
             np.testing.assert_array_equal(field.distance.compute(), array)
+            name, threads, limit = client.submit(this_machine).result()
+            assert name.startswith("the worker tcp://127.0.0.1:") and threads == 1 and limit > 0
             small = {**SIZES, "resolution": 40, "client": client}
             assert raymap.zarr.generate("ball.ply", "small.zarr", **small).new == 3**3
             assert raymap.zarr.generate("ball.ply", "small.zarr", **small).new == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -162,13 +163,15 @@ def _collect(
 
 def _on_this_machine(names: list[str], source: Source, store: Store, machine: Machine) -> _Results:
     """Makes shards. Yields their names, and whether all of each lies outside."""
+    stop = threading.Event()
     with ThreadPoolExecutor(machine.threads) as pool:
-        futures = {pool.submit(make_shard, name, source, store, machine): name for name in names}
+        futures = {pool.submit(make_shard, name, source, store, machine, stop): name for name in names}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
         finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+            stop.set()
+            pool.shutdown(cancel_futures=True)
 
 
 def _on_a_cluster(names: list[str], source: Source, store: Store, client: Any) -> _Results:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,9 @@ def shard_bytes(store: Store) -> int:
     return box_bytes((store.shards,) * 3) + 4 * 4 * store.shards**3
 
 
-def make_shard(name: str, source: Source, store: Store, machine: Machine | None = None) -> bool:
+def make_shard(
+    name: str, source: Source, store: Store, machine: Machine | None = None, stop: threading.Event | None = None
+) -> bool:
     """Writes a shard. It appears whole or not at all. Returns whether all of it lies outside: then there is no file.
 
     Args:
@@ -26,15 +29,17 @@ def make_shard(name: str, source: Source, store: Store, machine: Machine | None 
         source: The mesh.
         store: The store.
         machine: What this process may use; None = as Dask says.
+        stop: What another thread sets to cancel the work.
 
     Raises:
+        Cancelled: ``stop`` was set.
         Error: The shard cannot be made here, or not be written.
     """
     machine = machine or this_machine()
     check_worker(store, machine.name)
     prepared = prepare(source, machine, shard_bytes(store))
     level, low, dims = store.box(name)
-    values = distances(prepared, level.lattice, low, dims, level.band)
+    values = distances(prepared, level.lattice, low, dims, level.band, stop)
     if (values == level.outside).all():
         return True
     content = _encoded(store, level, values)
