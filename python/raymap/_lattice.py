@@ -11,7 +11,7 @@ import threading
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -67,7 +67,14 @@ class Source:
 
 
 def make_source(mesh: Any, sign: bool, orientation: Orientation) -> Source:
-    """Returns the source of distances to a mesh. It never changes, whatever becomes of the caller's arrays."""
+    """Returns the source of distances to a mesh. It never changes, whatever becomes of the caller's arrays.
+
+    Raises:
+        UsageError: There is no such orientation.
+        InputError, FileError: The mesh is not valid, or cannot be read.
+    """
+    if orientation not in get_args(Orientation):
+        raise UsageError(f"orientation must be one of {', '.join(get_args(Orientation))}, not {orientation!r}")
     found = _inputs.to_mesh(mesh)
     if not isinstance(mesh, (Mesh, str, os.PathLike)):
         found = Mesh(found.vertices, found.faces)  # It views arrays.
@@ -106,8 +113,8 @@ class Machine(NamedTuple):
     """Name for messages."""
     threads: int
     """Number of boxes that it may compute at a time."""
-    memory_limit: int
-    """Most bytes that it may take."""
+    memory_limit: int | None
+    """Most bytes that it may take; None = what is available when it prepares a mesh."""
 
 
 def this_machine() -> Machine:
@@ -119,9 +126,9 @@ def this_machine() -> Machine:
         except ValueError:  # This is no worker.
             worker = None
         if worker is not None:
-            limit = worker.memory_manager.memory_limit or _available_memory()
-            return Machine(f"the worker {worker.address} on {socket.gethostname()}", worker.state.nthreads, int(limit))
-    return Machine("this machine", len(os.sched_getaffinity(0)), _available_memory())
+            name = f"the worker {worker.address} on {socket.gethostname()}"
+            return Machine(name, worker.state.nthreads, worker.memory_manager.memory_limit)
+    return Machine("this machine", len(os.sched_getaffinity(0)), None)
 
 
 def _available_memory() -> int:
@@ -130,11 +137,15 @@ def _available_memory() -> int:
 
 
 class Prepared(NamedTuple):
-    """A surface, its size, and whether its sign changes at the surface alone."""
+    """A surface, and what was found out while it was made."""
 
     surface: Surface
     diagonal: float
+    """That of the mesh's bounds."""
     is_whole: bool
+    """Whether the sign changes at the surface alone."""
+    available: int
+    """Bytes of memory that were available before it was made."""
 
 
 _prepared: dict[str, Prepared] = {}
@@ -163,22 +174,24 @@ def prepare(source: Source, machine: Machine, bytes_per_thread: int) -> Prepared
         _prepared[source.key] = found
         while len(_prepared) > _KEPT:
             del _prepared[next(iter(_prepared))]
-    needed = found.surface.stats["bytes"] + machine.threads * bytes_per_thread
-    if needed > machine.memory_limit:
+    surface_bytes, limit = found.surface.stats["bytes"], machine.memory_limit or found.available
+    if surface_bytes + machine.threads * bytes_per_thread > limit:
         raise MemoryLimitError(
-            f"{machine.name}: the prepared mesh takes {found.surface.stats['bytes']:,} bytes and each of "
-            f"{machine.threads} threads {bytes_per_thread:,}, which is more than the limit of {machine.memory_limit:,}; "
+            f"{machine.name}: the prepared mesh takes {surface_bytes:,} bytes and each of {machine.threads} threads "
+            f"{bytes_per_thread:,}, which is more than the limit of {limit:,}; "
             "use smaller chunks or shards, fewer threads, or more memory"
         )
     return found
 
 
 def _prepare(source: Source, machine: Machine) -> Prepared:
+    available = _available_memory()
     surface = Surface(
         source.mesh, sign=source.sign, orientation=source.orientation, memory_limit=machine.memory_limit
     )
     low, high = surface.mesh.bounds
-    return Prepared(surface, float(np.linalg.norm(high - low)), not source.sign or _is_balanced(surface))
+    is_whole = not source.sign or _is_balanced(surface)
+    return Prepared(surface, float(np.linalg.norm(high - low)), is_whole, available)
 
 
 def _is_balanced(surface: Surface) -> bool:

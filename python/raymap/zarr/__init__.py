@@ -21,7 +21,7 @@ from .._lattice import Machine, Source, make_lattice, make_source, prepare, this
 from .._progress import Progress, pace_text, reporting
 from .._records import Orientation
 from .._whole_file import only_writer, remove_leftovers
-from .shards import make_shard, shard_bytes
+from .shards import make_shard, shard_bytes, try_shard
 from .store import UNITS, Finished, Level, Store, begin, finish, is_finished, make_store, zarr_package
 
 __all__ = ["UNITS", "Summary", "generate"]
@@ -119,12 +119,12 @@ def generate(
     lattices = [lattice.coarser(2**k) for k in range(to_whole("pyramid", pyramid, most=30) + 1)]
     levels = [Level(each, to_band(band)) for each in lattices]
     chunks, shards = (to_whole(name, side, least=1, most=512) for name, side in (("chunks", chunks), ("shards", shards)))
-    store = make_store(Path(out).resolve(), source, levels, band, chunks, shards, unit)
+    store = make_store(Path(out).resolve(), source, levels, chunks, shards, unit)
     machine = None if client is not None else _machine(threads, memory_limit)
-    was_finished = is_finished(store, overwrite)
-    if machine is not None and not was_finished:
-        prepare(source, machine, shard_bytes(store))  # Its errors come before anything is removed.
+    if not is_finished(store, overwrite):
+        _try_out(source, store, machine, client)  # Its errors come before anything is removed.
     with only_writer(store.own_folder):
+        was_finished = is_finished(store, overwrite)
         if not was_finished:
             begin(store)
         remove_leftovers(store.folder)
@@ -141,8 +141,16 @@ def generate(
 
 def _machine(threads: int | None, memory_limit: int | None) -> Machine:
     machine = this_machine()
-    limit = machine.memory_limit if memory_limit is None else to_whole("memory_limit", memory_limit, most=2**63)
+    limit = None if memory_limit is None else to_whole("memory_limit", memory_limit, least=1, most=2**63)
     return Machine(machine.name, to_threads(threads) or machine.threads, limit)
+
+
+def _try_out(source: Source, store: Store, machine: Machine | None, client: Any) -> None:
+    """Prepares the mesh on this machine, or on a worker of the cluster. Raises the errors of that."""
+    if machine is not None:
+        prepare(source, machine, shard_bytes(store))
+    elif KILLED in [found for _, found in dask_results(client, try_shard, [store], [f"raymap-{uuid4().hex}"], source=source)]:
+        raise Error(_killed_text(store, "the workers that prepared the mesh"))
 
 
 _Results: TypeAlias = Generator[tuple[str, bool]]
@@ -181,11 +189,15 @@ def _on_a_cluster(names: list[str], source: Source, store: Store, client: Any) -
     mesh = client.submit(_same, source, key=f"raymap-{run}-mesh", pure=False)
     for key, is_outside in dask_results(client, make_shard, names, list(keys), source=mesh, store=store):
         if is_outside is KILLED:
-            raise Error(
-                f"{store.folder / keys[key]}: the workers that made this shard were killed again and again; each of their "
-                f"threads needs {shard_bytes(store):,} bytes beside the prepared mesh"
-            )
+            raise Error(f"{store.folder / keys[key]}: {_killed_text(store, 'the workers that made this shard')}")
         yield keys[key], is_outside
+
+
+def _killed_text(store: Store, who: str) -> str:
+    return (
+        f"{who} were killed again and again; each of their threads needs {shard_bytes(store):,} bytes beside the prepared "
+        "mesh"
+    )
 
 
 def _same(source: Source) -> Source:

@@ -19,6 +19,12 @@ def shard_bytes(store: Store) -> int:
     return box_bytes((store.shards,) * 3) + 4 * 4 * store.shards**3
 
 
+def try_shard(store: Store, source: Source) -> None:
+    """Prepares the mesh on a worker, for shards to come. Raises the errors of that."""
+    zarr_package()
+    prepare(source, this_machine(), shard_bytes(store))
+
+
 def make_shard(
     name: str, source: Source, store: Store, machine: Machine | None = None, stop: threading.Event | None = None
 ) -> bool:

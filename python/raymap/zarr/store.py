@@ -120,7 +120,7 @@ class Store:
 
 
 def make_store(
-    out: Path, source: Source, levels: list[Level], band: float | None, chunks: int, shards: int, unit: str | None
+    out: Path, source: Source, levels: list[Level], chunks: int, shards: int, unit: str | None
 ) -> Store:
     """Returns how a store is laid out. Checks the sides of chunks and shards."""
     if shards % chunks != 0:
@@ -133,7 +133,7 @@ def make_store(
         "raymap": source.version,
         "sign": source.sign,
         "orientation": source.orientation,
-        "band": band,
+        "band": levels[0].band,
         "samples": list(lattice.dims),
         "origin": list(lattice.origin),
         "spacing": lattice.spacing,
@@ -187,7 +187,8 @@ def is_finished(store: Store, overwrite: bool) -> bool:
     folder, own = store.folder, store.own_folder
     earlier = read_attributes(store)
     if earlier is None:
-        if any(path not in (own, own / _LOCK) for path in folder.rglob("*")):
+        begun = (own, own / _LOCK)  # By a run that was killed before it wrote more
+        if any(path not in begun and not path.name.startswith(".zarr.json.tmp") for path in folder.rglob("*")):
             raise UsageError(f"{folder} holds something else than a store; choose another folder")
         return False
     if earlier.get("key") == store.key:
