@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import CancelledError
 from typing import Any
 
-from ._errors import Error
+from ._errors import Error, UsageError
 
 #: Result of a task that Dask gave up, because four workers died with it.
 KILLED = object()
@@ -28,6 +28,7 @@ def dask_results(
 
     Raises:
         Error: The scheduler was lost, or the function raised it.
+        UsageError: The scheduler or a worker lacks raymap.
     """
     distributed = importlib.import_module("distributed")  # The type checker must not need it.
     # Nothing else refers to the futures. So Dask forgets each as soon as it is taken, and the rest if this is closed.
@@ -40,3 +41,8 @@ def dask_results(
             if isinstance(error, Error):  # of the function
                 raise
             raise Error("the scheduler of Dask was lost; run again with a new one: what is finished stays") from error
+        except (ModuleNotFoundError, RuntimeError) as error:
+            if isinstance(error, RuntimeError) and "deserialization" not in str(error):
+                raise
+            text = f"the scheduler or a worker of Dask lacks raymap or a package ({str(error).splitlines()[0]})"
+            raise UsageError(f"{text}; install the same version of raymap on all machines") from error

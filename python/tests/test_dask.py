@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import concurrent.futures
 import dataclasses
 import pickle
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import raymap
 from conftest import make_ball
 from helpers import load
 from raymap import _lattice
+from raymap._cluster import dask_results
 
 load("dask")
 
@@ -136,6 +139,34 @@ def test_memory_is_predicted() -> None:
     with pytest.raises(raymap.MemoryLimitError, match=rf"it: .* {surface:,} bytes and each of 2 threads 1,001.* {surface + 2000:,};"):
         _lattice.prepare(source, _lattice.Machine("it", 2, surface + 2000), 1001)
     assert _lattice.box_bytes((100, 10, 1)) > 4000
+
+
+@pytest.mark.parametrize("error", [raymap.Error, *raymap.Error.__subclasses__(), raymap.DeviceMemoryError])
+def test_errors_travel_from_workers(error: type[raymap.Error]) -> None:
+    core = pytest.importorskip("distributed.core")
+    try:
+        raise error("what and where")
+    except raymap.Error as raised:
+        sent = core.error_message(raised)
+    kind, found, _ = core.clean_exception(sent["exception"].data)
+    assert (kind, str(found)) == (error, "what and where")
+
+
+@pytest.mark.parametrize("raised, error, text", [
+    (ModuleNotFoundError("No module named 'raymap'"), raymap.UsageError, r"lacks raymap.* \(No module named 'raymap'\); install"),
+    (RuntimeError("Error during deserialization of the task graph."), raymap.UsageError, "install the same version"),
+    (RuntimeError("of the function"), RuntimeError, "of the function"),
+    (raymap.FileError("of the function"), raymap.FileError, "of the function"),
+    (OSError("Timed out"), raymap.Error, "the scheduler of Dask was lost"),
+])  # fmt: skip
+def test_errors_of_a_cluster(monkeypatch: pytest.MonkeyPatch, raised: Exception, error: type, text: str) -> None:
+    future = concurrent.futures.Future()
+    future.key = "key"
+    future.set_exception(raised)
+    client = SimpleNamespace(map=lambda *arguments, **options: [future])
+    monkeypatch.setattr(load("distributed"), "as_completed", iter)
+    with pytest.raises(error, match=text):
+        list(dask_results(client, print, [0], ["key"]))
 
 
 @pytest.mark.parametrize("options, text", [
