@@ -187,6 +187,8 @@ def test_workers_must_see_the_store() -> None:
     ({"shards": 1024}, "shards must be 512 or less, not 1024"),
     ({"unit": "mm"}, "unit must be one of OME-Zarr's, such as meter or millimeter, not 'mm'"),
     ({"orientation": "up"}, "orientation must be one of auto, keep, repair, not 'up'"),
+    ({"client": object()}, "threads and memory_limit are those of this machine; set them where workers"),
+    ({"client": object(), "threads": None, "memory_limit": 9**9}, "set them where workers of the cluster start"),
     ({"pyramid": -1}, "pyramid must be 0 or more, not -1"),
     ({"band": -1}, "band must be above 0, not -1"),
     ({"bounds": None, "resolution": 2**20}, "make 281,474,976,710,656 shards, but a store holds at most 4,194,304; use"),

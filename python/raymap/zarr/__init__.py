@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from .._arguments import to_threads, to_whole
 from .._cluster import KILLED, dask_results
-from .._errors import Cancelled, Error
+from .._errors import Cancelled, Error, UsageError
 from .._lattice import Machine, Source, make_lattice, make_source, prepare, this_machine, to_band
 from .._progress import Progress, pace_text, reporting
 from .._records import Orientation
@@ -89,8 +89,8 @@ def generate(
         overwrite: Whether to remove a store of other options or another mesh that lies in ``out``.
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
         threads: Number of shards at a time on this machine; None = as many as processors.
-        memory_limit: Most bytes that the work may take on this machine; None = what is available. Workers of a cluster
-            have their own.
+        memory_limit: Most bytes that the work may take on this machine; None = what is available. With ``client``,
+            workers have both of their own.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1. It cancels by
             returning False or by raising. True shows it, as do ``"plain"`` and ``"json"``.
 
@@ -113,6 +113,8 @@ def generate(
     ((48, 48, 48), True)
     """
     start = time.monotonic()
+    if client is not None and (threads, memory_limit) != (None, None):
+        raise UsageError("threads and memory_limit are those of this machine; set them where workers of the cluster start")
     zarr_package()
     source = make_source(mesh, sign, orientation)
     lattice = make_lattice(source, resolution, voxel_size, bounds, padding)
