@@ -10,7 +10,7 @@ array([-0.5,  0.1], dtype=float32)
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import dataset
+from . import dataset, zarr
 from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
@@ -62,13 +62,14 @@ from ._surface import (
 from ._threads import get_threads, set_threads
 
 if TYPE_CHECKING:
+    from . import dask as dask
     from . import torch as torch
 else:
 
     def __getattr__(name: str) -> Any:
-        """Imports raymap.torch, which needs PyTorch, when it is first used."""
-        if name == "torch":
-            return importlib.import_module(".torch", __name__)
+        """Imports raymap.dask and raymap.torch, which need Dask and PyTorch, when they are first used."""
+        if name in ("dask", "torch"):
+            return importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -126,6 +127,7 @@ __all__ = [
     "signed_distance",
     "simplify",
     "test_device",
+    "zarr",
 ]
 
 for _name in __all__:  # Messages name classes as users import them.

@@ -1,4 +1,4 @@
-"""The command that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT``."""
+"""The commands that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT`` and ``field MESH -o OUT``."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, get_args
 
-from . import dataset
+from . import dataset, zarr
 from ._errors import (
     Cancelled,
     DeviceLostError,
@@ -50,8 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with _stdout_errors():
             given = vars(_parser().parse_args(arguments))
-        del given["command"]
-        return _dataset(**given)
+        return _COMMANDS[given.pop("command")](**given)
     except Error as error:
         print(f"raymap: error: {_printable(str(error))}", file=sys.stderr)
         return _EXIT_CODES.get(type(error), _UNFINISHED)
@@ -87,10 +86,11 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m raymap", description=_DESCRIPTION)
     commands = parser.add_subparsers(dest="command", required=True)
     _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
+    _add_field(commands.add_parser("field", help="make a field of any size in a Zarr store", description=_FIELD))
     return parser
 
 
-_DESCRIPTION = "Makes the signed distance fields of many meshes. For one mesh, there is the program raymap."
+_DESCRIPTION = "Makes the signed distance fields of many meshes, or a huge one. Else there is the program raymap."
 
 _DATASET = """Makes the signed distance field of every mesh of a folder, or points with their distances.
 It may be stopped and run again at any time: a second run makes what is missing or has changed.
@@ -133,6 +133,38 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
     add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
     add("--pages", action="store_true", help="write a page beside each field that shows it in a browser")
+    _add_run(parser)
+
+
+_FIELD = """Makes the signed distance field of a mesh, of any size, as an OME-Zarr store.
+It may be stopped and run again at any time: a second run makes the shards that are missing."""
+
+
+def _add_field(parser: argparse.ArgumentParser) -> None:
+    def add(*names: str, **rest: Any) -> None:
+        parser.add_argument(*names, default=argparse.SUPPRESS, **rest)
+
+    parser.add_argument("mesh", metavar="MESH", help="file of the mesh")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT.zarr", help="folder of the store")
+    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
+    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
+    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
+    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    add("--band", type=float, metavar="B", help="clamp distances at so many samples, which makes the store sparse")
+    add("--unsigned", dest="sign", action="store_false", help="distances without a sign")
+    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
+    add("--chunks", type=int, metavar="N", help="samples along the side of a chunk (64)")
+    add("--shards", type=int, metavar="N", help="samples along the side of a shard, a file of many chunks (256)")
+    add("--pyramid", type=int, metavar="N", help="number of coarser levels, each of half the resolution (0)")
+    add("--unit", choices=zarr.UNITS, metavar="UNIT", help="unit of the mesh's lengths, such as millimeter")
+    add("--overwrite", action="store_true", help="remove a store of other options or another mesh in OUT.zarr")
+    add("--threads", type=int, metavar="N", help="shards at a time on this machine (as many as processors)")
+    add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory on this machine (what is available)")
+    _add_run(parser)
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
+    """Adds what all commands have that may run on a cluster."""
     parser.add_argument(
         "--progress",
         choices=["plain", "json", "off"],
@@ -149,7 +181,7 @@ def _bytes(text: str) -> int:
 
 
 def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
-    options["progress"] = {None: True, "off": None}.get(progress, progress)
+    options["progress"] = _progress_of(progress)
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
         summary = dataset.generate(given, output, client=client, **options)
@@ -160,6 +192,33 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: st
         )
         print(f"See {_printable(readable(page_paths(Path(output), options.get('what', 'field'))[1]))}")
     return _UNFINISHED if summary.unfinished else 0
+
+
+def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
+    options["progress"] = _progress_of(progress)
+    if "bounds" in options:
+        options["bounds"] = options["bounds"][:3], options["bounds"][3:]
+    with _client(scheduler) as client:
+        if client is not None and "dashboard" in client.scheduler_info()["services"]:
+            print(f"raymap: dashboard: {_printable(client.dashboard_link)}", file=sys.stderr)
+        summary = zarr.generate(mesh, output, client=client, **options)
+    name = _printable(readable(output))
+    with _stdout_errors():
+        if summary.new == 0:
+            print(f"{name} was finished before: {summary.shards} shards")
+        else:
+            print(
+                f"{name}: {summary.shards} shards, {summary.new} of them new, {summary.outside} of them all outside and "
+                f"without a file, in {summary.seconds:.1f} s"
+            )
+    return 0
+
+
+_COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field}
+
+
+def _progress_of(given: str | None) -> Any:
+    return {None: True, "off": None}.get(given, given)
 
 
 def _client(scheduler: str | None) -> Any:

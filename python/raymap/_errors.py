@@ -11,6 +11,9 @@ from typing import Any
 class Error(Exception):
     """Base of all errors that the library raises. Its text says what is wrong, where, and what to do."""
 
+    def __reduce__(self) -> str | tuple[Any, ...]:
+        return super().__reduce__()  # Without one of our own, tblib, which Dask uses, unpickles no MemoryError.
+
 
 class UsageError(Error, ValueError):
     """An argument makes no sense, or contradicts another."""

@@ -110,6 +110,20 @@ class _Bar(_Shown):
             self._handle.update(content, raw=True)
 
 
+def pace_text(new: int, left: int, start: float) -> str:
+    """Returns how fast a run is that has made ``new`` things since ``start``, and about how long the rest takes."""
+    if new == 0:
+        return ""
+    rate = new / max(_now() - start, 1e-9)
+    return f", {rate:.2g} per second, {_duration(left / rate)} left,"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
 def _write(text: str) -> None:
     sys.stderr.write(text)
     sys.stderr.flush()

@@ -92,7 +92,10 @@ Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::opti
 }
 
 void bindGenerate(nb::module_& module) {
-  const nb::class_<Grid> opaque(module, "Grid");
+  nb::class_<Grid>(module, "Grid")
+      .def_prop_ro("dims", [](const Grid& self) { return std::tuple(self.dims.x, self.dims.y, self.dims.z); })
+      .def_prop_ro("origin", [](const Grid& self) { return toTriple(self.origin); })
+      .def_ro("spacing", &Grid::spacing);
   module.def(
       "fit_grid",
       [](const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,

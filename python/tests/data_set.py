@@ -41,7 +41,8 @@ def table(out: str | Path = "out", name: str = "table.csv") -> dict[str, dict[st
 def start_module(*arguments: object, **options) -> subprocess.Popen[str]:
     """Starts `python -m raymap`, without a time limit for a mesh unless the arguments have one."""
     name, *rest = map(str, arguments)
-    command = [sys.executable, "-m", "raymap", name, "--time-limit", str(ENDLESS), *rest]
+    endless = ["--time-limit", str(ENDLESS)] if name == "dataset" else []
+    command = [sys.executable, "-m", "raymap", name, *endless, *rest]
     return subprocess.Popen(command, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options})
 
 

@@ -19,7 +19,8 @@ import raymap
 from data_set import NAMES, contents, generate, identities, run_module, table
 from helpers import load
 from raymap import __main__ as command
-from raymap.dataset import child, run
+from raymap import _progress
+from raymap.dataset import child
 from raymap.dataset.files import buffer_hashes
 
 def test_results_are_those_of_generate(meshes: Path) -> None:
@@ -586,7 +587,7 @@ def test_progress(meshes: Path) -> None:
     assert [done for _, done in said] == [0.25, 0.5, 0.75, 1.0]
     assert re.fullmatch(r"2 of 4 meshes, \S+ per second, [0-9.]+ (s|min|h) left,", said[1][0])
     durations = {59.4: "59 s", 60: "1 min", 5399: "90 min", 5400: "1.5 h"}
-    assert {seconds: run._duration(seconds) for seconds in durations} == durations
+    assert {seconds: _progress._duration(seconds) for seconds in durations} == durations
     said.clear()
     (meshes / "ball.ply").write_text("ply\n")
     generate(meshes, workers=1, progress=lambda text, done: said.append((text, done)))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import CancelledError, ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import closing, contextmanager
 from typing import Any
 from uuid import uuid4
 
-from .._errors import Cancelled, Error
+from .._cluster import KILLED, dask_results
+from .._errors import Cancelled
+from .._progress import pace_text
 from .children import Children
 from .files import readable
 from .work import Job, Outcome, work
@@ -53,19 +54,12 @@ def _on_this_machine(jobs: list[Job], workers: int) -> Iterator[Iterator[Outcome
 
 
 def _dask_outcomes(jobs: list[Job], client: Any) -> Generator[Outcome]:
-    distributed = importlib.import_module("distributed")  # The type checker must not need it.
     run = uuid4().hex
     names = {f"raymap-{run}-{k}-{readable(job.name)}": job.name for k, job in enumerate(jobs)}
-    # Nothing else refers to the futures. So Dask forgets each as soon as it is taken, and the rest if this is closed.
-    for future in distributed.as_completed(client.map(work, jobs, key=list(names), pure=False)):
-        try:
-            yield future.result()
-        except distributed.KilledWorker:
-            yield Outcome(names[future.key], "unfinished", False, "its workers were killed again and again")
-        except (CancelledError, OSError) as error:
-            if isinstance(error, Error):  # of work()
-                raise
-            raise Error("the scheduler of Dask was lost; run again with a new one: what is finished stays") from error
+    for key, outcome in dask_results(client, work, jobs, list(names)):
+        if outcome is KILLED:
+            outcome = Outcome(names[key], "unfinished", False, "its workers were killed again and again")
+        yield outcome
 
 
 def _progress_text(results: list[Outcome], count: int, start: float) -> str:
@@ -73,13 +67,4 @@ def _progress_text(results: list[Outcome], count: int, start: float) -> str:
     new = sum(outcome.is_new for outcome in results)
     failed = sum(outcome.state == "quarantined" for outcome in results)
     text = f"{len(results)} of {count} meshes" + (f", {failed} quarantined" if failed else "")
-    if new:
-        rate = new / max(time.monotonic() - start, 1e-9)
-        text += f", {rate:.2g} per second, {_duration((count - len(results)) / rate)} left,"
-    return text
-
-
-def _duration(seconds: float) -> str:
-    if seconds < 60:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+    return text + pace_text(new, count - len(results), start)
