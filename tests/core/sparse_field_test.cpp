@@ -31,14 +31,14 @@ void forEachSample(const Grid& grid, Visit&& visit) {
       for (int x = 0; x < grid.dims.x; ++x) visit(glm::ivec3(x, y, z));
 }
 
-Mesh openTorus() {
+Mesh torusWithHoles() {
   return withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
 }
 
 /// Bands of several widths, of a lattice around the mesh and of one that cuts it.
 std::vector<SparseField> someBands() {
   std::vector<SparseField> bands;
-  const Mesh mesh = openTorus();
+  const Mesh mesh = torusWithHoles();
   const Surface surface(mesh);
   const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};
   for (const Grid& grid :
@@ -77,7 +77,7 @@ TEST(SparseField, MakesADenseField) {
 }
 
 TEST(SparseField, ComesFromADenseField) {
-  const Mesh mesh = openTorus();
+  const Mesh mesh = torusWithHoles();
   const FieldOptions all{.triangle = true, .winding = true, .confidence = true};
   const Field field = generate(mesh, fitGrid(mesh, {.resolution = 70}), all, {.device = "cpu"}).field;
   for (const BandOptions& options :

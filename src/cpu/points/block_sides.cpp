@@ -130,7 +130,8 @@ class SideFinder {
       for (size_t k = from; k < to; ++k)
         if (firsts_[k] != k) sides_[k] = sides_[firsts_[k]];
     });
-    if (blocks_.side > 1) findRest();
+    // With many rims, exact numbers cost more than the points of small cubes.
+    if (blocks_.side > 1 && (blocks_.reach > 0.0 || surface_.rims.count() <= kFewRims)) findRest();
   }
 
  private:

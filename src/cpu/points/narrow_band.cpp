@@ -17,6 +17,7 @@
 #include "cpu/points/block_distances.h"
 #include "cpu/points/block_sides.h"
 #include "cpu/points/point_query.h"
+#include "cpu/points/segment_crossings.h"
 #include "field/leaf_order.h"
 
 namespace raymap::cpu {
@@ -27,7 +28,7 @@ constexpr int kSmallest = 4;       ///< Side of the smallest cubes.
 constexpr int kSignSide = 16;      ///< Side of the cubes whose samples share signs.
 constexpr int kDistanceSide = 32;  ///< Side of the cubes whose samples are measured together.
 constexpr size_t kPointsAtATime = size_t{1} << 20;
-/// Share by which a cube must be farther than the band, for rounding.
+/// Share by which a cube must be farther than the band, for rounding of coordinates.
 constexpr double kMargin = 1e-5;
 glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
   return low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2);
@@ -113,7 +114,8 @@ class BandMaker {
   double widthOf(Side side) const { return side == Side::Inside ? band_.inside : band_.outside; }
 
   void findFar(std::span<const glm::ivec3> cubes, int side, double radius, std::span<Side> sides) {
-    const auto limit = [&](double width) { return (radius + width) * (1.0 + kMargin); };
+    const double slack = 2.0 * surface_.grid.spacing * double(slackOf(surface_.tree, surface_.grid.dims));
+    const auto limit = [&](double width) { return (radius + width) * (1.0 + kMargin) + slack; };
     const double narrow = std::min(band_.outside, band_.inside), wide = std::max(band_.outside, band_.inside);
     points_.resizeUninitialized(cubes.size());
     for (size_t c = 0; c < cubes.size(); ++c)
