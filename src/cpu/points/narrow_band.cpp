@@ -27,7 +27,7 @@ namespace {
 constexpr int kSmallest = 4;       ///< Side of the smallest cubes.
 constexpr int kSignSide = 16;      ///< Side of the cubes whose samples share signs.
 constexpr int kDistanceSide = 32;  ///< Side of the cubes whose samples are measured together.
-constexpr size_t kPointsAtATime = size_t{1} << 20;
+constexpr size_t kPointsAtATime = size_t{1} << 18;
 /// Share by which a cube must be farther than the band, for rounding of coordinates.
 constexpr double kMargin = 1e-5;
 glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
