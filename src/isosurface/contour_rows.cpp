@@ -122,7 +122,7 @@ class SparseCubes {
     parallelSort(blocks_.begin(), blocks_.end(), [](const glm::ivec3& a, const glm::ivec3& b) {
       return std::tie(a.z, a.y, a.x) < std::tie(b.z, b.y, b.x);
     });
-    blocks_.erase(std::ranges::unique(blocks_).begin(), blocks_.end());
+    blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
     for (size_t b = 0; b < blocks_.size(); ++b)
       if (b == 0 || blocks_[b].z != blocks_[b - 1].z || blocks_[b].y != blocks_[b - 1].y) runs_.push_back(b);
     runs_.push_back(blocks_.size());
