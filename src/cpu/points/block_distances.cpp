@@ -1,6 +1,5 @@
 #include "cpu/points/block_distances.h"
 
-#include <bit>
 #include <cmath>
 
 #include "cpu/points/point_cells.h"
@@ -12,11 +11,13 @@ void BlockDistances::find(const LatticeBlock& block, std::span<const glm::dvec3>
                           std::span<const uint16_t> codes, double most, std::span<double> distances,
                           std::span<uint32_t> triangles) {
   if (points.empty()) return;
-  const int spare = kCurveBits - std::countr_zero(uint32_t(block.side));
+  const auto side = uint64_t(block.side);
+  // From one place of the block to the next on the search's curve.
+  const uint64_t step = (uint64_t{1} << (3 * kCurveBits)) / (side * side * side);
   cells_.resize(points.size()), codes_.resize(points.size()), nearest_.resize(points.size());
   for (size_t k = 0; k < points.size(); ++k) {
     cells_[k] = toCells(surface_.grid, points[k]);
-    codes_[k] = uint64_t{codes[k]} << (3 * spare);
+    codes_[k] = codes[k] * step;
   }
   SortedPoints sorted{cells_, codes_, toCells(surface_.grid, block.low - 0.5 * block.spacing),
                       float(double(block.side) * block.spacing / surface_.grid.spacing)};

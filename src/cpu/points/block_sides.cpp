@@ -255,7 +255,7 @@ class SideFinder {
       for (size_t k = blocks_.begins[cube]; k < blocks_.begins[cube + 1]; ++k) {
         if (sides_[k] != Side::Unknown) continue;
         const glm::ivec3 half = placeOf(k) / side;
-        halves[size_t(half.x + 2 * half.y + 4 * half.z)].push_back(uint32_t(k));
+        halves[size_t(half.x) + 2 * size_t(half.y) + 4 * size_t(half.z)].push_back(uint32_t(k));
       }
       for (std::vector<uint32_t>& half : halves) {
         if (!half.empty()) halved.begins.push_back(halved.which.size());

@@ -295,7 +295,7 @@ class BandMaker {
     constexpr int kSide = SparseField::kLeafSide;
     const glm::ivec3 p =
         glm::ivec3(place % kSignSide, place / kSignSide % kSignSide, place / kSignSide / kSignSide) % kSide;
-    return size_t((p.z * kSide + p.y) * kSide + p.x);
+    return (size_t(p.z) * kSide + size_t(p.y)) * kSide + size_t(p.x);
   }
 
   /// Whether a part's samples are queried. Their signs are known where it is not near.
@@ -309,7 +309,7 @@ class BandMaker {
       for (int one = 0; one < 8; ++one) {
         const glm::ivec3 within =
             childOf(childOf(childOf(glm::ivec3(0), kSide, part), kSmallest, pair), kSmallest / 2, one);
-        visit(low + within, size_t((within.z * kSide + within.y) * kSide + within.x));
+        visit(low + within, (size_t(within.z) * kSide + size_t(within.y)) * kSide + size_t(within.x));
       }
   }
 
