@@ -18,13 +18,12 @@ namespace raymap::bench {
 namespace {
 
 const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kMethods = {
-    {"raymap", runRaymap},
-    {"raymap_winding", runRaymapWinding},
+    {"raymap", runRaymap},   {"raymap_winding", runRaymapWinding}, {"raymap_band", runRaymapBand},
 #ifdef RAYMAP_BENCH_EMBREE
     {"embree", runEmbree},
 #endif
 #ifdef RAYMAP_BENCH_OPENVDB
-    {"openvdb", runOpenvdb},
+    {"openvdb", runOpenvdb}, {"openvdb_band", runOpenvdbBand},
 #endif
 };
 

@@ -31,4 +31,10 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   values = std::move(field.winding);
 }
 
+void runRaymapBand(const Case& input, Buffer<float>& values) {
+  const MachineOptions machine{.threads = input.threads};
+  const Surface surface(input.mesh, {}, machine);
+  values = surface.generateBand(input.grid, {.outside = input.band, .inside = input.band}, machine).distance;
+}
+
 }  // namespace raymap::bench
