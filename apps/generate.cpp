@@ -101,7 +101,7 @@ void writeAll(const Arguments& arguments, const Field& field, Report& report) {
                {.array = array,
                 .format = arguments.format.output,
                 .gridName = array == FieldArray::Distance ? std::string_view(arguments.gridName) : "",
-                .half = arguments.half && (isVdb || array == FieldArray::Distance)});
+                .half = arguments.half && isVdb});
     report.written.push_back(path);
   };
   write(arguments.field, FieldArray::Distance);
@@ -443,6 +443,9 @@ void makeFrames(const Arguments& arguments) {
 void run(Arguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
+  if ((arguments.half || !arguments.gridName.empty()) && !isWritten(arguments, {".vdb"}))
+    throw Error(ErrorCode::Usage, "--grid-name and --half are for a .vdb, and " +
+                                      displayName(arguments.field) + " is none; leave them out");
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())

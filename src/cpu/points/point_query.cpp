@@ -152,7 +152,7 @@ class Batch {
   float side_ = 0.0f;
 };
 
-/// What is asked, and where the answers go.
+/// A query and the place of its results.
 struct Query {
   const PreparedSurface& surface;
   bool isSigned;
