@@ -21,7 +21,7 @@ struct SlabOptions {
   /// it, a call that fails or is killed leaves `PATH.part`, and `PATH.part.done`, which says how much of it
   /// is whole. The next call with the same text and grid goes on from there.
   std::string key = {};
-  WarningCallback warn = {};  ///< Told of files of earlier calls, and of what is left of this one.
+  WarningCallback warn = {};  ///< Called if an earlier part file is not used, or one is left.
 };
 
 /// Function that returns the planes [begin, end) of a field along z, as a field with the array to write.

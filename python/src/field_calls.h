@@ -1,6 +1,6 @@
 #pragma once
 
-// What fields and narrow bands have in common.
+// Functions that bind dense fields and narrow bands alike.
 
 #include <raymap/names.h>
 #include <raymap/sample.h>

@@ -22,7 +22,7 @@ float roundDown(double bound) {
   return double(rounded) > bound ? std::nextafter(rounded, -INFINITY) : rounded;
 }
 
-// What a dense field and a narrow band have in common for a sampler.
+// Functions that a sampler calls on dense fields and narrow bands alike.
 
 FieldSampler samplerOf(const Field& field) {
   return FieldSampler(field);

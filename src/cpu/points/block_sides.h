@@ -19,8 +19,8 @@ struct BlockPoints {
   double spacing = 0.0;  ///< From one to the next, in the mesh's units.
   double reach = 0.0;    ///< Radius of a ball about each point whose side is asked for, too.
   std::span<const glm::dvec3> points;
-  std::span<const double> distances;  ///< Of each point, not negative. The true one may be larger.
-  /// Of each point, its place in its cube, x fastest. The points of a cube follow each other, in any order.
+  std::span<const double> distances;  ///< A lower bound on the distance of each point, not negative.
+  /// Place of each point in its cube, x fastest. The points of a cube follow each other, in any order.
   std::span<const uint16_t> places;
   std::span<const size_t> begins;  ///< First point of each cube, and at last the number of points.
 };

@@ -8,7 +8,7 @@
 
 namespace raymap::cpu {
 
-/// Where the points of a ball lie: all beyond the band on one side of the surface, or perhaps not.
+/// The side on which all points of a ball lie beyond the band, or `Near` if some may not.
 enum class BallSide : uint8_t { Outside, Inside, Near };
 
 /// Finds balls that lie wholly beyond a band around a surface, by queries of their centres.
