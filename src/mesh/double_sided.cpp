@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "base/parallel.h"
 #include "mesh/position_bits.h"
@@ -201,6 +202,13 @@ std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_
 
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh) {
   return findDoubleSidedFaces(mesh, pairWithFirst(findCandidates(mesh)));
+}
+
+DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint32_t> faces) {
+  std::vector<uint64_t> candidates(faces.size());
+  std::ranges::transform(faces, candidates.begin(),
+                         [&](uint32_t f) { return paired(faceHash(mesh, mesh.triangles[f]), f); });
+  return findDoubleSidedFaces(mesh, pairWithFirst(std::move(candidates)));
 }
 
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint64_t> candidates) {

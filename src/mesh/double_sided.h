@@ -22,6 +22,9 @@ struct DoubleSidedFaces {
 /// Finds the double-sided faces. Positions are the same if their coordinates are exactly equal.
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh);
 
+/// Finds them among these faces, in any order.
+DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint32_t> faces);
+
 /// Finds them among candidates. Each has a face in its lower half. Faces on the same positions must be
 /// neighbours and must have the same upper half.
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint64_t> candidates);

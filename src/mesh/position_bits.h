@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "base/hash.h"
+#include "base/hash_shared.h"
 
 namespace raymap {
 

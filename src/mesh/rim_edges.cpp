@@ -16,26 +16,36 @@ namespace {
 
 constexpr size_t kRimFacesPerTask = 4096;
 
-uint64_t mix(uint64_t v) {  // SplitMix64
-  v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9ull;
-  v = (v ^ v >> 27) * 0x94d049bb133111ebull;
-  return v ^ v >> 31;
-}
-
 /// Edges add these hashes, so all of their bits must be mixed well.
 uint64_t mixedHashOf(const glm::vec3& p) {
-  return mix(hashOf(p));
+  return mixed(hashOf(p));
 }
 
-/// A directed edge by its position: a number that is the same in both directions, a place that near edges
-/// share, and its direction, +1 or -1; 0 if both ends are the same.
+/// A directed edge by the hashes of its ends: a number that is the same in both directions, and its
+/// direction, +1 or -1; 0 if both ends are the same.
 struct Edge {
+  Edge(uint64_t from, uint64_t to)
+      : number(mixed(std::min(from, to) + 3 * std::max(from, to))),
+        direction(from < to   ? 1
+                  : from > to ? -1
+                              : 0) {}
+
   uint64_t number;
-  uint32_t place;
   int direction;
 };
 
-/// Edges of a mesh. Edge k is that from corner k % 3 of face k / 3.
+std::pair<uint32_t, uint32_t> endsOf(const PackedMesh& mesh, size_t edge) {
+  const glm::uvec3& face = mesh.triangles[edge / 3];
+  const int corner = int(edge % 3);
+  return {face[corner], face[(corner + 1) % 3]};
+}
+
+/// An edge with a place that near edges share.
+struct PlacedEdge : Edge {
+  uint32_t place;
+};
+
+/// All edges of a mesh.
 class Edges {
  public:
   Edges(const PackedMesh& mesh, double cell)
@@ -51,15 +61,10 @@ class Edges {
   }
 
   size_t count() const { return 3 * mesh_.triangles.size(); }
-  Edge operator[](size_t k) const {
-    const auto [from, to] = ends(k);
+  PlacedEdge operator[](size_t k) const {
+    const auto [from, to] = endsOf(mesh_, k);
     const uint64_t a = hashes_[from], b = hashes_[to];
-    return {mix(std::min(a, b) + 3 * std::max(a, b)), places_[a < b ? from : to], a < b ? 1 : a > b ? -1 : 0};
-  }
-  std::pair<uint32_t, uint32_t> ends(size_t k) const {
-    const glm::uvec3& face = mesh_.triangles[k / 3];
-    const int corner = int(k % 3);
-    return {face[corner], face[(corner + 1) % 3]};
+    return {{a, b}, places_[a < b ? from : to]};
   }
 
  private:
@@ -75,12 +80,12 @@ class EdgeSums {
  public:
   explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(faces / 2, 64))) {}
 
-  void add(const Edge& edge) {
+  void add(const PlacedEdge& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
     if (edge.direction == 0) return;
     at(edge).fetch_add(edge.direction < 0 ? 0u - value : value, std::memory_order_relaxed);
   }
-  bool mayBeRim(const Edge& edge) {
+  bool mayBeRim(const PlacedEdge& edge) {
     return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
   }
   bool hasRims() const {
@@ -89,7 +94,7 @@ class EdgeSums {
   }
 
  private:
-  std::atomic<uint32_t>& at(const Edge& edge) {
+  std::atomic<uint32_t>& at(const PlacedEdge& edge) {
     constexpr uint64_t kLine = 64 / sizeof(uint32_t);
     return sums_[(edge.place * kLine + edge.number % kLine) & (sums_.size() - 1)];
   }
@@ -103,14 +108,26 @@ void addEdges(const Edges& edges, EdgeSums& sums) {
   });
 }
 
-/// Counts the edges whose sums are not 0 again, each by itself.
-std::vector<RimEdge> countEdges(const Edges& edges, EdgeSums& sums) {
-  const std::vector<uint32_t> candidates =
-      parallelSelect(edges.count(), [&](uint32_t k) { return sums.mayBeRim(edges[k]); });
+}  // namespace
+
+std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, double cell) {
+  const Edges edges(mesh, cell);
+  EdgeSums sums(mesh.triangles.size());
+  addEdges(edges, sums);
+  if (!sums.hasRims()) return {};
+  return findRimEdges(mesh,
+                      parallelSelect(edges.count(), [&](uint32_t k) { return sums.mayBeRim(edges[k]); }));
+}
+
+std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, std::span<const uint32_t> candidates) {
+  const auto edgeOf = [&](uint32_t k) -> Edge {
+    const auto [from, to] = endsOf(mesh, k);
+    return {mixedHashOf(mesh.vertices[from]), mixedHashOf(mesh.vertices[to])};
+  };
   Buffer<SortKey> keys;
   const auto make = [&](size_t begin, size_t end, SortKey* to) {
     for (size_t i = begin; i < end; ++i) {
-      const Edge edge = edges[candidates[i]];
+      const Edge edge = edgeOf(candidates[i]);
       *to++ = {uint64_t{candidates[i]} << 1 | uint64_t{edge.direction > 0}, edge.number};
     }
   };
@@ -120,20 +137,11 @@ std::vector<RimEdge> countEdges(const Edges& edges, EdgeSums& sums) {
     int64_t sum = 0;  // The other direction counts negative.
     for (; next < keys.size() && keys[next].high == keys[first].high; ++next)
       sum += ((keys[next].low ^ keys[first].low) & 1) == 0 ? 1 : -1;
-    const auto [from, to] = edges.ends(keys[first].low >> 1);
+    const auto [from, to] = endsOf(mesh, keys[first].low >> 1);
     if (sum > 0) rims.push_back({from, to, uint32_t(sum)});
     if (sum < 0) rims.push_back({to, from, uint32_t(-sum)});
   }
   return rims;
-}
-
-}  // namespace
-
-std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, double cell) {
-  const Edges edges(mesh, cell);
-  EdgeSums sums(mesh.triangles.size());
-  addEdges(edges, sums);
-  return sums.hasRims() ? countEdges(edges, sums) : std::vector<RimEdge>();
 }
 
 }  // namespace raymap

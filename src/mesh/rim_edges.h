@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesh/packed_mesh.h"
@@ -23,5 +24,9 @@ struct RimLine {
 /// often in one direction as in the other. Positions are the same if their coordinates are exactly equal. The
 /// size of a cell, in the mesh's units, decides the speed only.
 std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, double cell);
+
+/// Finds the rims among these edges, in any order: all that may be rims, and no edge of no length. Edge k
+/// leads from corner k % 3 of face k / 3 to the next one.
+std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, std::span<const uint32_t> candidates);
 
 }  // namespace raymap

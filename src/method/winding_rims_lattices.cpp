@@ -86,7 +86,7 @@ std::vector<uint32_t> allSamples(const glm::ivec3& dims, int level) {
   return places;
 }
 
-std::vector<RimLine> inCells(const PackedMesh& mesh, const Grid& grid, const std::vector<RimEdge>& edges) {
+std::vector<RimLine> inCells(const PackedMesh& mesh, const Grid& grid, std::span<const RimEdge> edges) {
   const glm::dvec3 shift = mesh.origin - grid.origin;
   const double scale = 1.0 / grid.spacing;
   const auto place = [&](uint32_t v) { return glm::vec3((shift + glm::dvec3(mesh.vertices[v])) * scale); };
@@ -140,7 +140,11 @@ int coarsestRimLevel(const glm::ivec3& dims) {
 }
 
 RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid, SignMode mode) {
-  const std::vector<RimEdge> edges = findRimEdges(mesh, grid.spacing);
+  return findRimLattices(mesh, findRimEdges(mesh, grid.spacing), grid, mode);
+}
+
+RimLattices findRimLattices(const PackedMesh& mesh, std::span<const RimEdge> edges, const Grid& grid,
+                            SignMode mode) {
   size_t rimCount = 0;
   for (const RimEdge& edge : edges) rimCount += edge.times;
   RimLattices lattices;

@@ -3,6 +3,7 @@
 #include <raymap/grid.h>
 #include <raymap/options.h>
 
+#include <span>
 #include <vector>
 
 #include "mesh/packed_mesh.h"
@@ -33,7 +34,10 @@ struct RimLattices {
 /// Returns the level of the coarsest lattice.
 int coarsestRimLevel(const glm::ivec3& dims);
 
-/// Returns the rims of a mesh and the samples to be computed: all of the grid in `SignMode::Exact`.
+/// Returns the rims of a mesh and the samples to be computed: all of the grid in `SignMode::Exact`. `edges`
+/// are what `findRimEdges` finds.
+RimLattices findRimLattices(const PackedMesh& mesh, std::span<const RimEdge> edges, const Grid& grid,
+                            SignMode mode);
 RimLattices findRimLattices(const PackedMesh& mesh, const Grid& grid, SignMode mode = SignMode::Harmonic);
 
 }  // namespace raymap

@@ -57,6 +57,7 @@ TEST_F(VulkanSelfTest, Passes) {
                            "winding_harmonic",
                            "winding_paths",
                            "winding_dipoles",
+                           "face_search",
                            "orientation",
                            "close_holes",
                            "sign",

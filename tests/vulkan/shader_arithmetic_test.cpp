@@ -34,6 +34,8 @@ using std::abs, std::clamp, std::floor, std::max, std::min, std::sqrt;
 #include "vulkan/primitives/float_pair.glsl"
 #include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/primitives/soft_double.glsl"
+#undef Double
+#undef precise
 }  // namespace glsl
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -15,10 +15,7 @@ namespace {
 // Stages that transfer data between host and device.
 constexpr const char* kMeshStage = "begin";
 constexpr const char* kReadBackStage = "read_back";
-
-/// With so many faces, the host finds their rims while the device computes distances. With more, that would
-/// take longer, and be in vain if all rays agree.
-constexpr size_t kFacesSearchedBeside = size_t{1} << 18;
+constexpr const char* kFaceSearchStage = "face_search";
 
 /// Returns the bytes of the buffer through which a field comes: a quarter of the field. A lower limit keeps
 /// the wait shorter than the copy; an upper limit keeps the buffer in the host's caches.
@@ -72,6 +69,16 @@ void Backend::begin() {
               .winding = options.winding ? winding_.address() : 0,
               .confidence = options.confidence ? confidence_.address() : 0});
   recordMesh(upload_.source());
+  if (!extent().searchesFaces()) return;
+  stopStage();
+  startStage(kFaceSearchStage);
+  searchFaces();
+}
+
+/// Waits for what the device finds, so that the host works on it while the device computes distances.
+void Backend::searchFaces() {
+  recordFaceSearch(upload_.source());
+  run();
 }
 
 StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid,
@@ -167,36 +174,38 @@ double Backend::doubtfulShare() {
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
-  if (!doubtfulShare_) countDoubtful([this] { searchDoubleSided(); });
   searchDoubleSided();
   return *doubleSided_;
 }
 
 void Backend::searchDoubleSided() {
-  if (!doubleSided_) doubleSided_ = findDoubleSidedFaces(mesh());
+  if (doubleSided_) return;
+  const auto faces = faceSearch().faces();
+  doubleSided_ = faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh());
 }
 
 void Backend::searchRims(SignMode mode) {
   Buffer<glm::uvec3> turned;  // A copy takes longer than the search on many threads.
   if (!turns_.empty()) turned = turnedTriangles(mesh().triangles, turns_);
   const std::span<const glm::uvec3> triangles = turns_.empty() ? mesh().triangles : std::span(turned);
-  rims_ = findRimLattices({mesh().vertices, triangles, mesh().origin}, grid(), mode);
+  const PackedMesh asTurned(mesh().vertices, triangles, mesh().origin);
+  const auto edges = faceSearch().edges();
+  rims_ = edges ? findRimLattices(asTurned, findRimEdges(asTurned, *edges), grid(), mode)
+                : findRimLattices(asTurned, grid(), mode);
 }
 
 void Backend::winding(SignMode mode) {
   rims_ = {};
   recordRays(mode);
   if (mode == SignMode::Harmonic || mode == SignMode::Exact) {
-    const bool isQuick = mesh().triangles.size() <= kFacesSearchedBeside;
     const double share = countDoubtful([&] {
       if (mayTurnFaces(options())) searchDoubleSided();
-      if (isQuick) searchRims(mode);
+      searchRims(mode);
     });
     if (share == 0.0) {
       rims_ = {};
       return;
     }
-    if (!isQuick) searchRims(mode);
     recordRims(rims_);
   }
   if (!rims_.haveAll()) recordWinding(mode);
@@ -222,6 +231,7 @@ void Backend::turnFaces(const Turns& turns) {
   doubtfulShare_.reset();
   upload_.turn(mesh(), turns);
   recordMesh(upload_.source());
+  searchFaces();
 }
 
 double Backend::misfit() {

@@ -42,7 +42,6 @@ class Backend : public StageRecorder, private RecordingListener {
   double doubtfulShare();
 
   FaceSides& faceSides() { return faceSides_; }
-  /// Searches while the device works on what is recorded.
   DoubleSidedFaces doubleSidedFaces();
   void turnFaces(const Turns& turns);
   double misfit();
@@ -66,6 +65,7 @@ class Backend : public StageRecorder, private RecordingListener {
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:
+  void searchFaces();
   void searchDoubleSided();
   void searchRims(SignMode mode);
   void startStage(const char* name);

@@ -12,6 +12,7 @@ StageRecorder::StageRecorder(Device& device)
     : device_(&device),
       scratch_(device),
       mesh_(device),
+      faceSearch_(device, &scratch_),
       surfaceTree_(device),
       exactDistance_(device, &scratch_),
       refine_(device),
@@ -32,6 +33,8 @@ void StageRecorder::reserve(const Extent& extent) {
   const bool isHarmonic = extent.sign == SignMode::Harmonic;
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
+  scratch_.startPhase();
+  if (extent.searchesFaces()) faceSearch_.reserve(extent.triangles);
   // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
   if (hasSign()) reserveSign();
@@ -73,6 +76,10 @@ void StageRecorder::setResults(const Results& results) {
 void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
   mesh_.record(*commands_, source, *grid_, extent_.outside);
   hasSurfaceTree_ = false;
+}
+
+void StageRecorder::recordFaceSearch(const CellMeshStage::Source& source) {
+  faceSearch_.record(*commands_, source);
 }
 
 void StageRecorder::exactDistance() {

@@ -15,6 +15,7 @@
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/distance_transform.h"
 #include "vulkan/stages/exact_distance.h"
+#include "vulkan/stages/face_search.h"
 #include "vulkan/stages/finish.h"
 #include "vulkan/stages/orientation.h"
 #include "vulkan/stages/raster_distance.h"
@@ -57,6 +58,8 @@ class StageRecorder {
     bool turnsFaces = false;
     bool closesHoles = false;
     bool findsRims = false;  ///< Whether the host looks for rims.
+    /// Whether the host looks for rims or double-sided faces.
+    bool searchesFaces() const { return findsRims || turnsFaces; }
     /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
     /// the grid.
     std::vector<CellLattice> lattices;
@@ -95,6 +98,8 @@ class StageRecorder {
   /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
+  void recordFaceSearch(const CellMeshStage::Source& source);
+  const FaceSearchStage& faceSearch() const { return faceSearch_; }
   // For the stage `orientation`.
   void recordMisfit();
   void recordSides(float farSides, SideMeasure measure);
@@ -149,6 +154,7 @@ class StageRecorder {
   Results results_;
   ScratchMemory scratch_;  // Declared before the members that use it.
   CellMeshStage mesh_;
+  FaceSearchStage faceSearch_;
   bool hasSurfaceTree_ = false;
   SurfaceTreeStage surfaceTree_;
   ExactDistanceStage exactDistance_;

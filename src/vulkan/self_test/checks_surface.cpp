@@ -3,10 +3,13 @@
 
 #include "cpu/distance/surface_tree.h"
 #include "cpu/sign/winding_dipoles.h"
+#include "mesh/double_sided.h"
+#include "mesh/rim_edges.h"
 #include "testing/reference.h"
 #include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/stages/exact_distance.h"
+#include "vulkan/stages/face_search.h"
 #include "vulkan/stages/finish.h"
 #include "vulkan/stages/surface_tree.h"
 #include "vulkan/stages/winding_dipoles.h"
@@ -165,6 +168,35 @@ void checkDipoles(Subject& subject) {
   }
 }
 
+void checkFaceSearch(Subject& subject) {
+  const Probe& probe = subject.probe;
+  Mesh open = shapes::sphere(1.0, 4);
+  std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).z > 0.9; });
+  Mesh doubled = open;
+  for (size_t f = 0; f < open.triangles.size(); f += 7) {
+    const glm::uvec3& t = open.triangles[f];
+    doubled.triangles.emplace_back(t.y, t.x, t.z);
+  }
+  for (const Mesh& mesh : {shapes::sphere(1.0, 4), open, doubled, shapes::soup(300, 8)}) {
+    FaceSearchStage search(probe.device());
+    MeshUpload upload(probe.device());
+    upload.fill(mesh);
+    search.reserve(upload.source().triangleCount);
+    probe.run([&](Commands& commands) { search.record(commands, upload.source()); });
+    const auto ends = [](const std::vector<RimEdge>& edges) {
+      std::vector<uint32_t> all;
+      for (const RimEdge& edge : edges) all.insert(all.end(), {edge.from, edge.to, edge.times});
+      return all;
+    };
+    requireEqual("rims", ends(findRimEdges(mesh, search.edges().value())), ends(findRimEdges(mesh, 0.1)));
+    const DoubleSidedFaces found = findDoubleSidedFaces(mesh, search.faces().value()),
+                           expected = findDoubleSidedFaces(mesh);
+    requireEqual("first double-sided faces", found.firsts, expected.firsts);
+    requireEqual("other double-sided faces", found.others, expected.others);
+    require(search.faces()->size() < expected.count() + 10, "the device lists too many faces");
+  }
+}
+
 void checkFinish(Subject& subject) {
   const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
   FinishStage finish(subject.probe.device());
@@ -185,6 +217,7 @@ std::span<const Check> checksOfSurface() {
   static constexpr Check kChecks[] = {{"surface_tree", checkSurfaceTree},
                                       {"exact_distance", checkExactDistance},
                                       {"winding_dipoles", checkDipoles},
+                                      {"face_search", checkFaceSearch},
                                       {"finish", checkFinish}};
   return kChecks;
 }

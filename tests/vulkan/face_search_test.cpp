@@ -1,0 +1,107 @@
+#include "vulkan/stages/face_search.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "mesh/double_sided.h"
+#include "mesh/rim_edges.h"
+#include "shapes.h"
+#include "vulkan_device.h"
+
+namespace raymap::vulkan {
+namespace {
+
+class VulkanFaceSearch : public VulkanTest {
+ protected:
+  /// Searches on the device, also in meshes with fewer faces than are reserved.
+  static void search(FaceSearchStage& stage, const Mesh& mesh) {
+    MeshUpload upload(device());
+    upload.fill(mesh);
+    stage.reserve(upload.source().triangleCount + 7);
+    run([&](Commands& commands) { stage.record(commands, upload.source()); });
+  }
+
+  static void expectTheSame(FaceSearchStage& stage, const Mesh& mesh) {
+    search(stage, mesh);
+    const auto edges = stage.edges(), faces = stage.faces();
+    ASSERT_TRUE(edges && faces);
+    EXPECT_EQ(tuples(findRimEdges(mesh, *edges)), tuples(findRimEdges(mesh, 0.1)));
+    const DoubleSidedFaces found = findDoubleSidedFaces(mesh, *faces), expected = findDoubleSidedFaces(mesh);
+    EXPECT_EQ(found.firsts, expected.firsts);
+    EXPECT_EQ(found.others, expected.others);
+    EXPECT_EQ(found.groupOf, expected.groupOf);
+  }
+
+  static std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> tuples(const std::vector<RimEdge>& edges) {
+    std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> all;
+    for (const RimEdge& edge : edges) all.emplace_back(edge.from, edge.to, edge.times);
+    return all;
+  }
+
+  static Mesh cap() {
+    Mesh mesh = shapes::sphere(1.0, 4);
+    std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
+    return mesh;
+  }
+};
+
+TEST_F(VulkanFaceSearch, LetsTheHostFindTheSame) {
+  FaceSearchStage stage(device());
+  Mesh doubled = cap();
+  const size_t faces = doubled.triangles.size();
+  for (size_t f = 0; f < faces; f += 3) {
+    const glm::uvec3 t = doubled.triangles[f];
+    doubled.triangles.emplace_back(t.y, t.x, t.z);
+  }
+  Mesh thrice = doubled;
+  thrice.triangles.insert(thrice.triangles.end(), faces / 4, doubled.triangles[0]);
+  Mesh apart;  // Faces with corners of their own, where zero has either sign.
+  const Mesh whole = cap();
+  for (const glm::uvec3& t : whole.triangles) {
+    const auto first = static_cast<uint32_t>(apart.vertices.size());
+    for (int c = 0; c < 3; ++c) apart.vertices.push_back(whole.vertices[t[c]]);
+    apart.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  for (size_t v = 0; v < apart.vertices.size(); v += 2)
+    for (int axis = 0; axis < 3; ++axis)
+      if (apart.vertices[v][axis] == 0.0f) apart.vertices[v][axis] = -0.0f;
+  for (const Mesh& mesh :
+       {shapes::sphere(1.0, 5), cap(), doubled, thrice, apart, shapes::soup(40, 3), shapes::soup(1, 3)})
+    expectTheSame(stage, mesh);
+}
+
+TEST_F(VulkanFaceSearch, ListsHardlyMoreThanThereIs) {
+  FaceSearchStage stage(device());
+  search(stage, shapes::sphere(1.0, 5));
+  EXPECT_TRUE(stage.edges()->empty());
+  EXPECT_LT(stage.faces()->size(), 4u);
+  const size_t rims = findRimEdges(cap(), 0.1).size();
+  search(stage, cap());
+  EXPECT_GE(stage.edges()->size(), rims);
+  EXPECT_LE(stage.edges()->size(), 8 * rims);
+}
+
+TEST_F(VulkanFaceSearch, SkipsEdgesAndFacesOfNoSize) {
+  FaceSearchStage stage(device());
+  Mesh mesh = shapes::sphere(1.0, 3);
+  mesh.triangles.emplace_back(0, 0, 1);  // An edge of no length, and one back and forth.
+  mesh.triangles.emplace_back(2, 2, 2);
+  expectTheSame(stage, mesh);
+  EXPECT_TRUE(stage.edges()->empty());
+}
+
+TEST_F(VulkanFaceSearch, LeavesTooManyToTheHost) {
+  FaceSearchStage stage(device());
+  constexpr uint32_t kMost = FaceSearchStage::kMostListed / 3;
+  const Mesh most = shapes::soup(kMost, 3), more = shapes::soup(kMost + 1, 3);
+  expectTheSame(stage, most);
+  EXPECT_EQ(stage.edges()->size(), 3 * kMost);
+  search(stage, more);
+  EXPECT_FALSE(stage.edges());
+  EXPECT_TRUE(stage.faces());
+  search(stage, most);
+  EXPECT_TRUE(stage.edges()) << "counts begin at zero again";
+}
+
+}  // namespace
+}  // namespace raymap::vulkan
