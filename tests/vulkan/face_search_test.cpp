@@ -17,8 +17,9 @@ class VulkanFaceSearch : public VulkanTest {
   static void search(FaceSearchStage& stage, const Mesh& mesh) {
     MeshUpload upload(device());
     upload.fill(mesh);
-    stage.reserve(upload.source().triangleCount + 7);
-    run([&](Commands& commands) { stage.record(commands, upload.source()); });
+    const CellMeshStage::Source& source = upload.source();
+    stage.reserve(source.vertexCount + 5, source.triangleCount + 7);
+    run([&](Commands& commands) { stage.record(commands, source, source.triangles); });
   }
 
   static void expectTheSame(FaceSearchStage& stage, const Mesh& mesh) {

@@ -31,6 +31,8 @@ class Commands {
   Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* timer);
 
   VkCommandBuffer handle() const { return buffer_; }
+  /// Records into another command buffer from now on.
+  void continueIn(VkCommandBuffer buffer) { buffer_ = buffer; }
   /// Sets the listener; null for none.
   void listen(RecordingListener* listener) { listener_ = listener; }
   /// Tells the listener what share of the stage is recorded. Not allowed within `concurrent`.

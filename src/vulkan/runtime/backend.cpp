@@ -75,10 +75,13 @@ void Backend::begin() {
   searchFaces();
 }
 
-/// Waits for what the device finds, so that the host works on it while the device computes distances.
+/// The host looks at what the device finds while the device computes distances.
 void Backend::searchFaces() {
   recordFaceSearch(upload_.source());
-  run();
+  const char* const stage = openStage_;
+  stopStage();
+  commandBuffer_.submitPart(commands());
+  startStage(stage);
 }
 
 StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid,
@@ -180,6 +183,7 @@ DoubleSidedFaces Backend::doubleSidedFaces() {
 
 void Backend::searchDoubleSided() {
   if (doubleSided_) return;
+  commandBuffer_.waitForPart();
   const auto faces = faceSearch().faces();
   doubleSided_ = faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh());
 }
@@ -189,6 +193,7 @@ void Backend::searchRims(SignMode mode) {
   if (!turns_.empty()) turned = turnedTriangles(mesh().triangles, turns_);
   const std::span<const glm::uvec3> triangles = turns_.empty() ? mesh().triangles : std::span(turned);
   const PackedMesh asTurned(mesh().vertices, triangles, mesh().origin);
+  commandBuffer_.waitForPart();
   const auto edges = faceSearch().edges();
   rims_ = edges ? findRimLattices(asTurned, findRimEdges(asTurned, *edges), grid(), mode)
                 : findRimLattices(asTurned, grid(), mode);

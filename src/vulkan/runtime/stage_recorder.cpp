@@ -34,7 +34,7 @@ void StageRecorder::reserve(const Extent& extent) {
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
   scratch_.startPhase();
-  if (extent.searchesFaces()) faceSearch_.reserve(extent.triangles);
+  if (extent.searchesFaces()) faceSearch_.reserve(extent.vertices, extent.triangles);
   // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
   if (hasSign()) reserveSign();
@@ -79,7 +79,7 @@ void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
 }
 
 void StageRecorder::recordFaceSearch(const CellMeshStage::Source& source) {
-  faceSearch_.record(*commands_, source);
+  faceSearch_.record(*commands_, source, mesh_.mesh().triangles);
 }
 
 void StageRecorder::exactDistance() {

@@ -98,6 +98,7 @@ class StageRecorder {
   /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
+  /// Records the search in the mesh that was recorded last.
   void recordFaceSearch(const CellMeshStage::Source& source);
   const FaceSearchStage& faceSearch() const { return faceSearch_; }
   // For the stage `orientation`.

@@ -181,8 +181,9 @@ void checkFaceSearch(Subject& subject) {
     FaceSearchStage search(probe.device());
     MeshUpload upload(probe.device());
     upload.fill(mesh);
-    search.reserve(upload.source().triangleCount);
-    probe.run([&](Commands& commands) { search.record(commands, upload.source()); });
+    search.reserve(upload.source().vertexCount, upload.source().triangleCount);
+    probe.run(
+        [&](Commands& commands) { search.record(commands, upload.source(), upload.source().triangles); });
     const auto ends = [](const std::vector<RimEdge>& edges) {
       std::vector<uint32_t> all;
       for (const RimEdge& edge : edges) all.insert(all.end(), {edge.from, edge.to, edge.times});

@@ -6,7 +6,7 @@
 #include "base/hash_shared.h"
 #include "vulkan/stages/face_search_push.h"
 
-layout(constant_id = 1) const bool kLists = false;  // Counts first, and then lists.
+layout(constant_id = 1) const uint kStep = kHashVertices;
 layout(push_constant, scalar) uniform Push { FaceSearchPush push; };
 
 // Returns a coordinate's bits, equal where coordinates are: -0 equals 0.
@@ -15,9 +15,10 @@ uint bitsOf(uint place) {
   return bits == 0x80000000u ? 0 : bits;
 }
 
-uvec3 bitsOfCorner(uint corner) {
-  const uint first = push.stride * push.corners.at[corner];
-  return uvec3(bitsOf(first), bitsOf(first + 1), bitsOf(first + 2));
+void hashVertex(uint v) {
+  if (v >= push.vertexCount) return;
+  const uint at = push.stride * v;
+  push.vertexHashes.at[v] = mixed(hashOf(bitsOf(at), bitsOf(at + 1), bitsOf(at + 2)));
 }
 
 void listEdge(uint edge) {
@@ -32,9 +33,10 @@ void listFace(uint face) {
 
 // Both directions of an edge add numbers that cancel.
 void visitEdge(uint edge, uint64_t from, uint64_t to) {
+  if (from == to) return;
   const uint64_t number = mixed(min(from, to) + 3 * max(from, to));
   const uint slot = uint(number) & (push.sumCount - 1);
-  if (kLists) {
+  if (kStep == kListFaces) {
     if (push.sums.at[slot] != 0) listEdge(edge);
     return;
   }
@@ -56,28 +58,23 @@ void listFaceOfTwo(uint face, uint hash, uint slot) {
   if ((push.twice.at[slot / 32] >> slot % 32 & 1u) != 0) listFace(face);
 }
 
-void visitFace(uint face, uvec3 a, uvec3 b, uvec3 c) {
-  const u64vec3 sum = u64vec3(a) + u64vec3(b) + u64vec3(c);  // It does not depend on the corners' order.
-  const uint hash = max(uint(mixed(hashOf(sum.x, sum.y, sum.z))), 1u);
+void visitFace(uint face) {
+  if (face >= push.triangleCount) return;
+  uint64_t corners[3];
+  for (uint c = 0; c < 3; ++c) corners[c] = push.vertexHashes.at[push.triangles.at[3 * face + c]];
+  for (uint c = 0; c < 3; ++c) visitEdge(3 * face + c, corners[c], corners[(c + 1) % 3]);
+  // It does not depend on the order of the corners.
+  const uint hash = max(uint(mixed(corners[0] + corners[1] + corners[2])), 1u);
   const uint slot = hash & (push.hashCount - 1);
-  if (kLists)
+  if (kStep == kListFaces)
     listFaceOfTwo(face, hash, slot);
   else
     countFace(hash, slot);
 }
 
 void main() {
-  const uint face = invocationIndex();
-  if (face >= push.triangleCount) return;
-  uvec3 bits[3];
-  uint64_t hashes[3];
-  for (uint corner = 0; corner < 3; ++corner) {
-    bits[corner] = bitsOfCorner(3 * face + corner);
-    hashes[corner] = mixed(hashOf(bits[corner].x, bits[corner].y, bits[corner].z));
-  }
-  for (uint corner = 0; corner < 3; ++corner) {
-    const uint next = (corner + 1) % 3;
-    if (bits[corner] != bits[next]) visitEdge(3 * face + corner, hashes[corner], hashes[next]);
-  }
-  visitFace(face, bits[0], bits[1], bits[2]);
+  if (kStep == kHashVertices)
+    hashVertex(invocationIndex());
+  else
+    visitFace(invocationIndex());
 }

@@ -17,13 +17,16 @@ constexpr uint32_t kLeastSlots = 64;
 }  // namespace
 
 FaceSearchStage::FaceSearchStage(Device& device, ScratchMemory* scratch)
-    : count_(device, shaders::kFaceSearch, kGroup, {0}),
-      list_(device, shaders::kFaceSearch, kGroup, {1}),
+    : hash_(device, shaders::kFaceSearch, kGroup, {kHashVertices}),
+      count_(device, shaders::kFaceSearch, kGroup, {kCountFaces}),
+      list_(device, shaders::kFaceSearch, kGroup, {kListFaces}),
+      vertexHashes_(device, "hashes of vertices", scratch),
       tables_(device, "tables of edges and faces", scratch),
       lists_(device, "edges and faces for the host"),
       hostLists_(device, "edges and faces on the host", MemoryUse::ReadBack) {}
 
-void FaceSearchStage::reserve(uint32_t triangles) {
+void FaceSearchStage::reserve(uint32_t vertices, uint32_t triangles) {
+  vertexHashes_.resize<uint64_t>(vertices);
   sumCount_ = std::bit_ceil(std::max(triangles, kLeastSlots));
   hashCount_ = 2 * sumCount_;
   tables_.resize<uint32_t>(uint64_t{sumCount_} + hashCount_ + hashCount_ / 32);
@@ -32,12 +35,14 @@ void FaceSearchStage::reserve(uint32_t triangles) {
   hostLists_.resize<uint32_t>(kLists * (1 + room_));
 }
 
-void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& mesh) {
+void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& mesh,
+                             VkDeviceAddress triangles) {
   const auto words = [](const DeviceBuffer& buffer, uint64_t first) {
     return buffer.address() + first * sizeof(uint32_t);
   };
   const FaceSearchPush push{.positions = mesh.positions,
-                            .corners = mesh.triangles,
+                            .triangles = triangles,
+                            .vertexHashes = vertexHashes_.address(),
                             .sums = words(tables_, 0),
                             .hashes = words(tables_, sumCount_),
                             .twice = words(tables_, uint64_t{sumCount_} + hashCount_),
@@ -46,6 +51,7 @@ void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& me
                             .faces = words(lists_, kLists + room_),
                             .room = room_,
                             .stride = mesh.stride,
+                            .vertexCount = mesh.vertexCount,
                             .triangleCount = mesh.triangleCount,
                             .sumCount = sumCount_,
                             .hashCount = hashCount_};
@@ -53,6 +59,7 @@ void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& me
     commands.fill(tables_, 0);
     commands.fill(lists_, 0);
   });
+  commands.dispatch(hash_, push, push.vertexCount);
   commands.dispatch(count_, push, push.triangleCount);
   commands.dispatch(list_, push, push.triangleCount);
   commands.copy(lists_, hostLists_, lists_.bytes());

@@ -8,8 +8,8 @@
 
 namespace raymap::vulkan {
 
-/// Twin of the searches over all faces in mesh/rim_edges.h and mesh/double_sided.h: lists the edges that may be
-/// rims, and the faces that may lie on one another. The host looks at these alone.
+/// Twin of the searches over all faces in mesh/rim_edges.h and mesh/double_sided.h: lists the edges that may
+/// be rims, and the faces that may lie on one another. The host looks at these alone.
 class FaceSearchStage {
  public:
   /// More edges or faces are not listed: the host then looks at all. So many belong to soups, whose winding
@@ -19,10 +19,10 @@ class FaceSearchStage {
   /// With scratch memory, tables are overwritten by the next phase.
   explicit FaceSearchStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Reserves memory for so many triangles. All previously recorded work must have completed.
-  void reserve(uint32_t triangles);
-  /// Records the search. All indices of the mesh must be in range.
-  void record(Commands& commands, const CellMeshStage::Source& mesh);
+  /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
+  void reserve(uint32_t vertices, uint32_t triangles);
+  /// Records the search in a mesh with these triangles, whose indices must be in range.
+  void record(Commands& commands, const CellMeshStage::Source& mesh, VkDeviceAddress triangles);
 
   // Valid when the work is done, and empty if there are more than are listed:
   /// Returns edges in any order, as `findRimEdges` takes them.
@@ -33,8 +33,8 @@ class FaceSearchStage {
  private:
   std::optional<std::span<const uint32_t>> listed(uint32_t list) const;
 
-  Kernel<FaceSearchPush> count_, list_;
-  DeviceBuffer tables_;
+  Kernel<FaceSearchPush> hash_, count_, list_;
+  DeviceBuffer vertexHashes_, tables_;
   DeviceBuffer lists_, hostLists_;  // Both counts, edges, faces.
   uint32_t room_ = 0, sumCount_ = 0, hashCount_ = 0;
 };
