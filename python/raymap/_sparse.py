@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_length, to_number, to_threads, to_vector
+from ._arguments import set_arrays, to_length, to_number, to_threads, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
@@ -18,8 +18,8 @@ from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
 from ._records import FieldArray
 
-#: Samples at which the band ends, unless the caller says.
-DEFAULT_BAND = 3.0
+#: Width of a band in samples: on both sides of the surface, or inside and outside; None = 3.
+Band = float | tuple[float, float] | None
 
 # Options that a narrow band cannot honour, and their defaults.
 _DENSE_ONLY: dict[str, Any] = {
@@ -64,29 +64,26 @@ class SparseField:
 
     @classmethod
     def from_dense(
-        cls, field: Field, band: float = DEFAULT_BAND, *, threads: int | None = None, memory_limit: int | None = None
+        cls, field: Field, band: Band = None, *, threads: int | None = None, memory_limit: int | None = None
     ) -> SparseField:
         """Returns the samples of a dense field near its surface, with all its arrays.
 
         Args:
             field: The dense field.
-            band: Number of samples at which distances are clamped.
+            band: Number of samples at which distances are clamped, or two numbers (inside, outside), of which the
+                first may be infinite; None = 3.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             memory_limit: Most bytes that the narrow band may take; None = what is available.
 
         Raises:
-            UsageError: The distances are clamped at less than ``band``.
+            UsageError: The distances are clamped at less than ``band``, or numbers that make no sense.
             InputError: A distance is NaN.
             MemoryLimitError: The narrow band does not fit into memory.
 
         >>> raymap.SparseField.from_dense(raymap.generate("ball.ply", resolution=64), band=3)
         raymap.SparseField(64 x 64 x 64 samples, 304 leaves, spacing 0.0375, arrays distance)
         """
-        options = _raymap.FieldOptions()
-        options.band = to_length("band", band)
-        options.triangle, options.winding, options.confidence = (
-            name in field.arrays for name in ("triangle", "winding", "confidence")
-        )
+        options = _band_options(band, field.arrays)
         machine = to_machine("cpu", threads, memory_limit)
         return sparse_of_core(_raymap.to_sparse(core_of_field(field), options, machine))
 
@@ -170,7 +167,7 @@ class SparseField:
 
     @property
     def inside(self) -> float:
-        """The same inside, above 0."""
+        """The same inside, above 0; infinite if no distance inside is clamped."""
         return self._core.inside
 
     @property
@@ -301,8 +298,8 @@ def sparse_of_core(core: _raymap.SparseField) -> SparseField:
     return made
 
 
-def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _raymap.FieldOptions:
-    """Returns the options of a field as those of a narrow band. Refuses what it cannot honour."""
+def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _raymap.BandOptions:
+    """Returns the options of a narrow band. Refuses what it cannot honour of the arguments of ``raymap.generate``."""
     for name, default in _DENSE_ONLY.items():
         value = given.get(name)
         if value is not None and (default is None or value != default):
@@ -311,8 +308,19 @@ def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _
         raise UsageError(f"sparse=True needs the sign 'harmonic' or 'none', not {options.sign!r}")
     if given.get("device", "auto") not in ("auto", "cpu"):
         raise UsageError(f"sparse=True makes the field on the CPU, not on {given.get('device')!r}")
-    if given.get("band") is None:
-        options.band = DEFAULT_BAND
+    return _band_options(given.get("band"), given.get("arrays", ()))
+
+
+def _band_options(band: Any, arrays: Iterable[str]) -> _raymap.BandOptions:
+    options = _raymap.BandOptions()
+    if isinstance(band, (tuple, list)) or np.ndim(band) > 0:
+        if len(band) != 2:
+            raise UsageError(f"band must be a number, or two numbers (inside, outside), not {len(band)} numbers")
+        options.inside = to_number("band: the number inside", band[0], above=0.0)
+        options.outside = to_length("band: the number outside", band[1])
+    elif band is not None:
+        options.inside = options.outside = to_length("band", band)
+    set_arrays(options, arrays)
     return options
 
 

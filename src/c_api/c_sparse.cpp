@@ -84,8 +84,8 @@ raymap_sparse_field* raymap_surface_generate_band(const raymap_surface* surface,
 raymap_sparse_field* raymap_field_to_sparse(const raymap_field* field, const raymap_band_options* band,
                                             const raymap_options* options) {
   return create([&] {
-    return own(toSparse(need(field, "the field").field, bandOptions(band, options),
-                        c::optionsOr(options).machine));
+    return own(
+        toSparse(need(field, "the field").field, bandOptions(band, options), c::optionsOr(options).machine));
   });
 }
 
