@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _raymap, _views
-from ._arguments import set_arrays, to_length, to_number, to_threads, to_vector
+from . import _raymap, _views
+from ._arguments import set_arrays, to_length, to_number, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
-from ._mesh import Mesh, mesh_of_core
-from ._progress import Progress, reporting
+from ._grid_field import GridField
 from ._records import FieldArray
 
 #: Width of a band in samples: on both sides of the surface, or inside and outside; None = 3.
@@ -34,7 +33,7 @@ _DENSE_ONLY: dict[str, Any] = {
 }
 
 
-class SparseField:
+class SparseField(GridField):
     """A signed distance field near a surface alone: a narrow band of samples, negative inside.
 
     ``raymap.generate(..., sparse=True)`` and ``SparseField.from_dense`` return such fields. Their memory grows with the
@@ -87,12 +86,6 @@ class SparseField:
         machine = to_machine("cpu", threads, memory_limit)
         return sparse_of_core(_raymap.to_sparse(core_of_field(field), options, machine))
 
-    def _array(self, name: str) -> npt.NDArray[Any]:
-        array: Any = self._core.array(name)
-        if array is None:
-            raise AttributeError(f"the field has no {name!r}; ask for it, as in arrays=('distance', {name!r})")
-        return np.asarray(array)
-
     @property
     def origins(self) -> npt.NDArray[np.int32]:
         """First sample of each leaf, (n, 3) int32: x, y, z, multiples of 8, along a Morton curve. Read-only."""
@@ -102,33 +95,6 @@ class SparseField:
     def values(self) -> npt.NDArray[np.float32]:
         """Distances in the mesh's units, (n, 8, 8, 8) float32, by leaf, x, y and z. Beyond the grid: far outside."""
         return self._array("distance")
-
-    @property
-    def winding(self) -> npt.NDArray[np.float32]:
-        """Winding numbers, (n, 8, 8, 8) float32, +1 inside a closed surface that faces outwards.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("winding")
-
-    @property
-    def confidence(self) -> npt.NDArray[np.float32]:
-        """Confidences in the sign, (n, 8, 8, 8) float32, 0 to 1.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("confidence")
-
-    @property
-    def triangle(self) -> npt.NDArray[np.uint32]:
-        """Indices of closest triangles, (n, 8, 8, 8) uint32; ``raymap.NO_TRIANGLE`` where the distance is clamped.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("triangle")
 
     @property
     def tile_origins(self) -> npt.NDArray[np.int32]:
@@ -141,26 +107,6 @@ class SparseField:
         return self._core.tile_sides()
 
     @property
-    def arrays(self) -> tuple[str, ...]:
-        """Names of the arrays that the field has: ``"distance"`` is ``values``."""
-        return tuple(self._core.arrays)
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Number of samples of the grid (nx, ny, nz)."""
-        return self._core.dims
-
-    @property
-    def origin(self) -> npt.NDArray[np.float64]:
-        """Position of sample (0, 0, 0), (3,)."""
-        return np.array(self._core.origin)
-
-    @property
-    def spacing(self) -> float:
-        """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
-        return self._core.spacing
-
-    @property
     def outside(self) -> float:
         """Distance at which distances outside are clamped, in the mesh's units."""
         return self._core.outside
@@ -171,12 +117,6 @@ class SparseField:
         return self._core.inside
 
     @property
-    def surface_bounds(self) -> npt.NDArray[np.float64] | None:
-        """Bounds of the surface that distances lead to, (2, 3); None if they are not known."""
-        bounds = self._core.surface_bounds
-        return None if bounds is None else np.array(bounds)
-
-    @property
     def active_count(self) -> int:
         """Number of samples whose distance is not clamped."""
         return self._core.active_count
@@ -185,53 +125,6 @@ class SparseField:
     def nbytes(self) -> int:
         """Bytes that the field holds."""
         return self._core.nbytes
-
-    def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
-
-        Arguments, results and errors are those of ``Field.sample`` of the dense field, bit for bit.
-
-        >>> ball = raymap.generate("ball.ply", resolution=64, sparse=True)
-        >>> ball.sample([(0, 0, 0), (0, 0, 1), (0, 0, 9)]).round(2) + 0.0
-        array([-0.11,  0.  ,  8.  ], dtype=float32)
-        """
-        return self._sample(points, False, outside, threads)
-
-    def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
-
-        Arguments, results and errors are those of ``Field.gradient`` of the dense field, bit for bit.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).gradient((0, 0, 1)).round(1) + 0.0
-        array([0., 0., 1.], dtype=float32)
-        """
-        return self._sample(points, True, outside, threads)
-
-    def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
-        return _arrays.sampled(self._core, points, gradients, outside, to_threads(threads))
-
-    def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
-        """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
-
-        It is the mesh of the dense field, bit for bit. Time and memory grow with the surface alone. Beyond 16384 samples
-        along a side of the grid, the float32 of the vertices is too coarse.
-
-        Args:
-            iso: Distance of the surface in the mesh's units, between ``-inside`` and ``outside``.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
-
-        Raises:
-            UsageError: There is no surface at ``iso``.
-            InputError: A value is not finite.
-            MemoryLimitError: The mesh does not fit into memory.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).to_mesh().bounds.round(1)
-        array([[-1., -1., -1.],
-               [ 1.,  1.,  1.]])
-        """
-        with reporting(progress) as report:
-            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
 
     def to_dense(self, *, threads: int | None = None, memory_limit: int | None = None) -> Field:
         """Returns the field of all samples.
@@ -266,20 +159,12 @@ class SparseField:
         self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
-        nx, ny, nz = self.shape
-        return (
-            f"raymap.SparseField({nx} x {ny} x {nz} samples, {len(self.origins)} leaves, "
-            f"spacing {self.spacing:.6g}, arrays {', '.join(self.arrays)})"
-        )
+        return self._text(f"{len(self.origins)} leaves")
 
     def _repr_html_(self) -> str:
-        rows: dict[str, Any] = {
-            "samples": " × ".join(str(n) for n in self.shape),
+        rows = self._rows() | {
             "active samples": self.active_count,
             "leaves": f"{len(self.origins)} of 8 × 8 × 8 samples",
-            "spacing": self.spacing,
-            "origin": ", ".join(f"{v:.6g}" for v in self.origin),
-            "arrays": ", ".join(self.arrays),
             "clamped at": f"-{self.inside:.6g} and {self.outside:.6g}, negative inside",
             "memory": f"{self.nbytes / 2**20:.4g} MiB",
         }
@@ -294,7 +179,7 @@ class SparseField:
 def sparse_of_core(core: _raymap.SparseField) -> SparseField:
     """Returns the field that the extension module has made."""
     made = SparseField.__new__(SparseField)
-    made._core = core
+    made._hold(core)
     return made
 
 
@@ -339,8 +224,9 @@ def _restore(
     """Makes a field of what was pickled."""
     whole = [np.ascontiguousarray(array, np.int32) for array in (origins, tile_origins, tile_sides)]
     core = _raymap.SparseField(shape, to_vector("origin", origin), spacing, outside, inside, surface_bounds, *whole)
+    restored = SparseField.__new__(SparseField)
+    restored._hold(core)
     for name, array in arrays.items():
-        ordered = np.ascontiguousarray(array.transpose(0, 3, 2, 1))  # x fastest
-        (core.set_wholes if name == "triangle" else core.set_floats)(name, ordered)
+        restored._set(name, np.ascontiguousarray(array.transpose(0, 3, 2, 1)))  # x fastest
     core.validate()
-    return sparse_of_core(core)
+    return restored
