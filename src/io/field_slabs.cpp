@@ -123,7 +123,7 @@ class SlabWriter {
   }
 
   void warn(const std::string& message) const {
-    if (options_.warn) options_.warn({WarningCode::FileContent, message, {.file = path_.string()}});
+    if (options_.warn) options_.warn({WarningCode::PartFile, message, {.file = path_.string()}});
   }
 
   void tellLeft(const PartialFile& file) const {

@@ -56,7 +56,11 @@ class FieldSlabs : public ::testing::Test {
   }
 
   SlabOptions keyed(const std::string& key, int thickness = 2) {
-    return {.thickness = thickness, .key = key, .warn = [&](const Warning& w) { told_ += w.message + "\n"; }};
+    return {.thickness = thickness, .key = key, .warn = [&](const Warning& w) {
+              EXPECT_EQ(w.code, WarningCode::PartFile);
+              EXPECT_TRUE(w.fields.file.starts_with(folder_.path().string())) << w.fields.file;
+              told_ += w.message + "\n";
+            }};
   }
 
   void stop(const std::string& name, const SlabOptions& options, int plane) {
