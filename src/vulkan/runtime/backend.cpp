@@ -84,7 +84,7 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .hasWinding = options.winding,
                 .turnsFaces = mayTurnFaces(options),
                 .closesHoles = options.closeHoles,
-                .findsRims = options.sign == SignMode::Harmonic || options.sign == SignMode::Exact};
+                .findsRims = usesRims(options.sign)};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -186,7 +186,7 @@ void Backend::searchRims(SignMode mode) {
 void Backend::winding(SignMode mode) {
   rims_ = {};
   recordRays(mode);
-  if (mode == SignMode::Harmonic || mode == SignMode::Exact) {
+  if (usesRims(mode)) {
     const bool isQuick = mesh().triangles.size() <= kFacesSearchedBeside;
     const double share = countDoubtful([&] {
       if (mayTurnFaces(options())) searchDoubleSided();
