@@ -31,7 +31,7 @@ enum class WarningCode {
                   ///< the mesh; if it is 0, the mesh encloses nothing, and `length` is a thickness for a
                   ///< solid.
   PartFile        ///< An earlier run left a part of `file`, which this one goes on with or drops, or this one
-            ///< leaves a part.
+                  ///< leaves a part.
 };
 
 /// Values that a warning names. Its code says which it has; the others are empty or 0.
