@@ -225,26 +225,30 @@ void checkEmpty(const Arguments& arguments, const Box& bounds) {
     throw Error(ErrorCode::Usage, "--report-picture: " + name + " has no triangles to draw; leave it out");
 }
 
-/// Returns whether the field's only array is what a `Surface` gives at the samples.
+/// Returns whether the field is what a `Surface` gives at the samples.
 bool isOfSurface(const Arguments& arguments) {
   const FieldOptions& o = arguments.options;
-  const bool isPlain = o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles &&
-                       !o.invert && o.thickness == 0.0;
-  const bool isAlone = !o.triangle && !o.winding && !o.confidence;
-  return isPlain && isAlone && !arguments.machine.device.starts_with("vulkan");
+  return o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles && !o.invert &&
+         o.thickness == 0.0 && !arguments.machine.device.starts_with("vulkan");
 }
 
-bool isWritten(const Arguments& arguments, const std::vector<std::string>& extensions) {
+/// Returns whether the field has the distance alone.
+bool isAlone(const Arguments& arguments) {
+  const FieldOptions& o = arguments.options;
+  return !o.triangle && !o.winding && !o.confidence;
+}
+
+bool isWritten(const Arguments& arguments, const fs::path& path, const std::vector<std::string>& extensions) {
   return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
-         hasExtension(arguments.field, extensions);
+         hasExtension(path, extensions);
 }
 
 /// Returns whether a field is made near the surface alone, which takes less time and memory for so many
 /// samples. Only a .vdb has no place for the others.
 bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
   constexpr size_t kManySamples = size_t{1} << 24;
-  const bool isPossible =
-      arguments.options.band > 0.0 && isWritten(arguments, {".vdb"}) && isOfSurface(arguments);
+  const bool isPossible = arguments.options.band > 0.0 && isWritten(arguments, arguments.field, {".vdb"}) &&
+                          isOfSurface(arguments) && isAlone(arguments);
   if (arguments.fullInside && !isPossible)
     throw Error(
         ErrorCode::Usage,
@@ -274,12 +278,14 @@ void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, cons
 
 /// Returns how many planes of a grid are made at a time: few enough for the limit of memory, and no more than
 /// the speed gains from.
-int slabThickness(const Surface& surface, const Grid& grid, size_t memoryLimit) {
+int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions& options,
+                  size_t memoryLimit) {
   constexpr size_t kManySamples = size_t{1} << 26;
   const size_t plane = size_t(grid.dims.x) * size_t(grid.dims.y);
   auto planes = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(grid.dims.z)));
   const auto fits = [&] {
-    return memoryLimit == 0 || surface.regionBytes({grid.dims.x, grid.dims.y, planes}) <= memoryLimit;
+    return memoryLimit == 0 ||
+           surface.regionBytes({grid.dims.x, grid.dims.y, planes}, options) <= memoryLimit;
   };
   while (planes > 1 && !fits()) planes /= 2;
   return planes;
@@ -298,13 +304,33 @@ std::string keyOf(const Mesh& mesh, const Arguments& arguments) {
   return key.dump();
 }
 
+/// Returns the files of a field that is written slab by slab, as `writeAll` writes them of a whole one.
+std::vector<SlabFile> slabFiles(const Arguments& arguments) {
+  std::vector<SlabFile> files{{.path = arguments.field}};
+  const bool isVti = hasExtension(arguments.field, {".vti"}) ||
+                     (arguments.format.output == ".vti" && !hasExtension(arguments.field, fieldExtensions()));
+  const auto add = [&](const fs::path& path, FieldArray array) {
+    if (path.empty()) return;
+    if (isVti) files.front().arrays.push_back(array);
+    files.push_back({.path = path, .arrays = {array}});
+  };
+  add(arguments.triangleIds, FieldArray::Triangle);
+  add(arguments.winding, FieldArray::Winding);
+  add(arguments.confidence, FieldArray::Confidence);
+  return files;
+}
+
 /// Makes a field that does not fit into memory, and writes it slab by slab.
 void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, const MachineOptions& machine) {
   const FieldOptions& options = arguments.options;
   const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
   report.stats = surface.stats();
   const Grid& grid = report.grid;
-  const int planes = slabThickness(surface, grid, machine.memoryLimit);
+  const RegionOptions region{.band = options.band,
+                             .triangle = options.triangle,
+                             .winding = options.winding,
+                             .confidence = options.confidence};
+  const int planes = slabThickness(surface, grid, region, machine.memoryLimit);
   bool isFirst = true;
   const auto slab = [&](int begin, int end) {
     if (isFirst)
@@ -315,8 +341,8 @@ void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, con
     one.progress = [&](std::string_view stage, double done) {
       return machine.progress(stage, (double(begin) + done * double(end - begin)) / double(grid.dims.z));
     };
-    return surface.generateRegion(grid, {{0, 0, begin}, {grid.dims.x, grid.dims.y, end - begin}},
-                                  {.band = options.band}, one);
+    return surface.generateRegion(grid, {{0, 0, begin}, {grid.dims.x, grid.dims.y, end - begin}}, region,
+                                  one);
   };
   const Field about{
       .grid = grid, .clampDistance = options.band * grid.spacing, .surfaceBounds = bounds(surface.mesh())};
@@ -324,17 +350,21 @@ void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, con
                           .format = arguments.format.output,
                           .key = keyOf(mesh, arguments),
                           .warn = machine.warn};
-  timeStep(report.stats.stages, "slabs", [&] { writeFieldInSlabs(arguments.field, about, slab, slabs); });
+  const std::vector<SlabFile> files = slabFiles(arguments);
+  timeStep(report.stats.stages, "slabs", [&] { writeFieldInSlabs(files, about, slab, slabs); });
   report.stats.milliseconds += report.stats.stages.back().milliseconds;
-  report.stats.bytes = std::max(report.stats.bytes, surface.regionBytes({grid.dims.x, grid.dims.y, planes}));
-  report.written.push_back(arguments.field);
+  report.stats.bytes =
+      std::max(report.stats.bytes, surface.regionBytes({grid.dims.x, grid.dims.y, planes}, region));
+  for (const SlabFile& file : files) report.written.push_back(file.path);
 }
 
 /// Makes a field of all samples, or writes it slab by slab if it does not fit into memory.
 void makeDense(const Arguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
                Report& report, const MachineOptions& machine) {
-  const bool mayBeSlabs =
-      !mesh.triangles.empty() && isOfSurface(arguments) && isWritten(arguments, slabExtensions());
+  const bool mayBeSlabs = !mesh.triangles.empty() && isOfSurface(arguments) && arguments.report.empty() &&
+                          std::ranges::all_of(slabFiles(arguments), [&](const SlabFile& file) {
+                            return isWritten(arguments, file.path, slabExtensions());
+                          });
   if (!mayBeSlabs || report.grid.sampleCount() < kNoTriangle) {
     try {
       report.stats = generator.generate(mesh, report.grid, arguments.options, field, machine);
@@ -443,7 +473,7 @@ void makeFrames(const Arguments& arguments) {
 void run(Arguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
-  if ((arguments.half || !arguments.gridName.empty()) && !isWritten(arguments, {".vdb"}))
+  if ((arguments.half || !arguments.gridName.empty()) && !isWritten(arguments, arguments.field, {".vdb"}))
     throw Error(ErrorCode::Usage, "--grid-name and --half are for a .vdb, and " +
                                       displayName(arguments.field) + " is none; leave them out");
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});

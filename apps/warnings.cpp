@@ -50,6 +50,7 @@ std::string remedyOf(const Warning& warning) {
     case WarningCode::BoxReached:
     case WarningCode::DrainHolesMissing:
     case WarningCode::TrianglesMissed:
+    case WarningCode::PartFile:
       break;
   }
   return {};

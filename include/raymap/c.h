@@ -398,6 +398,98 @@ RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, siz
                                               const raymap_options* options,
                                               const raymap_point_sample_arrays* arrays);
 
+/* ---- Regions and narrow bands ---- */
+
+/* Makes the field of a box of samples of a lattice of up to 2^24 samples a side: `extent` samples along each
+ * axis, from sample `low` on. A sample's values are those of raymap_surface_query at its position on the
+ * lattice, rounded to float, however the lattice is cut. The grid of the field has the position of `low` as
+ * its origin. Of the options, "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the
+ * callbacks count; they may be NULL. */
+RAYMAP_API raymap_field* raymap_surface_generate_region(const raymap_surface* surface,
+                                                        const raymap_grid* lattice, const int32_t low[3],
+                                                        const int32_t extent[3],
+                                                        const raymap_options* options);
+/* Finds the most bytes that the surface and a region of this extent hold together. Of the options,
+ * "triangle", "winding" and "confidence" count; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const int32_t extent[3],
+                                                     const raymap_options* options, size_t* bytes);
+
+/* A signed distance field near a surface alone: a narrow band. Leaves hold the values of 8 x 8 x 8 samples
+ * each. Tiles are cubes of samples without leaves that all lie inside. Samples in neither lie outside. */
+typedef struct raymap_sparse_field raymap_sparse_field;
+
+/* How wide a narrow band is. Initialise with RAYMAP_INIT. */
+typedef struct raymap_band_options {
+  size_t size;    /* sizeof(raymap_band_options) */
+  double outside; /* Width outside of the surface, in samples; 0 = the option "band", or 3 if that is 0. */
+  double inside;  /* The same inside; 0 = as outside; INFINITY = the whole interior. */
+} raymap_band_options;
+
+/* Makes a narrow band on a lattice of up to 2^24 samples a side. A sample's values are those of
+ * raymap_surface_query at its position, rounded to float. `band` may be NULL for the defaults. Of the
+ * options, "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the callbacks count;
+ * they may be NULL. */
+RAYMAP_API raymap_sparse_field* raymap_surface_generate_band(const raymap_surface* surface,
+                                                             const raymap_grid* grid,
+                                                             const raymap_band_options* band,
+                                                             const raymap_options* options);
+/* Returns the samples of a field near its surface. Fails with RAYMAP_ERROR_USAGE for a band that is wider
+ * than the field's own, and for arrays that the field lacks. Of the options, "band", "triangle", "winding",
+ * "confidence", "threads" and "memory_limit" count. `band` and the options may be NULL. */
+RAYMAP_API raymap_sparse_field* raymap_field_to_sparse(const raymap_field* field,
+                                                       const raymap_band_options* band,
+                                                       const raymap_options* options);
+/* Returns the field of all samples. Samples in no leaf are clamped; they have the triangle UINT32_MAX, and
+ * NaN for winding number and confidence. Of the options, "threads" and "memory_limit" count; they may be
+ * NULL. */
+RAYMAP_API raymap_field* raymap_sparse_field_to_dense(const raymap_sparse_field* field,
+                                                      const raymap_options* options);
+RAYMAP_API void raymap_sparse_field_free(raymap_sparse_field* field);
+
+/* The main numbers of a narrow band. */
+typedef struct raymap_sparse_numbers {
+  size_t size;     /* sizeof(raymap_sparse_numbers); RAYMAP_INIT sets it. */
+  uint64_t leaves; /* Number of leaves. */
+  uint64_t tiles;  /* Number of tiles. */
+  uint64_t active; /* Number of samples whose distance is not clamped. */
+  uint64_t bytes;  /* Bytes that the field holds. */
+  double outside;  /* Distance at which distances outside are clamped, in the mesh's units. */
+  double inside;   /* The same inside, above 0; infinite for the whole interior. */
+} raymap_sparse_numbers;
+RAYMAP_API raymap_result raymap_sparse_field_numbers(const raymap_sparse_field* field,
+                                                     raymap_sparse_numbers* numbers);
+/* Copies the lattice of a narrow band. Leaves and tiles may reach beyond its last samples. */
+RAYMAP_API raymap_result raymap_sparse_field_grid(const raymap_sparse_field* field, raymap_grid* grid);
+
+/* Returns the field's own leaves: the first sample of each, (i, j, k), along a Morton curve. NULL if there is
+ * none, and for NULL. The field owns this array and those below: they are valid until it is freed. */
+RAYMAP_API const int32_t* raymap_sparse_field_leaves(const raymap_sparse_field* field);
+/* Returns the field's own tiles: of each the first sample, (i, j, k), and the number of samples along its
+ * side. NULL if there is none, and for NULL. */
+RAYMAP_API const int32_t* raymap_sparse_field_tiles(const raymap_sparse_field* field);
+/* Returns the field's own distances, 512 values per leaf, x fastest, negative inside. Samples beyond the
+ * lattice are far outside. NULL if there is no leaf, and for NULL. */
+RAYMAP_API const float* raymap_sparse_field_distance(const raymap_sparse_field* field);
+/* Returns the field's own indices of the closest triangles, in the same way; NULL also if they were not asked
+ * for. UINT32_MAX where the distance is clamped. */
+RAYMAP_API const uint32_t* raymap_sparse_field_triangle(const raymap_sparse_field* field);
+/* Returns the field's own winding numbers, in the same way. */
+RAYMAP_API const float* raymap_sparse_field_winding(const raymap_sparse_field* field);
+/* Returns the field's own confidences in the sign, in the same way: 0 to 1. */
+RAYMAP_API const float* raymap_sparse_field_confidence(const raymap_sparse_field* field);
+
+/* Samples a narrow band as raymap_field_sample does the field of all samples, bit for bit. */
+RAYMAP_API raymap_result raymap_sparse_field_sample(const raymap_sparse_field* field, const double* points,
+                                                    size_t count, raymap_outside outside, float* distances,
+                                                    float* gradients);
+/* Returns the surface at a distance, as raymap_isosurface does of the field of all samples, bit for bit. Time
+ * and memory grow with the surface. */
+RAYMAP_API raymap_mesh* raymap_sparse_field_isosurface(const raymap_sparse_field* field, double iso,
+                                                       const raymap_options* options);
+/* Writes a narrow band with all its arrays as .vdb. The file appears whole or not at all. raymap_field_load
+ * reads it as a field of all samples. Not in builds without files. */
+RAYMAP_API raymap_result raymap_sparse_field_write(const raymap_sparse_field* field, const char* path);
+
 /* ---- Inspection ---- */
 
 /* Size, topology and defects of a mesh, the faces that cross, and a verdict. */

@@ -27,9 +27,11 @@ enum class WarningCode {
   NoHollow,           ///< The solid is nowhere thick enough for a hollow.
   DrainHolesMissing,  ///< `count` drain holes are missing, because the floors have no place for them.
   TrianglesMissed,    ///< `count` triangles are left, which is more than were asked for.
-  NothingInside  ///< No sample is inside, though the mesh lies in the grid. `voxelSize` is fine enough for
-                 ///< the mesh; if it is 0, the mesh encloses nothing, and `length` is a thickness for a
-                 ///< solid.
+  NothingInside,  ///< No sample is inside, though the mesh lies in the grid. `voxelSize` is fine enough for
+                  ///< the mesh; if it is 0, the mesh encloses nothing, and `length` is a thickness for a
+                  ///< solid.
+  PartFile        ///< An earlier run left a part of `file`, which this one goes on with or drops, or this one
+                  ///< leaves a part.
 };
 
 /// Values that a warning names. Its code says which it has; the others are empty or 0.

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from ._errors import UsageError
+from ._records import FieldArray
+
+if TYPE_CHECKING:
+    from . import _raymap
 
 Vector = tuple[float, float, float]
 
@@ -116,6 +121,18 @@ def to_box(name: str, corners: npt.ArrayLike) -> tuple[Vector, Vector]:
     if not (low <= high).all():
         raise UsageError(f"{name}: each of x0, y0, z0 must be less than its x1, y1, z1")
     return to_vector(name, low), to_vector(name, high)
+
+
+def set_arrays(options: _raymap.FieldOptions | _raymap.BandOptions | _raymap.RegionOptions, arrays: Iterable[str]) -> None:
+    """Sets which arrays a field has besides the distance."""
+    names = {arrays} if isinstance(arrays, str) else set(arrays)
+    if unknown := names - set(get_args(FieldArray)):
+        raise UsageError(
+            f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
+        )
+    options.winding = "winding" in names
+    options.confidence = "confidence" in names
+    options.triangle = "triangle" in names
 
 
 def _numbers(name: str, given: Any, shape: tuple[int, ...], wanted: str) -> npt.NDArray[np.float64]:

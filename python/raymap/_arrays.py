@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import InputError, UsageError
-
-if TYPE_CHECKING:
-    from . import _raymap
+from ._errors import InputError
 
 #: What to do for those who give points in place of faces.
 POINTS_HINT = "for distances at points, use raymap.signed_distance(mesh, points), or raymap.Surface for several calls"
@@ -97,14 +94,3 @@ def to_points(points: Any, *, keep_single: bool = False) -> tuple[npt.NDArray[An
         raise InputError(f"points must be numbers, not {array.dtype}")
     dtype = np.float32 if keep_single and array.dtype == np.float32 else np.float64
     return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype), array.shape
-
-
-def sampled(
-    core: _raymap.Field | _raymap.SparseField, points: Any, gradients: bool, outside: str, threads: int
-) -> Any:
-    """Returns distances or gradients of a field at points, in the framework of the points."""
-    if outside not in ("bound", "nan"):
-        raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
-    flat, shape = to_points(points)
-    result = core.sample(flat, gradients, outside == "nan", threads)
-    return like(result.reshape(shape if gradients else shape[:-1]), points)

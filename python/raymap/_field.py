@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_plane, to_text, to_threads, to_vector, to_whole
+from ._arguments import FINITE, to_box, to_length, to_number, to_plane, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
-from ._mesh import Mesh, core_of, mesh_of_core
+from ._grid_field import GridField
+from ._mesh import core_of
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
 
@@ -41,7 +42,7 @@ class PageOptions(TypedDict, total=False):
     progress: Progress
 
 
-class Field:
+class Field(GridField):
     """A signed distance field, negative inside: distances on a regular grid.
 
     ``raymap.generate`` and ``raymap.load_field`` return fields. To make one of an array of your own, give it to
@@ -73,6 +74,8 @@ class Field:
     -1.5
     """
 
+    _core: _raymap.Field
+
     def __init__(
         self,
         distance: npt.ArrayLike,
@@ -94,28 +97,14 @@ class Field:
         self._take(_raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box))
         for name, array in arrays.items():
             if array is not None:
-                self._set(name, _arrays.to_numpy(array), shape)
+                given = _arrays.to_numpy(array)
+                if given.shape != shape:
+                    raise UsageError(f"{name} must have the shape of distance, {shape}, not {given.shape}")
+                self._set(name, _ordered(name, given))
 
     def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
-        self._core = core
+        self._hold(core)
         self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
-        self._views: dict[str, npt.NDArray[Any]] = {}
-
-    def _set(self, name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
-        if array.shape != shape:
-            raise UsageError(f"{name} must have the shape of distance, {shape}, not {array.shape}")
-        if name == "triangle":
-            self._core.set_wholes(name, np.asfortranarray(array, np.uint32))
-        else:
-            self._core.set_floats(name, np.asfortranarray(array, np.float32))
-
-    def _array(self, name: FieldArray) -> npt.NDArray[Any]:
-        if name in self._views:
-            return self._views[name]
-        array: Any = self._core.array(name)
-        if array is None:
-            raise AttributeError(f"the field has no {name!r}; ask for it, as in arrays=('distance', {name!r})")
-        return self._views.setdefault(name, array)
 
     @property
     def distance(self) -> npt.NDArray[np.float32]:
@@ -123,143 +112,14 @@ class Field:
         return self._array("distance")
 
     @property
-    def winding(self) -> npt.NDArray[np.float32]:
-        """Winding numbers, (nx, ny, nz) float32, +1 inside a closed surface that faces outwards.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("winding")
-
-    @property
-    def confidence(self) -> npt.NDArray[np.float32]:
-        """Confidences in the sign, (nx, ny, nz) float32, 0 to 1.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("confidence")
-
-    @property
-    def triangle(self) -> npt.NDArray[np.uint32]:
-        """Indices of closest triangles, (nx, ny, nz) uint32; ``raymap.NO_TRIANGLE`` where the distance is clamped.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("triangle")
-
-    @property
     def stats(self) -> Stats:
         """Cost of the field, and findings about the mesh: 0 for a field from a file or an array."""
         return self._stats
 
     @property
-    def arrays(self) -> tuple[str, ...]:
-        """Names of the arrays that the field has."""
-        return tuple(self._core.arrays)
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Number of samples (nx, ny, nz)."""
-        return self._core.dims
-
-    @property
-    def origin(self) -> npt.NDArray[np.float64]:
-        """Position of sample (0, 0, 0), (3,)."""
-        return np.array(self._core.origin)
-
-    @property
-    def spacing(self) -> float:
-        """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
-        return self._core.spacing
-
-    @property
     def clamp_distance(self) -> float:
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
         return self._core.clamp_distance
-
-    @property
-    def surface_bounds(self) -> npt.NDArray[np.float64] | None:
-        """Bounds of the surface that distances lead to, (2, 3); None if they are not known."""
-        bounds = self._core.surface_bounds
-        return None if bounds is None else np.array(bounds)
-
-    def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
-
-        Within the box of the samples the distance is trilinear between the eight samples around a point. It is NaN for
-        points that are NaN.
-
-        Outside of the box, it is a lower bound of the signed distance, also where the box cuts the mesh: the largest
-        distance of a sample around the closest point of the box, less the way from there. Outside of
-        ``surface_bounds`` it is at least the distance to them. If the box holds them, it is nearly the distance. If
-        they are not known, or reach there, it falls below 0 farther out: the mesh may be there. Across the holes of an
-        open mesh the sign jumps, and the bound may be too large.
-
-        Args:
-            points: Positions in the mesh's units: NumPy, or any array with ``__dlpack__``. PyTorch, JAX and CuPy get
-                arrays of their own back, on the same device.
-            outside: Result outside of the box: ``"bound"``, or ``"nan"``.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-
-        Raises:
-            InputError: Points of another shape.
-            UsageError: ``outside`` is something else.
-
-        >>> ball = raymap.generate("ball.ply", resolution=32)
-        >>> ball.sample([(0, 0, 0), (0, 0, 1.1), (0, 0, 9)]).round(2)
-        array([-0.99,  0.1 ,  8.  ], dtype=float32)
-        >>> ball.sample((0, 0, 9), outside="nan")
-        array(nan, dtype=float32)
-        """
-        return self._sample(points, False, outside, threads)
-
-    def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
-
-        A gradient is the central difference of the distance over one spacing to either side. Its length is close to 1,
-        but less where surfaces are equally near, and 0 where distances are clamped. Outside of the box of the samples it
-        leads away from the box.
-
-        Args:
-            points: Positions in the mesh's units, (..., 3), as for ``sample``.
-            outside: ``"nan"`` for NaN outside of the box.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-
-        Raises:
-            InputError: Points of another shape.
-
-        >>> ball = raymap.generate("ball.ply", resolution=32)
-        >>> ball.gradient((0, 0, 1)).round(1) + 0.0
-        array([0., 0., 1.], dtype=float32)
-        """
-        return self._sample(points, True, outside, threads)
-
-    def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
-        return _arrays.sampled(self._core, points, gradients, outside, to_threads(threads))
-
-    def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
-        """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
-
-        Every edge has exactly two faces. Corners and sharp edges are kept (dual contouring).
-
-        Args:
-            iso: Distance of the surface in the mesh's units; above 0 outside of the shape.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
-
-        Raises:
-            UsageError: There is no surface at ``iso``.
-            InputError: A sample is not finite.
-            MemoryLimitError: The mesh does not fit into memory.
-
-        >>> raymap.generate("ball.ply", resolution=16).to_mesh(iso=0.1).bounds.round(1)
-        array([[-1.1, -1.1, -1.1],
-               [ 1.1,  1.1,  1.1]])
-        """
-        with reporting(progress) as report:
-            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
 
     def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
@@ -511,18 +371,10 @@ class Field:
         return np.array(self.distance, dtype=dtype, copy=copy)  # NumPy 1 takes None for False.
 
     def __repr__(self) -> str:
-        nx, ny, nz = self.shape
-        return (
-            f"raymap.Field({nx} x {ny} x {nz} samples, spacing {self.spacing:.6g}, arrays {', '.join(self.arrays)})"
-        )
+        return self._text()
 
     def _repr_html_(self) -> str:
-        rows: dict[str, Any] = {
-            "samples": " × ".join(str(n) for n in self.shape),
-            "spacing": f"{self.spacing:.6g}",
-            "origin": ", ".join(f"{v:.6g}" for v in self.origin),
-            "arrays": ", ".join(self.arrays),
-        }
+        rows = self._rows()
         if "distance" in self.arrays:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
         if self.clamp_distance > 0:
@@ -533,9 +385,13 @@ class Field:
         return _html.describe("raymap.Field", rows, "slice across z", self.slice("z", array=shown, width=256))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        arrays = {name: self._array(name) for name in self.arrays}  # type: ignore[arg-type]
+        arrays = {name: self._array(name) for name in self.arrays}
         placement = self.shape, self.origin, self.spacing, self.clamp_distance, self._core.surface_bounds
         return _restore, (*placement, arrays, self.stats)
+
+
+def _ordered(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    return np.asfortranarray(array, np.uint32 if name == "triangle" else np.float32)
 
 
 def core_of_field(field: Field) -> _raymap.Field:
@@ -583,7 +439,7 @@ def _restore(
     restored = Field.__new__(Field)
     restored._take(_raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds), stats)
     for name, array in arrays.items():
-        restored._set(name, array, shape)
+        restored._set(name, _ordered(name, array))
     return restored
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Literal, TypedDict, Unpack, get_args, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_whole
+from ._arguments import FINITE, set_arrays, to_box, to_length, to_number, to_text, to_whole
 from ._arrays import to_numpy
 from ._devices import to_machine
 from ._errors import InputError, UsageError
@@ -19,7 +19,7 @@ from ._field import Field, field_of_core
 from ._mesh import Mesh, core_of
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
-from ._sparse import SparseField, sparse_of_core, sparse_options
+from ._sparse import Band, SparseField, sparse_of_core, sparse_options
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -38,7 +38,7 @@ class SurfaceFieldOptions(TypedDict, total=False):
     invert: bool
     close_holes: bool
     thickness: float | None
-    band: float | None
+    band: Band
     arrays: Iterable[FieldArray]
     device: str
     threads: int | None
@@ -79,7 +79,7 @@ def generate(
     invert: bool = False,
     close_holes: bool = False,
     thickness: float | None = None,
-    band: float | None = None,
+    band: Band = None,
     arrays: Iterable[FieldArray] = ("distance",),
     allow_empty: bool = False,
     device: str = "auto",
@@ -119,7 +119,8 @@ def generate(
         close_holes: Whether distances count the surface that is missing in holes.
         thickness: Thickness of a wall around the surface, in the mesh's units, in place of the sign: for sheets that
             enclose nothing. Half of it pads the mesh's bounds besides.
-        band: Number of samples at which distances are clamped; None = not clamped.
+        band: Number of samples at which distances are clamped; None = not clamped. With ``sparse=True`` also two
+            numbers (inside, outside), of which the first may be infinite: all distances inside are then kept.
         arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
             which every field has.
         allow_empty: Whether the mesh may have no faces. Its field on the grid of ``bounds`` is far everywhere: at the
@@ -181,7 +182,8 @@ def generate(
 
 
 def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
-    core_options = sparse_options(options, to_options(options, options.get("orientation", "auto")))
+    core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
+    band_options = sparse_options(options, core_options)
     surface_options = _raymap.SurfaceOptions()
     surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
     core = core_of(mesh)
@@ -189,7 +191,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
-        return sparse_of_core(surface.generate_sparse(grid, core_options, machine, report))
+        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report))
 
 
 class Generator:
@@ -217,7 +219,7 @@ class Generator:
         """
         check_names("generate", options, FieldOptions)
         mesh = core_of(_to_mesh(mesh_or_vertices, faces, options))
-        core_options = to_options(options, options.get("orientation", "auto"))
+        core_options = to_options(options, options.get("orientation", "auto"), sparse=False)
         core_options.allow_empty = bool(options.get("allow_empty", False))
         grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
@@ -261,8 +263,8 @@ def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> 
     )
 
 
-def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.FieldOptions:
-    """Returns the options as the extension module takes them."""
+def to_options(given: SurfaceFieldOptions, orientation: Orientation, *, sparse: bool) -> _raymap.FieldOptions:
+    """Returns the options as the extension module takes them; those of a narrow band without its widths."""
     options = _raymap.FieldOptions()
     options.distance = to_text("distance", given.get("distance", "exact"))
     options.sign = to_text("sign", given.get("sign", "harmonic"))
@@ -274,7 +276,9 @@ def to_options(given: SurfaceFieldOptions, orientation: Orientation) -> _raymap.
     options.invert = bool(given.get("invert", False))
     options.close_holes = bool(given.get("close_holes", False))
     _set_thickness(options, given.get("thickness"))
-    if (band := given.get("band")) is not None:
+    if not sparse and (band := given.get("band")) is not None:
+        if np.ndim(band) > 0:
+            raise UsageError("band must be one number; with sparse=True, it may be two: (inside, outside)")
         options.band = to_length("band", band)
     set_arrays(options, given.get("arrays", ("distance",)))
     if options.sign == "none" and (options.winding or options.confidence):
@@ -299,15 +303,3 @@ def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> No
     if options.sign not in ("harmonic", "none"):
         raise UsageError("thickness takes the place of sign; leave one of them out")
     options.sign, options.thickness = "none", to_length("thickness", thickness)
-
-
-def set_arrays(options: _raymap.FieldOptions | _raymap.RegionOptions, arrays: Iterable[str]) -> None:
-    """Sets which arrays a field has besides the distance."""
-    names = {arrays} if isinstance(arrays, str) else set(arrays)
-    if unknown := names - set(get_args(FieldArray)):
-        raise UsageError(
-            f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
-        )
-    options.winding = "winding" in names
-    options.confidence = "confidence" in names
-    options.triangle = "triangle" in names

@@ -110,6 +110,7 @@ WarningCode = Literal[
     "drain_holes_missing",
     "triangles_missed",
     "nothing_inside",
+    "part_file",
 ]
 
 

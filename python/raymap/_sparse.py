@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _raymap, _views
-from ._arguments import to_length, to_number, to_threads, to_vector
+from . import _raymap, _views
+from ._arguments import set_arrays, to_length, to_number, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
-from ._mesh import Mesh, mesh_of_core
-from ._progress import Progress, reporting
+from ._grid_field import GridField
 from ._records import FieldArray
 
-#: Samples at which the band ends, unless the caller says.
-DEFAULT_BAND = 3.0
+#: Width of a band in samples: on both sides of the surface, or inside and outside; None = 3.
+Band = float | tuple[float, float] | None
 
 # Options that a narrow band cannot honour, and their defaults.
 _DENSE_ONLY: dict[str, Any] = {
@@ -34,7 +33,7 @@ _DENSE_ONLY: dict[str, Any] = {
 }
 
 
-class SparseField:
+class SparseField(GridField):
     """A signed distance field near a surface alone: a narrow band of samples, negative inside.
 
     ``raymap.generate(..., sparse=True)`` and ``SparseField.from_dense`` return such fields. Their memory grows with the
@@ -64,37 +63,28 @@ class SparseField:
 
     @classmethod
     def from_dense(
-        cls, field: Field, band: float = DEFAULT_BAND, *, threads: int | None = None, memory_limit: int | None = None
+        cls, field: Field, band: Band = None, *, threads: int | None = None, memory_limit: int | None = None
     ) -> SparseField:
         """Returns the samples of a dense field near its surface, with all its arrays.
 
         Args:
             field: The dense field.
-            band: Number of samples at which distances are clamped.
+            band: Number of samples at which distances are clamped, or two numbers (inside, outside), of which the
+                first may be infinite; None = 3.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             memory_limit: Most bytes that the narrow band may take; None = what is available.
 
         Raises:
-            UsageError: The distances are clamped at less than ``band``.
+            UsageError: The distances are clamped at less than ``band``, or numbers that make no sense.
             InputError: A distance is NaN.
             MemoryLimitError: The narrow band does not fit into memory.
 
         >>> raymap.SparseField.from_dense(raymap.generate("ball.ply", resolution=64), band=3)
         raymap.SparseField(64 x 64 x 64 samples, 304 leaves, spacing 0.0375, arrays distance)
         """
-        options = _raymap.FieldOptions()
-        options.band = to_length("band", band)
-        options.triangle, options.winding, options.confidence = (
-            name in field.arrays for name in ("triangle", "winding", "confidence")
-        )
+        options = _band_options(band, field.arrays)
         machine = to_machine("cpu", threads, memory_limit)
         return sparse_of_core(_raymap.to_sparse(core_of_field(field), options, machine))
-
-    def _array(self, name: str) -> npt.NDArray[Any]:
-        array: Any = self._core.array(name)
-        if array is None:
-            raise AttributeError(f"the field has no {name!r}; ask for it, as in arrays=('distance', {name!r})")
-        return np.asarray(array)
 
     @property
     def origins(self) -> npt.NDArray[np.int32]:
@@ -107,33 +97,6 @@ class SparseField:
         return self._array("distance")
 
     @property
-    def winding(self) -> npt.NDArray[np.float32]:
-        """Winding numbers, (n, 8, 8, 8) float32, +1 inside a closed surface that faces outwards.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("winding")
-
-    @property
-    def confidence(self) -> npt.NDArray[np.float32]:
-        """Confidences in the sign, (n, 8, 8, 8) float32, 0 to 1.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("confidence")
-
-    @property
-    def triangle(self) -> npt.NDArray[np.uint32]:
-        """Indices of closest triangles, (n, 8, 8, 8) uint32; ``raymap.NO_TRIANGLE`` where the distance is clamped.
-
-        Raises:
-            AttributeError: The field does not have them.
-        """
-        return self._array("triangle")
-
-    @property
     def tile_origins(self) -> npt.NDArray[np.int32]:
         """First sample of each cube inside without leaves, (m, 3) int32. Read-only."""
         return self._core.tile_origins()
@@ -144,40 +107,14 @@ class SparseField:
         return self._core.tile_sides()
 
     @property
-    def arrays(self) -> tuple[str, ...]:
-        """Names of the arrays that the field has: ``"distance"`` is ``values``."""
-        return tuple(self._core.arrays)
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Number of samples of the grid (nx, ny, nz)."""
-        return self._core.dims
-
-    @property
-    def origin(self) -> npt.NDArray[np.float64]:
-        """Position of sample (0, 0, 0), (3,)."""
-        return np.array(self._core.origin)
-
-    @property
-    def spacing(self) -> float:
-        """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
-        return self._core.spacing
-
-    @property
     def outside(self) -> float:
         """Distance at which distances outside are clamped, in the mesh's units."""
         return self._core.outside
 
     @property
     def inside(self) -> float:
-        """The same inside, above 0."""
+        """The same inside, above 0; infinite if no distance inside is clamped."""
         return self._core.inside
-
-    @property
-    def surface_bounds(self) -> npt.NDArray[np.float64] | None:
-        """Bounds of the surface that distances lead to, (2, 3); None if they are not known."""
-        bounds = self._core.surface_bounds
-        return None if bounds is None else np.array(bounds)
 
     @property
     def active_count(self) -> int:
@@ -188,53 +125,6 @@ class SparseField:
     def nbytes(self) -> int:
         """Bytes that the field holds."""
         return self._core.nbytes
-
-    def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
-
-        Arguments, results and errors are those of ``Field.sample`` of the dense field, bit for bit.
-
-        >>> ball = raymap.generate("ball.ply", resolution=64, sparse=True)
-        >>> ball.sample([(0, 0, 0), (0, 0, 1), (0, 0, 9)]).round(2) + 0.0
-        array([-0.11,  0.  ,  8.  ], dtype=float32)
-        """
-        return self._sample(points, False, outside, threads)
-
-    def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
-        """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
-
-        Arguments, results and errors are those of ``Field.gradient`` of the dense field, bit for bit.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).gradient((0, 0, 1)).round(1) + 0.0
-        array([0., 0., 1.], dtype=float32)
-        """
-        return self._sample(points, True, outside, threads)
-
-    def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
-        return _arrays.sampled(self._core, points, gradients, outside, to_threads(threads))
-
-    def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
-        """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
-
-        It is the mesh of the dense field, bit for bit. Time and memory grow with the surface alone. Beyond 16384 samples
-        along a side of the grid, the float32 of the vertices is too coarse.
-
-        Args:
-            iso: Distance of the surface in the mesh's units, between ``-inside`` and ``outside``.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
-
-        Raises:
-            UsageError: There is no surface at ``iso``.
-            InputError: A value is not finite.
-            MemoryLimitError: The mesh does not fit into memory.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).to_mesh().bounds.round(1)
-        array([[-1., -1., -1.],
-               [ 1.,  1.,  1.]])
-        """
-        with reporting(progress) as report:
-            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
 
     def to_dense(self, *, threads: int | None = None, memory_limit: int | None = None) -> Field:
         """Returns the field of all samples.
@@ -269,20 +159,12 @@ class SparseField:
         self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
-        nx, ny, nz = self.shape
-        return (
-            f"raymap.SparseField({nx} x {ny} x {nz} samples, {len(self.origins)} leaves, "
-            f"spacing {self.spacing:.6g}, arrays {', '.join(self.arrays)})"
-        )
+        return self._text(f"{len(self.origins)} leaves")
 
     def _repr_html_(self) -> str:
-        rows: dict[str, Any] = {
-            "samples": " × ".join(str(n) for n in self.shape),
+        rows = self._rows() | {
             "active samples": self.active_count,
             "leaves": f"{len(self.origins)} of 8 × 8 × 8 samples",
-            "spacing": self.spacing,
-            "origin": ", ".join(f"{v:.6g}" for v in self.origin),
-            "arrays": ", ".join(self.arrays),
             "clamped at": f"-{self.inside:.6g} and {self.outside:.6g}, negative inside",
             "memory": f"{self.nbytes / 2**20:.4g} MiB",
         }
@@ -297,12 +179,12 @@ class SparseField:
 def sparse_of_core(core: _raymap.SparseField) -> SparseField:
     """Returns the field that the extension module has made."""
     made = SparseField.__new__(SparseField)
-    made._core = core
+    made._hold(core)
     return made
 
 
-def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _raymap.FieldOptions:
-    """Returns the options of a field as those of a narrow band. Refuses what it cannot honour."""
+def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _raymap.BandOptions:
+    """Returns the options of a narrow band. Refuses what it cannot honour of the arguments of ``raymap.generate``."""
     for name, default in _DENSE_ONLY.items():
         value = given.get(name)
         if value is not None and (default is None or value != default):
@@ -311,8 +193,19 @@ def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _
         raise UsageError(f"sparse=True needs the sign 'harmonic' or 'none', not {options.sign!r}")
     if given.get("device", "auto") not in ("auto", "cpu"):
         raise UsageError(f"sparse=True makes the field on the CPU, not on {given.get('device')!r}")
-    if given.get("band") is None:
-        options.band = DEFAULT_BAND
+    return _band_options(given.get("band"), given.get("arrays", ()))
+
+
+def _band_options(band: Any, arrays: Iterable[str]) -> _raymap.BandOptions:
+    options = _raymap.BandOptions()
+    if isinstance(band, (tuple, list)) or np.ndim(band) > 0:
+        if len(band) != 2:
+            raise UsageError(f"band must be a number, or two numbers (inside, outside), not {len(band)} numbers")
+        options.inside = to_number("band: the number inside", band[0], above=0.0)
+        options.outside = to_length("band: the number outside", band[1])
+    elif band is not None:
+        options.inside = options.outside = to_length("band", band)
+    set_arrays(options, arrays)
     return options
 
 
@@ -331,8 +224,9 @@ def _restore(
     """Makes a field of what was pickled."""
     whole = [np.ascontiguousarray(array, np.int32) for array in (origins, tile_origins, tile_sides)]
     core = _raymap.SparseField(shape, to_vector("origin", origin), spacing, outside, inside, surface_bounds, *whole)
+    restored = SparseField.__new__(SparseField)
+    restored._hold(core)
     for name, array in arrays.items():
-        ordered = np.ascontiguousarray(array.transpose(0, 3, 2, 1))  # x fastest
-        (core.set_wholes if name == "triangle" else core.set_floats)(name, ordered)
+        restored._set(name, np.ascontiguousarray(array.transpose(0, 3, 2, 1)))  # x fastest
     core.validate()
-    return sparse_of_core(core)
+    return restored

@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
-from ._arguments import to_length, to_number, to_vector, to_wholes
+from ._arguments import set_arrays, to_length, to_number, to_vector, to_wholes
 from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, set_arrays, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
@@ -285,16 +285,16 @@ class Surface:
         check_names("generate", options, SurfaceFieldOptions)
         if not self._sign:
             options = {"sign": "none", **options}
-        core_options = to_options(options, self._orientation)
+        core_options = to_options(options, self._orientation, sparse=sparse)
         if sparse:
-            sparse_options(options, core_options)
+            band_options = sparse_options(options, core_options)
             if (core_options.sign != "none") != self._sign or core_options.threshold != 0.5:
                 raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
         grid = fit_grid(self._core.fit_grid, options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
             if sparse:
-                return sparse_of_core(self._core.generate_sparse(grid, core_options, machine, report))
+                return sparse_of_core(self._core.generate_sparse(grid, band_options, machine, report))
             return field_of_core(self._core.generate(grid, core_options, machine, report))
 
     def generate_region(

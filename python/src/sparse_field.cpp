@@ -79,23 +79,24 @@ std::shared_ptr<FieldHandle> makeDense(const SparseHandle& self, const MachineOp
   return handle;
 }
 
-std::shared_ptr<SparseHandle> makeSparse(const FieldHandle& field, const FieldOptions& options,
+std::shared_ptr<SparseHandle> makeSparse(const FieldHandle& field, const BandOptions& options,
                                          const MachineOptions& machine) {
   const nb::gil_scoped_release release;
   auto handle = std::make_shared<SparseHandle>();
-  handle->field = toSparse(field.field,
-                           {.outside = options.band,
-                            .inside = options.band,
-                            .triangle = options.triangle,
-                            .winding = options.winding,
-                            .confidence = options.confidence},
-                           machine);
+  handle->field = toSparse(field.field, options, machine);
   return handle;
 }
 
 }  // namespace
 
 void bindSparseField(nb::module_& module) {
+  nb::class_<BandOptions>(module, "BandOptions")
+      .def(nb::init<>())
+      .def_rw("outside", &BandOptions::outside)
+      .def_rw("inside", &BandOptions::inside)
+      .def_rw("triangle", &BandOptions::triangle)
+      .def_rw("winding", &BandOptions::winding)
+      .def_rw("confidence", &BandOptions::confidence);
   nb::class_<SparseHandle> field(module, "SparseField");
   bindPlacement(field);
   field

@@ -31,18 +31,12 @@ std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, con
   return result;
 }
 
-/// Returns the field near the surface, as the options tell: of these, `band` and the arrays count.
 std::shared_ptr<SparseHandle> generateSparse(const Surface& self, const Grid& grid,
-                                             const FieldOptions& options, const MachineOptions& machine,
+                                             const BandOptions& options, const MachineOptions& machine,
                                              nb::object progress) {
   Call call(std::move(progress));
   const auto result = std::make_shared<SparseHandle>();
-  const BandOptions band{.outside = options.band,
-                         .inside = options.band,
-                         .triangle = options.triangle,
-                         .winding = options.winding,
-                         .confidence = options.confidence};
-  call.run([&] { result->field = self.generateBand(grid, band, call.on(machine)); });
+  call.run([&] { result->field = self.generateBand(grid, options, call.on(machine)); });
   return result;
 }
 

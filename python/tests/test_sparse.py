@@ -92,6 +92,30 @@ def test_it_comes_from_a_dense_field(ball, band):
         raymap.SparseField.from_dense(band.to_dense(), band=4)
 
 
+def test_its_sides_have_widths_of_their_own(ball):
+    surface, dense = raymap.Surface(ball), raymap.generate(ball, resolution=40)
+    for inside, outside in ((4, 2), (1.5, 3), (np.inf, 2)):
+        made = raymap.generate(ball, resolution=40, band=(inside, outside), sparse=True)
+        assert made.inside == inside * made.spacing and made.outside == outside * made.spacing
+        assert (np.abs(made.values) < made.outside).any() and (made.values > -np.float32(made.inside)).any()
+        samples = samples_of(made)
+        on_grid = (samples < made.shape).all(axis=-1)
+        found = surface.query(made.origin + made.spacing * samples[on_grid], "distance").distance
+        expected = np.clip(found, -made.inside, made.outside).astype(np.float32)
+        np.testing.assert_array_equal(made.values[on_grid], expected)
+        assert repr(pickle.loads(pickle.dumps(made))) == repr(made)
+        for same in (
+            surface.generate(resolution=40, band=[inside, outside], sparse=True),
+            raymap.SparseField.from_dense(dense, np.array([inside, outside])),
+        ):
+            np.testing.assert_array_equal(same.origins, made.origins)
+            np.testing.assert_allclose(same.values, made.values, atol=1e-6)
+            assert (same.inside, same.outside) == (made.inside, made.outside)
+    assert len(made.tile_origins) == 0 and made.active_count > (dense.distance < 0).sum()
+    with pytest.raises(raymap.UsageError, match="one number; with sparse=True"):
+        raymap.generate(ball, resolution=16, band=(2, 3))
+
+
 def test_it_is_pickled(band):
     again = pickle.loads(pickle.dumps(band))
     for name in ("values", "triangle", "winding", "confidence", "origins", "tile_origins", "tile_sides"):
@@ -159,6 +183,10 @@ def test_it_may_be_empty(ball):
         ({"sign": "rays"}, "'harmonic' or 'none', not 'rays'"),
         ({"device": "vulkan"}, "on the CPU, not on 'vulkan'"),
         ({"band": -1}, "band must be"),
+        ({"band": (1, 2, 3)}, r"two numbers \(inside, outside\), not 3 numbers"),
+        ({"band": (0, 2)}, "the number inside must be above 0, not 0"),
+        ({"band": (2, np.inf)}, "the number outside must be finite, not inf"),
+        ({"band": np.inf}, "band must be finite"),
         ({"sign": "none", "arrays": ("winding",)}, "need a sign"),
         ({"arrays": ("colour",)}, "no array is named 'colour'"),
     ],

@@ -16,7 +16,7 @@ prepared = raymap.Surface(mesh, orientation="keep")
 winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).winding
 distances: npt.NDArray[np.float64] = raymap.signed_distance(mesh, [(0, 0, 0)], sign=False)
 again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
-band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=3, sparse=True)
+band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=(2, 3), sparse=True)
 values: npt.NDArray[np.float32] = prepared.generate(resolution=16, sparse=True).values
 generator = raymap.Generator()
 again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)

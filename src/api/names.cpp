@@ -126,12 +126,12 @@ struct Names<WarningCode> {
       WarningCode::SolidLost,       WarningCode::SurfaceLost,       WarningCode::PartsDropped,
       WarningCode::PartsKept,       WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
       WarningCode::HollowsFilled,   WarningCode::NoHollow,          WarningCode::DrainHolesMissing,
-      WarningCode::TrianglesMissed, WarningCode::NothingInside};
-  static constexpr std::array<std::string_view, 17> kNames{
+      WarningCode::TrianglesMissed, WarningCode::NothingInside,     WarningCode::PartFile};
+  static constexpr std::array<std::string_view, 18> kNames{
       "file_content",     "rounding",        "device_refused", "device_failed", "orientation_misfit",
       "box_reached",      "solid_lost",      "surface_lost",   "parts_dropped", "parts_kept",
       "parts_buried",     "cavities_filled", "hollows_filled", "no_hollow",     "drain_holes_missing",
-      "triangles_missed", "nothing_inside"};
+      "triangles_missed", "nothing_inside",  "part_file"};
 };
 
 template <class Enum>

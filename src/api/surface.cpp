@@ -183,6 +183,9 @@ Field Surface::generateRegion(const Grid& lattice, const Region& region, const R
 }
 
 size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options) const {
+  for (int axis = 0; axis < 3; ++axis)
+    require(size[axis] > 0, std::string("a region needs a sample along ") + "xyz"[axis] + ", not " +
+                                std::to_string(size[axis]));
   return bytes() + cpu::regionBytes(size, options);
 }
 

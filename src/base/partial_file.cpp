@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <ostream>
@@ -39,9 +40,7 @@ PartialFile::PartialFile(const fs::path& path, uint64_t key)
   if (!isLocked || !hasName(file_.get(), part_))
     throw Error(ErrorCode::File, part_.string() + ": another run is writing it");
   findLeft();
-  if (ftruncate(file_.get(), off_t(noted_)) != 0 || lseek(file_.get(), 0, SEEK_END) < 0)
-    throwWriteError(part_, errno);
-  written_ = noted_;
+  if (ftruncate(file_.get(), off_t(end_)) != 0) throwWriteError(part_, errno);
   writeNote();
 }
 
@@ -57,30 +56,33 @@ void PartialFile::findLeft() {
   const auto size = uint64_t(about.st_size);
   std::ifstream note(note_);
   std::string magic;
-  uint64_t key = 0, bytes = 0;
-  const bool isOurs = bool(note >> magic >> key >> bytes) && magic == kNoteMagic;
+  uint64_t key = 0, steps = 0, bytes = 0;
+  const bool isOurs = bool(note >> magic >> key >> steps >> bytes) && magic == kNoteMagic;
   if (!isOurs && size > 0)
     throw Error(ErrorCode::File,
                 part_.string() + ": it is in the way and was not left by an earlier run; move it");
-  if (!isOurs || bytes == 0) return;
+  if (!isOurs || steps == 0) return;
   left_ = key != key_ ? Left::OtherWork : size < bytes ? Left::TooLittle : Left::Start;
-  if (left_ == Left::Start) noted_ = bytes;
+  if (left_ != Left::Start) return;
+  noted_ = steps;
+  end_ = bytes;
 }
 
-void PartialFile::write(std::span<const std::byte> bytes) {
+void PartialFile::write(uint64_t place, std::span<const std::byte> bytes) {
+  if (lseek(file_.get(), off_t(place), SEEK_SET) < 0) throwWriteError(part_, errno);
   writeAll(file_.get(), part_, reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  written_ += bytes.size();
+  end_ = std::max(end_, place + bytes.size());
 }
 
-void PartialFile::note() {
+void PartialFile::note(uint64_t steps) {
   if (fsync(file_.get()) != 0) throwWriteError(part_, errno);
-  noted_ = written_;
+  noted_ = steps;
   writeNote();
 }
 
 void PartialFile::writeNote() {
-  const std::string text =
-      std::string(kNoteMagic) + ' ' + std::to_string(key_) + ' ' + std::to_string(noted_) + '\n';
+  const std::string text = std::string(kNoteMagic) + ' ' + std::to_string(key_) + ' ' +
+                           std::to_string(noted_) + ' ' + std::to_string(end_) + '\n';
   writeAtomically(note_, [&](std::ostream& out) { out << text; });
 }
 

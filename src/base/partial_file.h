@@ -9,8 +9,8 @@
 
 namespace raymap {
 
-/// A file that is written from its start to its end, by runs that may be stopped. Until it is whole, its name
-/// is `PATH.part`. `PATH.part.done` holds the key of the work and the number of bytes that are whole.
+/// A file that is written in steps, by runs that may be stopped. Until it is whole, its name is `PATH.part`.
+/// `PATH.part.done` holds the key of the work, the number of steps that are whole, and their bytes.
 class PartialFile {
  public:
   /// What earlier runs left.
@@ -24,18 +24,19 @@ class PartialFile {
   /// Opens the file. Throws `Error(File)` if it cannot, if another process writes it, or if there is a
   /// `PATH.part` of another program.
   PartialFile(const std::filesystem::path& path, uint64_t key);
-  /// Removes the file if no bytes are noted.
+  /// Removes the file if no step is noted.
   ~PartialFile();
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
 
   Left left() const { return left_; }
   const std::filesystem::path& part() const { return part_; }
-  /// Returns the number of bytes that are noted as whole.
+  /// Returns the number of steps that are noted as whole.
   uint64_t noted() const { return noted_; }
-  void write(std::span<const std::byte> bytes);
-  /// Flushes the file to the disk and notes that what was written is whole.
-  void note();
+  /// Writes bytes at their place in the file.
+  void write(uint64_t place, std::span<const std::byte> bytes);
+  /// Flushes the file to the disk and notes that so many steps are whole.
+  void note(uint64_t steps);
   /// Flushes the file to the disk and gives it its name, in place of a file that has it.
   void publish();
 
@@ -47,7 +48,8 @@ class PartialFile {
   uint64_t key_;
   Descriptor file_;
   Left left_ = Left::Nothing;
-  uint64_t written_ = 0, noted_ = 0;
+  uint64_t end_ = 0;    ///< Number of bytes up to the last that was written.
+  uint64_t noted_ = 0;  ///< Number of steps.
   bool isPublished_ = false;
 };
 

@@ -31,15 +31,15 @@ Outside outsideOf(const raymap_outside& outside) {
   }
 }
 
-/// Returns the data of a field's array; null if it is empty.
-template <class T>
-const T* dataOf(const raymap_field* field, Buffer<T> Field::*array) {
-  const T* data = nullptr;
-  guard([&] {
-    const Buffer<T>& values = need(field, "the field").field.*array;
-    if (!values.empty()) data = values.data();
+template <class Handle>
+raymap_result sampleField(const Handle* handle, const double* points, size_t count,
+                          const raymap_outside& outside, float* distances, float* gradients) {
+  return guard([&] {
+    const auto& sampled = need(handle, "the field").field;
+    if (count > 0) need(points, "the array of points");
+    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
+               reinterpret_cast<glm::vec3*>(gradients));
   });
-  return data;
 }
 
 }  // namespace
@@ -95,19 +95,19 @@ double raymap_field_clamp_distance(const raymap_field* field) {
 }
 
 const float* raymap_field_distance(const raymap_field* field) {
-  return dataOf(field, &Field::distance);
+  return c::dataOf(field, &Field::distance);
 }
 
 const uint32_t* raymap_field_triangle(const raymap_field* field) {
-  return dataOf(field, &Field::triangle);
+  return c::dataOf(field, &Field::triangle);
 }
 
 const float* raymap_field_winding(const raymap_field* field) {
-  return dataOf(field, &Field::winding);
+  return c::dataOf(field, &Field::winding);
 }
 
 const float* raymap_field_confidence(const raymap_field* field) {
-  return dataOf(field, &Field::confidence);
+  return c::dataOf(field, &Field::confidence);
 }
 
 raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats) {
@@ -123,10 +123,10 @@ const char* raymap_field_device(const raymap_field* field) {
 
 raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
                                   raymap_outside outside, float* distances, float* gradients) {
-  return guard([&] {
-    const Field& sampled = need(field, "the field").field;
-    if (count > 0) need(points, "the array of points");
-    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
-               reinterpret_cast<glm::vec3*>(gradients));
-  });
+  return sampleField(field, points, count, outside, distances, gradients);
+}
+
+raymap_result raymap_sparse_field_sample(const raymap_sparse_field* field, const double* points, size_t count,
+                                         raymap_outside outside, float* distances, float* gradients) {
+  return sampleField(field, points, count, outside, distances, gradients);
 }

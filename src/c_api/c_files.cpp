@@ -40,3 +40,7 @@ raymap_result raymap_field_write(const raymap_field* field, const char* path, co
                {.array = array ? fromName<FieldArray>(array) : FieldArray::Distance});
   });
 }
+
+raymap_result raymap_sparse_field_write(const raymap_sparse_field* field, const char* path) {
+  return guard([&] { writeBand(&need(path, "the path"), need(field, "the field").field); });
+}

@@ -31,6 +31,10 @@ raymap_result raymap_field_write(const raymap_field*, const char*, const char*) 
   return fail();
 }
 
+raymap_result raymap_sparse_field_write(const raymap_sparse_field*, const char*) {
+  return fail();
+}
+
 char* raymap_inspection_json(const raymap_inspection*) {
   fail();
   return nullptr;

@@ -33,6 +33,10 @@ struct raymap_field {
   raymap::Stats stats;
 };
 
+struct raymap_sparse_field {
+  raymap::SparseField field;
+};
+
 struct raymap_generator {
   raymap::Generator generator;
 };
@@ -126,6 +130,17 @@ T& need(T* pointer, const char* name) {
 inline const raymap_options& optionsOr(const raymap_options* options) {
   static const raymap_options kDefaults;
   return options ? *options : kDefaults;
+}
+
+/// Returns the data of an array of a handle's field; null if it is empty. Fails if the handle is null.
+template <class T, class Handle, class AnyField>
+const T* dataOf(const Handle* handle, Buffer<T> AnyField::*array) noexcept {
+  const T* data = nullptr;
+  guard([&] {
+    const Buffer<T>& values = need(handle, "the field").field.*array;
+    if (!values.empty()) data = values.data();
+  });
+  return data;
 }
 
 /// Returns options of a grid. Throws `Error(Usage)` as `read` does.

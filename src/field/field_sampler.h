@@ -29,6 +29,8 @@ const Buffer<float>& numbersOf(const Field& field, FieldArray array);
 /// `Error(Usage)` as `validateField` does.
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient);
+void sampleInto(const SparseField& band, std::span<const glm::dvec3> points, Outside outside, float* distance,
+                glm::vec3* gradient);
 
 /// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field. For one thread.
 class SparseTrilinear {

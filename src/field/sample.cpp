@@ -128,6 +128,11 @@ void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside 
   samplePoints(field, points, outside, distance, gradient);
 }
 
+void sampleInto(const SparseField& band, std::span<const glm::dvec3> points, Outside outside, float* distance,
+                glm::vec3* gradient) {
+  samplePoints(band, points, outside, distance, gradient);
+}
+
 Samples sample(const SparseField& band, std::span<const glm::dvec3> points, const SampleOptions& options,
                const MachineOptions& machine) {
   Samples result;

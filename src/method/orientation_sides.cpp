@@ -17,6 +17,7 @@
 #include "mesh/parts.h"
 #include "method/orientation_sheets.h"
 #include "method/orientation_surface.h"
+#include "method/winding_rims_lattices.h"
 
 namespace raymap {
 
@@ -283,8 +284,7 @@ std::vector<uint32_t> FaceSides::facesWith(uint8_t turn) const {
 
 bool mayTurnFaces(const FieldOptions& options) {
   if (options.orientation == Orientation::Repair) return options.sign != SignMode::None;
-  return options.orientation == Orientation::Auto &&
-         (options.sign == SignMode::Harmonic || options.sign == SignMode::Exact);
+  return options.orientation == Orientation::Auto && usesRims(options.sign);
 }
 
 SignMode modeBeforeOrientation(const FieldOptions& options) {

@@ -31,6 +31,11 @@ struct RimLattices {
   uint32_t source() const { return haveAll() ? kFromRims : needDipoles() ? kFromDipoles : kFromFit; }
 };
 
+/// Returns whether a mode takes winding numbers from the crossings and the rims of a mesh.
+constexpr bool usesRims(SignMode mode) {
+  return mode == SignMode::Harmonic || mode == SignMode::Exact;
+}
+
 /// Returns the level of the coarsest lattice.
 int coarsestRimLevel(const glm::ivec3& dims);
 

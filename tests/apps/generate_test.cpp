@@ -106,9 +106,30 @@ TEST_F(CliGenerate, WritesSlabsOfWhatDoesNotFit) {
   expectWhole("later.npy", 0.0);
 
   expectFailure(make + "-o field.npz", ErrorCode::Memory, "the field needs ");
-  expectFailure(make + "-o field.npy --winding w.npy", ErrorCode::Memory, "the field needs ");
+  expectFailure(make + "-o field.npy --report r.json", ErrorCode::Memory, "the field needs ");
+  expectFailure(make + "-o field.npy --winding w.npz", ErrorCode::Memory, "the field needs ");
   expectFailure("generate ball.ply --device cpu --resolution 100000 -o far.npy", ErrorCode::File,
                 "far.npy.part: the file needs ");
+}
+
+TEST_F(CliGenerate, WritesSlabsOfAllArrays) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  writeMesh(path("ball.ply"), mesh);
+  const std::string make = "generate ball.ply --device cpu --resolution 80 --memory-limit 5MB ";
+  const Result result = succeed(make + "-o all.vti --winding w.npy --confidence c.nrrd --triangle-ids t.vti");
+  EXPECT_NE(result.out.find("written in slabs of "), std::string::npos) << result.out;
+  const Grid grid = fitGrid(mesh, {.resolution = 80});
+  const Field whole = Surface(mesh).generateRegion(grid, {{0, 0, 0}, grid.dims},
+                                                   {.triangle = true, .winding = true, .confidence = true});
+  const auto expectFile = [&](const std::string& name, FieldArray array) {
+    writeField(path("whole_" + name), whole, {.array = array});
+    EXPECT_TRUE(readBytes(path(name)) == readBytes(path("whole_" + name))) << name;
+    EXPECT_NE(result.out.find("wrote " + name), std::string::npos) << result.out;
+  };
+  expectFile("all.vti", FieldArray::Distance);
+  expectFile("w.npy", FieldArray::Winding);
+  expectFile("c.nrrd", FieldArray::Confidence);
+  expectFile("t.vti", FieldArray::Triangle);
 }
 
 TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {

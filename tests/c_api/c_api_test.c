@@ -294,6 +294,127 @@ static void test_surface(void) {
   raymap_mesh_free(mesh);
 }
 
+/* A narrow band in C, with the triangles: leaves, tiles, widths, and what is made of it. */
+static void test_band(const char* folder) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_options* options = on_cpu();
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  raymap_grid_options grid_options = RAYMAP_INIT(raymap_grid_options);
+  raymap_grid grid, same;
+  grid_options.resolution = 96;
+  CHECK(raymap_fit_grid(mesh, &grid_options, &grid) == RAYMAP_OK);
+  CHECK(raymap_options_set_number(options, "triangle", 1) == RAYMAP_OK);
+  raymap_sparse_field* band = raymap_surface_generate_band(surface, &grid, NULL, options);
+  raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
+  CHECK(raymap_sparse_field_numbers(band, &numbers) == RAYMAP_OK);
+  CHECK(numbers.outside == 3 * grid.spacing && numbers.inside == 3 * grid.spacing);
+  CHECK(numbers.leaves > 100 && numbers.tiles > 0 && numbers.bytes > numbers.leaves * 512 * 8);
+  CHECK(raymap_sparse_field_grid(band, &same) == RAYMAP_OK && same.dims[2] == grid.dims[2]);
+  CHECK(same.spacing == grid.spacing && same.origin[1] == grid.origin[1]);
+  CHECK(raymap_sparse_field_winding(band) == NULL && raymap_sparse_field_confidence(band) == NULL);
+
+  const int32_t *leaves = raymap_sparse_field_leaves(band), *tiles = raymap_sparse_field_tiles(band);
+  const float* distance = raymap_sparse_field_distance(band);
+  const uint32_t* triangle = raymap_sparse_field_triangle(band);
+  uint64_t active = 0;
+  for (uint64_t v = 0; v < numbers.leaves * 512; ++v) {
+    const int is_active = fabs(distance[v]) < (float)numbers.outside;
+    active += is_active;
+    CHECK(is_active ? triangle[v] < 4 : triangle[v] == UINT32_MAX);
+  }
+  CHECK(active == numbers.active && leaves[0] % 8 == 0 && tiles[3] % 8 == 0);
+
+  raymap_field* dense = raymap_sparse_field_to_dense(band, NULL);
+  const float* all = raymap_field_distance(dense);
+  for (uint64_t l = 0; l < numbers.leaves; ++l) { /* The second sample along x of each leaf. */
+    const size_t x = (size_t)leaves[3 * l] + 1, y = (size_t)leaves[3 * l + 1], z = (size_t)leaves[3 * l + 2];
+    CHECK(all[(z * 96 + y) * 96 + x] == distance[512 * l + 1]);
+  }
+  const size_t at = ((size_t)tiles[2] * 96 + (size_t)tiles[1]) * 96 + (size_t)tiles[0];
+  CHECK(all[at] == -(float)numbers.inside);
+
+  const double points[2][3] = {{0.33, 0.33, -0.33}, {9, 9, 9}};
+  float values[2], of_dense[2], gradients[2][3];
+  CHECK(raymap_sparse_field_sample(band, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, values, &gradients[0][0]) == RAYMAP_OK);
+  CHECK(raymap_field_sample(dense, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, of_dense, NULL) == RAYMAP_OK);
+  CHECK(values[0] == of_dense[0] && fabs(values[0]) < 0.01 && isnan(values[1]) && gradients[0][0] > 0.5f);
+  CHECK_FAILS(raymap_sparse_field_sample(band, NULL, 2, RAYMAP_OUTSIDE_NAN, values, NULL), RAYMAP_ERROR_USAGE,
+              "the array of points is NULL");
+  raymap_mesh* contour = raymap_sparse_field_isosurface(band, 0.01, NULL);
+  raymap_mesh* contour_of_dense = raymap_isosurface(dense, 0.01, NULL);
+  CHECK(raymap_mesh_triangle_count(contour) > 1000);
+  CHECK(raymap_mesh_triangle_count(contour) == raymap_mesh_triangle_count(contour_of_dense));
+
+  char path[4096];
+  snprintf(path, sizeof path, "%s/c_api_band.nrrd", folder);
+  CHECK_FAILS(raymap_sparse_field_write(band, path), RAYMAP_ERROR_USAGE, "holds no narrow bands");
+  raymap_mesh_free(contour);
+  raymap_mesh_free(contour_of_dense);
+  raymap_field_free(dense);
+  raymap_sparse_field_free(band);
+  raymap_surface_free(surface);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
+/* Widths come from the struct, else from the option "band", else they are 3. */
+static void test_band_widths(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  const raymap_grid grid = fit(mesh);
+  raymap_options* options = on_cpu();
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  const double cases[][5] = {{0, 0, 0, 3, 3}, {0, 0, 2, 2, 2}, {4, 0, 2, 4, 4}, {0, 1, 2, 2, 1}, {2, INFINITY, 0, 2, INFINITY}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    raymap_band_options widths = RAYMAP_INIT(raymap_band_options);
+    raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
+    widths.outside = cases[i][0];
+    widths.inside = cases[i][1];
+    CHECK(raymap_options_set_number(options, "band", cases[i][2]) == RAYMAP_OK);
+    raymap_sparse_field* band = raymap_surface_generate_band(surface, &grid, &widths, options);
+    CHECK(raymap_sparse_field_numbers(band, &numbers) == RAYMAP_OK);
+    CHECK(numbers.outside == cases[i][3] * grid.spacing && numbers.inside == cases[i][4] * grid.spacing);
+    raymap_sparse_field_free(band);
+    widths.outside = -1.0;
+    CHECK_FAILS(raymap_surface_generate_band(surface, &grid, &widths, options), RAYMAP_ERROR_USAGE,
+                "the band outside must be positive");
+  }
+  raymap_options_free(options);
+  raymap_surface_free(surface);
+  raymap_mesh_free(mesh);
+}
+
+static void test_region(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  raymap_options* options = on_cpu();
+  const raymap_grid lattice = {{1000001, 1000001, 1000001}, {-2, -2, -2}, 4e-6};
+  const int32_t low[3] = {500000, 500000, 500000}, extent[3] = {3, 2, 1}, none[3] = {3, 0, 1};
+  CHECK(raymap_options_set_number(options, "winding", 1) == RAYMAP_OK);
+  raymap_field* region = raymap_surface_generate_region(surface, &lattice, low, extent, options);
+  raymap_grid grid;
+  CHECK(raymap_field_grid(region, &grid) == RAYMAP_OK);
+  CHECK(grid.dims[0] == 3 && grid.dims[1] == 2 && grid.dims[2] == 1 && fabs(grid.origin[0]) < 1e-12);
+  CHECK(fabs(raymap_field_distance(region)[0] + sqrt(1.0 / 3.0)) < 1e-6);
+  CHECK(raymap_field_winding(region)[5] == 1.0f && raymap_field_triangle(region) == NULL);
+  raymap_field_free(region);
+  CHECK(raymap_options_set_number(options, "band", 10) == RAYMAP_OK);
+  region = raymap_surface_generate_region(surface, &lattice, low, extent, options);
+  CHECK(raymap_field_distance(region)[0] == -4e-5f);
+  raymap_field_free(region);
+
+  size_t bytes = 0, fewer = 0;
+  CHECK(raymap_surface_region_bytes(surface, extent, options, &bytes) == RAYMAP_OK);
+  CHECK(raymap_surface_region_bytes(surface, extent, NULL, &fewer) == RAYMAP_OK);
+  CHECK(fewer > raymap_surface_bytes(surface) && bytes == fewer + 6 * sizeof(float));
+  CHECK_FAILS(raymap_surface_region_bytes(surface, none, options, &bytes), RAYMAP_ERROR_USAGE,
+              "a region needs a sample along y");
+  CHECK_FAILS(raymap_surface_generate_region(surface, &lattice, lattice.dims, extent, options), RAYMAP_ERROR_USAGE,
+              "but the lattice has 1000001");
+  raymap_options_free(options);
+  raymap_surface_free(surface);
+  raymap_mesh_free(mesh);
+}
+
 static void test_threads(void) {
   int32_t threads = -1;
   CHECK(raymap_default_threads(&threads) == RAYMAP_OK && threads == 0);
@@ -849,6 +970,33 @@ static void test_devices(void) {
   raymap_devices_free(devices);
 }
 
+/* NULL does no harm to bands and regions. */
+static void test_null_of_bands(const raymap_surface* surface, const raymap_grid* grid) {
+  const raymap_result usage = RAYMAP_ERROR_USAGE;
+  const int32_t whole[3] = {1, 1, 1};
+  raymap_grid copy;
+  raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
+  double point[3] = {0, 0, 0};
+  size_t bytes;
+  CHECK(raymap_surface_generate_band(NULL, grid, NULL, NULL) == NULL);
+  CHECK_FAILS(raymap_surface_generate_band(surface, NULL, NULL, NULL), usage, "the grid is NULL");
+  CHECK(raymap_surface_generate_region(NULL, grid, whole, whole, NULL) == NULL);
+  CHECK_FAILS(raymap_surface_generate_region(surface, NULL, whole, whole, NULL), usage, "lattice is NULL");
+  CHECK_FAILS(raymap_surface_generate_region(surface, grid, NULL, whole, NULL), usage, "sample of the region is NULL");
+  CHECK_FAILS(raymap_surface_generate_region(surface, grid, whole, NULL, NULL), usage, "extent of the region is NULL");
+  CHECK(raymap_surface_region_bytes(NULL, whole, NULL, &bytes) == usage);
+  CHECK(raymap_surface_region_bytes(surface, whole, NULL, NULL) == usage);
+  CHECK(raymap_field_to_sparse(NULL, NULL, NULL) == NULL && raymap_sparse_field_to_dense(NULL, NULL) == NULL);
+  CHECK(raymap_sparse_field_grid(NULL, &copy) == usage && raymap_sparse_field_numbers(NULL, &numbers) == usage);
+  CHECK(raymap_sparse_field_leaves(NULL) == NULL && raymap_sparse_field_tiles(NULL) == NULL);
+  CHECK(raymap_sparse_field_distance(NULL) == NULL && raymap_sparse_field_triangle(NULL) == NULL);
+  CHECK(raymap_sparse_field_winding(NULL) == NULL && raymap_sparse_field_confidence(NULL) == NULL);
+  CHECK(raymap_sparse_field_sample(NULL, point, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == usage);
+  CHECK(raymap_sparse_field_isosurface(NULL, 0.0, NULL) == NULL);
+  CHECK(raymap_sparse_field_write(NULL, "a.vdb") == usage);
+  raymap_sparse_field_free(NULL);
+}
+
 /* NULL does no harm anywhere. */
 static void test_null(void) {
   raymap_grid grid = {{1, 1, 1}, {0, 0, 0}, 1};
@@ -904,6 +1052,7 @@ static void test_null(void) {
   CHECK(raymap_surface_thickness(NULL, low, NULL, 0, 0.0, NULL, &thickness) == usage);
   CHECK(raymap_surface_thickness(surface, low, NULL, 0, 0.0, NULL, NULL) == usage);
   CHECK_FAILS(raymap_surface_thickness(surface, low, NULL, 1, 0.0, NULL, &thickness), usage, "triangles is NULL");
+  test_null_of_bands(surface, &grid);
   raymap_surface_free(surface);
   CHECK(raymap_inspect(NULL, NULL) == NULL && raymap_inspection_json(NULL) == NULL);
   CHECK(raymap_inspection_findings(NULL, NULL) == usage);
@@ -934,6 +1083,9 @@ int main(int argc, char** argv) {
   test_grid_options();
   test_field();
   test_surface();
+  test_band(argc > 1 ? argv[1] : ".");
+  test_band_widths();
+  test_region();
   test_threads();
   test_options();
   test_signless();

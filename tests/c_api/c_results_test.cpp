@@ -96,6 +96,31 @@ void expectSame(const raymap_picture* given, const Picture& picture) {
   EXPECT_EQ(std::memcmp(raymap_picture_rgb(given), picture.rgb.data(), picture.rgb.size()), 0);
 }
 
+/// Expects a narrow band of C to have these leaves, tiles and values.
+void expectSame(const raymap_sparse_field* given, const SparseField& band) {
+  ASSERT_NE(given, nullptr) << raymap_last_error_message();
+  auto numbers = RAYMAP_INIT(raymap_sparse_numbers);
+  raymap_sparse_field_numbers(given, &numbers);
+  ASSERT_EQ(numbers.leaves, band.leaves.size());
+  ASSERT_EQ(numbers.tiles, band.tiles.size());
+  EXPECT_EQ(numbers.active, band.activeCount());
+  EXPECT_EQ(numbers.bytes, band.bytes());
+  EXPECT_EQ(numbers.outside, band.outside);
+  EXPECT_EQ(numbers.inside, band.inside);
+  const auto expectValues = [](const void* data, const auto& values) {
+    ASSERT_EQ(data == nullptr, values.empty());
+    if (data) {
+      EXPECT_EQ(std::memcmp(data, values.data(), values.size() * sizeof values[0]), 0);
+    }
+  };
+  expectValues(raymap_sparse_field_leaves(given), band.leaves);
+  expectValues(raymap_sparse_field_tiles(given), band.tiles);
+  expectValues(raymap_sparse_field_distance(given), band.distance);
+  expectValues(raymap_sparse_field_triangle(given), band.triangle);
+  expectValues(raymap_sparse_field_winding(given), band.winding);
+  expectValues(raymap_sparse_field_confidence(given), band.confidence);
+}
+
 /// Removes what differs from run to run.
 Json withoutTimes(Json report) {
   report["stats"].erase("milliseconds");
@@ -315,6 +340,31 @@ TEST_F(CResults, ThicknessIsThatOfCpp) {
   static_assert(int(Part::Wall) == RAYMAP_PART_WALL && int(Part::Edge) == RAYMAP_PART_EDGE &&
                 int(Part::Corner) == RAYMAP_PART_CORNER && int(Part::Solid) == RAYMAP_PART_SOLID &&
                 int(Part::Sheet) == RAYMAP_PART_SHEET && int(Part::Buried) == RAYMAP_PART_BURIED);
+}
+
+TEST_F(CResults, BandsAreThoseOfCpp) {
+  const auto [grid, cGrid] = fit(40);
+  for (const char* array : {"triangle", "winding", "confidence"})
+    raymap_options_set_number(cOptions_.get(), array, 1);
+  const Handle<raymap_surface, raymap_surface_free> cSurface(raymap_surface_create(cMesh_.get(), nullptr));
+  auto widths = RAYMAP_INIT(raymap_band_options);
+  widths.outside = 2.0;
+  widths.inside = 3.5;
+  const BandOptions options{
+      .outside = 2.0, .inside = 3.5, .triangle = true, .winding = true, .confidence = true};
+  using Band = Handle<raymap_sparse_field, raymap_sparse_field_free>;
+  const Band made(raymap_surface_generate_band(cSurface.get(), &cGrid, &widths, cOptions_.get()));
+  const SparseField band = Surface(mesh_).generateBand(grid, options);
+  expectSame(made.get(), band);
+
+  const Handle<raymap_field, raymap_field_free> dense(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
+  const Band cut(raymap_field_to_sparse(dense.get(), &widths, cOptions_.get()));
+  const FieldOptions arrays{.triangle = true, .winding = true, .confidence = true};
+  expectSame(cut.get(), toSparse(generate(mesh_, grid, arrays, {.device = "cpu"}).field, options));
+
+  const Handle<raymap_mesh, raymap_mesh_free> contour(
+      raymap_sparse_field_isosurface(made.get(), 0.01, nullptr));
+  expectSame(contour.get(), isosurface(band, {.iso = 0.01}));
 }
 
 TEST_F(CResults, PicturesAreThoseOfCpp) {

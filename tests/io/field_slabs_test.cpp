@@ -23,6 +23,8 @@ Field counted() {
   field.triangle.resizeUninitialized(samples);
   for (size_t i = 0; i < samples; ++i) field.distance[i] = 0.7f * float(i) - 11.0f;
   std::iota(field.triangle.begin(), field.triangle.end(), 5u);
+  field.confidence.resizeUninitialized(samples);
+  for (size_t i = 0; i < samples; ++i) field.confidence[i] = 1.0f / float(i + 1);
   field.clampDistance = 0.9;
   field.surfaceBounds = {{-1.0, 0.25, 1e7}, {1.0 / 3.0, 2.0, 1e7 + 1}};
   return field;
@@ -36,17 +38,24 @@ Field planesOf(const Field& field, int begin, int end) {
   slab.triangle.resizeUninitialized(count);
   std::copy_n(field.distance.begin() + plane * size_t(begin), count, slab.distance.begin());
   std::copy_n(field.triangle.begin() + plane * size_t(begin), count, slab.triangle.begin());
+  slab.confidence.resizeUninitialized(count);
+  std::copy_n(field.confidence.begin() + plane * size_t(begin), count, slab.confidence.begin());
   return slab;
 }
 
 /// A file that is written in slabs, of which some runs fail.
 class FieldSlabs : public ::testing::Test {
  protected:
-  /// Writes the field. Fails at the plane numbered `stop`.
+  using Arrays = std::vector<FieldArray>;
+
+  /// Writes the distances. Fails at the plane numbered `stop`.
   void write(const std::string& name, const SlabOptions& options = {}, int stop = 100) {
+    writeFiles({{.path = path(name)}}, options, stop);
+  }
+  void writeFiles(const std::vector<SlabFile>& files, const SlabOptions& options, int stop = 100) {
     asked_.clear();
     writeFieldInSlabs(
-        path(name), field_,
+        files, field_,
         [&](int begin, int end) {
           asked_.push_back(begin);
           if (end > stop) throw Error(ErrorCode::Cancelled, "stopped");
@@ -56,7 +65,11 @@ class FieldSlabs : public ::testing::Test {
   }
 
   SlabOptions keyed(const std::string& key, int thickness = 2) {
-    return {.thickness = thickness, .key = key, .warn = [&](const Warning& w) { told_ += w.message + "\n"; }};
+    return {.thickness = thickness, .key = key, .warn = [&](const Warning& w) {
+              EXPECT_EQ(w.code, WarningCode::PartFile);
+              EXPECT_TRUE(w.fields.file.starts_with(folder_.path().string())) << w.fields.file;
+              told_ += w.message + "\n";
+            }};
   }
 
   void stop(const std::string& name, const SlabOptions& options, int plane) {
@@ -65,17 +78,21 @@ class FieldSlabs : public ::testing::Test {
   }
 
   fs::path path(const std::string& name) const { return folder_.path() / name; }
-  std::string whole(const std::string& extension, FieldArray array = FieldArray::Distance) {
+  /// Returns the bytes that `writeField` writes of these arrays.
+  std::string whole(const std::string& extension, const Arrays& arrays = {FieldArray::Distance}) {
     Field alone = planesOf(field_, 0, field_.grid.dims.z);
     alone.grid = field_.grid;
     alone.clampDistance = field_.clampDistance;
     alone.surfaceBounds = field_.surfaceBounds;
-    if (array == FieldArray::Triangle)
-      alone.distance = {};
-    else
-      alone.triangle = {};
-    writeField(path("whole" + extension), alone, {.array = array});
-    return readBytes(path("whole" + extension));
+    const auto isAsked = [&](FieldArray array) { return std::ranges::count(arrays, array) > 0; };
+    if (!isAsked(FieldArray::Distance)) alone.distance = {};
+    if (!isAsked(FieldArray::Triangle)) alone.triangle = {};
+    if (!isAsked(FieldArray::Confidence)) alone.confidence = {};
+    const fs::path file = path("whole" + extension);
+    writeField(file, alone, {.array = arrays.front()});
+    const std::string bytes = readBytes(file);
+    fs::remove(file);
+    return bytes;
   }
   bool wasTold(const std::string& text) const { return told_.find(text) != std::string::npos; }
 
@@ -87,18 +104,70 @@ class FieldSlabs : public ::testing::Test {
 
 TEST_F(FieldSlabs, HaveTheBytesOfTheWholeField) {
   for (const std::string& extension : slabExtensions())
-    for (const FieldArray array : {FieldArray::Distance, FieldArray::Triangle}) {
-      const std::string expected = whole(extension, array);
+    for (const Arrays& arrays :
+         {Arrays{FieldArray::Distance}, Arrays{FieldArray::Triangle},
+          Arrays{FieldArray::Distance, FieldArray::Triangle, FieldArray::Confidence}}) {
+      if (arrays.size() > 1 && extension != ".vti") continue;
+      const std::string expected = whole(extension, arrays);
       for (const int thickness : {1, 2, 3, 7, 1000})
         for (const char* key : {"", "a"}) {
-          write("slabs" + extension, {.thickness = thickness, .array = array, .key = key});
+          writeFiles({{.path = path("slabs" + extension), .arrays = arrays}},
+                     {.thickness = thickness, .key = key});
           EXPECT_EQ(readBytes(path("slabs" + extension)), expected) << extension << ' ' << thickness;
           EXPECT_EQ(asked_.size(), size_t((7 + std::min(thickness, 7) - 1) / std::min(thickness, 7)));
-          EXPECT_EQ(folder_.fileCount(), 2u);
+          EXPECT_EQ(folder_.fileCount(), 1u);
         }
-      fs::remove(path("whole" + extension));
       fs::remove(path("slabs" + extension));
     }
+}
+
+// Every slab is asked for once, and all files go on from the same plane.
+TEST_F(FieldSlabs, AreWrittenIntoSeveralFiles) {
+  const Arrays all{FieldArray::Distance, FieldArray::Confidence, FieldArray::Triangle};
+  const std::vector<SlabFile> files{{.path = path("a.vti"), .arrays = all},
+                                    {.path = path("c.npy"), .arrays = {FieldArray::Confidence}},
+                                    {.path = path("t.nrrd"), .arrays = {FieldArray::Triangle}}};
+  const auto expectWhole = [&] {
+    EXPECT_EQ(readBytes(path("a.vti")), whole(".vti", all));
+    EXPECT_EQ(readBytes(path("c.npy")), whole(".npy", {FieldArray::Confidence}));
+    EXPECT_EQ(readBytes(path("t.nrrd")), whole(".nrrd", {FieldArray::Triangle}));
+    EXPECT_EQ(folder_.fileCount(), 3u);
+    for (const SlabFile& file : files) fs::remove(file.path);
+  };
+  const auto stopAt = [&](int plane, const SlabOptions& options) {
+    told_ = "";
+    EXPECT_EQ(codeOf([&] { writeFiles(files, options, plane); }), ErrorCode::Cancelled);
+  };
+  writeFiles(files, {.thickness = 3});
+  EXPECT_EQ(asked_, (std::vector<int>{0, 3, 6}));
+  expectWhole();
+  stopAt(5, {.thickness = 2});
+  EXPECT_EQ(folder_.fileCount(), 0u);
+
+  stopAt(5, keyed("k"));
+  for (const char* name : {"a.vti", "c.npy", "t.nrrd"})
+    EXPECT_TRUE(wasTold(std::string(name) + ".part holds 4 of 7 planes")) << told_;
+  EXPECT_EQ(folder_.fileCount(), 6u);
+  writeFiles(files, keyed("k"));
+  EXPECT_EQ(asked_, (std::vector<int>{4, 6}));
+  expectWhole();
+
+  stopAt(5, keyed("k"));
+  fs::remove(path("c.npy.part"));
+  fs::remove(path("c.npy.part.done"));
+  writeFiles(files, keyed("k"));
+  EXPECT_EQ(asked_.front(), 0);
+  EXPECT_TRUE(wasTold("a.vti.part is made anew, because another file of the run has no part")) << told_;
+  expectWhole();
+
+  stopAt(5, keyed("k"));
+  writeFiles({files[0]}, keyed("k"), 7);  // Its own part counts.
+  EXPECT_EQ(asked_.front(), 4);
+  fs::remove(path("a.vti"));
+  const SlabFile winding{.path = path("c.npy"), .arrays = {FieldArray::Distance}};  // The same header.
+  writeFiles({winding}, keyed("k"));
+  EXPECT_EQ(asked_.front(), 0);
+  EXPECT_EQ(readBytes(path("c.npy")), whole(".npy"));
 }
 
 TEST_F(FieldSlabs, LeaveNothingOfARunWithoutAKey) {
@@ -173,13 +242,25 @@ TEST_F(FieldSlabs, RefuseWhatMakesNoSense) {
   };
   EXPECT_EQ(code("a.npz"), ErrorCode::Usage);
   EXPECT_EQ(code("a.npy", {.thickness = 0}), ErrorCode::Usage);
-  EXPECT_EQ(code("a.npy", {.array = FieldArray::Winding}), ErrorCode::Usage);
+  const auto codeOfFiles = [&](const std::vector<SlabFile>& files, const SlabOptions& options = {}) {
+    return codeOf([&] { writeFiles(files, options); });
+  };
+  const Arrays two{FieldArray::Distance, FieldArray::Triangle};
+  EXPECT_EQ(codeOfFiles({{.path = path("a.npy"), .arrays = {FieldArray::Winding}}}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({{.path = path("a.npy"), .arrays = two}}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({{.path = path("a.nrrd"), .arrays = two}}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({{.path = path("a.vti"), .arrays = {}}}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({{.path = path("a.vti"), .arrays = {FieldArray::Distance, FieldArray::Distance}}}),
+            ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfFiles({}, keyed("k")), ErrorCode::Usage);
   EXPECT_EQ(code("missing/a.npy"), ErrorCode::File);
   EXPECT_EQ(code("missing/a.npy", keyed("k")), ErrorCode::File);
   const Field good = counted();
   field_.grid.dims.x = 6;
   EXPECT_EQ(codeOf([&] {
-              writeFieldInSlabs(path("a.npy"), field_, [&](int a, int b) { return planesOf(good, a, b); });
+              writeFieldInSlabs({{.path = path("a.npy")}}, field_,
+                                [&](int a, int b) { return planesOf(good, a, b); });
             }),
             ErrorCode::Usage);
   field_.grid.dims = glm::ivec3(1 << 24);  // More than 64 bits can number.

@@ -17,7 +17,7 @@ namespace {
 /// Returns the share of the rays in the time of a mode.
 double shareOfRays(SignMode mode, const FieldOptions& options) {
   if (mode == SignMode::Rays || mode == SignMode::Ray) return 1.0;
-  if (mode == SignMode::Harmonic || mode == SignMode::Exact) return 0.2;
+  if (usesRims(mode)) return 0.2;
   return 1.0 / (2.0 + double(options.passes) * pointsPerPass(options));
 }
 
@@ -54,8 +54,7 @@ double Winding::compute(const RayMap& map, SignMode mode, const FieldOptions& op
                                                 : averageRays(sweep, progress, rays, winding);
   // If the six rays agree everywhere, they are the result of every mode: all paths meet the same counts.
   if (doubtful > 0) {
-    const bool hasRims = mode == SignMode::Harmonic || mode == SignMode::Exact;
-    const RimLattices* rims = hasRims ? &source.rims(mode) : nullptr;
+    const RimLattices* rims = usesRims(mode) ? &source.rims(mode) : nullptr;
     const bool isFromRims = rims && rims->haveAll();
     source.ask(impl_->bytesToAllocate(sweep, mode, isFromRims));
     if (mode == SignMode::Paths)

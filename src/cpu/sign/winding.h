@@ -21,7 +21,7 @@ class Winding {
   struct Source {
     /// Throws if there are not so many bytes to allocate.
     std::function<void(size_t)> ask;
-    /// Returns the rims for `SignMode::Harmonic` or `Exact`.
+    /// Returns the rims for a mode that `usesRims`.
     std::function<const RimLattices&(SignMode)> rims;
   };
   /// Computes the winding number, with the passes and offsets of `options`. Returns the share of samples

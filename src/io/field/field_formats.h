@@ -13,25 +13,26 @@ namespace raymap {
 
 using LeftOut = std::vector<std::string>;
 
-/// The bytes of a file before and after the samples of its only array.
+/// The bytes of a file before the samples of each of its arrays, and after the last one.
 struct Frame {
-  std::string head, tail;
+  std::vector<std::string> before;
+  std::string tail = {};
 };
 
 Field readNrrd(const SourceFile& source, LeftOut& leftOut);
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array);
-Frame frameNrrd(const Field& about, const NamedArray& array);
+Frame frameNrrd(const Field& about, std::span<const NamedArray> array);
 
 Field readNpy(const SourceFile& source, LeftOut& leftOut);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
-Frame frameNpy(const Field& about, const NamedArray& array);
+Frame frameNpy(const Field& about, std::span<const NamedArray> array);
 
 Field readNpz(const SourceFile& source, LeftOut& leftOut);
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
-Frame frameVti(const Field& about, const NamedArray& array);
+Frame frameVti(const Field& about, std::span<const NamedArray> arrays);
 
 Field readVdb(const SourceFile& source, LeftOut& leftOut);
 /// How a .vdb stores an array.

@@ -133,12 +133,12 @@ Field readNpy(const SourceFile& source, LeftOut&) {
 }
 
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array) {
-  out << frameNpy(field, array).head;
+  out << frameNpy(field, {&array, 1}).before[0];
   writeBytes(out, array.bytes);
 }
 
-Frame frameNpy(const Field& about, const NamedArray& array) {
-  return {.head = npyHeader(about.grid, array.type)};
+Frame frameNpy(const Field& about, std::span<const NamedArray> arrays) {
+  return {.before = {npyHeader(about.grid, arrays.front().type)}};
 }
 
 }  // namespace raymap

@@ -136,12 +136,13 @@ Field readNrrd(const SourceFile& source, LeftOut&) {
 }
 
 void writeNrrd(std::ostream& out, const Field& field, const NamedArray& array) {
-  out << frameNrrd(field, array).head;
+  out << frameNrrd(field, {&array, 1}).before[0];
   writeBytes(out, array.bytes);
 }
 
-Frame frameNrrd(const Field& about, const NamedArray& array) {
+Frame frameNrrd(const Field& about, std::span<const NamedArray> arrays) {
   const Grid& grid = about.grid;
+  const NamedArray& array = arrays.front();
   std::ostringstream out;
   const std::string h = toText(grid.spacing);
   out << "NRRD0004\n"
@@ -159,7 +160,7 @@ Frame frameNrrd(const Field& about, const NamedArray& array) {
   if (about.clampDistance > 0.0) out << kClampDistance << ":=" << toText(about.clampDistance) << "\n";
   if (!about.surfaceBounds.isEmpty()) out << kSurfaceBounds << ":=" << toText(surfaceBoundsOf(about)) << "\n";
   out << '\n';
-  return {.head = std::move(out).str()};
+  return {.before = {std::move(out).str()}};
 }
 
 }  // namespace raymap

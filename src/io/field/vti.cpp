@@ -284,16 +284,19 @@ Field readVti(const SourceFile& source, LeftOut& leftOut) {
 
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array) {
   const std::vector<NamedArray> arrays = arraysWith(field, array);
-  out << headOf(field, arrays);
-  for (const NamedArray& each : arrays) {
-    out << countBefore(field.grid, each);
-    writeBytes(out, each.bytes);
+  const Frame frame = frameVti(field, arrays);
+  for (size_t i = 0; i < arrays.size(); ++i) {
+    out << frame.before[i];
+    writeBytes(out, arrays[i].bytes);
   }
-  out << kTail;
+  out << frame.tail;
 }
 
-Frame frameVti(const Field& about, const NamedArray& array) {
-  return {headOf(about, {&array, 1}) + countBefore(about.grid, array), kTail};
+Frame frameVti(const Field& about, std::span<const NamedArray> arrays) {
+  Frame frame{.before = {}, .tail = kTail};
+  for (const NamedArray& each : arrays) frame.before.push_back(countBefore(about.grid, each));
+  frame.before.front().insert(0, headOf(about, arrays));
+  return frame;
 }
 
 }  // namespace raymap

@@ -94,7 +94,7 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .hasWinding = options.winding,
                 .turnsFaces = mayTurnFaces(options),
                 .closesHoles = options.closeHoles,
-                .findsRims = options.sign == SignMode::Harmonic || options.sign == SignMode::Exact};
+                .findsRims = usesRims(options.sign)};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -202,7 +202,7 @@ void Backend::searchRims(SignMode mode) {
 void Backend::winding(SignMode mode) {
   rims_ = {};
   recordRays(mode);
-  if (mode == SignMode::Harmonic || mode == SignMode::Exact) {
+  if (usesRims(mode)) {
     const double share = countDoubtful([&] {
       if (mayTurnFaces(options())) searchDoubleSided();
       searchRims(mode);

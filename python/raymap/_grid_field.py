@@ -1,0 +1,190 @@
+"""What dense fields and narrow bands have in common: arrays over the samples of a grid, and values between them."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _raymap
+from ._arguments import to_number, to_threads
+from ._errors import UsageError
+from ._mesh import Mesh, mesh_of_core
+from ._progress import Progress, reporting
+
+
+class GridField:
+    """A signed distance field on a regular grid, negative inside: a ``raymap.Field`` or a ``raymap.SparseField``."""
+
+    _core: _raymap.Field | _raymap.SparseField
+
+    _views: dict[str, npt.NDArray[Any]]
+
+    def _hold(self, core: Any) -> None:
+        self._core, self._views = core, {}
+
+    def _array(self, name: str) -> npt.NDArray[Any]:
+        if name in self._views:
+            return self._views[name]
+        array: Any = self._core.array(name)
+        if array is None:
+            raise AttributeError(f"the field has no {name!r}; ask for it, as in arrays=('distance', {name!r})")
+        return self._views.setdefault(name, array)
+
+    def _set(self, name: str, ordered: npt.NDArray[Any]) -> None:
+        """Copies an array that has the types and the order in memory of the library."""
+        (self._core.set_wholes if name == "triangle" else self._core.set_floats)(name, ordered)
+
+    @property
+    def winding(self) -> npt.NDArray[np.float32]:
+        """Winding numbers, float32, +1 inside a closed surface that faces outwards. Their shape is that of the distances.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("winding")
+
+    @property
+    def confidence(self) -> npt.NDArray[np.float32]:
+        """Confidences in the sign, float32, 0 to 1. Their shape is that of the distances.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("confidence")
+
+    @property
+    def triangle(self) -> npt.NDArray[np.uint32]:
+        """Indices of closest triangles, uint32; ``raymap.NO_TRIANGLE`` where the distance is clamped.
+
+        Their shape is that of the distances.
+
+        Raises:
+            AttributeError: The field does not have them.
+        """
+        return self._array("triangle")
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """Names of the arrays that the field has. ``"distance"`` are the ``values`` of a narrow band."""
+        return tuple(self._core.arrays)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of samples of the grid (nx, ny, nz)."""
+        return self._core.dims
+
+    @property
+    def origin(self) -> npt.NDArray[np.float64]:
+        """Position of sample (0, 0, 0), (3,)."""
+        return np.array(self._core.origin)
+
+    @property
+    def spacing(self) -> float:
+        """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
+        return self._core.spacing
+
+    @property
+    def surface_bounds(self) -> npt.NDArray[np.float64] | None:
+        """Bounds of the surface that distances lead to, (2, 3); None if they are not known."""
+        bounds = self._core.surface_bounds
+        return None if bounds is None else np.array(bounds)
+
+    def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
+        """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
+
+        Within the box of the samples the distance is trilinear between the eight samples around a point. It is NaN for
+        points that are NaN. A narrow band gives, bit for bit, what its dense field does.
+
+        Outside of the box, it is a lower bound of the signed distance, also where the box cuts the mesh: the largest
+        distance of a sample around the closest point of the box, less the way from there. Outside of
+        ``surface_bounds`` it is at least the distance to them. If the box holds them, it is nearly the distance. If
+        they are not known, or reach there, it falls below 0 farther out: the mesh may be there. Across the holes of an
+        open mesh the sign jumps, and the bound may be too large.
+
+        Args:
+            points: Positions in the mesh's units: NumPy, or any array with ``__dlpack__``. PyTorch, JAX and CuPy get
+                arrays of their own back, on the same device.
+            outside: Result outside of the box: ``"bound"``, or ``"nan"``.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+
+        Raises:
+            InputError: Points of another shape.
+            UsageError: ``outside`` is something else.
+
+        >>> ball = raymap.generate("ball.ply", resolution=32)
+        >>> ball.sample([(0, 0, 0), (0, 0, 1.1), (0, 0, 9)]).round(2)
+        array([-0.93,  0.1 ,  8.  ], dtype=float32)
+        >>> ball.sample((0, 0, 9), outside="nan")
+        array(nan, dtype=float32)
+        """
+        return self._sample(points, False, outside, threads)
+
+    def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
+        """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
+
+        A gradient is the central difference of the distance over one spacing to either side. Its length is close to 1,
+        but less where surfaces are equally near, and 0 where distances are clamped. Outside of the box of the samples it
+        leads away from the box.
+
+        Args:
+            points: Positions in the mesh's units, (..., 3), as for ``sample``.
+            outside: ``"nan"`` for NaN outside of the box.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+
+        Raises:
+            InputError: Points of another shape.
+
+        >>> ball = raymap.generate("ball.ply", resolution=32)
+        >>> ball.gradient((0, 0, 1)).round(1) + 0.0
+        array([0., 0., 1.], dtype=float32)
+        """
+        return self._sample(points, True, outside, threads)
+
+    def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
+        if outside not in ("bound", "nan"):
+            raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
+        flat, shape = _arrays.to_points(points)
+        result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
+        return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
+
+    def to_mesh(self, iso: float = 0.0, *, threads: int | None = None, progress: Progress = None) -> Mesh:
+        """Returns the surface at distance ``iso`` as a closed mesh whose faces point outwards.
+
+        Every edge has exactly two faces. Corners and sharp edges are kept (dual contouring). A narrow band gives, bit for
+        bit, the mesh of its dense field, but time and memory grow with the surface alone. Beyond 16384 samples along a
+        side of the grid, the float32 of the vertices is too coarse.
+
+        Args:
+            iso: Distance of the surface in the mesh's units; above 0 outside of the shape. In a narrow band, between
+                ``-inside`` and ``outside``.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: There is no surface at ``iso``.
+            InputError: A sample is not finite.
+            MemoryLimitError: The mesh does not fit into memory.
+
+        >>> raymap.generate("ball.ply", resolution=16).to_mesh(iso=0.1).bounds.round(1)
+        array([[-1.1, -1.1, -1.1],
+               [ 1.1,  1.1,  1.1]])
+        """
+        with reporting(progress) as report:
+            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
+
+    def _text(self, *more: str) -> str:
+        """Returns the field in one line. ``more`` follows the number of samples."""
+        samples, arrays = " x ".join(map(str, self.shape)), ", ".join(self.arrays)
+        parts = (f"{samples} samples", *more, f"spacing {self.spacing:.6g}", f"arrays {arrays}")
+        return f"raymap.{type(self).__name__}({', '.join(parts)})"
+
+    def _rows(self) -> dict[str, Any]:
+        """Returns the rows of the table that a notebook shows."""
+        return {
+            "samples": " × ".join(map(str, self.shape)),
+            "spacing": f"{self.spacing:.6g}",
+            "origin": ", ".join(f"{v:.6g}" for v in self.origin),
+            "arrays": ", ".join(self.arrays),
+        }
