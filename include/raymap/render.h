@@ -6,6 +6,7 @@
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
+#include <raymap/sparse_field.h>
 
 #include <array>
 #include <cstdint>
@@ -30,6 +31,12 @@ namespace raymap {
 /// field and options give the same picture, for any number of threads. Throws `Error`: Usage, Input if a
 /// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
+                               const MachineOptions& machine = {});
+/// Draws a narrow band in the same way, on the CPU. Rays pass cubes of samples without leaves at once, and
+/// the hits are those of the field that `toDense` makes of it. `array` and `other` must not be set. Of
+/// `machine`, `threads` and `progress` count. Throws `Error`: Usage, Input if a distance is not finite,
+/// Cancelled.
+RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 
 /// Draws a mesh's triangles and its defects in colour. Of the options only the size, `direction`, `up`
@@ -60,6 +67,9 @@ RAYMAP_API std::array<uint8_t, 3> defectColour(Defect defect);
 /// - `Confidence`: dark at 0, teal at 0.5, pale at 1.
 /// - `Triangle`: a colour of its own for each triangle, one square per sample; light grey = none.
 RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int width = 1024,
+                               FieldArray array = FieldArray::Distance);
+/// Draws the same of a narrow band as of the field that `toDense` makes of it, without its memory.
+RAYMAP_API Picture renderSlice(const SparseField& band, int axis, int index = -1, int width = 1024,
                                FieldArray array = FieldArray::Distance);
 
 /// Differences of an array of two fields on the same grid. Errors of distances are in samples (distance over

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_plane, to_text, to_vector, to_whole
+from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
 from ._grid_field import GridField
 from ._mesh import core_of
+from ._pictures import slice_of, to_scene, to_view
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
 
@@ -164,14 +165,7 @@ class Field(GridField):
         >>> raymap.generate("ball.ply", resolution=16).slice("z", width=100).shape
         (100, 100, 3)
         """
-        if axis not in (0, 1, 2, "x", "y", "z"):
-            raise UsageError(f"axis must be 0, 1, 2, 'x', 'y' or 'z', not {axis!r}")
-        number = "xyz".index(axis) if isinstance(axis, str) else int(axis)
-        count = self.shape[number]
-        if index is not None and not -count <= index < count:
-            raise UsageError(f"index {index} is out of range: the field has {count} samples along {'xyz'[number]}")
-        chosen = -1 if index is None else index % count
-        return _raymap.render_slice(self._core, number, chosen, to_whole("width", width), to_text("array", array))
+        return slice_of(self._core, axis, index, array, width)
 
     def render(
         self,
@@ -223,17 +217,16 @@ class Field(GridField):
         >>> field.render(width=64, height=48, eye=(3, 1, 2), direction=(-3, -1, -2), cut_plane=(0, 0, 1, 0.4)).shape
         (48, 64, 3)
         """
-        options = to_view(width, height, direction, up, field_of_view)
-        options.cut, options.shell = bool(cut), to_number("shell", shell, least=0.0)
-        options.iso = to_number("iso", iso, least=-FINITE, most=FINITE)
-        if eye is not None:
-            options.stand_at(to_vector("eye", eye))
-        if cut_plane is not None:
-            options.cut_at(*to_plane("cut_plane", cut_plane))
-        if slice_plane is not None:
-            options.slice_at(*to_plane("slice_plane", slice_plane))
-        if frame is not None:
-            options.frame_box(*to_box("frame", frame))
+        options = to_scene(
+            to_view(width, height, direction, up, field_of_view),
+            cut=cut,
+            shell=shell,
+            eye=eye,
+            iso=iso,
+            cut_plane=cut_plane,
+            slice_plane=slice_plane,
+            frame=frame,
+        )
         with reporting(progress) as report:
             return _raymap.render_field(self._core, options, to_machine(device, threads), report)
 
@@ -397,21 +390,6 @@ def _ordered(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
 def core_of_field(field: Field) -> _raymap.Field:
     """Returns the field as the extension module takes it."""
     return field._core
-
-
-def to_view(
-    width: int,
-    height: int,
-    direction: tuple[float, float, float],
-    up: tuple[float, float, float],
-    field_of_view: float,
-) -> _raymap.RenderOptions:
-    """Returns options of a picture as the extension module takes them."""
-    options = _raymap.RenderOptions()
-    options.width, options.height = to_whole("width", width), to_whole("height", height)
-    options.field_of_view = to_number("field_of_view", field_of_view)
-    options.direction, options.up = to_vector("direction", direction), to_vector("up", up)
-    return options
 
 
 def field_of_core(core: _raymap.Field) -> Field:

@@ -11,8 +11,9 @@ from . import _inputs, _raymap, _views
 from ._arguments import FINITE, to_length, to_number, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
-from ._field import Field, to_view
+from ._field import Field
 from ._mesh import Mesh, core_of, mesh_of_core
+from ._pictures import to_view
 from ._progress import Progress, reporting
 from ._records import Diagnostics, Inspection, Orientation, RepairReport, SimplifyReport, Verdict
 

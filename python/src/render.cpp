@@ -17,7 +17,8 @@ Pixels toPixels(Picture picture) {
   return toArray<uint8_t>(std::move(picture.rgb), {height, width, 3});
 }
 
-Pixels drawSlice(const FieldHandle& field, int axis, int index, int width, std::string_view array) {
+template <class Handle>
+Pixels drawSlice(const Handle& field, int axis, int index, int width, std::string_view array) {
   Picture picture;
   const auto chosen = fromName<FieldArray>(array);
   {
@@ -56,7 +57,8 @@ Pixels drawComparison(const FieldHandle& a, const FieldHandle& b, int width, std
   return toPixels(std::move(picture));
 }
 
-Pixels drawField(const FieldHandle& field, const RenderOptions& options, const MachineOptions& machine,
+template <class Handle>
+Pixels drawField(const Handle& field, const RenderOptions& options, const MachineOptions& machine,
                  nb::object progress) {
   Call call(std::move(progress));
   Picture picture;
@@ -122,11 +124,15 @@ void bindRender(nb::module_& module) {
       .def_rw("other_title", &PageOptions::otherTitle);
   module.def("make_page", &makeHtml, "field"_a, "view"_a, "page"_a, "array"_a, "mesh"_a.none(),
              "other"_a.none(), "machine"_a, "progress"_a.none());
-  module.def("render_field", &drawField, "field"_a, "options"_a, "machine"_a, "progress"_a.none());
+  module.def("render_field", &drawField<FieldHandle>, "field"_a, "options"_a, "machine"_a,
+             "progress"_a.none());
+  module.def("render_field", &drawField<SparseHandle>, "field"_a, "options"_a, "machine"_a,
+             "progress"_a.none());
   module.def("render_defects", &drawDefects, "mesh"_a, "options"_a);
   module.def("compare", &compare, "a"_a, "b"_a, "array"_a);
   module.def("render_comparison", &drawComparison, "a"_a, "b"_a, "width"_a, "array"_a);
-  module.def("render_slice", &drawSlice, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
+  module.def("render_slice", &drawSlice<FieldHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
+  module.def("render_slice", &drawSlice<SparseHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
 }
 
 }  // namespace raymap::python

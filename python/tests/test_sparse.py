@@ -59,6 +59,41 @@ def test_arrays_are_views(ball):
         _ = raymap.generate(ball, resolution=30, sparse=True).winding
 
 
+def test_slices_are_those_of_the_dense_field(band):
+    dense = band.to_dense()
+    for array in ALL:
+        for axis, index in (("x", None), (1, 7), ("z", -9)):
+            expected = dense.slice(axis, index, array=array, width=60)
+            np.testing.assert_array_equal(band.slice(axis, index, array=array, width=60), expected)
+    with pytest.raises(raymap.UsageError, match="index 40 is out of range"):
+        band.slice("x", 40)
+    with pytest.raises(raymap.UsageError, match="has no array 'winding'"):
+        raymap.SparseField.from_dense(raymap.Field(dense.distance)).slice("x", array="winding")
+
+
+def test_pictures_are_those_of_the_dense_field(band):
+    dense, width = band.to_dense(), band.outside
+    looks = (
+        {},
+        {"cut": True, "shell": 0.5 * width},
+        {"iso": 0.5 * width, "cut_plane": (0, 0, 1, 0.4)},
+        {"eye": (0, 0, 4), "direction": (0, 0, -1), "up": (1, 0, 0), "field_of_view": 50},
+        {"slice_plane": (1, 0, 0, 0.2), "frame": ((-2, -2, -2), (2, 2, 2))},
+    )
+    pictures = [band.render(width=60, height=50, **look) for look in looks]
+    for look, picture in zip(looks, pictures, strict=True):
+        expected = dense.render(width=60, height=50, device="cpu", **look)
+        assert picture.shape == (50, 60, 3) and picture.dtype == np.uint8
+        assert np.abs(picture.astype(int) - expected).mean() < 0.5
+    assert all((pictures[0] != picture).any() for picture in pictures[1:])
+    seen = []
+    band.render(width=20, height=20, threads=1, progress=lambda stage, done: seen.append((stage, done)))
+    assert seen[-1] == ("render", 1.0)
+    for wrong in ({"iso": width}, {"shell": width}, {"field_of_view": 0}, {"width": 0}, {"eye": (1, 2)}):
+        with pytest.raises(raymap.UsageError):
+            band.render(**wrong)
+
+
 def test_it_is_as_its_dense_field(band):
     dense = band.to_dense()
     assert dense.shape == band.shape and dense.spacing == band.spacing and (dense.origin == band.origin).all()

@@ -17,6 +17,8 @@ winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).w
 distances: npt.NDArray[np.float64] = raymap.signed_distance(mesh, [(0, 0, 0)], sign=False)
 again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
 band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=(2, 3), sparse=True)
+band_picture: npt.NDArray[np.uint8] = band.render(width=32, height=24, cut=True, eye=(3, 1, 2), threads=1)
+band_slice: npt.NDArray[np.uint8] = band.slice("z", 3, width=32)
 values: npt.NDArray[np.float32] = prepared.generate(resolution=16, sparse=True).values
 generator = raymap.Generator()
 again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)

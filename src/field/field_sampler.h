@@ -32,10 +32,12 @@ void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside 
 void sampleInto(const SparseField& band, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient);
 
-/// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field. For one thread.
+/// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field. `Reader` finds blocks.
+/// For one thread.
+template <class Reader>
 class SparseTrilinear {
  public:
-  explicit SparseTrilinear(const SparseField& band) : last_(band.grid.dims - 1), read_(band, glm::ivec3(0)) {}
+  SparseTrilinear(const glm::ivec3& dims, const Reader& read) : last_(dims - 1), read_(read) {}
 
   glm::dvec3 last() const { return glm::dvec3(last_); }
 
@@ -63,7 +65,7 @@ class SparseTrilinear {
   }
 
   glm::ivec3 last_;
-  SparseReader read_;
+  Reader read_;
 };
 
 /// Interpolates a field between its samples, by `Between`. Positions are in sample coordinates and values in
@@ -119,9 +121,10 @@ class FieldSampler : public Sampler<Trilinear<double>> {
       : Sampler({field.grid.dims, field.distance.data()}, field.grid.spacing) {}
 };
 
-class SparseSampler : public Sampler<SparseTrilinear> {
+class SparseSampler : public Sampler<SparseTrilinear<SparseReader>> {
  public:
-  explicit SparseSampler(const SparseField& band) : Sampler(SparseTrilinear(band), band.grid.spacing) {}
+  explicit SparseSampler(const SparseField& band)
+      : Sampler({band.grid.dims, SparseReader(band, glm::ivec3(0))}, band.grid.spacing) {}
 };
 
 }  // namespace raymap

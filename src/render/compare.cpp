@@ -178,7 +178,8 @@ class SurfaceLines {
   Colour draw(const Colour& ground, const Field& field, glm::dvec2 at, const Colour& line) const {
     if (array_ == FieldArray::Confidence) return ground;
     const Buffer<float>& numbers = numbersOf(field, array_);
-    const double number = view_.value(numbers, at), slope = view_.slope(numbers, at, pixel_);
+    const auto read = [&](const glm::ivec3& sample) { return numbers[field.grid.index(sample)]; };
+    const double number = view_.value(read, at), slope = view_.slope(read, at, pixel_);
     const double value = array_ == FieldArray::Winding ? std::abs(number) - 0.5 : number;
     return slope > 0.0 && std::isfinite(value / slope) ? drawContour(ground, value, slope, line) : ground;
   }
@@ -193,7 +194,7 @@ Picture renderTriangles(const FieldPair& pair, const Grid& grid, int width) {
   const glm::ivec2 slice = mostDifferentSlice(pair, grid, [&](size_t n) { return pair.differs(n); });
   const SliceView view(grid, slice[0], slice[1]);
   return view.paint(width, [&](glm::dvec2 at) {
-    return pair.differs(view.nearest(at)) ? srgb(208, 58, 52) : srgb(238, 239, 241);
+    return pair.differs(grid.index(view.nearest(at))) ? srgb(208, 58, 52) : srgb(238, 239, 241);
   });
 }
 
@@ -219,7 +220,7 @@ Picture renderComparison(const Field& a, const Field& b, int width, FieldArray a
   const SurfaceLines lines(view, view.pixelSize(width), array);
   const double scale = comparison.maxError > 0.0 ? 1.0 / comparison.maxError : 0.0;
   return view.paint(width, [&](glm::dvec2 at) {
-    const size_t n = view.nearest(at);
+    const size_t n = a.grid.index(view.nearest(at));
     if (!pair.isFinite(n)) return kNotFinite;
     const Colour ground = showsSigns ? signColour(a.distance[n] < 0.0f, b.distance[n] < 0.0f)
                                      : errorColour(scale * pair.error(n));

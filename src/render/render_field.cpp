@@ -13,6 +13,7 @@
 #include "api/devices.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/require.h"
 #include "base/text.h"
 #include "cpu/render/shade.h"
 #include "field/field_sampler.h"
@@ -75,6 +76,19 @@ Picture renderField(const Field& field, const RenderOptions& options, const Mach
     }
     picture = renderScene(Scene(field, alike), alike, machine);
   });
+  return picture;
+}
+
+Picture renderField(const SparseField& band, const RenderOptions& options, const MachineOptions& machine) {
+  validate(band);
+  checkPictureSize(options.width, options.height);
+  require(options.array == FieldArray::Distance && !options.other,
+          "a picture of a narrow band shows its distances alone; draw a slice of another array, and leave "
+          "out the second field");
+  MachineOptions onCpu = machine;
+  onCpu.device = "cpu";
+  Picture picture;
+  withThreads(machine.threads, [&] { picture = renderScene(Scene(band, options), options, onCpu); });
   return picture;
 }
 

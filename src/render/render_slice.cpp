@@ -1,8 +1,14 @@
 // A slice of a field as a map: shaded by value, with iso-lines and the contour of the surface.
 
-#include <algorithm>
+#include <raymap/names.h>
 
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "base/require.h"
 #include "field/field_sampler.h"
+#include "field/leaf_tree.h"
 #include "render/slice_view.h"
 
 namespace raymap {
@@ -17,57 +23,116 @@ struct Range {
 // Least distance of iso-lines, in pixels.
 constexpr double kLeastGap = 8.0;
 
+/// Reads the numbers of an array of a dense field.
+class DenseNumbers {
+ public:
+  DenseNumbers(const Field& field, FieldArray array) : grid_(field.grid), numbers_(numbersOf(field, array)) {}
+  float operator()(const glm::ivec3& sample) const { return numbers_[grid_.index(sample)]; }
+
+ private:
+  const Grid& grid_;
+  const Buffer<float>& numbers_;
+};
+
+/// Reads the numbers of an array of a narrow band. In no leaf, numbers other than distances are NaN.
+class SparseNumbers {
+ public:
+  SparseNumbers(const LeafTree& tree, FieldArray array) : tree_(tree), array_(array) {}
+  float operator()(const glm::ivec3& sample) const {
+    const SparseField& band = tree_.band();
+    if (array_ == FieldArray::Distance) return tree_.blockWith(sample).at(sample);
+    const Buffer<float>& numbers = array_ == FieldArray::Winding ? band.winding : band.confidence;
+    const int64_t place = tree_.find(sample);
+    return place < 0 ? std::numeric_limits<float>::quiet_NaN() : numbers[size_t(place)];
+  }
+
+ private:
+  const LeafTree& tree_;
+  FieldArray array_;
+};
+
 /// Returns the largest finite distances inside and outside in the slice. With a band it returns twice the
 /// band's width. The band's plateau, which only means "far", then gets the middle of the colour ramp.
-Range findRange(const Field& field, const SliceView& view) {
+template <class Numbers>
+Range findRange(const Numbers& distances, double band, const SliceView& view) {
+  if (band > 0.0) return {2.0 * band, 2.0 * band};
   Range range;
   for (int y = 0; y < view.size().y; ++y)
     for (int x = 0; x < view.size().x; ++x) {
-      const double value = field.distance[view.index({x, y})];
+      const double value = distances(view.sample({x, y}));
       if (!std::isfinite(value)) continue;
       range.inside = std::max(range.inside, -value);
       range.outside = std::max(range.outside, value);
     }
-  if (field.clampDistance > 0.0) range = {2.0 * field.clampDistance, 2.0 * field.clampDistance};
   return range;
 }
 
-Picture drawDistance(const Field& field, const SliceView& view, int width) {
+/// `band` is `Field::clampDistance`.
+template <class Numbers>
+Picture drawDistance(const Numbers& distances, double band, double spacing, const SliceView& view,
+                     int width) {
   const double pixel = view.pixelSize(width);
-  const double plain = 0.1 * pixel * field.grid.spacing;  // A smaller slope is a plateau, not a line.
-  const Range range = findRange(field, view);
-  const double step = roundedUp(
-      std::max(std::max(range.inside, range.outside) / 25.0, kLeastGap * pixel * field.grid.spacing));
+  const double plain = 0.1 * pixel * spacing;  // A smaller slope is a plateau, not a line.
+  const Range range = findRange(distances, band, view);
+  const double step =
+      roundedUp(std::max(std::max(range.inside, range.outside) / 25.0, kLeastGap * pixel * spacing));
 
   return view.paint(width, [&](glm::dvec2 at) {
-    const double value = view.value(field.distance, at);
+    const double value = view.value(distances, at);
     if (!std::isfinite(value)) return kNotFinite;
     const Colour ground = distanceColour(value, value < 0.0 ? range.inside : range.outside);
-    const double slope = view.slope(field.distance, at, pixel);
+    const double slope = view.slope(distances, at, pixel);
     if (!(slope > plain)) return ground;
     return drawContour(drawIsoLines(ground, value, slope, step), value, slope, kContour);
   });
 }
 
-Picture drawWinding(const Field& field, const SliceView& view, int width) {
+template <class Numbers>
+Picture drawWinding(const Numbers& windings, const SliceView& view, int width) {
   const double pixel = view.pixelSize(width);
   const double plain = 1e-3 * pixel;  // As for distances.
   return view.paint(width, [&](glm::dvec2 at) {
-    const double value = view.value(field.winding, at);
+    const double value = view.value(windings, at);
     if (!std::isfinite(value)) return kNotFinite;
     const Colour ground = windingColour(value);
-    const double beyond = std::abs(value) - 0.5, slope = view.slope(field.winding, at, pixel);
+    const double beyond = std::abs(value) - 0.5, slope = view.slope(windings, at, pixel);
     if (!(slope > plain)) return ground;
     return drawContour(beyond > 0.5 ? drawIsoLines(ground, beyond, slope, 1.0) : ground, beyond, slope,
                        kContour);
   });
 }
 
-Picture drawConfidence(const Field& field, const SliceView& view, int width) {
+template <class Numbers>
+Picture drawConfidence(const Numbers& confidences, const SliceView& view, int width) {
   return view.paint(width, [&](glm::dvec2 at) {
-    const double value = view.value(field.confidence, at);
+    const double value = view.value(confidences, at);
     return std::isfinite(value) ? confidenceColour(value) : kNotFinite;
   });
+}
+
+/// Draws the numbers of an array in its colours.
+template <class Numbers>
+Picture drawNumbers(const Numbers& numbers, FieldArray array, double band, double spacing,
+                    const SliceView& view, int width) {
+  if (array == FieldArray::Winding) return drawWinding(numbers, view, width);
+  if (array == FieldArray::Confidence) return drawConfidence(numbers, view, width);
+  return drawDistance(numbers, band, spacing, view, width);
+}
+
+/// `triangleAt(sample)` returns the triangle of a sample.
+template <class TriangleAt>
+Picture drawTriangles(const SliceView& view, int width, TriangleAt&& triangleAt) {
+  return view.paint(width, [&](glm::dvec2 at) { return triangleColour(triangleAt(view.nearest(at))); });
+}
+
+void checkArray(const SparseField& band, FieldArray array) {
+  validate(band);
+  const bool isThere = array == FieldArray::Distance     ? true
+                       : array == FieldArray::Winding    ? !band.winding.empty()
+                       : array == FieldArray::Confidence ? !band.confidence.empty()
+                                                         : !band.triangle.empty();
+  require(isThere, "the narrow band has no array '" + std::string(name(array)) +
+                       "'; ask for it in the options of the band");
 }
 
 }  // namespace
@@ -76,11 +141,24 @@ Picture renderSlice(const Field& field, int axis, int index, int width, FieldArr
   validateArray(field, array);
   makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
   const SliceView view(field.grid, axis, index);
-  if (array == FieldArray::Winding) return drawWinding(field, view, width);
-  if (array == FieldArray::Confidence) return drawConfidence(field, view, width);
   if (array == FieldArray::Triangle)
-    return view.paint(width, [&](glm::dvec2 at) { return triangleColour(field.triangle[view.nearest(at)]); });
-  return drawDistance(field, view, width);
+    return drawTriangles(view, width,
+                         [&](const glm::ivec3& sample) { return field.triangle[field.grid.index(sample)]; });
+  return drawNumbers(DenseNumbers(field, array), array, field.clampDistance, field.grid.spacing, view, width);
+}
+
+Picture renderSlice(const SparseField& band, int axis, int index, int width, FieldArray array) {
+  checkArray(band, array);
+  makePicture(width, 1);
+  const SliceView view(band.grid, axis, index);
+  const LeafTree tree(band);
+  if (array == FieldArray::Triangle)
+    return drawTriangles(view, width, [&](const glm::ivec3& sample) {
+      const int64_t place = tree.find(sample);
+      return place < 0 ? kNoTriangle : band.triangle[size_t(place)];
+    });
+  return drawNumbers(SparseNumbers(tree, array), array, clampDistanceOf(band), band.grid.spacing, view,
+                     width);
 }
 
 }  // namespace raymap

@@ -50,7 +50,7 @@ Camera::Camera(const RenderOptions& options, const Reach& reach)
 Camera::Camera(const RenderOptions& options, const Shape& shape)
     : Camera(options, [&](std::span<const glm::dvec3> directions) { return shape.reach(directions); }) {
   if (!options.eye) return;
-  const Grid& grid = shape.field().grid;
+  const Grid& grid = shape.field().grid();
   eye_ = (*options.eye - grid.origin) / grid.spacing;
   if (!std::isfinite(eye_.x + eye_.y + eye_.z))
     throw Error(ErrorCode::Usage, "the place of the camera must be finite");

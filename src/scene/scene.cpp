@@ -6,7 +6,7 @@
 namespace raymap {
 
 RenderShape describe(const Shape& shape) {
-  const glm::uvec3 dims(shape.field().grid.dims);
+  const glm::uvec3 dims(shape.field().grid().dims);
   return {
       .centre = shape.centre(),
       .radius = static_cast<float>(shape.radius()),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "scene/camera.h"
 #include "scene/colour.h"
 #include "scene/colouring.h"
@@ -53,25 +55,27 @@ class ShownNumbers {
 /// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
 /// floor shows only the shadow.
 struct Scene {
-  /// Keeps a reference to the field. Throws as `renderField` does.
-  Scene(const Field& field, const RenderOptions& options)
+  /// Throws as `renderField` does. Of a narrow band, only distances can be shown.
+  Scene(DrawnField field, const RenderOptions& options)
       : up(unitVector(options.up, "up vector")),
-        shape(field, options),
+        shape(std::move(field), options),
         camera(options, shape),
         toLight(glm::normalize(kLightOfCamera.x * camera.right() + kLightOfCamera.y * camera.forward() +
                                kLightOfCamera.z * up)),
-        lineStep(roundedUp(shape.depth() / 12.0 * field.grid.spacing) / field.grid.spacing) {
-    if (options.slice) slice = toSamples(*options.slice, field.grid);
-    if (options.other || options.array != FieldArray::Distance) numbers.emplace(field, options);
+        lineStep(roundedUp(shape.depth() / 12.0 * spacing()) / spacing()) {
+    if (options.slice) slice = toSamples(*options.slice, shape.field().grid());
+    if (options.other || options.array != FieldArray::Distance)
+      numbers.emplace(*shape.field().dense(), options);
   }
+
+  double spacing() const { return shape.field().grid().spacing; }
 
   glm::dvec3 up;
   Shape shape;
   Camera camera;
   glm::dvec3 toLight;
-  double lineStep;  ///< Distance between the lines on the cut face and the slice, in samples.
-  std::optional<Plane> slice =
-      {};  ///< In samples;   std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
+  double lineStep;                  ///< Distance between the lines on the cut face and the slice, in samples.
+  std::optional<Plane> slice = {};  ///< In samples; its normal is a unit vector.
   std::optional<ShownNumbers> numbers = {};  ///< None: distances are in colour.
 };
 

@@ -2,7 +2,9 @@
 #include <raymap/picture.h>
 
 #include <algorithm>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -18,6 +20,11 @@ namespace {
 /// trilinear values are up to 0.5.
 constexpr double kSkin = 0.7;
 
+/// Returns the width of a band as a text; 0 means none.
+std::string bandText(double width) {
+  return numberText(std::isfinite(width) ? width : 0.0);
+}
+
 [[noreturn]] void refuseSample(glm::ivec3 sample, float value) {
   throw Error(ErrorCode::Input,
               "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
@@ -25,42 +32,111 @@ constexpr double kSkin = 0.7;
                   ": a field to draw must be finite, in samples too; make it again or replace the value");
 }
 
-/// Calls `visit(position, d)` for every sample of a sheet with d <= 0. The solid contains a ball of radius -d
-/// around it. Returns the least value. The grid's box cuts the solid off, and so the balls.
-template <class Visit>
-double visitInside(const Field& field, int k, double level, Visit&& visit) {
-  double least = INFINITY;
-  const double scale = 1.0 / field.grid.spacing;
-  const glm::dvec3 last(field.grid.dims - 1);
-  const float* value = field.distance.data() + field.grid.index({0, 0, k});
-  for (int j = 0; j < field.grid.dims.y; ++j)
-    for (int i = 0; i < field.grid.dims.x; ++i, ++value) {
-      const double d = *value * scale - level;
-      if (!std::isfinite(d)) refuseSample({i, j, k}, *value);
-      least = std::min(least, d);
-      if (d > 0.0) continue;
-      const glm::dvec3 p(i, j, k);
-      const glm::dvec3 toBorder = glm::min(p, last - p);
-      visit(p, std::max(d, -std::min({toBorder.x, toBorder.y, toBorder.z})));
-    }
-  return least;
-}
+/// Visits samples of a field with d <= 0, as positions and values. The solid contains a ball of radius -d
+/// around each. The grid's box cuts the solid off, and so the balls.
+class InsideSamples {
+ public:
+  InsideSamples(const DrawnField& field, double level)
+      : field_(field), level_(level), scale_(1.0 / field.grid().spacing), last_(field.last()) {}
 
-Extent findExtent(const Field& field, double level) {
-  std::vector<Extent> sheets(size_t(field.grid.dims.z));
-  parallelFor(sheets.size(), 1, [&](size_t k, size_t) {
-    Extent& sheet = sheets[k];
-    sheet.deepest = visitInside(field, int(k), level, [&](const glm::dvec3& p, double d) {
-      sheet.min = glm::min(sheet.min, p + d);
-      sheet.max = glm::max(sheet.max, p - d);
+  /// Calls `merge(part)` for each `part = visitSome(visitor)`. The visitor takes a function
+  /// `visit(position, d)`, which it calls for all samples of a part of the field, and returns the least
+  /// value. Parts are visited in parallel, in any order.
+  template <class VisitSome, class Merge>
+  void forEachPart(VisitSome&& visitSome, Merge&& merge) const {
+    const SparseField* band = field_.band();
+    const size_t count = band ? band->leaves.size() + band->tiles.size() : size_t(field_.grid().dims.z);
+    std::mutex isMerging;
+    parallelFor(count, band ? kLeavesPerTask : 1, [&](size_t begin, size_t end) {
+      const auto part = visitSome([&](auto&& visit) {
+        double least = INFINITY;
+        for (size_t n = begin; n < end; ++n) least = std::min(least, visitOne(n, visit));
+        return least;
+      });
+      const std::lock_guard lock(isMerging);
+      merge(part);
     });
-  });
-  Extent all;
-  for (const Extent& sheet : sheets) {
-    all.min = glm::min(all.min, sheet.min);
-    all.max = glm::max(all.max, sheet.max);
-    all.deepest = std::min(all.deepest, sheet.deepest);
   }
+
+ private:
+  static constexpr size_t kLeavesPerTask = 256;
+
+  /// Visits a sheet, a leaf or a tile.
+  template <class Visit>
+  double visitOne(size_t n, Visit&& visit) const {
+    const SparseField* band = field_.band();
+    if (!band) return visitSheet(*field_.dense(), int(n), visit);
+    if (n < band->leaves.size()) return visitLeaf(*band, n, visit);
+    return visitTile(*band, band->tiles[n - band->leaves.size()], visit);
+  }
+
+  template <class Visit>
+  double visitSheet(const Field& field, int k, Visit&& visit) const {
+    double least = INFINITY;
+    const float* value = field.distance.data() + field.grid.index({0, 0, k});
+    for (int j = 0; j < field.grid.dims.y; ++j)
+      for (int i = 0; i < field.grid.dims.x; ++i)
+        least = std::min(least, visitSample({i, j, k}, *value++, visit));
+    return least;
+  }
+
+  template <class Visit>
+  double visitLeaf(const SparseField& band, size_t leaf, Visit&& visit) const {
+    const glm::ivec3 low = band.leaves[leaf], high = glm::min(low + SparseField::kLeafSide, band.grid.dims);
+    const SparseBlock block{band.distance.data() + leaf * SparseField::kLeafSamples, 0.0f};
+    double least = INFINITY;
+    for (int z = low.z; z < high.z; ++z)
+      for (int y = low.y; y < high.y; ++y)
+        for (int x = low.x; x < high.x; ++x)
+          least = std::min(least, visitSample({x, y, z}, block.at({x, y, z}), visit));
+    return least;
+  }
+
+  /// Visits the corners alone: no other sample of a tile reaches farther in any direction.
+  template <class Visit>
+  double visitTile(const SparseField& band, const SparseField::Tile& tile, Visit&& visit) const {
+    const glm::ivec3 high = glm::min(tile.low + tile.side, band.grid.dims) - 1;
+    double least = INFINITY;
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::ivec3 sample(corner & 1 ? high.x : tile.low.x, corner & 2 ? high.y : tile.low.y,
+                              corner & 4 ? high.z : tile.low.z);
+      least = std::min(least, visitSample(sample, -float(band.inside), visit));
+    }
+    return least;
+  }
+
+  template <class Visit>
+  double visitSample(const glm::ivec3& sample, float value, Visit&& visit) const {
+    const double d = value * scale_ - level_;
+    if (!std::isfinite(d)) refuseSample(sample, value);
+    if (d > 0.0) return d;
+    const glm::dvec3 p(sample), toBorder = glm::min(p, last_ - p);
+    visit(p, std::max(d, -std::min({toBorder.x, toBorder.y, toBorder.z})));
+    return d;
+  }
+
+  const DrawnField& field_;
+  double level_, scale_;
+  glm::dvec3 last_;
+};
+
+Extent findExtent(const DrawnField& field, double level) {
+  Extent all;
+  InsideSamples(field, level)
+      .forEachPart(
+          [](auto&& visitAll) {
+            Extent part;
+            part.deepest = visitAll([&](const glm::dvec3& p, double d) {
+              part.min = glm::min(part.min, p + d);
+              part.max = glm::max(part.max, p - d);
+            });
+            return part;
+          },
+          [&](const Extent& part) {
+            all.min = glm::min(all.min, part.min);
+            all.max = glm::max(all.max, part.max);
+            all.deepest = std::min(all.deepest, part.deepest);
+          });
   return all;
 }
 
@@ -96,34 +172,34 @@ Plane toSamples(const Plane& plane, const Grid& grid) {
   return {.normal = normal, .offset = offset / grid.spacing};
 }
 
-Shape::Shape(const Field& field, const RenderOptions& options)
-    : field_(field),
-      sampler_(field),
-      level_(options.iso / field.grid.spacing),
-      wall_(options.shell / field.grid.spacing),
-      band_(field.clampDistance / field.grid.spacing),
+Shape::Shape(DrawnField field, const RenderOptions& options)
+    : field_(std::move(field)),
+      level_(options.iso / field_.grid().spacing),
+      wall_(options.shell / field_.grid().spacing),
       isFramed_(options.frame.has_value()),
       cut_(options.cut || options.cutPlane) {
-  if (!std::isfinite(level_) || (field.clampDistance > 0.0 && std::abs(options.iso) >= field.clampDistance))
+  if (!std::isfinite(level_) || options.iso <= -field_.inside() || options.iso >= field_.outside())
     throw Error(ErrorCode::Usage, "no surface can be drawn at the distance " + numberText(options.iso) +
                                       ": it must be finite, and less than the field's band (" +
-                                      numberText(field.clampDistance) + ") if it has one");
-  if (!field.distance.empty()) extent_ = findExtent(field, level_);
-  if (!(options.shell >= 0.0) || (field.clampDistance > 0.0 && options.shell >= field.clampDistance))
+                                      bandText(options.iso > 0.0 ? field_.outside() : field_.inside()) +
+                                      ") if it has one");
+  if (field_.hasSamples()) extent_ = findExtent(field_, level_);
+  if (!(options.shell >= 0.0) || (options.shell > 0.0 && options.shell >= field_.inside()))
     throw Error(ErrorCode::Usage, "a shell of " + numberText(options.shell) +
                                       " cannot be drawn: it must not be negative, and thinner than the " +
-                                      "field's band (" + numberText(field.clampDistance) + ") if it has one");
-  if (extent_.deepest >= 0.0 && options.iso == 0.0 && !field.distance.empty()) {
+                                      "field's band (" + bandText(field_.inside()) + ") if it has one");
+  if (extent_.deepest >= 0.0 && options.iso == 0.0 && field_.hasSamples()) {
     level_ = kSkin;
-    extent_ = findExtent(field, level_);
+    extent_ = findExtent(field_, level_);
   }
-  if (isFramed_) extent_ = frameExtent(*options.frame, field.grid);
+  if (std::isfinite(field_.outside())) band_ = field_.outside() / field_.grid().spacing - level_;
+  if (isFramed_) extent_ = frameExtent(*options.frame, field_.grid());
   if (glm::any(glm::greaterThan(extent_.min, extent_.max))) {  // Nothing is inside: frame the grid.
     extent_.min = glm::dvec3(0.0);
-    extent_.max = sampler_.last();
+    extent_.max = field_.last();
   }
   if (options.cutPlane) {
-    const Plane plane = toSamples(*options.cutPlane, field.grid);
+    const Plane plane = toSamples(*options.cutPlane, field_.grid());
     cutNormal_ = plane.normal;
     cutOffset_ = plane.offset;
   } else {
@@ -134,22 +210,25 @@ Shape::Shape(const Field& field, const RenderOptions& options)
 
 std::vector<double> Shape::reach(std::span<const glm::dvec3> directions) const {
   if (isFramed_) return reachOfFrame(directions);
-  std::vector<std::vector<double>> sheets(size_t(field_.grid.dims.z));
-  parallelFor(sheets.size(), 1, [&](size_t k, size_t) {
-    sheets[k].assign(directions.size(), -INFINITY);
-    visitInside(field_, int(k), level_, [&](const glm::dvec3& p, double d) {
-      const double depth = cut_ ? std::max(d, cutDistance(p)) : d;
-      if (depth > 0.0) return;
-      for (size_t n = 0; n < directions.size(); ++n)
-        sheets[k][n] = std::max(sheets[k][n], glm::dot(directions[n], p) - depth);
-    });
-  });
   std::vector<double> all(directions.size(), -INFINITY);
-  for (size_t n = 0; n < all.size(); ++n) {
-    for (const std::vector<double>& sheet : sheets) all[n] = std::max(all[n], sheet[n]);
+  InsideSamples(field_, level_)
+      .forEachPart(
+          [&](auto&& visitAll) {
+            std::vector<double> part(directions.size(), -INFINITY);
+            visitAll([&](const glm::dvec3& p, double d) {
+              const double depth = cut_ ? std::max(d, cutDistance(p)) : d;
+              if (depth > 0.0) return;
+              for (size_t n = 0; n < part.size(); ++n)
+                part[n] = std::max(part[n], glm::dot(directions[n], p) - depth);
+            });
+            return part;
+          },
+          [&](const std::vector<double>& part) {
+            for (size_t n = 0; n < all.size(); ++n) all[n] = std::max(all[n], part[n]);
+          });
+  for (size_t n = 0; n < all.size(); ++n)
     if (all[n] == -INFINITY)  // Nothing is inside.
       all[n] = glm::dot(directions[n], centre()) + radius();
-  }
   return all;
 }
 
@@ -166,7 +245,7 @@ std::vector<double> Shape::reachOfFrame(std::span<const glm::dvec3> directions) 
 
 glm::dvec3 Shape::normal(const glm::dvec3& p) const {
   if (isOnCutFace(p)) return cutNormal_;
-  const glm::dvec3 gradient = sampler_.gradient(p);
+  const glm::dvec3 gradient = field_.gradient(p);
   const double length = glm::length(gradient);
   if (!(length > 0.0)) return {0.0, 0.0, 1.0};  // On a plateau any normal will do.
   const double d = fieldDistance(p);

@@ -75,7 +75,7 @@ std::optional<double> traceSlice(const Scene& scene, const Ray& ray) {
   if (!scene.slice) return {};
   const double across = glm::dot(ray.direction, scene.slice->normal);
   const double t = (scene.slice->offset - glm::dot(ray.origin, scene.slice->normal)) / across;
-  const glm::dvec3 p = ray.origin + t * ray.direction, last(scene.shape.field().grid.dims - 1);
+  const glm::dvec3 p = ray.origin + t * ray.direction, last = scene.shape.field().last();
   const bool isInGrid =
       glm::all(glm::greaterThanEqual(p, glm::dvec3(-0.5))) && glm::all(glm::lessThanEqual(p, last + 0.5));
   if (!(t >= 0.0) || !isInGrid) return {};

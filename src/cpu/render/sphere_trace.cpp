@@ -15,6 +15,8 @@ namespace raymap::cpu {
 
 namespace {
 
+constexpr double kNothingNear = 1e9;  // A distance, in samples.
+
 /// Returns the part of the ray inside a ball around the shape: {first, last}, empty if last < first.
 glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
   const glm::dvec3 toCentre = shape.centre() - ray.origin;
@@ -46,11 +48,12 @@ std::optional<double> trace(const Shape& shape, const Ray& ray) {
   const glm::dvec2 part = clipToBall(shape, ray);
   double before = part.x, dBefore = INFINITY;
   for (double t = part.x; t <= part.y;) {
-    const double d = shape.distance(ray.origin + t * ray.direction);
+    const glm::dvec3 p = ray.origin + t * ray.direction;
+    const double d = shape.distance(p);
     if (d <= 0.0) return t > part.x ? refineHit(shape, ray, before, t, dBefore, d) : t;
     before = t;
     dBefore = d;
-    t += std::max(kCaution * d, kLeastStep);
+    t += std::max(shape.step(p, ray.direction, d), kLeastStep);
   }
   return std::nullopt;
 }
@@ -58,8 +61,8 @@ std::optional<double> trace(const Shape& shape, const Ray& ray) {
 double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3& toLight) {
   const Ray ray{point, toLight};
   const glm::dvec2 part = clipToBall(shape, ray);
-  double clear = 1.0;                   // Narrowest angle so far, divided by the light's.
-  double dBefore = 1e9, stepped = 1.0;  // As if nothing had been near.
+  double clear = 1.0;  // Narrowest angle so far, divided by the light's.
+  double dBefore = kNothingNear, stepped = 1.0;
   for (double t = std::max(part.x, kShadowStart); t <= part.y;) {
     const glm::dvec3 p = point + t * toLight;
     const double d = shape.distance(p);
@@ -72,8 +75,8 @@ double softShadow(const Shape& shape, const glm::dvec3& point, const glm::dvec3&
         shape.openDistance(p) * (isBetween ? std::sqrt(1.0 - back * back / (d * d)) : 1.0);
     clear = std::min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
     if (clear < kDark) return 0.0;
-    dBefore = d;
-    stepped = std::max(kCaution * d, 4 * kLeastStep);
+    stepped = std::max(shape.step(p, toLight, d), 4 * kLeastStep);
+    dBefore = stepped > std::max(d, 4 * kLeastStep) ? kNothingNear : d;  // A plateau's distance says nothing.
     t += stepped;
   }
   return clear * clear * (3.0 - 2.0 * clear);

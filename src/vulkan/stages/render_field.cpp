@@ -26,7 +26,7 @@ RenderFieldStage::RenderFieldStage(Device& device)
 /// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
 /// light. Both cross the ball around the shape.
 void RenderFieldStage::checkScene(const Scene& scene) const {
-  const size_t count = scene.shape.field().grid.sampleCount();
+  const size_t count = scene.shape.field().grid().sampleCount();
   if (count > size_t{std::numeric_limits<int32_t>::max()})
     throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) +
                                             " samples; a device draws up to 2147483647, draw it on the CPU");

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <raymap/sparse_field.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace raymap {
+
+/// A box of samples.
+struct SampleBox {
+  glm::ivec3 first, last;
+};
+
+/// A coarse map of what lies far from a narrow band's leaves and tiles. The lattice is cut into cubes of
+/// samples, at most 128 along each axis.
+class EmptySpace {
+ public:
+  /// The band must be valid.
+  explicit EmptySpace(const SparseField& band);
+
+  /// Returns a box around a sample on the lattice without leaves and tiles: all its samples are outside. None
+  /// near leaves and tiles. The box may reach beyond the lattice.
+  std::optional<SampleBox> boxAround(const glm::ivec3& sample) const;
+
+ private:
+  static constexpr int kMostCubes = 128;
+
+  size_t index(const glm::ivec3& cube) const {
+    return (size_t(cube.z) * size_t(dims_.y) + size_t(cube.y)) * size_t(dims_.x) + size_t(cube.x);
+  }
+  void markFilled(const glm::ivec3& first, const glm::ivec3& last);
+  void measure();
+
+  int bits_;         ///< A cube has 2^bits samples along its side.
+  glm::ivec3 dims_;  ///< Number of cubes.
+  /// Of each cube: number of cubes to the closest one with leaves or tiles, along the axis on which it is
+  /// farthest. 0 for that one.
+  std::vector<uint8_t> away_;
+};
+
+}  // namespace raymap

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <raymap/sparse_field.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "field/sparse_reader.h"
+
+namespace raymap {
+
+/// A tree over the leaves and tiles of a narrow band. It finds what holds a sample by one step per level, and
+/// knows large cubes without leaves. It serves those who read samples far apart, from any thread.
+class LeafTree {
+ public:
+  /// A cube of samples that are all outside, or all inside.
+  struct EmptyCube {
+    glm::ivec3 low;  ///< Its first sample.
+    int32_t side;    ///< Number of samples along its side.
+    float distance;  ///< The distance of all its samples, as `SparseField::distanceAt` gives it.
+  };
+
+  /// Keeps a reference to the band, which must be valid. Its distances may change, its leaves may not.
+  explicit LeafTree(const SparseField& band);
+
+  const SparseField& band() const { return band_; }
+
+  /// Returns the place of a sample's values, or a negative number if it lies in no leaf. The sample must not
+  /// be negative.
+  int64_t find(const glm::ivec3& sample) const;
+  /// Returns the block of a sample on the lattice.
+  SparseBlock blockWith(const glm::ivec3& sample) const;
+  /// Returns the largest cube without leaves, of those that the tree knows, around a sample on the lattice.
+  /// Its samples beyond the lattice do not count.
+  std::optional<EmptyCube> emptyCube(const glm::ivec3& sample) const;
+
+ private:
+  static constexpr int kSlotBits = 3;  ///< A node has 8 x 8 x 8 slots, x fastest.
+  static constexpr int64_t kOutside = -1, kInside = -2;
+  /// A slot holds a node's index, in the lowest level a leaf's, or the side on which all its samples lie.
+  using Node = std::array<int64_t, size_t{1} << 3 * kSlotBits>;
+
+  struct Slot {
+    int64_t content;
+    int bits;  ///< The slot's cube has 2^bits samples along its side.
+  };
+
+  static size_t placeOf(const glm::ivec3& sample, int bits) {
+    const glm::ivec3 at = (sample >> bits) & ((1 << kSlotBits) - 1);
+    return (((size_t(at.z) << kSlotBits) + size_t(at.y)) << kSlotBits) + size_t(at.x);
+  }
+  float distanceOf(int64_t side) const {
+    return side == kInside ? -float(band_.inside) : float(band_.outside);
+  }
+  Slot slotOf(const glm::ivec3& sample) const;
+  Node& nodeWith(const glm::ivec3& sample, int bits);
+  void addTile(const SparseField::Tile& tile);
+
+  const SparseField& band_;
+  int rootBits_;  ///< `Slot::bits` of the root's slots.
+  std::vector<Node> nodes_;
+};
+
+inline LeafTree::Slot LeafTree::slotOf(const glm::ivec3& sample) const {
+  int64_t content = 0;
+  for (int bits = rootBits_;; bits -= kSlotBits) {
+    content = nodes_[size_t(content)][placeOf(sample, bits)];
+    if (content < 0 || bits == kSlotBits) return {content, bits};
+  }
+}
+
+inline int64_t LeafTree::find(const glm::ivec3& sample) const {
+  const int64_t leaf = slotOf(sample).content;
+  return leaf < 0 ? leaf : leaf * int64_t(SparseField::kLeafSamples) + int64_t(placeOf(sample, 0));
+}
+
+inline SparseBlock LeafTree::blockWith(const glm::ivec3& sample) const {
+  const int64_t leaf = slotOf(sample).content;
+  if (leaf < 0) return {nullptr, distanceOf(leaf)};
+  return {band_.distance.data() + size_t(leaf) * SparseField::kLeafSamples, 0.0f};
+}
+
+inline std::optional<LeafTree::EmptyCube> LeafTree::emptyCube(const glm::ivec3& sample) const {
+  const Slot slot = slotOf(sample);
+  if (slot.content >= 0) return std::nullopt;
+  return EmptyCube{(sample >> slot.bits) << slot.bits, int32_t{1} << slot.bits, distanceOf(slot.content)};
+}
+
+}  // namespace raymap

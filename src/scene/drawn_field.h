@@ -1,0 +1,64 @@
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "field/empty_space.h"
+#include "field/field_sampler.h"
+#include "field/leaf_tree.h"
+
+namespace raymap {
+
+/// A field to draw: a dense one or a narrow band, to which it keeps a reference. Positions are in sample
+/// coordinates and values in units of the spacing, as in `Sampler`.
+class DrawnField {
+ public:
+  DrawnField(const Field& field);       // NOLINT(google-explicit-constructor): Scenes take either.
+  DrawnField(const SparseField& band);  // NOLINT(google-explicit-constructor)
+  DrawnField(Field&&) = delete;
+  DrawnField(SparseField&&) = delete;
+
+  /// A stretch of a ray along which the field has one value.
+  struct Plateau {
+    double value;
+    double length;
+  };
+
+  /// Returns the dense field, or null for a narrow band.
+  const Field* dense() const { return dense_; }
+  /// Returns the narrow band, or null for a dense field.
+  const SparseField* band() const { return tree_ ? &tree_->band() : nullptr; }
+  const Grid& grid() const { return dense_ ? dense_->grid : tree_->band().grid; }
+  /// Returns whether the samples are in the host's memory.
+  bool hasSamples() const { return !dense_ || !dense_->distance.empty(); }
+  /// Returns the position of the last sample.
+  glm::dvec3 last() const { return glm::dvec3(grid().dims - 1); }
+  /// Distances are clamped to these, in the mesh's units; infinite if they are not.
+  double inside() const { return inside_; }
+  double outside() const { return outside_; }
+
+  double value(const glm::dvec3& p) const { return dense_ ? whole_->value(p) : sparse_->value(p); }
+  glm::dvec3 gradient(const glm::dvec3& p) const {
+    return dense_ ? whole_->gradient(p) : sparse_->gradient(p);
+  }
+  /// Returns the plateau on which a ray goes on from a point, if samples without leaves surround the point.
+  std::optional<Plateau> plateau(const glm::dvec3& p, const glm::dvec3& direction) const;
+
+ private:
+  /// Reads a band through its tree.
+  struct TreeReader {
+    SparseBlock blockWith(const glm::ivec3& sample) const { return tree->blockWith(sample); }
+    const LeafTree* tree;
+  };
+  using SparseSampler = Sampler<SparseTrilinear<TreeReader>>;
+
+  const Field* dense_ = nullptr;
+  double inside_, outside_;
+  std::unique_ptr<const LeafTree> tree_;
+  std::optional<EmptySpace> space_;
+  std::optional<FieldSampler> whole_;
+  std::optional<SparseSampler> sparse_;
+};
+
+}  // namespace raymap

@@ -1,0 +1,311 @@
+// Pictures of narrow bands against those of the dense fields of the same samples.
+
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "analytic_fields.h"
+#include "broken_meshes.h"
+#include "cpu/render/sphere_trace.h"
+#include "error_code.h"
+#include "field/empty_space.h"
+#include "field/leaf_tree.h"
+#include "scene/camera.h"
+#include "scene/shape.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+using analytic::cube;
+using analytic::sampled;
+
+constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+
+/// Bands of a torus with holes on a lattice around it and on one that cuts it, and of a ball with tiles.
+std::vector<SparseField> someBands() {
+  std::vector<SparseField> bands;
+  const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
+  const Surface surface(mesh);
+  const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};
+  for (const Grid& grid :
+       {fitGrid(mesh, {.resolution = 60}), fitGrid(mesh, {.voxelSize = 0.04, .box = part})})
+    for (const BandOptions& options :
+         {BandOptions{.triangle = true, .winding = true, .confidence = true},
+          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = kEverywhere}})
+      bands.push_back(surface.generateBand(grid, options));
+  const Mesh ball = shapes::sphere(1.0, 3);
+  bands.push_back(Surface(ball).generateBand(fitGrid(ball, {.resolution = 120})));
+  return bands;
+}
+
+/// Differences of the hits of all pixels' rays.
+struct HitDifferences {
+  size_t hits = 0;    ///< Of the band.
+  size_t missed = 0;  ///< Rays that hit one of both alone.
+  size_t apart = 0;   ///< Rays whose hits lie more than 0.02 samples apart.
+};
+
+HitDifferences compareHits(const SparseField& band, const Field& field, RenderOptions options) {
+  options.width = 80;
+  options.height = 60;
+  const Shape ofBand(band, options), ofField(field, options);
+  const Camera camera(options, ofField);
+  HitDifferences found;
+  for (int y = 0; y < options.height; ++y)
+    for (int x = 0; x < options.width; ++x) {
+      const Ray ray = camera.ray(x + 0.5, y + 0.5);
+      const std::optional<double> a = cpu::trace(ofBand, ray), b = cpu::trace(ofField, ray);
+      found.hits += a ? 1 : 0;
+      found.missed += a.has_value() != b.has_value();
+      EXPECT_LT(a ? ofField.distance(ray.origin + *a * ray.direction) : 0.0, 2 * kHitTolerance);
+      if (a && b) {
+        const double apart = std::abs(*a - *b);
+        found.apart += apart > 0.02 ? 1 : 0;
+        EXPECT_LT(apart, 2.0);
+      }
+    }
+  return found;
+}
+
+glm::dvec3 middleOf(const Grid& grid) {
+  return grid.position(0.5 * glm::dvec3(grid.dims - 1));
+}
+
+TEST(SparseRender, RaysHitAsInTheDenseField) {
+  size_t hits = 0;
+  for (const SparseField& band : someBands()) {
+    const Field field = toDense(band);
+    const double width = std::min(band.inside, band.outside);
+    const glm::dvec3 middle = middleOf(band.grid);
+    for (const RenderOptions& options :
+         {RenderOptions{}, RenderOptions{.direction = {0.3, 1.0, 0.2}, .iso = 0.5 * width},
+          RenderOptions{.cut = true}, RenderOptions{.cut = true, .shell = 0.6 * width},
+          RenderOptions{.direction = {0, 0, -1}, .fieldOfView = 120.0, .eye = middle},
+          RenderOptions{.direction = {1, 0.1, 0}, .fieldOfView = 100.0, .eye = middle + 0.1}}) {
+      const HitDifferences found = compareHits(band, field, options);
+      hits += found.hits;
+      EXPECT_EQ(found.missed, 0u);
+      EXPECT_LE(found.apart, 3u);  // A ray that touches the surface may hit it a little before or after.
+    }
+  }
+  EXPECT_GT(hits, 30'000u);
+}
+
+// Rays near a sphere's outline pass through many leaves and miss it, or hit it at a small angle.
+TEST(SparseRender, RaysHitASphereWhereItIs) {
+  const double radius = 0.8, spacing = 2.0 / 200;
+  const Field field =
+      sampled(cube(200, 2.0), [&](const glm::dvec3& p) { return analytic::sphere(p, radius); });
+  const SparseField band = toSparse(field);
+  const Shape shape(band, {});
+  const glm::dvec3 centre(99.5);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0.0, 0.995);
+  for (int i = 0; i < 3000; ++i) {
+    const glm::dvec3 way = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const glm::dvec3 other = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const glm::dvec3 aside = glm::normalize(glm::cross(way, other));
+    const double past = (i % 3 == 0 ? 1.005 + share(random) : share(random)) * radius / spacing;
+    const std::optional<double> hit = cpu::trace(shape, {centre + past * aside - 300.0 * way, way});
+    if (i % 3 == 0) {
+      EXPECT_FALSE(hit) << past;
+      continue;
+    }
+    ASSERT_TRUE(hit) << past;
+    const double expected = 300.0 - std::sqrt(std::pow(radius / spacing, 2.0) - past * past);
+    EXPECT_NEAR(*hit, expected, 0.05) << past;
+  }
+}
+
+TEST(SparseRender, PlateausHaveOneValue) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  for (const SparseField& band : someBands()) {
+    if (band.inside == kEverywhere) continue;
+    const Field dense = toDense(band);
+    const DrawnField drawn(band), whole(dense);
+    EXPECT_FALSE(whole.plateau(glm::dvec3(1.5), {1, 0, 0}));
+    std::uniform_real_distribution<double> share(-0.05, 1.05);
+    size_t count = 0;
+    double longest = 0.0;
+    for (int i = 0; i < 5000; ++i) {
+      const glm::dvec3 p = drawn.last() * glm::dvec3(share(random), share(random), share(random));
+      const glm::dvec3 way = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+      const auto plateau = drawn.plateau(p, way);
+      if (!plateau) continue;
+      ++count;
+      longest = std::max(longest, plateau->length);
+      ASSERT_GE(plateau->length, 0.0);
+      for (const double part : {0.0, 0.3, 0.7, 1.0 - 1e-9}) {
+        const glm::dvec3 there = p + part * plateau->length * way;
+        const bool isInGrid = glm::all(glm::greaterThanEqual(there, glm::dvec3(0.0))) &&
+                              glm::all(glm::lessThanEqual(there, drawn.last()));
+        ASSERT_TRUE(!isInGrid || std::abs(whole.value(there) - plateau->value) < 1e-12);
+      }
+    }
+    EXPECT_GT(count, 100u);
+    EXPECT_GT(longest, 7.0);
+  }
+}
+
+TEST(SparseRender, TheCameraStandsAsBeforeTheDenseField) {
+  for (const SparseField& band : someBands()) {
+    if (band.inside == kEverywhere) continue;
+    const Field field = toDense(band);
+    const Camera ofBand({}, Shape(band, {})), ofField({}, Shape(field, {}));
+    EXPECT_EQ(ofBand.eye(), ofField.eye());
+    EXPECT_EQ(ofBand.floor(), ofField.floor());
+  }
+}
+
+double meanDifference(const Picture& a, const Picture& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) sum += std::abs(a.rgb[i] - b.rgb[i]);
+  return sum / double(a.rgb.size());
+}
+
+TEST(SparseRender, PicturesAreThoseOfTheDenseField) {
+  const std::vector<SparseField> bands = someBands();
+  const SparseField& band = bands.back();
+  const Field field = toDense(band);
+  const double width = band.outside;
+  for (const RenderOptions& look :
+       {RenderOptions{}, RenderOptions{.cut = true, .shell = 0.5 * width},
+        RenderOptions{.iso = 0.4 * width, .slice = Plane{.normal = {1, 0, 1}, .offset = 0.3}}}) {
+    RenderOptions options = look;
+    options.width = 80;
+    options.height = 60;
+    const Picture picture = renderField(band, options, {.threads = 1});
+    EXPECT_LT(meanDifference(picture, renderField(field, options, {.device = "cpu"})), 0.5);
+    EXPECT_EQ(picture.rgb, renderField(band, options, {.threads = 3}).rgb);
+  }
+}
+
+TEST(SparseRender, SlicesAreThoseOfTheDenseField) {
+  for (const SparseField& band : someBands()) {
+    const Field field = toDense(band);
+    for (const FieldArray array :
+         {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence, FieldArray::Triangle})
+      for (int axis = 0; axis < 3; ++axis) {
+        if (array != FieldArray::Distance && band.winding.empty()) continue;
+        const int index = axis == 1 ? 5 : -1;
+        EXPECT_EQ(renderSlice(band, axis, index, 70, array).rgb,
+                  renderSlice(field, axis, index, 70, array).rgb);
+      }
+  }
+}
+
+TEST(SparseRender, RefusesWhatCannotBeDrawn) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 30}),
+                                                {.outside = 2.0, .inside = 4.0, .winding = true});
+  const double h = band.grid.spacing;
+  const auto codeWith = [&](RenderOptions options) {
+    options.width = options.height = 8;
+    return codeOf([&] { renderField(band, options); });
+  };
+  EXPECT_EQ(codeWith({.iso = 1.9 * h}), std::nullopt);
+  EXPECT_EQ(codeWith({.iso = 2.0 * h}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.iso = -3.9 * h}), std::nullopt);
+  EXPECT_EQ(codeWith({.iso = -4.0 * h}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.shell = 3.9 * h}), std::nullopt);
+  EXPECT_EQ(codeWith({.shell = 4.0 * h}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Winding}), ErrorCode::Usage);
+  const Field other = toDense(band);
+  EXPECT_EQ(codeWith({.other = &other}), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { renderSlice(band, 0, -1, 9, FieldArray::Confidence); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { renderSlice(band, 3); }), ErrorCode::Usage);
+  band.distance[5] = NAN;
+  EXPECT_EQ(codeWith({}), ErrorCode::Input);
+  band.leaves[1] = band.leaves[0];
+  EXPECT_EQ(codeWith({}), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { renderSlice(band, 0); }), ErrorCode::Usage);
+}
+
+// The dense field would take 4 TB.
+TEST(SparseRender, DrawsAHugeLattice) {
+  const Mesh ball = shapes::sphere(1.0, 3);
+  const Surface surface(ball);
+  const Grid small = fitGrid(ball, {.voxelSize = 0.0625});
+  Grid huge = small;
+  huge.dims = glm::ivec3(10000);
+  huge.origin -= huge.spacing * 8.0 * 600.0;
+  const RenderOptions options{.width = 80, .height = 60};
+  const Picture expected = renderField(surface.generateBand(small), options),
+                got = renderField(surface.generateBand(huge), options);
+  EXPECT_LT(meanDifference(got, expected), 0.5);
+}
+
+TEST(LeafTree, FindsWhatTheBandHas) {
+  for (const SparseField& band : someBands()) {
+    const LeafTree tree(band);
+    const glm::ivec3 dims = band.grid.dims;
+    for (int z = 0; z < dims.z; ++z)
+      for (int y = 0; y < dims.y; ++y)
+        for (int x = 0; x < dims.x; ++x) {
+          const glm::ivec3 sample(x, y, z);
+          const std::optional<size_t> place = band.find(sample);
+          const int64_t found = tree.find(sample);
+          ASSERT_EQ(found >= 0, place.has_value());
+          ASSERT_TRUE(!place || size_t(found) == *place);
+          ASSERT_EQ(tree.blockWith(sample).at(sample), band.distanceAt(sample));
+          ASSERT_EQ(tree.emptyCube(sample).has_value(), !place);
+        }
+  }
+}
+
+TEST(EmptySpace, IsAsLargeAsItCanBe) {
+  SparseField band{.grid = {.dims = {900, 700, 2100}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
+  band.tiles = {{{320, 64, 512}, 64}, {{512, 512, 1024}, 16}};
+  ASSERT_NO_THROW(validate(band));
+  const EmptySpace space(band);
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::ivec3 sample(glm::dvec3(band.grid.dims) *
+                            glm::dvec3(share(random), share(random), share(random)));
+    // Numbers of cubes of 32 samples to the tiles, along each axis.
+    int least = std::numeric_limits<int>::max();
+    for (const SparseField::Tile& tile : band.tiles) {
+      const glm::ivec3 cube = sample / 32, low = tile.low / 32, high = (tile.low + tile.side - 1) / 32;
+      const glm::ivec3 away = glm::max(glm::max(low - cube, cube - high), 0);
+      least = std::min(least, std::max({away.x, away.y, away.z}));
+    }
+    const std::optional<SampleBox> box = space.boxAround(sample);
+    ASSERT_EQ(box.has_value(), least > 0);
+    if (!box) continue;
+    ASSERT_EQ(box->first, 32 * (sample / 32 - (least - 1)));
+    ASSERT_EQ(box->last, 32 * (sample / 32 + least) - 1);
+  }
+}
+
+TEST(LeafTree, KnowsTilesOfAnySizeOnTheLargestLattice) {
+  SparseField band{.grid = {.dims = glm::ivec3(1 << 24), .spacing = 1.0}, .outside = 3.0, .inside = 2.0};
+  const int side = 1 << 13;
+  band.tiles = {{{0, 0, 0}, 8}, {{16, 0, 0}, 16}, {{0, 0, 64}, 64}, {{0, 0, side}, side}};
+  band.leaves.resizeUninitialized(1);
+  band.leaves[0] = glm::ivec3((1 << 24) - 8);
+  band.distance.resizeUninitialized(512);
+  std::ranges::fill(band.distance, 0.25f);
+  ASSERT_NO_THROW(validate(band));
+  const LeafTree tree(band);
+  for (const SparseField::Tile& tile : band.tiles)
+    for (const glm::ivec3& at : {tile.low, tile.low + tile.side / 2, tile.low + tile.side - 1}) {
+      EXPECT_EQ(tree.blockWith(at).at(at), -2.0f);
+      EXPECT_GE(tree.emptyCube(at)->side, std::min(tile.side, 8));
+    }
+  const glm::ivec3 beside(0, 0, 2 * side), last((1 << 24) - 1);
+  EXPECT_EQ(tree.blockWith(beside).at(beside), 3.0f);
+  EXPECT_EQ(tree.find(last), 511);
+  EXPECT_GE(tree.emptyCube(glm::ivec3(1 << 23))->side, 1 << 21);
+}
+
+}  // namespace
+}  // namespace raymap
