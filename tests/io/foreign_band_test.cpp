@@ -45,8 +45,7 @@ void write(const fs::path& path, const openvdb::GridPtrVec& grids) {
 /// Returns the sample of a band where a voxel of a grid lies.
 glm::ivec3 sampleOf(const FloatGrid& grid, const SparseField& band, const Coord& voxel) {
   const openvdb::Vec3d at = grid.transform().indexToWorld(voxel);
-  return glm::ivec3(
-      glm::round((glm::dvec3(at.x(), at.y(), at.z()) - band.grid.origin) / band.grid.spacing));
+  return glm::ivec3(glm::round((glm::dvec3(at.x(), at.y(), at.z()) - band.grid.origin) / band.grid.spacing));
 }
 
 void expectSameValues(const SparseField& band, const FloatGrid& grid) {
@@ -58,7 +57,9 @@ void expectSameValues(const SparseField& band, const FloatGrid& grid) {
     ASSERT_EQ(band.distanceAt(sampleOf(grid, band, value.getCoord())), *value) << value.getCoord();
   std::mt19937 random(1);
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
-  const auto among = [&](int axis) { return int(random() % unsigned(box.dim()[axis] + 8)) + box.min()[axis] - 4; };
+  const auto among = [&](int axis) {
+    return int(random() % unsigned(box.dim()[axis] + 8)) + box.min()[axis] - 4;
+  };
   for (int i = 0; i < 10'000; ++i) {
     const Coord voxel(among(0), among(1), among(2));
     ASSERT_EQ(band.distanceAt(sampleOf(grid, band, voxel)), accessor.getValue(voxel)) << voxel;

@@ -2,6 +2,7 @@
 
 #include "io/import/import_band.h"
 
+#include <openvdb/openvdb.h>
 #include <raymap/error.h>
 
 #include <algorithm>
