@@ -112,6 +112,48 @@ TEST_F(CliConvert, SaysWhatItDrops) {
   succeed("convert w.npz w.nrrd");
 }
 
+// A level set of more than 2^24 samples stays a narrow band, in other commands too.
+TEST_F(CliConvert, KeepsLargeLevelSetsAsNarrowBands) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid grid{{645, 590, 45}, {-1.2, -1.1, -1.05}, 0.05};
+  const SparseField band = Surface(mesh).generateBand(grid, {.outside = 2.0, .inside = 4.0});
+  const Field dense = toDense(band);
+  writeBand(path("band.vdb"), band);
+  succeed("convert band.vdb slabs.nrrd");
+  writeField(path("dense.nrrd"), dense);
+  EXPECT_TRUE(readBytes(path("slabs.nrrd")) == readBytes(path("dense.nrrd")));
+  succeed("convert band.vdb -o half.vdb --grid-name surface --half");
+  EXPECT_TRUE(std::ranges::equal(readBand(path("half.vdb"), {.gridName = "surface"}).leaves, band.leaves));
+  succeed("convert band.vdb -o mm.vdb --from cm --to mm");
+  const SparseField scaled = readBand(path("mm.vdb"));
+  EXPECT_EQ(scaled.activeCount(), band.activeCount());
+  EXPECT_EQ(scaled.outside, 10.0 * band.outside);
+  EXPECT_EQ(scaled.grid.spacing, 10.0 * band.grid.spacing);
+
+  succeed("mesh band.vdb -o band.ply");
+  const Simplified surface = simplify(isosurface(band), {.tolerance = 0.1 * 0.05, .step = 0.05});
+  EXPECT_TRUE(readMesh(path("band.ply")).triangles == surface.mesh.triangles);
+
+  const std::vector<glm::dvec3> points{{0, 0, 0.97}, {0.5, 0.5, 0.8}, {20, 9, 0.5}, {0.1, 0, 0}};
+  std::ofstream(path("points.csv")) << "x,y,z\n0,0,0.97\n0.5,0.5,0.8\n20,9,0.5\n0.1,0,0\n";
+  succeed("query band.vdb points.csv -o band.csv --arrays distance,gradient");
+  writeSamples(path("dense.csv"), points, sample(dense, points, {.gradients = true}),
+               {.arrays = {"distance", "gradient"}});
+  EXPECT_EQ(readBytes(path("band.csv")), readBytes(path("dense.csv")));
+
+  const Json info = Json::parse(succeed("info band.vdb --json").out);
+  EXPECT_EQ(info["band"]["active"], band.activeCount());
+  EXPECT_EQ(info["band"]["leaves"], band.leaves.size());
+  EXPECT_EQ(info["grid"]["samples"], dense.distance.size());
+  EXPECT_EQ(info["clamp_distance"], dense.clampDistance);
+  EXPECT_EQ(info["min"], double(*std::ranges::min_element(dense.distance)));
+  EXPECT_EQ(info["max"], double(*std::ranges::max_element(dense.distance)));
+  EXPECT_EQ(info["inside"], std::ranges::count_if(dense.distance, [](float d) { return d < 0.0f; }));
+  EXPECT_NE(succeed("info band.vdb").out.find("active samples"), std::string::npos);
+}
+
 TEST_F(CliConvert, SaysWhatItDoesNotRead) {
   Field field;
   field.grid = {{2, 1, 1}, glm::dvec3(0.0), 1.0};
