@@ -1,5 +1,8 @@
 #include <raymap/raymap.h>
 
+#include <algorithm>
+#include <variant>
+
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
@@ -47,7 +50,8 @@ void writeConverted(const Arguments& arguments, Mesh& mesh) {
 }
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
-void warnOfDropped(const Arguments& arguments, const Field& field) {
+template <class AnyField>
+void warnOfDropped(const Arguments& arguments, const AnyField& field) {
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
   const std::vector<FieldArray> arrays = heldArrays(field);
@@ -71,6 +75,39 @@ void writeConverted(const Arguments& arguments, Field& field) {
   printWritten(arguments.output);
 }
 
+/// Writes a field of all samples that need not fit into memory.
+void writeInSlabs(const Arguments& arguments, const SparseField& band) {
+  constexpr size_t kManySamples = size_t{1} << 24;
+  const glm::ivec3 dims = band.grid.dims;
+  const size_t plane = size_t(dims.x) * size_t(dims.y);
+  const auto slab = [&](int begin, int end) {
+    return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});
+  };
+  writeFieldInSlabs(arguments.output,
+                    {.grid = band.grid,
+                     .clampDistance = std::min(band.inside, band.outside),
+                     .surfaceBounds = band.surfaceBounds},
+                    slab,
+                    {.thickness = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(dims.z))),
+                     .format = arguments.format.output});
+}
+
+void writeConverted(const Arguments& arguments, SparseField& band) {
+  convertUnits(band, arguments.units, named(arguments.input, arguments.format.input));
+  const std::filesystem::path output = named(arguments.output, arguments.format.output);
+  const FieldWriteOptions options{
+      .format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half};
+  const bool isPlain = !arguments.half && arguments.gridName.empty();
+  if (hasExtension(output, {".vdb"}))
+    writeBand(arguments.output, band, options);
+  else if (hasExtension(output, slabExtensions()) && isPlain)
+    writeInSlabs(arguments, band);
+  else
+    writeField(arguments.output, toDense(band), options);
+  warnOfDropped(arguments, band);
+  printWritten(arguments.output);
+}
+
 void run(Arguments& arguments) {
   if (arguments.output.empty()) arguments.output = arguments.second;
   if (arguments.output.empty())
@@ -78,11 +115,13 @@ void run(Arguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
-  std::variant<Mesh, Field> read = loadMeshOrField(arguments.input, arguments.format.input);
+  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     writeConverted(arguments, *mesh);
   else if (Field* field = std::get_if<Field>(&read))
     writeConverted(arguments, *field);
+  else
+    writeConverted(arguments, std::get<SparseField>(read));
 }
 
 }  // namespace

@@ -7,7 +7,8 @@ namespace raymap {
 
 namespace {
 
-bool hasArray(const Field& field, FieldArray array) {
+template <class AnyField>
+bool hasArray(const AnyField& field, FieldArray array) {
   switch (array) {
     case FieldArray::Distance:
       return !field.distance.empty();
@@ -21,6 +22,14 @@ bool hasArray(const Field& field, FieldArray array) {
   return false;
 }
 
+template <class AnyField>
+std::vector<FieldArray> heldBy(const AnyField& field) {
+  std::vector<FieldArray> held;
+  for (const std::string_view each : names<FieldArray>())
+    if (const auto array = fromName<FieldArray>(each); hasArray(field, array)) held.push_back(array);
+  return held;
+}
+
 }  // namespace
 
 Box boxOf(const Grid& grid) {
@@ -28,10 +37,11 @@ Box boxOf(const Grid& grid) {
 }
 
 std::vector<FieldArray> heldArrays(const Field& field) {
-  std::vector<FieldArray> held;
-  for (const std::string_view each : names<FieldArray>())
-    if (const auto array = fromName<FieldArray>(each); hasArray(field, array)) held.push_back(array);
-  return held;
+  return heldBy(field);
+}
+
+std::vector<FieldArray> heldArrays(const SparseField& band) {
+  return heldBy(band);
 }
 
 FieldArray heldArray(const Field& field) {

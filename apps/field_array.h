@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/field.h>
+#include <raymap/sparse_field.h>
 
 #include <filesystem>
 #include <string>
@@ -13,6 +14,7 @@ Box boxOf(const Grid& grid);
 
 /// Returns the arrays that a file holds, distance first.
 std::vector<FieldArray> heldArrays(const Field& field);
+std::vector<FieldArray> heldArrays(const SparseField& band);
 
 /// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
 FieldArray heldArray(const Field& field);

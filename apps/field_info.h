@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/field.h>
+#include <raymap/sparse_field.h>
 
 #include <optional>
 #include <string>
@@ -18,11 +19,15 @@ struct FieldInfo {
 
 /// Counts the values of the array that a field's file holds.
 FieldInfo inspect(const Field& field);
+/// Counts the distances of all samples on the lattice.
+FieldInfo inspect(const SparseField& band);
 
 /// Prints the grid of a field, its arrays and figures. `unit`: that of all lengths, or empty.
 void print(const Field& field, const FieldInfo& info, const std::string& unit);
+void print(const SparseField& band, const FieldInfo& info, const std::string& unit);
 
 /// Returns the same for programs.
 Json describe(const Field& field, const FieldInfo& info, const std::string& unit);
+Json describe(const SparseField& band, const FieldInfo& info, const std::string& unit);
 
 }  // namespace raymap

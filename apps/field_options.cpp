@@ -101,19 +101,37 @@ Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& argume
   return generate(mesh, grid, arguments.options, withProgress(machine, line)).field;
 }
 
+namespace {
+
+Field makeFieldOf(Mesh& mesh, const std::filesystem::path& file, const FieldArguments& arguments,
+                  const std::filesystem::path& result) {
+  if (result.empty())
+    convertUnits(mesh, arguments.units, file);
+  else
+    convertUnits(mesh, arguments.units, file, result);
+  return makeField(mesh, fitGrid(mesh, arguments.grid), arguments);
+}
+
+}  // namespace
+
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
                 const std::filesystem::path& result) {
   std::variant<Mesh, Field> read = loadMeshOrField(path, format);
-  if (Field* field = std::get_if<Field>(&read)) {
-    convertUnits(*field, arguments.units, named(path, format));
-    return std::move(*field);
-  }
-  Mesh& mesh = std::get<Mesh>(read);
-  if (result.empty())
-    convertUnits(mesh, arguments.units, named(path, format));
-  else
-    convertUnits(mesh, arguments.units, named(path, format), result);
-  return makeField(mesh, fitGrid(mesh, arguments.grid), arguments);
+  if (Mesh* mesh = std::get_if<Mesh>(&read))
+    return makeFieldOf(*mesh, named(path, format), arguments, result);
+  convertUnits(std::get<Field>(read), arguments.units, named(path, format));
+  return std::get<Field>(std::move(read));
+}
+
+std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
+                                                 const FieldArguments& arguments, const std::string& format,
+                                                 const std::filesystem::path& result) {
+  auto read = loadMeshFieldOrBand(path, format);
+  if (Mesh* mesh = std::get_if<Mesh>(&read))
+    return makeFieldOf(*mesh, named(path, format), arguments, result);
+  std::visit([&](auto& each) { convertUnits(each, arguments.units, named(path, format)); }, read);
+  if (SparseField* band = std::get_if<SparseField>(&read)) return std::move(*band);
+  return std::get<Field>(std::move(read));
 }
 
 }  // namespace raymap

@@ -52,5 +52,9 @@ Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& argume
 /// A mesh is turned to the axis that is up in the file to write, `result`, if there is one.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
                 const std::filesystem::path& result = {});
+/// Does the same, but reads a large level set as a narrow band.
+std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
+                                                 const FieldArguments& arguments, const std::string& format,
+                                                 const std::filesystem::path& result);
 
 }  // namespace raymap

@@ -130,7 +130,12 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   return renderField(field, arguments.view, machine);
 }
 
-void inspectField(const Field& field, const Arguments& arguments) {
+Picture draw(const SparseField& band, FieldArray array, const Arguments& arguments) {
+  return draw(toDense(band, arguments.machine), array, arguments);
+}
+
+template <class AnyField>
+void inspectField(const AnyField& field, const Arguments& arguments) {
   const FieldInfo info = inspect(field);
   if (!arguments.picture.empty()) writePng(arguments.picture, draw(field, info.array, arguments));
   const std::optional<LengthUnit> unit = unitOf(arguments);
@@ -146,10 +151,10 @@ void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
-  const std::variant<Mesh, Field> read =
-      loadMeshOrField(arguments.input, arguments.format.input, arguments.units);
+  const auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.units);
   if (const Mesh* mesh = std::get_if<Mesh>(&read)) return inspectMesh(*mesh, arguments);
-  inspectField(std::get<Field>(read), arguments);
+  if (const Field* field = std::get_if<Field>(&read)) return inspectField(*field, arguments);
+  inspectField(std::get<SparseField>(read), arguments);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <optional>
+#include <variant>
 
 #include "checks.h"
 #include "commands.h"
@@ -38,7 +39,8 @@ struct Arguments : FieldArguments {
 };
 
 /// Makes the surface, and drops triangles within the tolerance.
-Simplified makeSurface(const Field& field, const Arguments& arguments) {
+template <class AnyField>
+Simplified makeSurface(const AnyField& field, const Arguments& arguments) {
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
   Mesh mesh = isosurface(field, arguments.surface, machine);
@@ -50,11 +52,11 @@ Simplified makeSurface(const Field& field, const Arguments& arguments) {
                   machine);
 }
 
-Json describe(const Arguments& arguments, const Field& field, const Simplified& surface,
+Json describe(const Arguments& arguments, const Grid& grid, const Simplified& surface,
               const StoredMesh& stored) {
   return {{"raymap", version().text},
           {"input", arguments.input.string()},
-          {"grid", {{"dims", toJson(field.grid.dims)}, {"spacing", field.grid.spacing}}},
+          {"grid", {{"dims", toJson(grid.dims)}, {"spacing", grid.spacing}}},
           {"triangles", stored.exact.triangles.size()},
           {"vertices", stored.exact.vertices.size()},
           {"deviation", surface.deviation},
@@ -72,8 +74,9 @@ void run(Arguments& arguments) {
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   const std::filesystem::path output = named(arguments.mesh, arguments.format.output);
   checkMeshUnits(arguments.units, output);
-  const Field field = loadField(arguments.input, arguments, arguments.format.input, output);
-  Simplified surface = makeSurface(field, arguments);
+  const auto field = loadFieldOrBand(arguments.input, arguments, arguments.format.input, output);
+  Simplified surface = std::visit([&](const auto& each) { return makeSurface(each, arguments); }, field);
+  const Grid grid = std::visit([](const auto& each) { return each.grid; }, field);
   const StoredMesh stored =
       storeMesh(arguments.mesh, std::move(surface.mesh),
                 {.recenter = arguments.units.recenter,
@@ -82,7 +85,7 @@ void run(Arguments& arguments) {
   checkStored(stored);
   const Mesh& mesh = stored.exact;
   writeMesh(stored.path, mesh, stored.options);
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, field, surface, stored));
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, grid, surface, stored));
   std::printf("%s, %s, at most %.3g off the isosurface\n", counted(mesh.triangles.size(), "triangle").c_str(),
               mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str(),
               surface.deviation);

@@ -182,7 +182,11 @@ void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::pat
   convertUnits(mesh, units, from);
 }
 
-void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from) {
+namespace {
+
+/// Converts what dense fields and narrow bands have in common. Returns the factor of lengths.
+template <class AnyField>
+double convertPlace(AnyField& field, const MeshUnits& units, const std::filesystem::path& from) {
   if (!units.up.empty() || !units.rotate.empty() || units.recenter)
     throw Error(ErrorCode::Usage, "--up, --rotate and --recenter are for meshes, and " + from.string() +
                                       " is a field; leave them out, or turn the mesh before");
@@ -190,16 +194,42 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
   const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
   for (float& distance : field.distance)
     if (std::abs(distance) < FLT_MAX) distance = float(distance * factor);  // Else it is far in any unit.
-  field.clampDistance *= factor;
   field.grid.spacing *= factor;
   field.grid.origin = factor * field.grid.origin + move;
   if (field.surfaceBounds.min.x <= field.surfaceBounds.max.x)
     field.surfaceBounds = {factor * field.surfaceBounds.min + move, factor * field.surfaceBounds.max + move};
+  return factor;
+}
+
+}  // namespace
+
+void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from) {
+  field.clampDistance *= convertPlace(field, units, from);
+}
+
+void convertUnits(SparseField& band, const MeshUnits& units, const std::filesystem::path& from) {
+  // What is clamped stays at the widths, however these are rounded.
+  std::vector<uint8_t> sides(band.distance.size());
+  for (size_t i = 0; i < sides.size(); ++i)
+    sides[i] = band.distance[i] == float(band.outside) ? 1 : band.distance[i] == -float(band.inside) ? 2 : 0;
+  const double factor = convertPlace(band, units, from);
+  band.outside *= factor;
+  band.inside *= factor;
+  for (size_t i = 0; i < sides.size(); ++i)
+    if (sides[i] != 0) band.distance[i] = sides[i] == 1 ? float(band.outside) : -float(band.inside);
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const MeshUnits& units) {
   std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+  std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
+  return read;
+}
+
+std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
+                                                           const std::string& format,
+                                                           const MeshUnits& units) {
+  auto read = loadMeshFieldOrBand(path, format);
   std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
   return read;
 }

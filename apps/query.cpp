@@ -262,9 +262,17 @@ void checkOfField(const Arguments& arguments) {
                                         .append(", which has distance and gradient"));
 }
 
-void checkMemory(const Field& field, const Arguments& arguments, size_t points) {
+size_t bytesOf(const Field& field) {
+  return field.distance.capacityBytes();
+}
+size_t bytesOf(const SparseField& band) {
+  return band.bytes();
+}
+
+template <class AnyField>
+void checkMemory(const AnyField& field, const Arguments& arguments, size_t points) {
   constexpr size_t kResultBytes = sizeof(float) + sizeof(glm::vec3);
-  const size_t left = limitLeft(arguments, kResultBytes, points), bytes = field.distance.capacityBytes();
+  const size_t left = limitLeft(arguments, kResultBytes, points), bytes = bytesOf(field);
   if (left > 0 && bytes > left)
     throw Error(ErrorCode::Memory, arguments.input.string() + ": the field takes " + sizeText(bytes) +
                                        ", and " + sizeText(left) +
@@ -289,7 +297,8 @@ void count(const Grid& grid, std::span<const glm::dvec3> points, const Samples& 
   count(points, distances, report);
 }
 
-void queryField(const Field& field, const Arguments& arguments, std::span<const glm::dvec3> points,
+template <class AnyField>
+void queryField(const AnyField& field, const Arguments& arguments, std::span<const glm::dvec3> points,
                 Report& report) {
   checkOfField(arguments);
   checkMemory(field, arguments, points.size());
@@ -317,16 +326,18 @@ void run(Arguments& arguments) {
   const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
   Report report;
-  std::variant<Mesh, Field> input;
+  std::variant<Mesh, Field, SparseField> input;
   std::vector<glm::dvec3> points;
   timeStep(report.before, "load",
-           [&] { input = loadMeshOrField(arguments.input, arguments.format.input, arguments.units); });
+           [&] { input = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.units); });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
   if (const Mesh* mesh = std::get_if<Mesh>(&input))
     queryMesh(*mesh, arguments, asked, points, report);
+  else if (const Field* field = std::get_if<Field>(&input))
+    queryField(*field, arguments, points, report);
   else
-    queryField(std::get<Field>(input), arguments, points, report);
+    queryField(std::get<SparseField>(input), arguments, points, report);
   print(arguments, report, millisecondsSince(start));
 }
 

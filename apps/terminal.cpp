@@ -333,6 +333,12 @@ std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, con
   return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty});
 }
 
+std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
+                                                           const std::string& format) {
+  const WaitingLine line("reading " + displayName(path.filename()));
+  return readMeshFieldOrBand(path, {.format = format, .warn = warn});
+}
+
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
   std::variant<Mesh, Field> read = loadMeshOrField(path, format, allowEmpty);
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);

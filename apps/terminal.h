@@ -3,6 +3,7 @@
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
+#include <raymap/sparse_field.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -161,6 +162,9 @@ void finishText();
 /// name does not tell. A mesh without triangles is an error, unless `allowEmpty`.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
                                           bool allowEmpty = false);
+/// Does the same, but reads a large level set as a narrow band; see `readMeshFieldOrBand`.
+std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
+                                                           const std::string& format = "");
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
 Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "");

@@ -26,9 +26,10 @@ namespace raymap {
 
 /// How to read a file.
 struct ReadOptions {
-  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
-  WarningCallback warn = {};     ///< Called with what is odd in the file, but does not stop the call.
-  bool allowEmpty = false;       ///< Whether a mesh may have no triangles; see `FieldOptions`.
+  std::string_view format = {};    ///< Extension that counts where the path has none that is known.
+  WarningCallback warn = {};       ///< Called with what is odd in the file, but does not stop the call.
+  bool allowEmpty = false;         ///< Whether a mesh may have no triangles; see `FieldOptions`.
+  std::string_view gridName = {};  ///< Name of the grid to read of a .vdb; empty: the first level set.
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
@@ -87,9 +88,26 @@ RAYMAP_API std::vector<std::string> fieldExtensions();
 /// Input, Memory, Unsupported.
 RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions& options = {});
 
+/// Reads a level set of a .vdb as a narrow band, of this library or of any other program. Time and memory
+/// grow with its leaves. Every sample has the value that OpenVDB gives.
+///
+/// What `writeBand` wrote comes back bit for bit, if no distance has 16 bits. Tiles come as the largest cubes
+/// that there are. The lattice of another program's grid begins and ends with whole leaves of 8 samples, so
+/// it may be larger than that of `readField`. Its widths are the background outside, and the least inactive
+/// value inside. If none is inactive there, the band has the same width inside, or none if a value is deeper.
+/// Arrays of a field of all samples are kept in its leaves alone.
+///
+/// Warns of grids that are not read. Throws `Error`: Usage for another format or a name that no grid has,
+/// which lists the names; Unsupported for a grid that is no level set of floats, is turned, mirrored or not
+/// of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
+RAYMAP_API SparseField readBand(const std::filesystem::path& path, const ReadOptions& options = {});
+
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.
 RAYMAP_API std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path,
                                                      const ReadOptions& options = {});
+/// Does the same, but reads a level set of more than 2^24 samples as `readBand` does.
+RAYMAP_API std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std::filesystem::path& path,
+                                                                      const ReadOptions& options = {});
 
 /// How to write a field.
 struct FieldWriteOptions {
@@ -108,11 +126,17 @@ RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field
                            const FieldWriteOptions& options = {});
 
 /// Writes a narrow band with all its arrays as .vdb. Its memory, and the file, grow with the surface. The
-/// file appears whole or not at all. `readField` reads it as a field of all samples. Throws `Error`: Usage
-/// for another extension or array than the distance and as `writeField` does, File, Unsupported in a build
-/// without OpenVDB.
+/// file appears whole or not at all. `readBand` reads it, and `readField` as a field of all samples. Throws
+/// `Error`: Usage for another extension or array than the distance and as `writeField` does, File,
+/// Unsupported in a build without OpenVDB.
 RAYMAP_API void writeBand(const std::filesystem::path& path, const SparseField& band,
                           const FieldWriteOptions& options = {});
+
+/// Writes several narrow bands as grids of one .vdb; `ReadOptions::gridName` chooses one of them. Throws as
+/// `writeBand` does, and Usage if there is no band, if two names are the same or one is empty, for
+/// `FieldWriteOptions::gridName`, and for bands with other arrays than the distance.
+RAYMAP_API void writeBands(const std::filesystem::path& path, std::span<const NamedBand> bands,
+                           const FieldWriteOptions& options = {});
 
 /// Reads points in double precision, in the order of the file:
 /// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or

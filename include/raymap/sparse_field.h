@@ -5,10 +5,12 @@
 #include <raymap/field.h>
 #include <raymap/grid.h>
 #include <raymap/machine.h>
+#include <raymap/region.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace raymap {
@@ -64,6 +66,12 @@ struct RAYMAP_API SparseField {
   size_t bytes() const;
 };
 
+/// A narrow band, and the name of its grid in a file.
+struct NamedBand {
+  std::string_view name;
+  const SparseField* band = nullptr;
+};
+
 /// Throws `Error(Usage)` unless the grid and the widths make sense, each array that is not empty has 512
 /// values per leaf, and leaves and tiles lie on the lattice, in their order. Fields from this library are
 /// valid.
@@ -74,6 +82,8 @@ RAYMAP_API void validate(const SparseField& band);
 /// have `kNoTriangle` and NaN for winding number and confidence. `machine.threads` and `memoryLimit` count.
 /// Throws `Error`: Usage if the band is not valid, Memory if the field does not fit.
 RAYMAP_API Field toDense(const SparseField& band, const MachineOptions& machine = {});
+/// Returns the field of a box of samples. Throws `Error(Usage)`, too, if it does not lie on the lattice.
+RAYMAP_API Field toDense(const SparseField& band, const Region& region, const MachineOptions& machine = {});
 
 /// Returns the samples of a field near its surface. Leaves are those cubes of 8 x 8 x 8 samples that have an
 /// active sample, or samples of both sides. Distances are clamped to the band. `machine.threads` and

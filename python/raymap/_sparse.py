@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_length, to_number, to_threads, to_vector
+from ._arguments import to_length, to_number, to_text, to_threads, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
@@ -38,7 +38,7 @@ _DENSE_ONLY: dict[str, Any] = {
 class SparseField:
     """A signed distance field near a surface alone: a narrow band of samples, negative inside.
 
-    ``raymap.generate(..., sparse=True)`` and ``SparseField.from_dense`` return such fields. Their memory grows with the
+    ``raymap.generate(..., sparse=True)``, ``SparseField.load`` and ``from_dense`` return such fields. Their memory grows with the
     surface, so the grid may have more samples than any memory holds, up to 2^24 along each axis.
 
     Values are held in leaves of 8 x 8 x 8 samples. Value ``values[n, i, j, k]`` is that of the sample
@@ -61,7 +61,32 @@ class SparseField:
     _core: _raymap.SparseField
 
     def __init__(self) -> None:
-        raise TypeError("raymap.generate(..., sparse=True) and SparseField.from_dense make narrow bands")
+        raise TypeError(
+            "raymap.generate(..., sparse=True), SparseField.load and SparseField.from_dense make narrow bands"
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], grid: str | None = None) -> SparseField:
+        """Reads a level set of a .vdb, of raymap or any other program, negative inside.
+
+        Time and memory grow with its leaves. What ``save`` wrote comes back bit for bit. The grid of another program's
+        file begins and ends with whole leaves of 8 samples. A warning (``RaymapWarning``) names grids that are not read.
+
+        Args:
+            path: The file.
+            grid: Name of the grid; None = the first level set.
+
+        Raises:
+            UsageError: Another extension, or no grid has that name.
+            FileError: The file cannot be read.
+            InputError: Its content is not valid.
+            UnsupportedError: For example a rotated grid, or one that is no level set.
+
+        >>> raymap.generate("ball.ply", resolution=64, sparse=True).save("band.vdb")
+        >>> raymap.SparseField.load("band.vdb")
+        raymap.SparseField(64 x 64 x 64 samples, 304 leaves, spacing 0.0375, arrays distance)
+        """
+        return sparse_of_core(_raymap.load_band(os.fspath(path), to_text("grid", "" if grid is None else grid)))
 
     @classmethod
     def from_dense(
@@ -320,7 +345,7 @@ class SparseField:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes all arrays as .vdb, whose size grows with the surface. The file appears whole or not at all.
 
-        ``raymap.load_field`` reads it as a dense field.
+        ``SparseField.load`` reads it, and ``raymap.load_field`` as a dense field.
 
         Raises:
             UsageError: Another extension.

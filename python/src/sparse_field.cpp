@@ -93,6 +93,13 @@ std::shared_ptr<SparseHandle> makeSparse(const FieldHandle& field, const FieldOp
   return handle;
 }
 
+std::shared_ptr<SparseHandle> load(const std::filesystem::path& path, const std::string& grid) {
+  Call call{nb::none()};
+  auto handle = std::make_shared<SparseHandle>();
+  call.run([&] { handle->field = readBand(path, {.warn = call.warn(), .gridName = grid}); });
+  return handle;
+}
+
 }  // namespace
 
 void bindSparseField(nb::module_& module) {
@@ -120,6 +127,7 @@ void bindSparseField(nb::module_& module) {
           "save",
           [](const SparseHandle& self, const std::filesystem::path& path) { writeBand(path, self.field); },
           "path"_a, nb::call_guard<nb::gil_scoped_release>());
+  module.def("load_band", &load, "path"_a, "grid"_a);
   module.def("to_sparse", &makeSparse, "field"_a, "options"_a, "machine"_a);
 }
 

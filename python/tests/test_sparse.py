@@ -210,3 +210,18 @@ def test_it_is_written(band, tmp_path):
     np.testing.assert_allclose(read.sample(point), band.sample(point), atol=1e-6)
     with pytest.raises(raymap.UsageError, match="npz"):
         band.save(tmp_path / "ball.npz")
+
+
+def test_it_is_read(band, tmp_path):
+    path = tmp_path / "ball.vdb"
+    band.save(path)
+    for again in raymap.SparseField.load(path), raymap.SparseField.load(str(path), grid="distance"):
+        assert again.arrays == band.arrays and again.outside == band.outside and again.inside == band.inside
+        for name in "values", "origins", "triangle", "winding", "confidence", "tile_origins", "tile_sides", "origin":
+            np.testing.assert_array_equal(getattr(again, name), getattr(band, name))
+    with pytest.raises(raymap.UsageError, match="its grids are 'confidence', 'distance', 'triangle', 'winding'"):
+        raymap.SparseField.load(path, grid="surface")
+    with pytest.raises(TypeError, match="grid must be a text"):
+        raymap.SparseField.load(path, grid=3)
+    with pytest.raises(raymap.FileError):
+        raymap.SparseField.load(tmp_path / "missing.vdb")

@@ -14,6 +14,7 @@
 #include "base/require.h"
 #include "base/text.h"
 #include "field/field_sampler.h"
+#include "field/join_tiles.h"
 #include "field/leaf_order.h"
 #include "field/sparse_reader.h"
 
@@ -31,20 +32,23 @@ uint64_t limitOf(const MachineOptions& machine) {
   return machine.memoryLimit > 0 ? machine.memoryLimit : availableMemory();
 }
 
-/// Returns the samples of a cube that lie on the lattice, along each axis.
-glm::ivec3 sizeOnLattice(const Grid& grid, const glm::ivec3& low, int side) {
-  return glm::min(grid.dims - low, glm::ivec3(side));
+/// Calls `visit(first, within, count)` for each row along x of a cube's samples in a region: the index of its
+/// first sample in the region, its place in the cube, and its length.
+template <class Visit>
+void forEachRow(const Region& region, const glm::ivec3& low, int side, Visit&& visit) {
+  const glm::ivec3 begin = glm::max(low, region.low), end = glm::min(low + side, region.low + region.size);
+  const Grid inRegion{.dims = region.size};
+  for (int z = begin.z; z < end.z; ++z)
+    for (int y = begin.y; y < end.y && begin.x < end.x; ++y) {
+      const glm::ivec3 first(begin.x, y, z), within = first - low;
+      visit(inRegion.index(first - region.low),
+            (size_t(within.z) * size_t(side) + size_t(within.y)) * size_t(side) + size_t(within.x),
+            size_t(end.x - begin.x));
+    }
 }
 
-/// Calls `visit(first, within, count)` for each row along x of a cube's samples on the lattice: the index of
-/// its first sample, its place in the cube, y and z, and its length.
-template <class Visit>
-void forEachRow(const Grid& grid, const glm::ivec3& low, int side, Visit&& visit) {
-  const glm::ivec3 size = sizeOnLattice(grid, low, side);
-  for (int z = 0; z < size.z; ++z)
-    for (int y = 0; y < size.y; ++y)
-      visit(grid.index(low + glm::ivec3(0, y, z)), (size_t(z) * size_t(side) + size_t(y)) * size_t(side),
-            size_t(size.x));
+Region wholeOf(const Grid& grid) {
+  return {glm::ivec3(0), grid.dims};
 }
 
 template <class Number>
@@ -55,8 +59,8 @@ void fillWith(Buffer<Number>& array, size_t count, Number value) {
   });
 }
 
-void checkDenseMemory(const SparseField& band, const MachineOptions& machine) {
-  const glm::dvec3 dims(band.grid.dims);
+void checkDenseMemory(const SparseField& band, const Region& region, const MachineOptions& machine) {
+  const glm::dvec3 dims(region.size);
   const int arrays = 1 + (band.triangle.empty() ? 0 : 1) + (band.winding.empty() ? 0 : 1) +
                      (band.confidence.empty() ? 0 : 1);
   // Samples of large lattices have no number of 64 bits.
@@ -65,37 +69,38 @@ void checkDenseMemory(const SparseField& band, const MachineOptions& machine) {
   checkFieldMemory(uint64_t(std::min(bytes, kMost)), limitOf(machine));
 }
 
-/// Copies the values of all leaves to the field.
+/// Copies the values of all leaves to the field of a region.
 template <class Number>
-void copyLeaves(const SparseField& band, const Buffer<Number>& from, const Grid& grid, Buffer<Number>& to) {
+void copyLeaves(const SparseField& band, const Buffer<Number>& from, const Region& region,
+                Buffer<Number>& to) {
   parallelFor(band.leaves.size(), 64, [&](size_t begin, size_t end) {
     for (size_t leaf = begin; leaf < end; ++leaf)
-      forEachRow(grid, band.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
+      forEachRow(region, band.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
         std::copy_n(from.data() + leaf * kLeafSamples + within, count, to.data() + first);
       });
   });
 }
 
 template <class Number>
-void spread(const SparseField& band, const Buffer<Number>& from, Number elsewhere, Field& field,
+void spread(const SparseField& band, const Buffer<Number>& from, Number elsewhere, const Region& region,
             Buffer<Number>& to) {
   if (from.empty()) return;
-  fillWith(to, field.grid.sampleCount(), elsewhere);
-  copyLeaves(band, from, field.grid, to);
+  fillWith(to, Grid{.dims = region.size}.sampleCount(), elsewhere);
+  copyLeaves(band, from, region, to);
 }
 
-void makeDense(const SparseField& band, Field& field) {
+void makeDense(const SparseField& band, const Region& region, Field& field) {
   fillWith(field.distance, field.grid.sampleCount(), float(band.outside));
   parallelFor(band.tiles.size(), 1, [&](size_t t, size_t) {
     const SparseField::Tile& tile = band.tiles[t];
-    forEachRow(field.grid, tile.low, tile.side, [&](size_t first, size_t, size_t count) {
+    forEachRow(region, tile.low, tile.side, [&](size_t first, size_t, size_t count) {
       std::fill_n(field.distance.data() + first, count, -float(band.inside));
     });
   });
-  copyLeaves(band, band.distance, field.grid, field.distance);
-  spread(band, band.triangle, kNoTriangle, field, field.triangle);
-  spread(band, band.winding, kUnknown, field, field.winding);
-  spread(band, band.confidence, kUnknown, field, field.confidence);
+  copyLeaves(band, band.distance, region, field.distance);
+  spread(band, band.triangle, kNoTriangle, region, field.triangle);
+  spread(band, band.winding, kUnknown, region, field.winding);
+  spread(band, band.confidence, kUnknown, region, field.confidence);
 }
 
 void checkWidth(const Field& field, double width, const char* side) {
@@ -136,7 +141,7 @@ class SparseMaker {
     std::vector<glm::ivec3> leaves;
     for (size_t b = 0; b < blocks.size(); ++b) {
       if (kinds[b] == Kind::Leaf) leaves.push_back(blocks[b]);
-      if (kinds[b] == Kind::Inside) addTile({blocks[b], kSide});
+      if (kinds[b] == Kind::Inside) addTile(band_.tiles, {blocks[b], kSide}, band_.grid.dims);
     }
     fill(leaves, most);
     return std::move(band_);
@@ -161,7 +166,7 @@ class SparseMaker {
 
   Kind kindOf(const glm::ivec3& low) const {
     bool isActive = false, hasInside = false, hasOutside = false;
-    forEachRow(field_.grid, low, kSide, [&](size_t first, size_t, size_t count) {
+    forEachRow(wholeOf(field_.grid), low, kSide, [&](size_t first, size_t, size_t count) {
       for (size_t i = first; i < first + count; ++i) {
         if (std::isnan(field_.distance[i])) throwNaN(i);
         const float value = clamped(field_.distance[i]);
@@ -179,23 +184,6 @@ class SparseMaker {
                                       std::to_string(i / dims.x % dims.y) + ", " +
                                       std::to_string(i / dims.x / dims.y) +
                                       ") of the field is NaN: a band needs numbers; make the field again");
-  }
-
-  /// Adds a tile, and joins eight that make a larger one.
-  void addTile(const SparseField::Tile& tile) {
-    std::vector<SparseField::Tile>& tiles = band_.tiles;
-    tiles.push_back(tile);
-    while (tiles.size() >= 8) {
-      const SparseField::Tile first = tiles[tiles.size() - 8];
-      const int side = tiles.back().side;
-      // Eight tiles of this size in a row on the curve, the first of them aligned, fill the larger cube.
-      const auto isOfThisSize = [&](const SparseField::Tile& each) { return each.side == side; };
-      if (!std::all_of(tiles.end() - 8, tiles.end(), isOfThisSize) ||
-          first.low % (2 * side) != glm::ivec3(0) || tiles.back().low != first.low + side)
-        return;
-      tiles.resize(tiles.size() - 8);
-      tiles.push_back({first.low, 2 * side});
-    }
   }
 
   void fill(const std::vector<glm::ivec3>& leaves, uint64_t most) {
@@ -218,10 +206,11 @@ class SparseMaker {
     fillWith(to, band_.leaves.size() * kLeafSamples, beyond);
     parallelFor(band_.leaves.size(), 64, [&](size_t begin, size_t end) {
       for (size_t leaf = begin; leaf < end; ++leaf)
-        forEachRow(field_.grid, band_.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
-          std::transform(from.data() + first, from.data() + first + count,
-                         to.data() + leaf * kLeafSamples + within, convert);
-        });
+        forEachRow(wholeOf(field_.grid), band_.leaves[leaf], kSide,
+                   [&](size_t first, size_t within, size_t count) {
+                     std::transform(from.data() + first, from.data() + first + count,
+                                    to.data() + leaf * kLeafSamples + within, convert);
+                   });
     });
   }
 
@@ -233,10 +222,20 @@ class SparseMaker {
 }  // namespace
 
 Field toDense(const SparseField& band, const MachineOptions& machine) {
+  return toDense(band, wholeOf(band.grid), machine);
+}
+
+Field toDense(const SparseField& band, const Region& region, const MachineOptions& machine) {
   validate(band);
-  checkDenseMemory(band, machine);
-  Field field{.grid = band.grid, .clampDistance = clampDistanceOf(band), .surfaceBounds = band.surfaceBounds};
-  withThreads(machine.threads, [&] { makeDense(band, field); });
+  require(glm::all(glm::greaterThanEqual(region.low, glm::ivec3(0))) &&
+              glm::all(glm::greaterThan(region.size, glm::ivec3(0))) &&
+              glm::all(glm::lessThanEqual(region.size, band.grid.dims - region.low)),
+          "the region must hold samples, and lie on the band's lattice");
+  checkDenseMemory(band, region, machine);
+  Field field{.grid = {region.size, band.grid.position(region.low), band.grid.spacing},
+              .clampDistance = clampDistanceOf(band),
+              .surfaceBounds = band.surfaceBounds};
+  withThreads(machine.threads, [&] { makeDense(band, region, field); });
   return field;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <ostream>
+#include <span>
+#include <variant>
 
 #include "base/text.h"
 #include "field/field_sampler.h"
@@ -19,13 +21,19 @@ namespace {
 struct Format {
   std::string_view extension;
   Field (*read)(const SourceFile& source,
-                LeftOut& leftOut);  ///< Null if this build lacks the library for the format.
+                LeftOut& leftOut);  ///< Null for a format that has `readChosen`.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
-  // Writers of the one format that has names, sizes of numbers and narrow bands.
+  // Reader and writers of the one format that has names, sizes of numbers and narrow bands.
+  std::variant<Field, SparseField> (*readChosen)(const SourceFile& source, LeftOut& leftOut,
+                                                 const GridChoice& grid) = nullptr;
   void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
                      const VdbStorage& storage) = nullptr;
-  void (*writeBand)(std::ostream& out, const SparseField& band, const VdbStorage& storage) = nullptr;
+  void (*writeBands)(std::ostream& out, std::span<const NamedBand> bands,
+                     const VdbStorage& storage) = nullptr;
+
+  /// Returns whether this build has the library for the format.
+  bool isKnown() const { return read || readChosen; }
 };
 
 constexpr std::array kFormats{
@@ -34,7 +42,7 @@ constexpr std::array kFormats{
     Format{".npz", readNpz, writeNpz, true},
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", readVdb, nullptr, true, writeVdb, writeVdb},
+    Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb},
 #else
     Format{".vdb", nullptr, nullptr},
 #endif
@@ -42,7 +50,7 @@ constexpr std::array kFormats{
 
 const Format& findFormat(const fs::path& path, std::string_view extension) {
   const auto found = std::ranges::find(kFormats, extension, &Format::extension);
-  if (found != kFormats.end() && !found->read)
+  if (found != kFormats.end() && !found->isKnown())
     throw Error(ErrorCode::Unsupported,
                 path.string() + ": raymap was built without OpenVDB; build it with RAYMAP_OPENVDB=ON");
   if (found != kFormats.end()) return *found;
@@ -91,7 +99,7 @@ std::string listed(const LeftOut& names) {
 std::vector<std::string> fieldExtensions() {
   std::vector<std::string> extensions;
   for (const Format& format : kFormats)
-    if (format.read) extensions.emplace_back(format.extension);
+    if (format.isKnown()) extensions.emplace_back(format.extension);
   return extensions;
 }
 
@@ -101,39 +109,98 @@ Formats knownFieldFormats() {
   return formats;
 }
 
-Field readFieldAs(const SourceFile& source, std::string_view format, const WarningCallback& warn) {
+std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::string_view format,
+                                             const ReadOptions& options, uint64_t mostDense) {
   const std::string path = source.path().string();
   if (format.empty() && !formatOf(source, {}, knownMeshFormats()).empty())
     throw Error(ErrorCode::Usage, path + ": it is a mesh, and a field is needed; generate one of it");
+  const Format& found = findFormat(source.path(), format);
+  if (!found.readChosen && !options.gridName.empty())
+    throw Error(ErrorCode::Usage, path + ": only a .vdb has grids with names; leave the name out");
+  if (!found.readChosen && mostDense == 0)
+    throw Error(ErrorCode::Usage, path + ": a " + std::string(found.extension) +
+                                      " holds no narrow bands; read it as a field, and make a band of it");
   LeftOut leftOut;
-  Field field = findFormat(source.path(), format).read(source, leftOut);
-  if (warn && !leftOut.empty())
-    warn({WarningCode::FileContent,
-          path + ": it also holds " + listed(leftOut) + ", which a field has no place for",
-          {.file = path}});
+  auto field = found.readChosen ? found.readChosen(source, leftOut, {options.gridName, mostDense})
+                                : std::variant<Field, SparseField>(found.read(source, leftOut));
+  if (options.warn && !leftOut.empty())
+    options.warn({WarningCode::FileContent,
+                  path + ": it also holds " + listed(leftOut) + ", which a field has no place for",
+                  {.file = path}});
   return field;
 }
 
 Field readField(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options.warn);
+  return std::get<Field>(
+      readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options, UINT64_MAX));
 }
 
-void writeBand(const fs::path& path, const SparseField& band, const FieldWriteOptions& options) {
+SparseField readBand(const fs::path& path, const ReadOptions& options) {
+  const SourceFile source(path);
+  return std::get<SparseField>(
+      readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options, 0));
+}
+
+namespace {
+
+/// Throws `Error(Usage)` unless a file can hold a band with these options.
+void checkBand(const fs::path& path, const Format& format, const SparseField& band,
+               const FieldWriteOptions& options) {
+  validateField(band);
+  const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
+  checkStorage(path, format, band.grid, std::max(farthest, double(largestMagnitude(band.distance))), options);
+}
+
+const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options) {
   const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
-  if (!format.writeBand)
+  if (!format.writeBands)
     throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
                                       " holds no narrow bands; write a .vdb, or a whole field");
   if (options.array != FieldArray::Distance)
     throw Error(ErrorCode::Usage, "the file of a narrow band holds the distance and all other arrays");
-  validateGrid(band.grid);
-  const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
-  checkStorage(path, format, band.grid, std::max(farthest, double(largestMagnitude(band.distance))), options);
+  return format;
+}
+
+void writeAllBands(const fs::path& path, const Format& format, std::span<const NamedBand> bands,
+                   const FieldWriteOptions& options) {
   writeAtomically(path, [&](std::ostream& out) {
     writeSeekable(out, [&](std::ostream& seekable) {
-      format.writeBand(seekable, band, {options.gridName, options.half});
+      format.writeBands(seekable, bands, {options.gridName, options.half});
     });
   });
+}
+
+}  // namespace
+
+void writeBand(const fs::path& path, const SparseField& band, const FieldWriteOptions& options) {
+  const Format& format = bandFormat(path, options);
+  checkBand(path, format, band, options);
+  writeAllBands(path, format, std::array{NamedBand{options.gridName, &band}}, options);
+}
+
+void writeBands(const fs::path& path, std::span<const NamedBand> bands, const FieldWriteOptions& options) {
+  const Format& format = bandFormat(path, options);
+  const auto require = [&](bool holds, const std::string& what) {
+    if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
+  };
+  require(!bands.empty(), "it must hold at least one narrow band");
+  require(options.gridName.empty(), "each narrow band has a name of its own; leave the other one out");
+  std::vector<std::string_view> names;
+  for (const NamedBand& each : bands) {
+    const std::string name(each.name);
+    require(!name.empty(), "each of several narrow bands needs a name");
+    require(std::ranges::find(names, each.name) == names.end(),
+            "two narrow bands have the name '" + name + "'; choose another for one of them");
+    require(
+        each.band->triangle.empty() && each.band->winding.empty() && each.band->confidence.empty(),
+        "of several narrow bands a file holds the distances; leave out the other arrays of '" + name + "'");
+    names.push_back(each.name);
+    FieldWriteOptions one = options;
+    one.gridName = each.name;
+    checkBand(path, format, *each.band, one);
+  }
+  writeAllBands(path, format, bands, options);
 }
 
 void writeField(const fs::path& path, const Field& field, const FieldWriteOptions& options) {

@@ -60,17 +60,38 @@ Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options) {
   return readMeshAs(source, formatOf(source, options.format, knownMeshFormats()), options);
 }
 
-std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const ReadOptions& options) {
+namespace {
+
+std::variant<Mesh, Field, SparseField> readAny(const std::filesystem::path& path, const ReadOptions& options,
+                                               uint64_t mostDense) {
   const SourceFile source(path);
   Formats known = knownMeshFormats();
   const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, options.format, known);
-  if (contains(fields, found)) return readFieldAs(source, found, options.warn);
+  if (contains(fields, found))
+    return std::visit([](auto&& field) -> std::variant<Mesh, Field, SparseField> { return std::move(field); },
+                      readFieldAs(source, found, options, mostDense));
+  if (!options.gridName.empty())
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has grids with names; leave the name out");
   if (contains(known, found)) return readMeshAs(source, found, options);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
                   "known are " + listOf(known));
+}
+
+}  // namespace
+
+std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const ReadOptions& options) {
+  auto read = readAny(path, options, UINT64_MAX);
+  if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
+  return std::get<Field>(std::move(read));
+}
+
+std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std::filesystem::path& path,
+                                                           const ReadOptions& options) {
+  constexpr uint64_t kManySamples = uint64_t{1} << 24;
+  return readAny(path, options, kManySamples);
 }
 
 namespace {

@@ -4,10 +4,12 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <span>
 #include <tuple>
 
 #include "broken_meshes.h"
@@ -106,14 +108,42 @@ TEST(SparseField, ComesFromADenseField) {
 // Both find the leaves that are needed. Of the tiles, only those that can be joined change.
 TEST(SparseField, KeepsItsLeavesOnTheWayThroughADenseField) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
-  const SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 160}), {.triangle = true});
-  const SparseField again = toSparse(toDense(band), {.triangle = true});
-  EXPECT_TRUE(same(again.leaves, band.leaves));
-  EXPECT_TRUE(same(again.distance, band.distance));
-  EXPECT_TRUE(same(again.triangle, band.triangle));
-  EXPECT_NO_THROW(validate(again));
-  EXPECT_LT(again.tiles.size(), band.tiles.size());
-  EXPECT_TRUE(same(toDense(again).distance, toDense(band).distance));
+  const Surface surface(mesh);
+  // The second grid lies in the box, up to 3 samples from two of its faces.
+  for (const Grid& grid :
+       {fitGrid(mesh, {.resolution = 160}), Grid{{101, 45, 92}, {-0.002, 0.3, 0.1}, 0.008}}) {
+    const SparseField band = surface.generateBand(grid, {.triangle = true});
+    const SparseField again = toSparse(toDense(band), {.triangle = true});
+    EXPECT_NO_THROW(validate(band));
+    EXPECT_TRUE(same(again.leaves, band.leaves));
+    EXPECT_TRUE(same(again.distance, band.distance));
+    EXPECT_TRUE(same(again.triangle, band.triangle));
+    EXPECT_TRUE(
+        std::ranges::equal(std::as_bytes(std::span(again.tiles)), std::as_bytes(std::span(band.tiles))));
+    EXPECT_TRUE(same(toDense(again).distance, toDense(band).distance));
+  }
+}
+
+TEST(SparseField, GivesADenseFieldOfARegion) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Surface surface(mesh);
+  const SparseField band =
+      surface.generateBand(fitGrid(mesh, {.resolution = 60}), {.triangle = true, .winding = true});
+  const Field whole = toDense(band);
+  const Region region{{3, 17, 9}, {41, 1, 50}};
+  const Field part = toDense(band, region);
+  EXPECT_EQ(part.grid, (Grid{region.size, band.grid.position(region.low), band.grid.spacing}));
+  EXPECT_EQ(part.clampDistance, whole.clampDistance);
+  for (int z = 0; z < 50; ++z)
+    for (int x = 0; x < 41; ++x) {
+      const size_t to = part.grid.index({x, 0, z}), from = whole.grid.index(region.low + glm::ivec3(x, 0, z));
+      ASSERT_EQ(part.distance[to], whole.distance[from]) << x << " " << z;
+      ASSERT_EQ(part.triangle[to], whole.triangle[from]);
+      ASSERT_EQ(std::bit_cast<uint32_t>(part.winding[to]), std::bit_cast<uint32_t>(whole.winding[from]));
+    }
+  for (const Region& wrong : {Region{{-1, 0, 0}, {2, 2, 2}}, Region{{0, 0, 0}, {61, 2, 2}},
+                              Region{{0, 0, 59}, {2, 2, 2}}, Region{{0, 0, 0}, {2, 0, 2}}})
+    EXPECT_EQ(codeOf([&] { toDense(band, wrong); }), ErrorCode::Usage);
 }
 
 TEST(SparseField, RefusesADenseFieldThatDoesNotFit) {

@@ -4,7 +4,11 @@
 #include <raymap/surface.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
 #include <limits>
+#include <span>
 
 #include "files.h"
 #include "shapes.h"
@@ -145,6 +149,147 @@ TEST(BandFile, RefusesWhatHalfFloatsCannotHold) {
   fill(1.0F, 2.0F);
   field.grid.spacing = 0.00009;
   EXPECT_NE(refusal([&] { writeField(path, field, {.half = true}); }).find("9e-05"), std::string::npos);
+}
+
+void expectSame(const SparseField& read, const SparseField& band) {
+  EXPECT_EQ(read.grid, band.grid);
+  EXPECT_EQ(read.outside, band.outside);
+  EXPECT_EQ(read.inside, band.inside);
+  EXPECT_EQ(read.surfaceBounds.min, band.surfaceBounds.min);
+  EXPECT_EQ(read.surfaceBounds.max, band.surfaceBounds.max);
+  const auto expectSameBytes = [](const auto& a, const auto& b, const char* array) {
+    const auto left = std::as_bytes(std::span(a)), right = std::as_bytes(std::span(b));
+    EXPECT_TRUE(std::ranges::equal(left, right)) << array << ": " << left.size() << ", " << right.size();
+  };
+  expectSameBytes(read.leaves, band.leaves, "leaves");
+  expectSameBytes(read.tiles, band.tiles, "tiles");
+  expectSameBytes(read.distance, band.distance, "distance");
+  expectSameBytes(read.triangle, band.triangle, "triangle");
+  expectSameBytes(read.winding, band.winding, "winding");
+  expectSameBytes(read.confidence, band.confidence, "confidence");
+}
+
+TEST(BandFile, ComesBackAsABand) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "band.vdb";
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  // The second grid cuts the torus, so that its inside reaches the lattice's end.
+  const Grid cut{{150, 83, 37}, scene.grid.position({-20, 40, 3}), scene.grid.spacing};
+  for (const Grid& grid : {scene.grid, cut})
+    for (const BandOptions& options :
+         {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
+          BandOptions{.outside = 1.0, .inside = 99.0}, BandOptions{.inside = kInfinite},
+          BandOptions{
+              .outside = 1.0, .inside = 0.7, .triangle = true, .winding = true, .confidence = true}}) {
+      const SparseField band = scene.surface.generateBand(grid, options);
+      writeBand(path, band, {.gridName = options.triangle ? "surface" : ""});
+      expectSame(readBand(path), band);
+    }
+}
+
+TEST(BandFile, ComesBackFromHalfFloats) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "half.vdb";
+  const SparseField band = scene.surface.generateBand(scene.grid, {.outside = 2.0, .triangle = true});
+  writeBand(path, band, {.half = true});
+  const SparseField read = readBand(path);
+  const Field dense = readField(path);
+  EXPECT_TRUE(std::ranges::equal(read.leaves, band.leaves));
+  EXPECT_TRUE(std::ranges::equal(read.triangle, band.triangle));
+  EXPECT_NEAR(read.outside, band.outside, 0.0005 * band.outside);
+  EXPECT_NEAR(read.inside, band.inside, 0.0005 * band.inside);
+  EXPECT_LE(read.activeCount(), band.activeCount());
+  EXPECT_GE(read.activeCount(), 0.98 * double(band.activeCount()));
+  EXPECT_TRUE(std::ranges::equal(toDense(read).distance, dense.distance));
+}
+
+TEST(BandFile, ReadsFieldsOfAllSamplesAsBands) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "dense.vdb";
+  for (const double width : {0.0, 3.0}) {
+    const Field dense =
+        scene.surface.generateRegion(scene.grid, {glm::ivec3(0), scene.grid.dims}, {.band = width});
+    writeField(path, dense);
+    const SparseField read = readBand(path);
+    EXPECT_TRUE(std::ranges::equal(toDense(read).distance, dense.distance)) << width;
+    if (width > 0.0) expectSame(read, toSparse(dense, {.outside = width, .inside = width}));
+  }
+}
+
+TEST(BandFile, HoldsSeveralBands) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "both.vdb";
+  const SparseField thin = scene.surface.generateBand(scene.grid, {.outside = 1.0, .inside = 2.0});
+  const SparseField other = scene.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1});
+  writeBands(path, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}});
+  expectSame(readBand(path, {.gridName = "thin"}), thin);
+  expectSame(readBand(path, {.gridName = "other"}), other);
+  EXPECT_TRUE(std::ranges::equal(readField(path, {.gridName = "thin"}).distance, toDense(thin).distance));
+  std::string warning;
+  const ReadOptions options{.warn = [&](const Warning& each) { warning = each.message; }};
+  expectSame(readBand(path, options), other);  // The first by name.
+  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
+  warning.clear();
+  EXPECT_EQ(readField(path, options).grid, other.grid);
+  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
+  const std::string unknown = refusal([&] { readBand(path, {.gridName = "thick"}); });
+  EXPECT_NE(unknown.find("'thick'; its grids are 'other', 'thin'"), std::string::npos) << unknown;
+
+  const SparseField full = scene.surface.generateBand(scene.grid, {.triangle = true});
+  const NamedBand one{"thin", &thin};
+  for (const std::vector<NamedBand>& bands :
+       std::vector<std::vector<NamedBand>>{{}, {one, one}, {one, {"", &other}}, {one, {"full", &full}}})
+    EXPECT_NE(refusal([&] { writeBands(path, bands); }).find("both.vdb"), std::string::npos);
+  EXPECT_NE(refusal([&] { writeBands(path, std::array{one}, {.gridName = "a"}); }), "");
+}
+
+TEST(BandFile, RefusesWhatIsNoBand) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "winding.vdb", array = folder.path() / "array.npy";
+  const Field field = toDense(scene.surface.generateBand(scene.grid, {.winding = true}));
+  writeField(path, field, {.array = FieldArray::Winding});
+  writeField(array, field);
+  EXPECT_NE(refusal([&] { readBand(array); }).find(".npy holds no narrow bands"), std::string::npos);
+  EXPECT_NE(refusal([&] { readField(array, {.gridName = "a"}); }).find("array.npy"), std::string::npos);
+  try {
+    readBand(path);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::Unsupported);
+    EXPECT_NE(std::string(e.what()).find("'winding' is no level set"), std::string::npos) << e.what();
+  }
+}
+
+TEST(BandFile, AnyWordChanged) {
+  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  const Scene scene;
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "damaged.vdb";
+  writeBand(path, scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 20})));
+  const std::string whole = readBytes(path);
+  size_t refused = 0;
+  for (size_t at = 0; at + 4 < whole.size(); at += 1 + whole.size() / 8)
+    for (const std::string& word : {std::string(4, '\xff'), std::string("text")}) {
+      std::ofstream(path, std::ios::binary) << std::string(whole).replace(at, word.size(), word);
+      try {
+        validate(readBand(path));
+      } catch (const Error& e) {
+        EXPECT_TRUE(e.code() == ErrorCode::Input || e.code() == ErrorCode::Unsupported) << e.what();
+        EXPECT_TRUE(std::string(e.what()).starts_with(path.string() + ": ")) << e.what();
+        ++refused;
+      }
+    }
+  EXPECT_GT(refused, 3u);
 }
 
 TEST(BandFile, IsSmall) {

@@ -118,7 +118,7 @@ TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
   {
     // A header that announces 2^56 vertices.
     const InPlaceOfTheImporter liar(
-        R"(printf 'RMI5\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0')");
+        R"(printf 'RMI6\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0')");
     EXPECT_TRUE(contains(errorAs(".dae", ""), "more than 2^32 triangles or vertices"));
   }
   setenv("RAYMAP_IMPORT", "/nonexistent/importer", 1);

@@ -18,7 +18,7 @@
 #include "cpu/points/block_sides.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/segment_crossings.h"
-#include "field/leaf_order.h"
+#include "field/join_tiles.h"
 
 namespace raymap::cpu {
 
@@ -179,7 +179,7 @@ class BandMaker {
       for (size_t leaf = begin; leaf < end; ++leaf) kept = keepLeaf(leaf, kept);
     }
     shrink(kept);
-    std::ranges::sort(band_.tiles, {}, [](const SparseField::Tile& tile) { return placeOnCurve(tile.low); });
+    band_.tiles = joined(std::move(band_.tiles), band_.grid.dims);
   }
 
   /// Fills the leaves numbered [begin, end).
@@ -352,15 +352,29 @@ class BandMaker {
     }
   }
 
+  /// Returns whether all samples of a leaf, which begins on the lattice, lie beyond the band on one side.
+  bool isBeyondBand(size_t leaf) const {
+    const glm::ivec3 low = band_.leaves[leaf];
+    const float* values = band_.distance.data() + leaf * SparseField::kLeafSamples;
+    const bool isInside = values[0] < 0.0f;
+    const auto isLikeFirst = [&](float v) { return !band_.isActive(v) && (v < 0.0f) == isInside; };
+    if (isOnLattice(low + (SparseField::kLeafSide - 1)))
+      return std::all_of(values, values + SparseField::kLeafSamples, isLikeFirst);
+    bool areLikeFirst = true;
+    for (int part = 0; part < 8; ++part)
+      forEachSample(low, part, [&](const glm::ivec3& sample, size_t place) {
+        areLikeFirst &= !isOnLattice(sample) || isLikeFirst(values[place]);
+      });
+    return areLikeFirst;
+  }
+
   /// Moves a leaf to where the kept ones end, unless all its samples lie beyond the band on one side. Returns
   /// where they end now.
   size_t keepLeaf(size_t leaf, size_t kept) {
     constexpr size_t kLeafSamples = SparseField::kLeafSamples;
-    const float* values = band_.distance.data() + leaf * kLeafSamples;
-    const bool isInside = values[0] < 0.0f;
-    if (std::all_of(values, values + kLeafSamples,
-                    [&](float v) { return !band_.isActive(v) && (v < 0.0f) == isInside; })) {
-      if (isInside) band_.tiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
+    if (isBeyondBand(leaf)) {
+      if (band_.distance[leaf * kLeafSamples] < 0.0f)
+        band_.tiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
       return kept;
     }
     if (leaf != kept) {

@@ -4,7 +4,10 @@
 
 #include "io/field/field_array.h"
 
+#include <cstdint>
 #include <iosfwd>
+#include <span>
+#include <variant>
 
 // One reader and one writer per format, for `readField` and `writeField`. Readers add the names of the arrays
 // that they leave out. The arrays passed to writers fit the grid. A frame needs no samples.
@@ -33,7 +36,14 @@ Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
 Frame frameVti(const Field& about, const NamedArray& array);
 
-Field readVdb(const SourceFile& source, LeftOut& leftOut);
+/// Which grid of a file of several is read, and how.
+struct GridChoice {
+  std::string_view name;  ///< Empty: the first level set.
+  /// A level set with more samples becomes a narrow band. If 0, all that is no level set is refused.
+  uint64_t mostDense = UINT64_MAX;
+};
+
+std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
 /// How a .vdb stores an array.
 struct VdbStorage {
   std::string_view gridName;  ///< Empty: that of the array.
@@ -41,7 +51,7 @@ struct VdbStorage {
 };
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
-/// Writes a narrow band with all its arrays.
-void writeVdb(std::ostream& out, const SparseField& band, const VdbStorage& storage);
+/// Writes narrow bands with all their arrays. The storage names the only one.
+void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage);
 
 }  // namespace raymap

@@ -206,6 +206,31 @@ openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
   return made;
 }
 
+/// Adds a grid for each array of a band.
+void addGrids(const SparseField& band, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
+  const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
+  const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
+    describe(*grid, GridLabel::of(name, name == "distance", storage), meaning, band.grid, clampDistance,
+             band.surfaceBounds);
+    grids.push_back(std::move(grid));
+  };
+  constexpr const char* kUnknown = "beyond the band nothing is known";
+  const auto always = [](float) { return true; };
+  add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band));
+  grids.back()->insertMeta(kVdbOutsideKey, openvdb::DoubleMetadata(band.outside));
+  grids.back()->insertMeta(kVdbInsideKey, openvdb::DoubleMetadata(band.inside));
+  if (!band.triangle.empty())
+    add("triangle", kUnknown,
+        makeLeaves<openvdb::Int32Grid>(band, std::span<const uint32_t>(band.triangle), -1,
+                                       [](uint32_t id) { return id != kNoTriangle; }));
+  if (!band.winding.empty())
+    add("winding", kUnknown,
+        makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.winding), 0.0F, always));
+  if (!band.confidence.empty())
+    add("confidence", kUnknown,
+        makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.confidence), 0.0F, always));
+}
+
 }  // namespace
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
@@ -216,31 +241,19 @@ void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, co
   });
 }
 
-void writeVdb(std::ostream& out, const SparseField& band, const VdbStorage& storage) {
-  const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
-  const auto bytes = [](const auto& array) { return std::as_bytes(std::span(array)); };
-  const std::vector<std::span<const std::byte>> arrays{bytes(band.leaves), bytes(band.distance),
-                                                       bytes(band.triangle), bytes(band.winding),
-                                                       bytes(band.confidence)};
+void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
+  std::vector<std::span<const std::byte>> arrays;
+  const auto add = [&](const auto& array) { arrays.push_back(std::as_bytes(std::span(array))); };
+  for (const NamedBand& each : bands) {
+    const SparseField& band = *each.band;
+    add(band.leaves);
+    add(band.distance);
+    add(band.triangle);
+    add(band.winding);
+    add(band.confidence);
+  }
   writeGrids(out, arrays, [&](openvdb::GridPtrVec& grids) {
-    const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
-      describe(*grid, GridLabel::of(name, name == "distance", storage), meaning, band.grid, clampDistance,
-               band.surfaceBounds);
-      grids.push_back(std::move(grid));
-    };
-    constexpr const char* kUnknown = "beyond the band nothing is known";
-    const auto always = [](float) { return true; };
-    add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band));
-    if (!band.triangle.empty())
-      add("triangle", kUnknown,
-          makeLeaves<openvdb::Int32Grid>(band, std::span<const uint32_t>(band.triangle), -1,
-                                         [](uint32_t id) { return id != kNoTriangle; }));
-    if (!band.winding.empty())
-      add("winding", kUnknown,
-          makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.winding), 0.0F, always));
-    if (!band.confidence.empty())
-      add("confidence", kUnknown,
-          makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.confidence), 0.0F, always));
+    for (const NamedBand& each : bands) addGrids(*each.band, {each.name, storage.half}, grids);
   });
 }
 

@@ -7,6 +7,9 @@ inline constexpr const char* kVdbArrayKey = "raymap_array";  ///< Array that a g
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbClampKey = "raymap_clamp_distance";
 inline constexpr const char* kVdbFormerClampKey = "raymap_band";  ///< In files of before.
+// Widths of a narrow band, which the grid's values hold in single precision.
+inline constexpr const char* kVdbOutsideKey = "raymap_outside";
+inline constexpr const char* kVdbInsideKey = "raymap_inside";
 inline constexpr const char* kVdbSurfaceMinKey = "raymap_surface_min";
 inline constexpr const char* kVdbSurfaceMaxKey = "raymap_surface_max";
 inline constexpr const char* kVdbBackgroundKey =

@@ -3,14 +3,16 @@
 // Output of `raymap-import`, in the machine's own byte order: an ImportHeader and its message. Unless that is
 // an error, one of these follows:
 // - a MeshHeader, the positions (three doubles each) and the triangles (three 32-bit indices each);
-// - for each grid, a VdbHeader and the samples (four bytes each, x fastest).
+// - for each grid, a VdbHeader and the samples (four bytes each, x fastest);
+// - for a narrow band, a VdbHeader, the leaves (glm::ivec3 each), the tiles (SparseField::Tile each) and the
+//   distances (512 of four bytes per leaf, x fastest); for each further grid, a VdbHeader and its values.
 
 #include <array>
 #include <cstdint>
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x35494d52;  // RMI5
+inline constexpr uint32_t kImportMagic = 0x36494d52;  // RMI6
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
@@ -37,7 +39,10 @@ struct VdbHeader {
   uint64_t isWhole = 0;     ///< 1 if the samples are signed integers, 0 if they are floats.
   uint64_t gridsAfter = 0;  ///< Number of grids that follow this one.
   std::array<char, 16> name{};
+  uint64_t isBand = 0;  ///< 1 for a narrow band, of which the following is known.
+  double outside = 0.0, inside = 0.0;
+  uint64_t leaves = 0, tiles = 0;
 };
-static_assert(sizeof(VdbHeader) == 152);
+static_assert(sizeof(VdbHeader) == 192);
 
 }  // namespace raymap

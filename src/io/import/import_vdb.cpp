@@ -7,11 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "io/field/vdb.h"
+#include "io/import/import_band.h"
 #include "io/import/import_stream.h"
 #include "io/import/raymap_import.h"
 
@@ -31,18 +34,39 @@ bool isOurs(const openvdb::GridBase& grid) {
          (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::Int32Grid>());
 }
 
-/// Returns the names of the grids to read: all that raymap wrote, or else the first level set, or else the
-/// first grid of floats, or else of integers.
-std::vector<std::string> chooseGrids(const openvdb::GridPtrVec& grids) {
-  std::vector<std::string> ours, levelSets, floats, integers;
+bool isDistance(const openvdb::GridBase& grid) {
+  return isOurs(grid) && arrayOf(grid) == "distance";
+}
+
+/// Throws `Error(Usage)` unless one of the grids has this name.
+void checkName(const std::string& name, const openvdb::GridPtrVec& grids) {
+  std::string known;
   for (const auto& grid : grids) {
-    if (isOurs(*grid)) ours.push_back(grid->getName());
+    if (grid->getName() == name) return;
+    known += (known.empty() ? "'" : ", '") + grid->getName() + "'";
+  }
+  throw Error(ErrorCode::Usage, "it has no grid '" + name + "'; its grids are " + known);
+}
+
+/// Returns the names of the grids to read: all that raymap wrote of one field, the distance first, or else
+/// the first level set, or else the first grid of floats, or else of integers. If a name is given, the grid
+/// with it, and what raymap wrote with it.
+std::vector<std::string> chooseGrids(const openvdb::GridPtrVec& grids, const std::string& name) {
+  std::vector<std::string> ours, distances, levelSets, floats, integers;
+  for (const auto& grid : grids) {
+    if (isOurs(*grid)) (isDistance(*grid) ? distances : ours).push_back(grid->getName());
     const bool isLevelSet = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
     if (grid->isType<openvdb::FloatGrid>()) (isLevelSet ? levelSets : floats).push_back(grid->getName());
     if (grid->isType<openvdb::Int32Grid>()) integers.push_back(grid->getName());
   }
+  const size_t fields = distances.size();
+  ours.insert(ours.begin(), distances.begin(), distances.end());
   if (std::set<std::string>(ours.begin(), ours.end()).size() < ours.size())
     throw Error(ErrorCode::Input, "two of its grids have the same name");
+  if (!name.empty()) checkName(name, grids);
+  const bool isNamed = name.empty() || (fields == 1 && name == ours.front());
+  if (!isNamed) return {name};
+  if (fields > 1) return {ours.front()};
   if (!ours.empty()) return ours;
   for (const auto* names : {&levelSets, &floats, &integers})
     if (!names->empty()) return {names->front()};
@@ -71,6 +95,16 @@ double bandOf(const openvdb::GridBase& base) {
   return background;
 }
 
+/// Says where the samples of a box lie.
+void place(const openvdb::GridBase& grid, const openvdb::CoordBBox& box, VdbHeader& header) {
+  const openvdb::Vec3d origin = grid.transform().indexToWorld(box.min());
+  for (int axis = 0; axis < 3; ++axis) {
+    header.dims[axis] = int64_t{box.max()[axis]} - box.min()[axis] + 1;
+    header.origin[axis] = origin[axis];
+  }
+}
+
+/// Returns what a grid is, with the box of its samples.
 VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   const auto& transform = grid.transform();
   const openvdb::Vec3d size = transform.voxelSize();
@@ -100,14 +134,11 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   const auto low = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMinKey),
              high = grid.getMetadata<openvdb::Vec3DMetadata>(kVdbSurfaceMaxKey);
   header.hasSurface = low && high ? 1 : 0;
-  const openvdb::Vec3d origin = transform.indexToWorld(box.min());
-  for (int axis = 0; axis < 3; ++axis) {
-    header.dims[axis] = int64_t{box.max()[axis]} - box.min()[axis] + 1;
-    header.origin[axis] = origin[axis];
-    if (header.hasSurface == 0) continue;
+  for (int axis = 0; axis < 3 && header.hasSurface != 0; ++axis) {
     header.surface[axis] = low->value()[axis];
     header.surface[3 + axis] = high->value()[axis];
   }
+  place(grid, box, header);
   arrayOf(grid).copy(header.name.data(), header.name.size() - 1);
   header.isWhole = grid.isType<openvdb::Int32Grid>() ? 1 : 0;
   return header;
@@ -115,9 +146,8 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
 
 /// Writes the samples a few slices at a time, so the whole grid is never in memory twice.
 template <class GridType>
-void putSamples(const openvdb::GridBase& base, const openvdb::CoordBBox& box) {
+void putSamples(const GridType& grid, const openvdb::CoordBBox& box) {
   constexpr int kSlices = 8;  // Side of a leaf node.
-  const auto& grid = static_cast<const GridType&>(base);
   for (int z = box.min().z(); z <= box.max().z(); z += kSlices) {
     openvdb::CoordBBox slab = box;
     slab.min().z() = z;
@@ -128,30 +158,67 @@ void putSamples(const openvdb::GridBase& base, const openvdb::CoordBBox& box) {
   }
 }
 
+/// Returns whether a grid is sent as a narrow band. Throws `Error(Unsupported)` if it must be and cannot.
+bool isSentAsBand(const openvdb::GridBase& grid, const VdbHeader& header, uint64_t mostDense) {
+  const double samples = double(header.dims[0]) * double(header.dims[1]) * double(header.dims[2]);
+  if (samples <= double(mostDense)) return false;
+  const bool isLevelSet = grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<openvdb::FloatGrid>();
+  if (!isLevelSet && mostDense == 0)
+    throw Error(ErrorCode::Unsupported, "its grid '" + grid.getName() +
+                                            "' is no level set of floats, so it " +
+                                            "is no narrow band; read it as a field");
+  return isLevelSet;
+}
+
+/// Returns the leaves of a grid, and says what they are. A grid of another program is placed anew: its
+/// lattice begins and ends with whole leaves.
+BandShape shapeOf(const openvdb::GridBase& grid, openvdb::CoordBBox box, VdbHeader& header) {
+  constexpr int64_t kMostDims = 1 << 24;
+  if (!isOurs(grid)) box = leafBoxOf(box);
+  place(grid, box, header);
+  if (std::ranges::max(header.dims) > kMostDims)
+    throw Error(ErrorCode::Unsupported, "its grid has " + std::to_string(std::ranges::max(header.dims)) +
+                                            " samples along an axis, more than 16777216; crop it");
+  BandShape shape(static_cast<const openvdb::FloatGrid&>(grid), box);
+  shape.describe(header);
+  return shape;
+}
+
+void putValues(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
+               const std::optional<BandShape>& band) {
+  const auto put = [&]<class GridType>(const GridType& typed) {
+    band ? band->putValues(typed) : putSamples(typed, box);
+  };
+  if (grid.isType<openvdb::Int32Grid>())
+    put(static_cast<const openvdb::Int32Grid&>(grid));
+  else
+    put(static_cast<const openvdb::FloatGrid&>(grid));
+}
+
 }  // namespace
 
-void sendVdb(const char* path) {
+void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense) {
   openvdb::initialize();
   openvdb::io::File file(path);
   file.setCopyMaxBytes(0);
   file.open(false);
   const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
-  const std::vector<std::string> names = chooseGrids(*grids);
+  const std::vector<std::string> names = chooseGrids(*grids, gridName);
+  std::optional<BandShape> band;
   for (size_t g = 0; g < names.size(); ++g) {
     const openvdb::GridBase::Ptr grid = file.readGrid(names[g]);
     openvdb::CoordBBox box;
     VdbHeader header = headerOf(*grid, box);
     header.gridsAfter = names.size() - 1 - g;
     if (g == 0) {
+      if (isSentAsBand(*grid, header, mostDense)) band = shapeOf(*grid, box, header);
       // The remaining time grows with the number of samples, which the parent process limits.
       limitSeconds(RLIM_INFINITY);
       sendSuccess(othersThan(names, *grids));
     }
     put(&header, sizeof header);
-    if (header.isWhole != 0)
-      putSamples<openvdb::Int32Grid>(*grid, box);
-    else
-      putSamples<openvdb::FloatGrid>(*grid, box);
+    if (g == 0 && band) band->put();
+    putValues(*grid, box, band);
   }
 }
 

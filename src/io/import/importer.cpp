@@ -62,16 +62,22 @@ std::filesystem::path findProgram(const std::filesystem::path& file) {
 }
 
 /// Its memory is twenty times what ordinary files of the kinds take, packed ones included.
-std::vector<std::string> argumentsFor(const SourceFile& file, std::string_view format, uint64_t fileBytes) {
-  return {std::string(format), file.place().string(), std::to_string((uint64_t{48} << 20) + 128 * fileBytes),
-          std::to_string(1 + (fileBytes >> 20))};
+std::vector<std::string> argumentsFor(const SourceFile& file, std::string_view format, uint64_t fileBytes,
+                                      const GridChoice& grid) {
+  return {std::string(format),
+          file.place().string(),
+          std::to_string((uint64_t{48} << 20) + 128 * fileBytes),
+          std::to_string(1 + (fileBytes >> 20)),
+          std::string(grid.name),
+          std::to_string(grid.mostDense)};
 }
 
 }  // namespace
 
-Importer::Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes)
+Importer::Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes,
+                   const GridChoice& grid)
     : file_(file.path()),
-      child_(findProgram(file_), argumentsFor(file, format, fileBytes),
+      child_(findProgram(file_), argumentsFor(file, format, fileBytes, grid),
              static_cast<int>(10 * (1 + (fileBytes >> 20)))) {
   constexpr uint64_t kLongestMessage = 1 << 20;
   ImportHeader header;

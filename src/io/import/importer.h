@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/source_file.h"
+#include "io/field/field_formats.h"
 #include "io/import/child_process.h"
 
 namespace raymap {
@@ -18,7 +19,7 @@ class Importer {
  public:
   /// Starts the program and reads its header. `format` is an extension: ".vdb", or one of Assimp's. Throws
   /// the error that the program reports.
-  Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes);
+  Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes, const GridChoice& grid = {});
 
   const std::string& warning() const { return message_; }
   /// Reads the next `bytes` bytes of its output. Throws `Error(Input)` if there are fewer.

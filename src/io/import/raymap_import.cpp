@@ -1,5 +1,6 @@
-// raymap-import FORMAT FILE MEMORY SECONDS: reads a file with Assimp or OpenVDB and writes it in the format
-// of import_stream.h. FORMAT is an extension: .vdb, or one that Assimp knows. MEMORY is in bytes.
+// raymap-import FORMAT FILE MEMORY SECONDS GRID SAMPLES: reads a file with Assimp or OpenVDB and writes it in
+// the format of import_stream.h. FORMAT is an extension: .vdb, or one that Assimp knows. MEMORY is in bytes.
+// GRID and SAMPLES are those of sendVdb, and count for fields.
 //
 // It is a process of its own, because these libraries crash on some damaged files and take any amount of
 // memory on others.
@@ -51,9 +52,11 @@ void limitOutput() {
   setrlimit(RLIMIT_FSIZE, &none);
 }
 
-void send(const std::string& format, [[maybe_unused]] const char* path) {
+void send(char** arguments) {
+  const std::string format = arguments[1];
+  [[maybe_unused]] const char* path = arguments[2];
 #ifdef RAYMAP_OPENVDB
-  if (format == ".vdb") return sendVdb(path);
+  if (format == ".vdb") return sendVdb(path, arguments[5], std::strtoull(arguments[6], nullptr, 10));
 #endif
 #ifdef RAYMAP_ASSIMP
   if (format != ".vdb") return sendMesh(path, format);
@@ -88,12 +91,12 @@ void put(const void* data, size_t bytes) {
 
 int main(int argc, char** argv) {
   using namespace raymap;
-  if (argc != 5) return EXIT_FAILURE;
+  if (argc != 7) return EXIT_FAILURE;
   limitMemory(std::strtoull(argv[3], nullptr, 10));
   limitSeconds(std::strtoull(argv[4], nullptr, 10));
   limitOutput();
   try {
-    send(argv[1], argv[2]);
+    send(argv);
   } catch (const Error& error) {
     sendFailure(error.what(), error.code());
   } catch (const std::bad_alloc&) {

@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "base/memory.h"
 #include "io/field/field_formats.h"
 #include "io/import/import_stream.h"
 #include "io/import/importer.h"
@@ -11,56 +12,142 @@ namespace raymap {
 
 namespace {
 
-/// Reads one grid. The first one gives the field its lattice, and the others must have the same.
-/// Returns the number of grids that follow.
-uint64_t readGrid(Importer& importer, const std::filesystem::path& path, uint64_t fileBytes, Field& field) {
-  VdbHeader header;
-  importer.receive(&header, sizeof header);
-  // Bytes of samples per byte of the file: enough for a thin clampDistance in a large box, with a margin.
+/// Returns the most bytes of samples that a file may have: enough for a thin band in a large box, with a
+/// margin.
+uint64_t mostBytes(uint64_t fileBytes) {
   constexpr uint64_t kMostGrowth = 2000;
   constexpr uint64_t kAlways = uint64_t{64} << 20;
-  const ElementType type = header.isWhole != 0 ? ElementType::Int32 : ElementType::Float32;
-  checkedSampleCount(path, header.dims, type, kAlways + kMostGrowth * fileBytes);
-  Field placed;
-  setDims(placed.grid, header.dims);
-  placed.grid.origin = {header.origin[0], header.origin[1], header.origin[2]};
-  placed.grid.spacing = header.spacing;
-  placed.clampDistance = header.clampDistance;
-  if (header.hasSurface != 0) setSurfaceBounds(path, header.surface, placed);
-  checkPlacement(path, placed);
-  const bool isFirst = field.grid.dims == glm::ivec3(0);
-  if (isFirst) {
-    field.grid = placed.grid;
-    field.clampDistance = placed.clampDistance;
-    field.surfaceBounds = placed.surfaceBounds;
-  }
-  header.name.back() = '\0';
-  const std::string name = header.name.data();
-  if (placed.grid != field.grid) throwInvalid(path, "its grid '" + name + "' lies elsewhere than the others");
-  const bool isOurs = name != "triangle" || type == ElementType::Int32;
-  readArray(path, field, isOurs ? name : "distance", {type},
-            [&](void* to, size_t count) { importer.receive(to, count); });
-  return header.gridsAfter;
+  return kAlways + kMostGrowth * fileBytes;
 }
+
+/// Reads the grids of a file, as fields of all samples or as a narrow band.
+class GridReader {
+ public:
+  GridReader(const SourceFile& source, uint64_t fileBytes, const GridChoice& grid)
+      : path_(source.path()), most_(mostBytes(fileBytes)), importer_(source, ".vdb", fileBytes, grid) {}
+
+  std::variant<Field, SparseField> read(LeftOut& leftOut) {
+    std::istringstream names(importer_.warning());
+    for (std::string name; std::getline(names, name);) leftOut.push_back(name);
+    next();
+    if (header_.isBand != 0) return readBand();
+    Field field;
+    for (readGrid(field); header_.gridsAfter > 0; readGrid(field)) next();
+    return field;
+  }
+
+ private:
+  /// Reads the next grid's header.
+  void next() {
+    importer_.receive(&header_, sizeof header_);
+    header_.name.back() = '\0';
+    name_ = header_.name.data();
+    type_ = header_.isWhole != 0 ? ElementType::Int32 : ElementType::Float32;
+  }
+
+  /// Returns a field without samples where the grid lies.
+  Field placed() const {
+    Field field;
+    setDims(field.grid, header_.dims);
+    field.grid.origin = {header_.origin[0], header_.origin[1], header_.origin[2]};
+    field.grid.spacing = header_.spacing;
+    field.clampDistance = header_.clampDistance;
+    if (header_.hasSurface != 0) setSurfaceBounds(path_, header_.surface, field);
+    checkPlacement(path_, field);
+    return field;
+  }
+
+  /// Reads one grid. The first one gives the field its lattice, and the others must have the same.
+  void readGrid(Field& field) {
+    checkedSampleCount(path_, header_.dims, type_, most_);
+    Field about = placed();
+    if (field.grid.dims == glm::ivec3(0)) {
+      field.grid = about.grid;
+      field.clampDistance = about.clampDistance;
+      field.surfaceBounds = about.surfaceBounds;
+    }
+    checkPlace(about, field.grid);
+    const bool isOurs = name_ != "triangle" || type_ == ElementType::Int32;
+    readArray(path_, field, isOurs ? name_ : "distance", {type_},
+              [&](void* to, size_t count) { importer_.receive(to, count); });
+  }
+
+  void checkPlace(const Field& about, const Grid& first) const {
+    if (about.grid != first) throwInvalid(path_, "its grid '" + name_ + "' lies elsewhere than the others");
+  }
+
+  SparseField readBand() {
+    Field about = placed();
+    SparseField band{.grid = about.grid,
+                     .outside = header_.outside,
+                     .inside = header_.inside,
+                     .surfaceBounds = about.surfaceBounds};
+    checkBytes();
+    receive(band.leaves, header_.leaves);
+    band.tiles.resize(header_.tiles);
+    importer_.receive(band.tiles.data(), band.tiles.size() * sizeof(SparseField::Tile));
+    receiveValues(band, band.distance);
+    while (header_.gridsAfter > 0) {
+      next();
+      checkPlace(placed(), band.grid);
+      if (name_ == "triangle" && type_ == ElementType::Int32)
+        receiveValues(band, band.triangle);
+      else if (name_ == "winding" && type_ == ElementType::Float32)
+        receiveValues(band, band.winding);
+      else if (name_ == "confidence" && type_ == ElementType::Float32)
+        receiveValues(band, band.confidence);
+      else
+        throwInvalid(path_, "its grid '" + name_ + "' is no array of a narrow band");
+    }
+    try {
+      validate(band);
+    } catch (const Error& error) {
+      throwInvalid(path_, error.what());
+    }
+    return band;
+  }
+
+  /// Throws unless the leaves of the band may be in the file, and fit into memory with all arrays.
+  void checkBytes() const {
+    constexpr uint64_t kLeafBytes = SparseField::kLeafSamples * sizeof(float);
+    const uint64_t leaves = header_.leaves, tiles = header_.tiles;
+    if (leaves > most_ / kLeafBytes || tiles > most_ / sizeof(SparseField::Tile))
+      throwInvalid(path_, "declares " + std::to_string(leaves) + " leaves and " + std::to_string(tiles) +
+                              " tiles, more than its bytes can hold");
+    checkFieldMemory(leaves * (sizeof(glm::ivec3) + kLeafBytes * (1 + header_.gridsAfter)) +
+                         tiles * sizeof(SparseField::Tile),
+                     availableMemory());
+  }
+
+  template <class Element>
+  void receive(Buffer<Element>& array, size_t count) {
+    array.resizeUninitialized(count);
+    importer_.receive(array.data(), count * sizeof(Element));
+  }
+
+  template <class Element>
+  void receiveValues(const SparseField& band, Buffer<Element>& array) {
+    receive(array, band.leaves.size() * SparseField::kLeafSamples);
+  }
+
+  const std::filesystem::path& path_;
+  uint64_t most_;
+  Importer importer_;
+  VdbHeader header_;
+  std::string name_;
+  ElementType type_ = ElementType::Float32;
+};
 
 }  // namespace
 
-Field readVdb(const SourceFile& source, LeftOut& leftOut) {
-  const std::filesystem::path& path = source.path();
+std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) {
   constexpr std::array<char, 4> kMagic{' ', 'B', 'D', 'V'};
   InputFile file(source);
   const uint64_t fileBytes = file.remaining();
   std::array<char, kMagic.size()> magic{};
   file.read(magic.data(), magic.size());
-  if (magic != kMagic) throwInvalid(path, "does not begin as a VDB");
-
-  Importer importer(source, ".vdb", fileBytes);
-  std::istringstream names(importer.warning());
-  for (std::string name; std::getline(names, name);) leftOut.push_back(name);
-  Field field;
-  while (readGrid(importer, path, fileBytes, field) > 0) {
-  }
-  return field;
+  if (magic != kMagic) throwInvalid(source.path(), "does not begin as a VDB");
+  return GridReader(source, fileBytes, grid).read(leftOut);
 }
 
 }  // namespace raymap
