@@ -48,7 +48,7 @@ class LeafTree {
 
   static size_t placeOf(const glm::ivec3& sample, int bits) {
     const glm::ivec3 at = (sample >> bits) & ((1 << kSlotBits) - 1);
-    return size_t(at.x + (at.y << kSlotBits) + (at.z << 2 * kSlotBits));
+    return (((size_t(at.z) << kSlotBits) + size_t(at.y)) << kSlotBits) + size_t(at.x);
   }
   float distanceOf(int64_t side) const {
     return side == kInside ? -float(band_.inside) : float(band_.outside);
