@@ -1,6 +1,8 @@
 #include <raymap/raymap.h>
 
 #include <cstdio>
+#include <type_traits>
+#include <variant>
 
 #include "checks.h"
 #include "commands.h"
@@ -59,14 +61,25 @@ void finishOptions(Arguments& arguments) {
   arguments.options.triangle = arguments.as == "triangle";
 }
 
-/// Draws a field; its difference from another one, if there is one.
-Picture draw(const Field& field, FieldArray array, const Arguments& arguments, const std::string& title = "",
-             const Field* other = nullptr) {
+/// Throws `Error(Usage)` for a device that cannot draw a narrow band.
+void checkDevice(const Field&, const Arguments&) {}
+void checkDevice(const SparseField&, const Arguments& arguments) {
+  if (arguments.machine.device.starts_with("vulkan"))
+    throw Error(ErrorCode::Usage, displayName(arguments.input) +
+                                      ": a level set of so many samples is drawn on the CPU; leave out --device");
+}
+
+/// Draws a field or a narrow band; the difference from another field, if there is one.
+template <class AnyField>
+Picture draw(const AnyField& field, FieldArray array, const Arguments& arguments,
+             const std::string& title = "", const Field* other = nullptr) {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
-  if (field.distance.empty() || array == FieldArray::Triangle)
+  const bool hasSurface = std::is_same_v<AnyField, SparseField> || !field.distance.empty();
+  if (!hasSurface || array == FieldArray::Triangle)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
+  checkDevice(field, arguments);
   RenderOptions view = arguments.view;
   view.array = array;
   view.other = other;
@@ -226,9 +239,11 @@ void renderPage(Arguments& arguments) {
 void renderOne(Arguments& arguments) {
   if (isPage(arguments)) return renderPage(arguments);
   if (!arguments.other.empty()) return renderOneOfTwo(arguments);
-  Field field = loadField(arguments.input, arguments, arguments.format.input);
-  const FieldArray array = chooseArray(arguments.input, arguments.as, field);
-  writePng(arguments.picture, draw(field, array, arguments));
+  auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, {});
+  const auto drawAny = [&](auto& field) {
+    return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
+  };
+  writePng(arguments.picture, std::visit(drawAny, shape));
   printWritten(arguments.picture);
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "cli.h"
 
 namespace raymap {
@@ -75,6 +77,27 @@ TEST_F(CliRender, DrawsNumbersAndDifferencesInColour) {
   expectFailure("render torus.ply ball.ply -o p.png --slice z", ErrorCode::Usage, "--slice-plane");
   expectFailure("render torus.ply ball.ply -o p.png --frames 0:3", ErrorCode::Usage, "leave the other out");
   expectFailure("render torus.ply -o p.png --as triangle", ErrorCode::Usage, "has no surface to draw");
+}
+
+// A level set of more than 2^24 samples stays a narrow band.
+TEST_F(CliRender, DrawsNarrowBands) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 260}), {.winding = true});
+  writeBand(path("band.vdb"), band);
+  const RenderOptions options{.width = 64, .height = 48};
+  const auto expectDrawn = [&](const std::string& arguments, const Picture& expected) {
+    succeed("render band.vdb -o p.png --size 64 48 " + arguments);
+    writePng(path("expected.png"), expected);
+    EXPECT_EQ(readBytes(path("p.png")), readBytes(path("expected.png")));
+  };
+  expectDrawn("", renderField(band, options));
+  expectDrawn("--slice x --index 7", renderSlice(band, 0, 7, 64));
+  expectDrawn("--slice z --as winding", renderSlice(band, 2, -1, 64, FieldArray::Winding));
+  expectFailure("render band.vdb -o n.png --as winding", ErrorCode::Usage, "distances alone");
+  expectFailure("render band.vdb -o n.png --slice z --as confidence", ErrorCode::Usage, "leave out --as");
+  expectFailure("render band.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
 }
 
 TEST_F(CliRender, WritesPages) {
