@@ -53,8 +53,8 @@ void EmptySpace::measure() {
       for (int n = 0; n < 13; ++n) {  // The first half of the 27 cubes around, in order.
         const glm::ivec3 offset = glm::ivec3(n % 3, n / 3 % 3, n / 9) - 1;
         const glm::ivec3 other = isReversed ? cube - offset : cube + offset;
-        const bool isThere = glm::all(glm::greaterThanEqual(other, glm::ivec3(0))) &&
-                             glm::all(glm::lessThan(other, dims_));
+        const bool isThere =
+            glm::all(glm::greaterThanEqual(other, glm::ivec3(0))) && glm::all(glm::lessThan(other, dims_));
         if (isThere && away_[index(other)] < away) away = std::min<uint8_t>(away, away_[index(other)] + 1);
       }
     });
