@@ -64,7 +64,8 @@ FieldArray chooseArray(const std::filesystem::path& path, const std::string& as,
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, const SparseField& band) {
   const FieldArray asked = as.empty() ? FieldArray::Distance : fromName<FieldArray>(as);
   if (asked != FieldArray::Distance && !hasArray(band, asked))
-    throw Error(ErrorCode::Usage, path.string() + ": it does not hold the array '" + as + "'; leave out --as");
+    throw Error(ErrorCode::Usage,
+                path.string() + ": it does not hold the array '" + as + "'; leave out --as");
   return asked;
 }
 

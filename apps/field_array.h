@@ -23,8 +23,8 @@ FieldArray heldArray(const Field& field);
 /// one array of floats holds what --as says: a .npy keeps no name. Throws `Error(Usage)` if the file has no
 /// such array.
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field);
-/// Returns the array of a narrow band to show: the one named by --as, or the distance if `as` is empty. Throws
-/// `Error(Usage)` if the band has no such array.
+/// Returns the array of a narrow band to show: the one named by --as, or the distance if `as` is empty.
+/// Throws `Error(Usage)` if the band has no such array.
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, const SparseField& band);
 
 }  // namespace raymap

@@ -65,8 +65,9 @@ void finishOptions(Arguments& arguments) {
 void checkDevice(const Field&, const Arguments&) {}
 void checkDevice(const SparseField&, const Arguments& arguments) {
   if (arguments.machine.device.starts_with("vulkan"))
-    throw Error(ErrorCode::Usage, displayName(arguments.input) +
-                                      ": a level set of so many samples is drawn on the CPU; leave out --device");
+    throw Error(ErrorCode::Usage,
+                displayName(arguments.input) +
+                    ": a level set of so many samples is drawn on the CPU; leave out --device");
 }
 
 /// Draws a field or a narrow band; the difference from another field, if there is one.
