@@ -83,7 +83,9 @@ void writeInSlabs(const Arguments& arguments, const SparseField& band) {
   const auto slab = [&](int begin, int end) {
     return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});
   };
-  writeFieldInSlabs(arguments.output,
+  SlabFile file{.path = arguments.output};
+  if (hasExtension(named(file.path, arguments.format.output), {".vti"})) file.arrays = heldArrays(band);
+  writeFieldInSlabs({file},
                     {.grid = band.grid,
                      .clampDistance = std::min(band.inside, band.outside),
                      .surfaceBounds = band.surfaceBounds},

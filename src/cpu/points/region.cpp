@@ -1,5 +1,5 @@
-// Fields of a part of a lattice, whose samples are queried block by block. With a band, blocks that lie
-// wholly beyond it cost one query each.
+// Fields of a part of a lattice, whose samples are queried cube by cube. With a band, cubes that lie wholly
+// beyond it cost one query each.
 
 #include "cpu/points/region.h"
 
@@ -7,31 +7,35 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "cpu/points/far_balls.h"
-#include "cpu/points/point_query.h"
+#include "cpu/points/far_cubes.h"
+#include "cpu/points/lattice_query.h"
 
 namespace raymap::cpu {
 
 namespace {
 
-constexpr int kSideOfBlock = 8;
-/// Half the side between the outermost samples of a block.
-constexpr double kHalfBlock = 0.5 * (kSideOfBlock - 1);
-constexpr size_t kSamplesPerQuery = size_t{1} << 18;
-/// Blocks whose sides are found together.
-constexpr size_t kBlocksAtOnce = size_t{1} << 15;
+constexpr int kSide = LatticeQuery::kSide;
+/// Cubes of 32 x 32 x 32 samples are visited one after the other.
+constexpr int kBlockSide = 32;
+/// Samples of the blocks whose cubes are asked for together: some blocks for each thread.
+constexpr size_t kSamplesAtATime = size_t{1} << 19;
 
 class RegionMaker {
  public:
   RegionMaker(const PreparedSurface& surface, const Grid& lattice, const Region& region,
               const RegionOptions& options, Progress& progress)
-      : surface_(surface),
-        lattice_(lattice),
-        region_(region),
+      : region_(region),
         options_(options),
         progress_(progress),
-        blocks_((region.size + (kSideOfBlock - 1)) / kSideOfBlock),
-        balls_(surface, std::sqrt(3.0) * kHalfBlock * lattice.spacing, options.band * lattice.spacing) {
+        box_{region.low, region.low + region.size},
+        firstBlock_(region.low / kBlockSide),
+        blocks_((region.low + region.size - 1) / kBlockSide - firstBlock_ + 1),
+        far_(surface, lattice, {options.band * lattice.spacing, options.band * lattice.spacing}),
+        query_(surface, lattice, box_,
+               {.triangle = options.triangle,
+                .winding = options.winding,
+                .confidence = options.confidence,
+                .maxDistance = options.band > 0.0 ? options.band * lattice.spacing : INFINITY}) {
     field_.grid = {region.size, lattice.position(glm::dvec3(region.low)), lattice.spacing};
     field_.clampDistance = options.band * lattice.spacing;
     field_.surfaceBounds = bounds(MeshView(surface.mesh));
@@ -49,134 +53,103 @@ class RegionMaker {
 
  private:
   void fill() {
-    const glm::ivec3 block = glm::min(region_.size, glm::ivec3(kSideOfBlock));
-    const size_t perQuery = kSamplesPerQuery / (size_t(block.x) * size_t(block.y) * size_t(block.z)),
-                 blocks = size_t(blocks_.x) * size_t(blocks_.y) * size_t(blocks_.z);
-    for (size_t begin = 0; begin < blocks; begin += kBlocksAtOnce) {
-      const size_t end = std::min(begin + kBlocksAtOnce, blocks);
-      const auto share = [&](double part) {
-        return (double(begin) + part * double(end - begin)) / double(blocks);
-      };
-      progress_.part(share(0.0), share(0.0));
-      const std::vector<size_t> near = fillFar(begin, end);
-      for (size_t k = 0; k < near.size(); k += perQuery) {
-        const size_t count = std::min(perQuery, near.size() - k);
-        progress_.part(share(double(k) / double(near.size())),
-                       share(double(k + count) / double(near.size())));
-        fillNear(std::span(near).subspan(k, count));
-      }
+    const size_t blocks = size_t(blocks_.x) * size_t(blocks_.y) * size_t(blocks_.z);
+    const glm::ivec3 most = glm::min(region_.size, glm::ivec3(kBlockSide));
+    const size_t atATime = kSamplesAtATime / (size_t(most.x) * size_t(most.y) * size_t(most.z));
+    std::vector<AskedCube> asked;
+    for (size_t begin = 0; begin < blocks; begin += atATime) {
+      const size_t end = std::min(begin + atATime, blocks);
+      progress_.part(double(begin) / double(blocks), double(end) / double(blocks));
+      const std::vector<glm::ivec3> cubes = cubesOf(begin, end);
+      const std::vector<Side> sides = sidesOf(cubes);
+      asked.clear();
+      for (size_t c = 0; c < cubes.size(); ++c)
+        if (sides[c] == Side::Unknown)
+          asked.push_back({cubes[c]});
+        else
+          fillFar(cubes[c], sides[c]);
+      fillNear(asked);
     }
   }
 
-  /// Fills those of the blocks numbered [begin, end) that lie beyond the band. Returns the others.
-  std::vector<size_t> fillFar(size_t begin, size_t end) {
-    std::vector<BallSide> sides(end - begin, BallSide::Near);
+  /// Returns the cubes of the blocks numbered [begin, end) that hold samples of the region, along a Morton
+  /// curve in each block.
+  std::vector<glm::ivec3> cubesOf(size_t begin, size_t end) const {
+    std::vector<glm::ivec3> cubes;
+    const size_t x = size_t(blocks_.x), y = size_t(blocks_.y);
+    for (size_t b = begin; b < end; ++b) {
+      const glm::ivec3 low = kBlockSide * (firstBlock_ + glm::ivec3(b % x, b / x % y, b / x / y));
+      for (int pair = 0; pair < 8; ++pair)
+        for (int one = 0; one < 8; ++one) {
+          const glm::ivec3 cube = low + kSide * (2 * cornerOf(pair) + cornerOf(one));
+          if (glm::all(glm::lessThan(cube, box_.high)) && glm::all(glm::greaterThan(cube + kSide, box_.low)))
+            cubes.push_back(cube);
+        }
+    }
+    return cubes;
+  }
+
+  /// Returns the sides of those cubes that lie beyond the band.
+  std::vector<Side> sidesOf(const std::vector<glm::ivec3>& cubes) {
+    std::vector<Side> sides(cubes.size(), Side::Unknown);
     // Beyond the band, winding numbers and confidences still differ from sample to sample.
-    if (options_.band > 0.0 && !options_.winding && !options_.confidence) findSides(begin, sides);
-    std::vector<size_t> near;
-    for (size_t b = begin; b < end; ++b)
-      if (sides[b - begin] == BallSide::Near) near.push_back(b);
-    parallelFor(sides.size(), 64, [&](size_t from, size_t to) {
-      for (size_t b = from; b < to; ++b) {
-        if (sides[b] == BallSide::Near) continue;
-        const auto clamp = float(field_.clampDistance), value = sides[b] == BallSide::Inside ? -clamp : clamp;
-        forEachSample(begin + b, [&](const glm::ivec3&, size_t index) {
-          field_.distance[index] = value;
-          if (options_.triangle) field_.triangle[index] = kNoTriangle;
-        });
+    if (options_.band > 0.0 && !options_.winding && !options_.confidence)
+      far_.find(cubes, kSide, progress_, sides);
+    return sides;
+  }
+
+  void fillFar(const glm::ivec3& cube, Side side) {
+    const auto clamp = float(field_.clampDistance), value = side == Side::Inside ? -clamp : clamp;
+    const glm::ivec3 low = glm::max(cube, box_.low), high = glm::min(cube + kSide, box_.high);
+    for (int z = low.z; z < high.z; ++z)
+      for (int y = low.y; y < high.y; ++y) {
+        const size_t first = indexOf({low.x, y, z}), count = size_t(high.x - low.x);
+        std::fill_n(field_.distance.begin() + first, count, value);
+        if (options_.triangle) std::fill_n(field_.triangle.begin() + first, count, kNoTriangle);
       }
-    });
-    return near;
   }
 
-  void findSides(size_t begin, std::span<BallSide> sides) {
-    std::vector<glm::dvec3> centres;
-    for (size_t b = begin; b < begin + sides.size(); ++b)
-      centres.push_back(lattice_.position(glm::dvec3(region_.low + lowOf(b)) + kHalfBlock));
-    balls_.find(centres, progress_, sides);
-  }
-
-  void fillNear(std::span<const size_t> blocks) {
-    std::vector<size_t> offsets(blocks.size() + 1, 0);
-    for (size_t k = 0; k < blocks.size(); ++k) {
-      const glm::ivec3 size = sizeOf(lowOf(blocks[k]));
-      offsets[k + 1] = offsets[k] + size_t(size.x) * size_t(size.y) * size_t(size.z);
-    }
-    points_.resizeUninitialized(offsets.back());
-    const auto forEachBlock = [&](auto&& visit) {
-      parallelFor(blocks.size(), 64, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k) visit(blocks[k], offsets[k]);
-      });
-    };
-    forEachBlock([&](size_t block, size_t point) {
-      forEachSample(block, [&](const glm::ivec3& sample, size_t) {
-        points_[point++] = lattice_.position(glm::dvec3(region_.low + sample));
-      });
-    });
-    const double most = options_.band > 0.0 ? field_.clampDistance : INFINITY;
-    queryPoints(surface_, PointsView(std::span(points_)),
-                {.triangle = options_.triangle,
-                 .winding = options_.winding,
-                 .confidence = options_.confidence,
-                 .maxDistance = most},
-                progress_, found_);
-    forEachBlock([&](size_t block, size_t point) {
-      forEachSample(block, [&](const glm::ivec3&, size_t index) { keep(point++, index); });
+  void fillNear(std::span<const AskedCube> cubes) {
+    query_.ask(cubes, progress_);
+    parallelFor(cubes.size(), 64, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k)
+        query_.visit(k, [&](const glm::ivec3& sample, size_t point) { keep(point, indexOf(sample)); });
     });
   }
 
   /// Takes what was found at a point for a sample.
   void keep(size_t point, size_t index) {
-    field_.distance[index] = static_cast<float>(found_.distance[point]);
+    const QueryResult& found = query_.answers();
+    field_.distance[index] = static_cast<float>(found.distance[point]);
     const bool isClamped =
         options_.band > 0.0 && std::abs(field_.distance[index]) >= float(field_.clampDistance);
-    if (options_.triangle) field_.triangle[index] = isClamped ? kNoTriangle : found_.triangle[point];
-    if (options_.winding) field_.winding[index] = found_.winding[point];
-    if (options_.confidence) field_.confidence[index] = found_.confidence[point];
+    if (options_.triangle) field_.triangle[index] = isClamped ? kNoTriangle : found.triangle[point];
+    if (options_.winding) field_.winding[index] = found.winding[point];
+    if (options_.confidence) field_.confidence[index] = found.confidence[point];
   }
 
-  /// Returns a block's first sample, counted from that of the region.
-  glm::ivec3 lowOf(size_t block) const {
-    const size_t x = size_t(blocks_.x), y = size_t(blocks_.y);
-    return kSideOfBlock * glm::ivec3(block % x, block / x % y, block / x / y);
-  }
-  glm::ivec3 sizeOf(const glm::ivec3& low) const {
-    return glm::min(region_.size - low, glm::ivec3(kSideOfBlock));
-  }
+  size_t indexOf(const glm::ivec3& sample) const { return field_.grid.index(sample - region_.low); }
 
-  /// Calls `visit(sample, index)` for the samples of a block, counted from that of the region.
-  template <class Visit>
-  void forEachSample(size_t block, Visit&& visit) const {
-    const glm::ivec3 low = lowOf(block), high = low + sizeOf(low);
-    for (int z = low.z; z < high.z; ++z)
-      for (int y = low.y; y < high.y; ++y) {
-        size_t index = field_.grid.index({low.x, y, z});
-        for (int x = low.x; x < high.x; ++x) visit(glm::ivec3(x, y, z), index++);
-      }
-  }
-
-  const PreparedSurface& surface_;
-  const Grid& lattice_;
   const Region& region_;
   const RegionOptions& options_;
   Progress& progress_;
-  glm::ivec3 blocks_;  ///< Number of blocks along each axis.
-  FarBalls balls_;
+  SampleBox box_;
+  glm::ivec3 firstBlock_, blocks_;  ///< The first block along each axis, and their number.
+  FarCubes far_;
+  LatticeQuery query_;
   Field field_;
-  Buffer<glm::dvec3> points_;
-  QueryResult found_;
 };
 
 }  // namespace
 
 size_t regionBytes(const glm::ivec3& size, const RegionOptions& options) {
-  constexpr size_t kPerPoint = 96;                           // Of a query, with its results.
-  constexpr size_t kMostSamples = SIZE_MAX / 2 / kPerPoint;  // More than any memory holds.
+  constexpr size_t kMostSamples = SIZE_MAX / 256;  // More than any memory holds.
   const size_t plane = size_t(size.x) * size_t(size.y),
                samples = size_t(size.z) > kMostSamples / plane ? kMostSamples : plane * size_t(size.z),
                arrays = size_t{1} + (options.triangle ? 1 : 0) + (options.winding ? 1 : 0) +
                         (options.confidence ? 1 : 0);
-  return samples * arrays * sizeof(float) + std::min(samples, kSamplesPerQuery + kBlocksAtOnce) * kPerPoint;
+  return samples * arrays * sizeof(float) +
+         std::min(samples, kSamplesAtATime) * LatticeQuery::kBytesPerSample;
 }
 
 Field makeRegion(const PreparedSurface& surface, const Grid& lattice, const Region& region,
