@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSide = LatticeQuery::kSide;
 /// Cubes of 32 x 32 x 32 samples are visited one after the other.
-constexpr int kBlockSide = 32;
+constexpr int kSideOfBlock = 32;
 /// Samples of the blocks whose cubes are asked for together: some blocks for each thread.
 constexpr size_t kSamplesAtATime = size_t{1} << 19;
 
@@ -28,8 +28,8 @@ class RegionMaker {
         options_(options),
         progress_(progress),
         box_{region.low, region.low + region.size},
-        firstBlock_(region.low / kBlockSide),
-        blocks_((region.low + region.size - 1) / kBlockSide - firstBlock_ + 1),
+        firstBlock_(region.low / kSideOfBlock),
+        blocks_((region.low + region.size - 1) / kSideOfBlock - firstBlock_ + 1),
         far_(surface, lattice, {options.band * lattice.spacing, options.band * lattice.spacing}),
         query_(surface, lattice, box_,
                {.triangle = options.triangle,
@@ -54,7 +54,7 @@ class RegionMaker {
  private:
   void fill() {
     const size_t blocks = size_t(blocks_.x) * size_t(blocks_.y) * size_t(blocks_.z);
-    const glm::ivec3 most = glm::min(region_.size, glm::ivec3(kBlockSide));
+    const glm::ivec3 most = glm::min(region_.size, glm::ivec3(kSideOfBlock));
     const size_t atATime = kSamplesAtATime / (size_t(most.x) * size_t(most.y) * size_t(most.z));
     std::vector<AskedCube> asked;
     for (size_t begin = 0; begin < blocks; begin += atATime) {
@@ -78,7 +78,7 @@ class RegionMaker {
     std::vector<glm::ivec3> cubes;
     const size_t x = size_t(blocks_.x), y = size_t(blocks_.y);
     for (size_t b = begin; b < end; ++b) {
-      const glm::ivec3 low = kBlockSide * (firstBlock_ + glm::ivec3(b % x, b / x % y, b / x / y));
+      const glm::ivec3 low = kSideOfBlock * (firstBlock_ + glm::ivec3(b % x, b / x % y, b / x / y));
       for (int pair = 0; pair < 8; ++pair)
         for (int one = 0; one < 8; ++one) {
           const glm::ivec3 cube = low + kSide * (2 * cornerOf(pair) + cornerOf(one));
