@@ -18,7 +18,7 @@ constexpr int kSide = LatticeQuery::kSide;
 /// Cubes of 32 x 32 x 32 samples are visited one after the other.
 constexpr int kSideOfBlock = 32;
 /// Samples of the blocks whose cubes are asked for together: some blocks for each thread.
-constexpr size_t kSamplesAtATime = size_t{1} << 19;
+constexpr size_t kSamplesAtOnce = size_t{1} << 19;
 
 class RegionMaker {
  public:
@@ -55,7 +55,7 @@ class RegionMaker {
   void fill() {
     const size_t blocks = size_t(blocks_.x) * size_t(blocks_.y) * size_t(blocks_.z);
     const glm::ivec3 most = glm::min(region_.size, glm::ivec3(kSideOfBlock));
-    const size_t atATime = kSamplesAtATime / (size_t(most.x) * size_t(most.y) * size_t(most.z));
+    const size_t atATime = kSamplesAtOnce / (size_t(most.x) * size_t(most.y) * size_t(most.z));
     std::vector<AskedCube> asked;
     for (size_t begin = 0; begin < blocks; begin += atATime) {
       const size_t end = std::min(begin + atATime, blocks);
@@ -148,8 +148,7 @@ size_t regionBytes(const glm::ivec3& size, const RegionOptions& options) {
                samples = size_t(size.z) > kMostSamples / plane ? kMostSamples : plane * size_t(size.z),
                arrays = size_t{1} + (options.triangle ? 1 : 0) + (options.winding ? 1 : 0) +
                         (options.confidence ? 1 : 0);
-  return samples * arrays * sizeof(float) +
-         std::min(samples, kSamplesAtATime) * LatticeQuery::kBytesPerSample;
+  return samples * arrays * sizeof(float) + std::min(samples, kSamplesAtOnce) * LatticeQuery::kBytesPerSample;
 }
 
 Field makeRegion(const PreparedSurface& surface, const Grid& lattice, const Region& region,
