@@ -31,7 +31,7 @@ size_t LatticeQuery::countOf(const AskedCube& cube) const {
   for (int part = 0; part < 8; ++part) {
     if (!(cube.parts >> part & 1)) continue;
     const glm::ivec3 low = cube.low + kPartSide * cornerOf(part);
-    const glm::ivec3 size = glm::max(glm::min(low + kPartSide, box_.high) - glm::max(low, box_.low), 0);
+    const glm::ivec3 size = glm::max(glm::min(low + kPartSide, high_) - glm::max(low, low_), 0);
     count += size_t(size.x) * size_t(size.y) * size_t(size.z);
   }
   return count;

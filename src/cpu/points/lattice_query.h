@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/region.h>
 #include <raymap/sparse_field.h>
 
 #include <span>
@@ -22,15 +23,6 @@ struct AskedCube {
   uint8_t parts = 0xff;
 };
 
-/// Some samples of a lattice: those from `low` on, before `high`.
-struct SampleBox {
-  glm::ivec3 low, high;
-
-  bool has(const glm::ivec3& sample) const {
-    return glm::all(glm::greaterThanEqual(sample, low)) && glm::all(glm::lessThan(sample, high));
-  }
-};
-
 /// Answers for samples of a lattice what `queryPoints` answers at their positions, to the same bits, in less
 /// time: they need no sorting, and those near each other share their sign.
 class LatticeQuery {
@@ -39,11 +31,15 @@ class LatticeQuery {
   static constexpr int kPartSide = kSide / 2;
   static constexpr size_t kBytesPerSample = 128;  ///< Of a call, with its answers.
 
-  /// Samples outside of the box are not asked for. Of the options, what `BandOptions` names counts and the
+  /// Samples outside of the region are not asked for. Of the options, what `BandOptions` names counts and the
   /// largest distance.
-  LatticeQuery(const PreparedSurface& surface, const Grid& lattice, const SampleBox& box,
+  LatticeQuery(const PreparedSurface& surface, const Grid& lattice, const Region& region,
                const QueryOptions& options)
-      : surface_(surface), lattice_(lattice), box_(box), options_(options) {}
+      : surface_(surface),
+        lattice_(lattice),
+        low_(region.low),
+        high_(region.low + region.size),
+        options_(options) {}
 
   /// Asks for samples. The cubes are ordered along a Morton curve within cubes of 32 samples.
   void ask(std::span<const AskedCube> cubes, Progress& progress);
@@ -77,7 +73,8 @@ class LatticeQuery {
     for (int part = 0; part < 8; ++part)
       if (cube.parts >> part & 1)
         forEachOfPart(cube.low, part, [&](const glm::ivec3& sample) {
-          if (box_.has(sample)) visit(sample);
+          if (glm::all(glm::greaterThanEqual(sample, low_)) && glm::all(glm::lessThan(sample, high_)))
+            visit(sample);
         });
   }
 
@@ -89,7 +86,7 @@ class LatticeQuery {
 
   const PreparedSurface& surface_;
   const Grid& lattice_;
-  SampleBox box_;
+  glm::ivec3 low_, high_;  ///< The region's first sample, and that after its last one.
   QueryOptions options_;
   std::vector<AskedCube> cubes_;
   std::vector<size_t> begins_;  ///< First point of each cube, and at last their number.

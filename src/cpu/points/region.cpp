@@ -27,11 +27,11 @@ class RegionMaker {
       : region_(region),
         options_(options),
         progress_(progress),
-        box_{region.low, region.low + region.size},
+        high_(region.low + region.size),
         firstBlock_(region.low / kSideOfBlock),
         blocks_((region.low + region.size - 1) / kSideOfBlock - firstBlock_ + 1),
         far_(surface, lattice, {options.band * lattice.spacing, options.band * lattice.spacing}),
-        query_(surface, lattice, box_,
+        query_(surface, lattice, region,
                {.triangle = options.triangle,
                 .winding = options.winding,
                 .confidence = options.confidence,
@@ -82,7 +82,7 @@ class RegionMaker {
       for (int pair = 0; pair < 8; ++pair)
         for (int one = 0; one < 8; ++one) {
           const glm::ivec3 cube = low + kSide * (2 * cornerOf(pair) + cornerOf(one));
-          if (glm::all(glm::lessThan(cube, box_.high)) && glm::all(glm::greaterThan(cube + kSide, box_.low)))
+          if (glm::all(glm::lessThan(cube, high_)) && glm::all(glm::greaterThan(cube + kSide, region_.low)))
             cubes.push_back(cube);
         }
     }
@@ -100,7 +100,7 @@ class RegionMaker {
 
   void fillFar(const glm::ivec3& cube, Side side) {
     const auto clamp = float(field_.clampDistance), value = side == Side::Inside ? -clamp : clamp;
-    const glm::ivec3 low = glm::max(cube, box_.low), high = glm::min(cube + kSide, box_.high);
+    const glm::ivec3 low = glm::max(cube, region_.low), high = glm::min(cube + kSide, high_);
     for (int z = low.z; z < high.z; ++z)
       for (int y = low.y; y < high.y; ++y) {
         const size_t first = indexOf({low.x, y, z}), count = size_t(high.x - low.x);
@@ -133,7 +133,7 @@ class RegionMaker {
   const Region& region_;
   const RegionOptions& options_;
   Progress& progress_;
-  SampleBox box_;
+  glm::ivec3 high_;                 ///< After the region's last sample.
   glm::ivec3 firstBlock_, blocks_;  ///< The first block along each axis, and their number.
   FarCubes far_;
   LatticeQuery query_;
