@@ -4,9 +4,13 @@
 
 PEERS is the benchmark program of that name. FOLDER holds meshes and MESHES.tsv. OUT gets the table bands.md. Each mesh
 gets a band of 3 samples on both sides, of the faces as given. Of it N active samples are compared, or all of them with
---all, and N samples beyond it. The truth is in double precision: libigl's distance by its tree of boxes, and its exact
-generalized winding number, of at most N samples. OpenVDB makes its band on the same lattice, with its own resolution:
-its file of all samples must fit into memory.
+--all, and N samples beyond it, which must be farther away than the band. The truth is in double precision: libigl's
+distance by its tree of boxes, and its exact generalized winding number, of at most N samples. OpenVDB makes its band on
+the same lattice, with its own resolution: its file of all samples must fit into memory.
+
+The Python package and `peers` are those of a release build with RAYMAP_PYTHON and RAYMAP_BUILD_BENCH:
+
+    PYTHONPATH=build/release/python python3 bench/evaluate_bands.py build/release/bin/peers FOLDER OUT
 """
 
 import argparse
@@ -26,11 +30,18 @@ TIE = 1e-5  # Numbers closer to the threshold than this count as either side,
 ON_SURFACE = 1e-5  # and so do samples closer to the surface than this, in samples.
 
 
-def active_samples(band):
-    """Returns the numbers of the active samples, (n, 3), and their distances."""
-    values = band.values
+def active_samples(band, leaves):
+    """Returns the numbers of the active samples of some leaves, (n, 3), and their distances."""
+    values = band.values[leaves]
     leaf, *at = np.nonzero((values < np.float32(band.outside)) & (values > np.float32(-band.inside)))
-    return band.origins[leaf] + np.stack(at, axis=1), values[(leaf, *at)]
+    return band.origins[leaves[leaf]] + np.stack(at, axis=1), values[(leaf, *at)]
+
+
+def some_active(band, count, random):
+    """Returns some active samples, from leaves anywhere."""
+    samples, values = active_samples(band, random.permutation(len(band.origins))[:count])
+    some = random.permutation(len(samples))[:count]
+    return samples[some], values[some]
 
 
 def samples_beyond(band, count, random):
@@ -70,14 +81,16 @@ def compare(args, path, folder):
     make = lambda n: raymap.generate(mesh, resolution=n, band=BAND, sparse=True, orientation="keep")  # noqa: E731
     band = make(args.resolution)
     position = lambda band, samples: band.origin + band.spacing * samples  # noqa: E731
-    active, values = active_samples(band)
-    few = random.permutation(len(active))[: args.points]
-    if not args.all:
-        active, values = active[few], values[few]
-        few = np.arange(len(few))
-    truth = np.sqrt(igl.point_mesh_squared_distance(position(band, active), vertices, triangles)[0])
-    error = np.abs(np.abs(values) - truth).max(initial=0) / band.spacing
+    if args.all:
+        active, values = active_samples(band, np.arange(len(band.origins)))
+        few = random.permutation(len(active))[: args.points]
+    else:
+        active, values = some_active(band, args.points, random)
+        few = np.arange(len(active))
     beyond = samples_beyond(band, args.points, random)
+    distances = lambda points: np.sqrt(igl.point_mesh_squared_distance(points, vertices, triangles)[0])  # noqa: E731
+    error = np.abs(np.abs(values) - distances(position(band, active))).max(initial=0) / band.spacing
+    error = max(error, BAND - distances(position(band, beyond)).min(initial=np.inf) / band.spacing)
     row = [
         len(active), f"{error:.1e}",
         wrong_signs(numbers(position(band, active[few])), values[few], band.spacing),
@@ -85,8 +98,7 @@ def compare(args, path, folder):
         len(few), len(beyond),
     ]  # fmt: skip
     coarse = make(args.openvdb_resolution)
-    active, beyond = active_samples(coarse)[0], samples_beyond(coarse, args.points, random)
-    active = active[random.permutation(len(active))[: args.points]]
+    active, beyond = some_active(coarse, args.points, random)[0], samples_beyond(coarse, args.points, random)
     peer = of_openvdb(args, path, coarse, folder)
     for samples in (active, beyond):
         row.append(wrong_signs(numbers(position(coarse, samples)), peer[tuple(samples.T)], coarse.spacing))
@@ -119,7 +131,7 @@ def main():
                 count, error, active, beyond, looked, far, vdb, vdb_beyond = compare(
                     args, args.folder / row["file"], pathlib.Path(name)
                 )
-            except (subprocess.CalledProcessError, ValueError, raymap.RaymapError) as failed:
+            except (subprocess.CalledProcessError, ValueError, raymap.Error) as failed:
                 said = (getattr(failed, "stderr", None) or str(failed)).strip().splitlines()[-1]
                 lines.append(f"| {row['file']} | {row['triangles']} | | {said} | | | | | |")
             else:
