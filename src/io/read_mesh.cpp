@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "io/file_format.h"
 #include "io/mesh/mesh_file.h"
@@ -70,8 +71,11 @@ std::variant<Mesh, Field, SparseField> readAny(const std::filesystem::path& path
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, options.format, known);
   if (contains(fields, found))
-    return std::visit([](auto&& field) -> std::variant<Mesh, Field, SparseField> { return std::move(field); },
-                      readFieldAs(source, found, options, mostDense));
+    return std::visit(
+        [](auto&& field) -> std::variant<Mesh, Field, SparseField> {
+          return std::forward<decltype(field)>(field);
+        },
+        readFieldAs(source, found, options, mostDense));
   if (!options.gridName.empty())
     throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has grids with names; leave the name out");
   if (contains(known, found)) return readMeshAs(source, found, options);
