@@ -23,8 +23,8 @@ constexpr const char* kFooter = R"(Examples:
   raymap mesh scan.ply -o scan.stl --resolution 256     (makes the field first; closes a broken mesh)
   raymap mesh part.stl -o grown.stl --iso 0.5           (half a unit outside the surface)
 
-Every edge of the result has exactly two faces, which point outwards. The result is closed where it reaches
-the grid's box.)";
+Every edge of the result has exactly two faces, which point outwards. The result is closed where
+it reaches the grid's box.)";
 
 constexpr double kSimplifyTolerance = 0.1;  ///< In samples; that of `repair`, too.
 
