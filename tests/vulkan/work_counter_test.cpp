@@ -70,6 +70,24 @@ class VulkanWorkCounter : public VulkanTest {
   DeviceBuffer values_, sums_;
 };
 
+TEST_F(VulkanWorkCounter, CountsAllPartsOfASubmission) {
+  const WorkCounters small = workOf(3, 0, kGroup), large = workOf(5, 0, 2 * kGroup);
+  const CountedLoopsPush second = push(5, 0, 2 * kGroup);  // Its memory is large enough for the first, too.
+  CountedLoopsPush first = second;
+  first.first = 3;
+  counter_->clear();
+  CommandBuffer buffer(device());
+  Commands commands = buffer.begin();
+  commands.dispatch(*loops_, first, kGroup);
+  buffer.submitPart(commands);
+  commands.dispatch(*loops_, second, 2 * kGroup);
+  buffer.waitForPart();  // The second dispatch is not done, so nothing is read.
+  buffer.submitAndWait();
+  ASSERT_EQ(counter_->commands().size(), 2u);
+  EXPECT_EQ(counter_->commands()[0].work.operations, small.operations);
+  EXPECT_EQ(counter_->commands()[1].work.operations, large.operations);
+}
+
 TEST_F(VulkanWorkCounter, CountsBytesAndRounds) {
   const WorkCounters work = workOf(3, 2, kGroup);
   EXPECT_EQ(work.bytesRead, 4u * (3 * kGroup + 2 * (kGroup * (kGroup - 1) / 2)));

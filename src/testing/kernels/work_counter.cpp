@@ -32,11 +32,13 @@ struct PipelineInfo {
 struct WorkCounter::State {
   Measured measured = Measured::Work;
   DeviceBuffer counters, log;
-  QueryPool stamps;  // Times of the commands, after one of the submission's beginning.
+  QueryPool stamps;             // Times of the commands, and of each beginning of a command buffer.
+  std::vector<size_t> stamped;  // Of each query, the number of commands until then.
   double period = 0.0;
   VkDevice device = VK_NULL_HANDLE;
-  size_t submitted = 0;  // Commands of other submissions than the one that is recorded.
-  std::mutex mutex;      // Kernels may be made on several threads.
+  VkFence lastFence = VK_NULL_HANDLE;  // Of the last submission, until its work is known.
+  size_t submitted = 0;                // Number of commands until then.
+  std::mutex mutex;                    // Kernels may be made on several threads.
   std::map<VkShaderModule, std::string> modules;
   std::map<VkPipeline, PipelineInfo> pipelines;
   std::map<VkBuffer, VkDeviceSize> sizes;
@@ -84,25 +86,29 @@ uint64_t WorkCounter::State::touchableBytes() const {
 /// Writes the time at which the last command ends.
 void WorkCounter::State::stamp(VkCommandBuffer buffer) {
   if (measured != Measured::Time) return;
-  const size_t query = commands.size() - submitted;
+  const size_t query = stamped.size();
   if (query >= kLogEntries) throw std::length_error("more commands than there are queries for their times");
   vkCmdWriteTimestamp2(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, stamps.get(), uint32_t(query));
+  stamped.push_back(commands.size());
 }
 
 void WorkCounter::State::harvest() {
   if (measured == Measured::Time) harvestTimes();
   harvestWork();
+  lastFence = VK_NULL_HANDLE;
   ++submission;
 }
 
 void WorkCounter::State::harvestTimes() {
-  std::vector<uint64_t> ticks(commands.size() - submitted + 1);
+  std::vector<uint64_t> ticks(stamped.size());
   check(vkGetQueryPoolResults(device, stamps.get(), 0, uint32_t(ticks.size()),
                               ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
                               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading the times of commands");
   for (size_t i = 1; i < ticks.size(); ++i)
-    commands[submitted + i - 1].milliseconds = 1e-6 * period * double(ticks[i] - ticks[i - 1]);
+    if (stamped[i] > stamped[i - 1])
+      commands[stamped[i] - 1].milliseconds = 1e-6 * period * double(ticks[i] - ticks[i - 1]);
+  stamped.clear();
 }
 
 /// Reads the log of a completed submission.
@@ -137,6 +143,7 @@ struct WorkCounter::Entries {
   ReplacedEntry<PFN_vkCmdCopyBuffer> copy{vkCmdCopyBuffer, copyBuffer};
   ReplacedEntry<PFN_vkCmdPipelineBarrier2> barrier{vkCmdPipelineBarrier2, placeBarrier};
   ReplacedEntry<PFN_vkBeginCommandBuffer> begin{vkBeginCommandBuffer, beginCommands};
+  ReplacedEntry<PFN_vkQueueSubmit2> submit{vkQueueSubmit2, submitCommands};
   ReplacedEntry<PFN_vkWaitForFences> wait{vkWaitForFences, waitForFences};
 
   static VKAPI_ATTR VkResult VKAPI_CALL makeModule(VkDevice device, const VkShaderModuleCreateInfo* info,
@@ -257,16 +264,24 @@ struct WorkCounter::Entries {
                                                       const VkCommandBufferBeginInfo* info) {
     const VkResult result = current->begin.real()(buffer, info);
     if (result != VK_SUCCESS || !state->stamps) return result;
-    state->submitted = state->commands.size();
-    vkCmdResetQueryPool(buffer, state->stamps.get(), 0, kLogEntries);
+    if (state->stamped.empty()) vkCmdResetQueryPool(buffer, state->stamps.get(), 0, kLogEntries);
     state->stamp(buffer);
     return result;
+  }
+
+  static VKAPI_ATTR VkResult VKAPI_CALL submitCommands(VkQueue queue, uint32_t count,
+                                                       const VkSubmitInfo2* infos, VkFence fence) {
+    state->lastFence = fence;
+    state->submitted = state->commands.size();
+    return current->submit.real()(queue, count, infos, fence);
   }
 
   static VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, uint32_t count, const VkFence* fences,
                                                       VkBool32 all, uint64_t timeout) {
     const VkResult result = current->wait.real()(device, count, fences, all, timeout);
-    if (result == VK_SUCCESS) state->harvest();
+    // Commands that were recorded since then may not be done. They are read with those that follow.
+    const bool areAllDone = *fences == state->lastFence && state->submitted == state->commands.size();
+    if (result == VK_SUCCESS && areAllDone) state->harvest();
     return result;
   }
 
@@ -362,7 +377,8 @@ void WorkCounter::setStage(const std::string& stage) {
 void WorkCounter::clear() {
   state_->commands.clear();
   state_->pending.clear();
-  state_->submitted = 0;
+  state_->stamped.clear();
+  state_->lastFence = VK_NULL_HANDLE;
   state_->step = state_->submission = 0;
 }
 
