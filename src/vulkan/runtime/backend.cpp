@@ -234,6 +234,7 @@ double Backend::countDoubtful(Work&& work) {
 void Backend::turnFaces(const Turns& turns) {
   turns_ = turns;
   doubtfulShare_.reset();
+  commandBuffer_.waitForPart();  // It reads the triangles that are replaced here.
   upload_.turn(mesh(), turns);
   recordMesh(upload_.source());
   searchFaces();
