@@ -208,7 +208,7 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
 }
 
 void convertUnits(SparseField& band, const MeshUnits& units, const std::filesystem::path& from) {
-  // What is clamped stays at the widths, however these are rounded.
+  // Distances that are clamped must equal the new widths, whatever rounding does to them.
   std::vector<uint8_t> sides(band.distance.size());
   for (size_t i = 0; i < sides.size(); ++i)
     sides[i] = band.distance[i] == float(band.outside) ? 1 : band.distance[i] == -float(band.inside) ? 2 : 0;

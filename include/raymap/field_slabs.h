@@ -15,7 +15,7 @@ namespace raymap {
 /// A file of a field that is written in slabs.
 struct SlabFile {
   std::filesystem::path path = {};
-  std::vector<FieldArray> arrays = {FieldArray::Distance};  ///< Of several, a .vti alone has a place.
+  std::vector<FieldArray> arrays = {FieldArray::Distance};  ///< Only a .vti holds several.
 };
 
 /// How to write a field in slabs of planes along z.

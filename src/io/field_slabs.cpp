@@ -72,7 +72,7 @@ void check(const Grid& grid, int thickness) {
 /// Function that writes bytes at their place in a file.
 using Write = std::function<void(uint64_t place, std::span<const std::byte> bytes)>;
 
-/// Where the parts of a file lie.
+/// The places of header, samples and end in a file that is written in slabs.
 class SlabLayout {
  public:
   SlabLayout(const SlabFile& file, const Field& about, std::string_view asked)

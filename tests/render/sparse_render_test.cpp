@@ -46,7 +46,7 @@ std::vector<SparseField> someBands() {
 
 /// Differences of the hits of all pixels' rays.
 struct HitDifferences {
-  size_t hits = 0;    ///< Of the band.
+  size_t hits = 0;    ///< Rays that hit the band.
   size_t missed = 0;  ///< Rays that hit one of both alone.
   size_t apart = 0;   ///< Rays whose hits lie more than 0.02 samples apart.
 };

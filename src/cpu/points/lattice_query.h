@@ -27,9 +27,9 @@ struct AskedCube {
 /// time: they need no sorting, and those near each other share their sign.
 class LatticeQuery {
  public:
-  static constexpr int kSide = SparseField::kLeafSide;  ///< Of the cubes.
+  static constexpr int kSide = SparseField::kLeafSide;  ///< Samples along a cube.
   static constexpr int kPartSide = kSide / 2;
-  static constexpr size_t kBytesPerSample = 128;  ///< Of a call, with its answers.
+  static constexpr size_t kBytesPerSample = 128;  ///< Memory that a call takes.
 
   /// Samples outside of the region are not asked for. Of the options, what `BandOptions` names counts and the
   /// largest distance.

@@ -12,7 +12,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64s {
 };
 #endif
 
-// What a kernel does.
+// The steps of the search; a constant of the shader chooses one.
 RAYMAP_CONSTANT uint kHashVertices = 0;
 RAYMAP_CONSTANT uint kCountFaces = 1;
 RAYMAP_CONSTANT uint kListFaces = 2;
