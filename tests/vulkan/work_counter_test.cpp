@@ -205,8 +205,8 @@ TEST_F(VulkanCommandTimes, AddUpToThatOfTheStage) {
     arguments.dispatch(commands, loops, push, 0);
     commands.stopStage();
     buffer.submitAndWait();
-    ASSERT_EQ(timer.commands().size(), 5u);
-    const std::span<const CountedCommand> found = std::span(timer.commands()).subspan(1);
+    const std::vector<CountedCommand>& found = timer.commands();
+    ASSERT_EQ(found.size(), 4u);
     const char* const names[] = {"fill", "dispatch_arguments", "unknown shader", "unknown shader"};
     double sum = 0.0;
     for (size_t i = 0; i < found.size(); ++i) {

@@ -38,6 +38,7 @@ struct WorkCounter::State {
   VkDevice device = VK_NULL_HANDLE;
   VkFence lastFence = VK_NULL_HANDLE;  // Of the last submission, until its work is known.
   size_t submitted = 0;                // Number of commands until then.
+  size_t stampedThen = 0;              // Number of queries until then.
   std::mutex mutex;                    // Kernels may be made on several threads.
   std::map<VkShaderModule, std::string> modules;
   std::map<VkPipeline, PipelineInfo> pipelines;
@@ -62,6 +63,7 @@ struct WorkCounter::State {
   }
   uint64_t touchableBytes() const;
   void stamp(VkCommandBuffer buffer);
+  void dropUnsubmitted();
   void harvest();
   void harvestWork();
   void harvestTimes();
@@ -92,6 +94,13 @@ void WorkCounter::State::stamp(VkCommandBuffer buffer) {
   stamped.push_back(commands.size());
 }
 
+/// Forgets commands that were recorded but not submitted: a recording that begins replaces the one before.
+void WorkCounter::State::dropUnsubmitted() {
+  commands.resize(submitted);
+  std::erase_if(pending, [this](size_t command) { return command >= submitted; });
+  stamped.resize(stampedThen);
+}
+
 void WorkCounter::State::harvest() {
   if (measured == Measured::Time) harvestTimes();
   harvestWork();
@@ -109,6 +118,7 @@ void WorkCounter::State::harvestTimes() {
     if (stamped[i] > stamped[i - 1])
       commands[stamped[i] - 1].milliseconds = 1e-6 * period * double(ticks[i] - ticks[i - 1]);
   stamped.clear();
+  stampedThen = 0;
 }
 
 /// Reads the log of a completed submission.
@@ -263,7 +273,9 @@ struct WorkCounter::Entries {
   static VKAPI_ATTR VkResult VKAPI_CALL beginCommands(VkCommandBuffer buffer,
                                                       const VkCommandBufferBeginInfo* info) {
     const VkResult result = current->begin.real()(buffer, info);
-    if (result != VK_SUCCESS || !state->stamps) return result;
+    if (result != VK_SUCCESS) return result;
+    state->dropUnsubmitted();
+    if (!state->stamps) return result;
     if (state->stamped.empty()) vkCmdResetQueryPool(buffer, state->stamps.get(), 0, kLogEntries);
     state->stamp(buffer);
     return result;
@@ -273,6 +285,7 @@ struct WorkCounter::Entries {
                                                        const VkSubmitInfo2* infos, VkFence fence) {
     state->lastFence = fence;
     state->submitted = state->commands.size();
+    state->stampedThen = state->stamped.size();
     return current->submit.real()(queue, count, infos, fence);
   }
 
@@ -378,6 +391,7 @@ void WorkCounter::clear() {
   state_->commands.clear();
   state_->pending.clear();
   state_->stamped.clear();
+  state_->submitted = state_->stampedThen = 0;
   state_->lastFence = VK_NULL_HANDLE;
   state_->step = state_->submission = 0;
 }
