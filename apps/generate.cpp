@@ -276,18 +276,28 @@ void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, cons
   report.written.push_back(arguments.field);
 }
 
+/// Returns the most bytes that are held while a slab of so many planes is made, and the one before written.
+size_t slabBytes(const Surface& surface, const Grid& grid, int planes, const RegionOptions& options,
+                 const MachineOptions& machine) {
+  const glm::ivec3 size(grid.dims.x, grid.dims.y, planes);
+  const size_t arrays =
+      size_t{1} + (options.triangle ? 1 : 0) + (options.winding ? 1 : 0) + (options.confidence ? 1 : 0);
+  return surface.regionBytes(size, options, machine) + arrays * sizeof(float) * Grid{size}.sampleCount();
+}
+
 /// Returns how many planes of a grid are made at a time: few enough for the limit of memory, and no more than
 /// the speed gains from.
 int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions& options,
-                  size_t memoryLimit) {
+                  const MachineOptions& machine) {
   constexpr size_t kManySamples = size_t{1} << 26;
+  constexpr int kBest = 32;  // Regions are made in blocks of so many planes.
   const size_t plane = size_t(grid.dims.x) * size_t(grid.dims.y);
-  auto planes = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(grid.dims.z)));
+  int planes = std::min(grid.dims.z, std::max(kBest, int(kManySamples / plane) / kBest * kBest));
   const auto fits = [&] {
-    return memoryLimit == 0 ||
-           surface.regionBytes({grid.dims.x, grid.dims.y, planes}, options) <= memoryLimit;
+    return machine.memoryLimit == 0 ||
+           slabBytes(surface, grid, planes, options, machine) <= machine.memoryLimit;
   };
-  while (planes > 1 && !fits()) planes /= 2;
+  while (planes > 1 && !fits()) planes = planes > kBest ? (planes - 1) / kBest * kBest : planes / 2;
   return planes;
 }
 
@@ -330,7 +340,7 @@ void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, con
                              .triangle = options.triangle,
                              .winding = options.winding,
                              .confidence = options.confidence};
-  const int planes = slabThickness(surface, grid, region, machine.memoryLimit);
+  const int planes = slabThickness(surface, grid, region, machine);
   bool isFirst = true;
   const auto slab = [&](int begin, int end) {
     if (isFirst)
@@ -353,8 +363,7 @@ void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, con
   const std::vector<SlabFile> files = slabFiles(arguments);
   timeStep(report.stats.stages, "slabs", [&] { writeFieldInSlabs(files, about, slab, slabs); });
   report.stats.milliseconds += report.stats.stages.back().milliseconds;
-  report.stats.bytes =
-      std::max(report.stats.bytes, surface.regionBytes({grid.dims.x, grid.dims.y, planes}, region));
+  report.stats.bytes = std::max(report.stats.bytes, slabBytes(surface, grid, planes, region, machine));
   for (const SlabFile& file : files) report.written.push_back(file.path);
 }
 

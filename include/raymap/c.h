@@ -409,8 +409,8 @@ RAYMAP_API raymap_field* raymap_surface_generate_region(const raymap_surface* su
                                                         const raymap_grid* lattice, const int32_t low[3],
                                                         const int32_t extent[3],
                                                         const raymap_options* options);
-/* Finds the most bytes that the surface and a region of this extent hold together. Of the options,
- * "triangle", "winding" and "confidence" count; they may be NULL. */
+/* Finds the most bytes that the surface and a region of this extent hold together while it is made. Of the
+ * options, "triangle", "winding", "confidence" and "threads" count; they may be NULL. */
 RAYMAP_API raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const int32_t extent[3],
                                                      const raymap_options* options, size_t* bytes);
 

@@ -60,9 +60,10 @@ class RAYMAP_API Surface {
   /// Memory, Cancelled.
   Field generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options = {},
                        const MachineOptions& machine = {}) const;
-  /// Returns the most bytes that the surface and a region of this size hold together. Throws `Error(Usage)`
-  /// for a size without samples.
-  size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {}) const;
+  /// Returns the most bytes that the surface and a region of this size hold together while the region is
+  /// made. `machine.threads` counts. Throws `Error(Usage)` for a size without samples.
+  size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {},
+                     const MachineOptions& machine = {}) const;
 
   /// Returns whether the surface tells inside from outside.
   bool isSigned() const;

@@ -173,7 +173,7 @@ SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
 Field Surface::generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options,
                               const MachineOptions& machine) const {
   check(lattice, region, options, impl_->prepared.isSigned);
-  checkFieldMemory(regionBytes(region.size, options), impl_->most(machine), " in one piece");
+  checkFieldMemory(regionBytes(region.size, options, machine), impl_->most(machine), " in one piece");
   Progress progress(machine.progress);
   Field field;
   withThreads(machine.threads,
@@ -182,11 +182,14 @@ Field Surface::generateRegion(const Grid& lattice, const Region& region, const R
   return field;
 }
 
-size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options) const {
+size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options,
+                            const MachineOptions& machine) const {
   for (int axis = 0; axis < 3; ++axis)
     require(size[axis] > 0, std::string("a region needs a sample along ") + "xyz"[axis] + ", not " +
                                 std::to_string(size[axis]));
-  return bytes() + cpu::regionBytes(size, options);
+  size_t made = 0;
+  withThreads(machine.threads, [&] { made = cpu::regionBytes(size, options); });
+  return bytes() + made;
 }
 
 Generated Surface::generate(const Grid& grid, const FieldOptions& asked,

@@ -67,7 +67,8 @@ raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const i
   return guard([&] {
     need(bytes, "the number of bytes") =
         need(surface, "the surface")
-            .surface.regionBytes(samplesOf(extent, "the extent of the region"), regionOptions(options));
+            .surface.regionBytes(samplesOf(extent, "the extent of the region"), regionOptions(options),
+                                 c::optionsOr(options).machine);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <future>
 #include <memory>
 #include <ostream>
 
@@ -252,17 +253,23 @@ class SlabWriter {
     }
   }
 
-  /// Writes all but the planes before `begin`. Calls `done(end)` after each slab.
+  /// Writes all but the planes before `begin`. Calls `done(end)` after each slab. While a slab is made, a
+  /// thread writes the one before.
   template <class Done>
   void writePlanes(int begin, const std::vector<Write>& writes, Done&& done) const {
     for (size_t i = 0; i < files_.size(); ++i) files_[i].writeHead(writes[i]);
     const int planes = about_.grid.dims.z;
+    std::future<void> writing;  // Of the slab before. It is waited for, even after an error.
     for (int z = begin, end = 0; z < planes; z = end) {
       end = z + std::min(options_.thickness, planes - z);
-      const Field slab = planes_(z, end);
-      for (size_t i = 0; i < files_.size(); ++i) files_[i].writeSlab(slab, z, end, writes[i]);
-      done(end);
+      Field slab = planes_(z, end);
+      if (writing.valid()) writing.get();
+      writing = std::async(std::launch::async, [this, &writes, &done, z, end, made = std::move(slab)] {
+        for (size_t i = 0; i < files_.size(); ++i) files_[i].writeSlab(made, z, end, writes[i]);
+        done(end);
+      });
     }
+    if (writing.valid()) writing.get();
     for (size_t i = 0; i < files_.size(); ++i) files_[i].writeTail(writes[i]);
   }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include "any_threads.h"
 #include "broken_meshes.h"
@@ -182,6 +183,12 @@ TEST(Region, RefusesWhatMakesNoSense) {
   EXPECT_GE(needed, surface.bytes() + sizeof(float) * 64000);
   EXPECT_EQ(code(lattice, all, {}, {.memoryLimit = needed - 1}), ErrorCode::Memory);
   EXPECT_EQ(surface.generateRegion(lattice, all, {}, {.memoryLimit = needed}).distance.size(), 64000u);
+  EXPECT_EQ(surface.regionBytes(all.size, {.winding = true}, {.threads = 1}),
+            surface.regionBytes(all.size, {}, {.threads = 1}) + sizeof(float) * 64000);
+  if (std::thread::hardware_concurrency() > 1)
+    EXPECT_GE(surface.regionBytes(glm::ivec3(100), {}, {.threads = 2}),
+              surface.regionBytes(glm::ivec3(100), {}, {.threads = 1}) + sizeof(float) * 64000)
+        << "each thread needs memory of its own";
   const Grid huge{glm::ivec3(1 << 24), lattice.origin, 1.0};  // 2^72 samples.
   EXPECT_EQ(code(huge, {{0, 0, 0}, huge.dims}), ErrorCode::Memory);
   EXPECT_EQ(code(huge, {{0, 0, 0}, {1 << 24, 1 << 24, 1}}), ErrorCode::Memory);

@@ -197,6 +197,36 @@ TEST_F(FieldSlabs, GoOnWhereARunStopped) {
   }
 }
 
+// As a run leaves them that is killed before it renames the file.
+TEST_F(FieldSlabs, AskForNoPlanesIfAllAreWritten) {
+  stop("a.npy", keyed("k"), 5);
+  const std::string bytes = whole(".npy");
+  std::string magic, key;
+  std::ifstream(path("a.npy.part.done")) >> magic >> key;
+  std::ofstream(path("a.npy.part.done")) << magic << ' ' << key << " 7 " << bytes.size() << '\n';
+  std::ofstream(path("a.npy.part")) << bytes;
+  write("a.npy", keyed("k"));
+  EXPECT_EQ(asked_, std::vector<int>{});
+  EXPECT_EQ(readBytes(path("a.npy")), bytes);
+}
+
+// A slab is written while the next is made, and an error of writing is not lost.
+TEST_F(FieldSlabs, TellThatAPlaneDoesNotFit) {
+  for (const int wrong : {0, 2, 6}) {
+    const PlaneSource planes = [&](int begin, int end) {
+      return planesOf(field_, begin, begin == wrong ? end - 1 : end);
+    };
+    EXPECT_EQ(codeOf([&] { writeFieldInSlabs({{.path = path("a.npy")}}, field_, planes, keyed("k")); }),
+              ErrorCode::Usage);
+    EXPECT_FALSE(fs::exists(path("a.npy")));
+    EXPECT_EQ(fs::exists(path("a.npy.part")), wrong > 0);
+    write("a.npy", keyed("k"));
+    EXPECT_EQ(asked_.front(), wrong);
+    EXPECT_EQ(readBytes(path("a.npy")), whole(".npy"));
+    fs::remove(path("a.npy"));
+  }
+}
+
 TEST_F(FieldSlabs, BeginAnewForOtherWork) {
   stop("a.npy", keyed("k"), 5);
   write("a.npy", keyed("other"));

@@ -10,20 +10,19 @@ namespace raymap::cpu {
 namespace {
 
 constexpr int kSignSide = BlockPoints::kMostSide;  ///< Side of the cubes whose samples share signs.
-constexpr int kDistanceSide = 32;                  ///< Side of the cubes whose samples are measured together.
 constexpr size_t kCubesPerTask = 64;
 
 }  // namespace
 
-void LatticeQuery::ask(std::span<const AskedCube> cubes, Progress& progress) {
+void LatticeQuery::ask(std::span<const AskedCube> cubes) {
   cubes_.assign(cubes.begin(), cubes.end());
   list();
   if (options_.winding || options_.confidence) {
-    queryPoints(surface_, PointsView(std::span(points_)), options_, progress, found_);
+    queryPoints(surface_, PointsView(std::span(points_)), options_, quiet_, found_);
     return;
   }
   measure();
-  sign(progress);
+  sign();
 }
 
 size_t LatticeQuery::countOf(const AskedCube& cube) const {
@@ -88,11 +87,11 @@ void LatticeQuery::measure() {
 }
 
 /// Makes the distances inside negative.
-void LatticeQuery::sign(Progress& progress) {
+void LatticeQuery::sign() {
   sides_.resizeUninitialized(points_.size());
   const Groups groups = groupsOf(kSignSide);
   findSides(surface_, {kSignSide, lattice_.spacing, 0.0, points_, found_.distance, places_, groups.begins},
-            progress, sides_);
+            quiet_, sides_);
   parallelFor(sides_.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       if (sides_[i] == Side::Inside) found_.distance[i] = -found_.distance[i];
@@ -102,7 +101,7 @@ void LatticeQuery::sign(Progress& progress) {
   std::vector<glm::dvec3> points;
   for (const uint32_t i : rest) points.push_back(points_[i]);
   QueryResult found;
-  queryPoints(surface_, PointsView(points), {.maxDistance = options_.maxDistance}, progress, found);
+  queryPoints(surface_, PointsView(points), {.maxDistance = options_.maxDistance}, quiet_, found);
   for (size_t k = 0; k < rest.size(); ++k) found_.distance[rest[k]] = found.distance[k];
 }
 

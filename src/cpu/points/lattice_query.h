@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "cpu/points/block_sides.h"
 
@@ -29,7 +30,9 @@ class LatticeQuery {
  public:
   static constexpr int kSide = SparseField::kLeafSide;  ///< Samples along a cube.
   static constexpr int kPartSide = kSide / 2;
-  static constexpr size_t kBytesPerSample = 128;  ///< Memory that a call takes.
+  static constexpr int kDistanceSide = 32;  ///< Side of the cubes whose samples are measured together.
+  static constexpr size_t kSamplesOfBlock = size_t(kDistanceSide) * kDistanceSide * kDistanceSide;
+  static constexpr size_t kBytesPerSample = 256;  ///< Memory that a call takes.
 
   /// Samples outside of the region are not asked for. Of the options, what `BandOptions` names counts and the
   /// largest distance.
@@ -42,7 +45,7 @@ class LatticeQuery {
         options_(options) {}
 
   /// Asks for samples. The cubes are ordered along a Morton curve within cubes of 32 samples.
-  void ask(std::span<const AskedCube> cubes, Progress& progress);
+  void ask(std::span<const AskedCube> cubes);
 
   /// Calls `visit(sample, point)` for each sample of the k-th cube that was asked for: `answers` has its
   /// results in place `point`.
@@ -82,7 +85,7 @@ class LatticeQuery {
   void list();
   Groups groupsOf(int side) const;
   void measure();
-  void sign(Progress& progress);
+  void sign();
 
   const PreparedSurface& surface_;
   const Grid& lattice_;
@@ -95,6 +98,23 @@ class LatticeQuery {
   Buffer<uint16_t> codes_;   ///< In the cube whose samples are measured together, along a Morton curve.
   Buffer<Side> sides_;
   QueryResult found_;
+  Progress quiet_;  ///< Reports nothing: a call takes some milliseconds.
 };
+
+/// Calls `work(query, block)` for each block of samples, side by side, each on one thread that has a query of
+/// its own, and counts the blocks.
+template <class Work>
+void askInBlocks(const PreparedSurface& surface, const Grid& lattice, const Region& region,
+                 const QueryOptions& options, size_t blocks, WorkMeter& meter, Work&& work) {
+  parallelWorkers(blocks, [&](const auto& next) {
+    withThreads(1, [&] {
+      LatticeQuery query(surface, lattice, region, options);
+      for (size_t block = next(); block < blocks; block = next()) {
+        work(query, block);
+        meter.add(1);
+      }
+    });
+  });
+}
 
 }  // namespace raymap::cpu

@@ -22,7 +22,7 @@ namespace raymap::cpu {
 namespace {
 
 constexpr int kSmallest = LatticeQuery::kPartSide;  ///< Side of the smallest cubes.
-constexpr size_t kSamplesAtATime = size_t{1} << 18;
+constexpr size_t kBlocksAtATime = 4096;
 
 glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
   return low + side / 2 * cornerOf(child);
@@ -52,7 +52,7 @@ class BandMaker {
     checkFieldMemory(surface_.bytes() +
                          parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
                                           arrays * sizeof(float) * SparseField::kLeafSamples) +
-                         kSamplesAtATime * LatticeQuery::kBytesPerSample,
+                         parallelThreads() * LatticeQuery::kSamplesOfBlock * LatticeQuery::kBytesPerSample,
                      most);
     progress_.stage("fill_leaves", [&] { fillLeaves(); });
     return std::move(band_);
@@ -103,42 +103,52 @@ class BandMaker {
 
   /// Fills leaves, some at a time, and keeps those that have samples of the band or of both sides.
   void fillLeaves() {
-    constexpr size_t kLeavesPerQuery = kSamplesAtATime / SparseField::kLeafSamples;
     const size_t values = parts_.size() * SparseField::kLeafSamples;
     band_.leaves.resizeUninitialized(parts_.size());
     band_.distance.resizeUninitialized(values);
     band_.triangle.resizeUninitialized(options_.triangle ? values : 0);
     band_.winding.resizeUninitialized(options_.winding ? values : 0);
     band_.confidence.resizeUninitialized(options_.confidence ? values : 0);
-    LatticeQuery query(surface_, band_.grid, {glm::ivec3(0), band_.grid.dims},
-                       {.triangle = options_.triangle,
-                        .winding = options_.winding,
-                        .confidence = options_.confidence,
-                        .maxDistance = std::max(band_.outside, band_.inside)});
+    const std::vector<size_t> blocks = blocksOfLeaves();
+    const QueryOptions asked{.triangle = options_.triangle,
+                             .winding = options_.winding,
+                             .confidence = options_.confidence,
+                             .maxDistance = std::max(band_.outside, band_.inside)};
+    WorkMeter meter(progress_, 0.0, 1.0, double(blocks.size() - 1));
     size_t kept = 0;
-    for (size_t begin = 0; begin < parts_.size(); begin += kLeavesPerQuery) {
-      const size_t end = std::min(begin + kLeavesPerQuery, parts_.size());
-      progress_.part(double(begin) / double(parts_.size()), double(end) / double(parts_.size()));
-      fill(query, begin, end);
-      for (size_t leaf = begin; leaf < end; ++leaf) kept = keepLeaf(leaf, kept);
+    for (size_t begin = 0, end = 0; begin + 1 < blocks.size(); begin = end) {
+      end = std::min(begin + kBlocksAtATime, blocks.size() - 1);
+      askInBlocks(
+          surface_, band_.grid, {glm::ivec3(0), band_.grid.dims}, asked, end - begin, meter,
+          [&](LatticeQuery& query, size_t b) { fill(query, blocks[begin + b], blocks[begin + b + 1]); });
+      for (size_t leaf = blocks[begin]; leaf < blocks[end]; ++leaf) kept = keepLeaf(leaf, kept);
     }
     shrink(kept);
     band_.tiles = joined(std::move(band_.tiles), band_.grid.dims);
+  }
+
+  /// Returns the first leaf in each cube of samples that are measured together, and at last the number of
+  /// leaves.
+  std::vector<size_t> blocksOfLeaves() const {
+    const auto blockOf = [&](size_t leaf) { return parts_[leaf].low / LatticeQuery::kDistanceSide; };
+    std::vector<size_t> begins;
+    for (size_t leaf = 0; leaf < parts_.size(); ++leaf)
+      if (leaf == 0 || blockOf(leaf) != blockOf(leaf - 1)) begins.push_back(leaf);
+    begins.push_back(parts_.size());
+    return begins;
   }
 
   /// Fills the leaves numbered [begin, end).
   void fill(LatticeQuery& query, size_t begin, size_t end) {
     std::vector<AskedCube> cubes;
     for (size_t leaf = begin; leaf < end; ++leaf) cubes.push_back({parts_[leaf].low, askedParts(leaf)});
-    query.ask(cubes, progress_);
-    parallelFor(cubes.size(), 64, [&](size_t from, size_t to) {
-      for (size_t k = from; k < to; ++k) {
-        fillKnown(begin + k);
-        query.visit(k, [&](const glm::ivec3& sample, size_t point) {
-          take(query.answers(), point, placeOf(begin + k, sample));
-        });
-      }
-    });
+    query.ask(cubes);
+    for (size_t k = 0; k < cubes.size(); ++k) {
+      fillKnown(begin + k);
+      query.visit(k, [&](const glm::ivec3& sample, size_t point) {
+        take(query.answers(), point, placeOf(begin + k, sample));
+      });
+    }
   }
 
   /// Returns the parts of a leaf whose samples are asked for. The sides of the others are known.

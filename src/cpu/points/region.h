@@ -8,8 +8,8 @@
 
 namespace raymap::cpu {
 
-/// Returns the most bytes that a region of this size holds while it is made, or a bound of them that no
-/// memory has.
+/// Returns the most bytes that a region of this size holds while the caller's threads make it, or a bound of
+/// them that no memory has.
 size_t regionBytes(const glm::ivec3& size, const RegionOptions& options);
 
 /// Returns what a surface gives at the samples of a region, which lies on the lattice.
