@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from .._errors import FileError, UsageError
 from .._lattice import Lattice, Source, Whole3
@@ -29,6 +30,7 @@ UNITS = (
 _MOST_SHARDS = 1 << 22
 _LOCK = ".lock"
 _LOG = ".outside"
+_COMPRESSOR, _LEVEL = "zstd", 3
 
 
 class Level(NamedTuple):
@@ -100,7 +102,7 @@ class Store:
         own = {"key": self.key, "complete": is_complete, "inside": "negative", **self.inputs}
         zarr.create_group(store=memory, zarr_format=3, attributes={"ome": self._ome(), "raymap": own})
         for number, level in enumerate(self.levels):
-            create_array(self, level, memory, str(number), tuple(reversed(level.lattice.dims)))
+            _create_array(self, level, memory, str(number), tuple(reversed(level.lattice.dims)))
         return {name: content.to_bytes() for name, content in files.items()}
 
     def _ome(self) -> dict[str, Any]:
@@ -162,10 +164,10 @@ def zarr_package() -> Any:
     return zarr
 
 
-def create_array(store: Store, level: Level, memory: Any, name: str | None, shape: tuple[int, ...]) -> Any:
-    """Returns a new array of zarr with the codecs of a level."""
+def _create_array(store: Store, level: Level, memory: Any, name: str, shape: tuple[int, ...]) -> None:
+    """Writes the metadata of the array of a level."""
     zarr = zarr_package()
-    return zarr.create_array(
+    zarr.create_array(
         store=memory,
         name=name,
         shape=shape,
@@ -173,9 +175,28 @@ def create_array(store: Store, level: Level, memory: Any, name: str | None, shap
         shards=(store.shards,) * 3,
         dtype=np.float32,
         fill_value=level.outside,
-        compressors=zarr.codecs.BloscCodec(cname="zstd", clevel=3, shuffle="shuffle"),
+        compressors=zarr.codecs.BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL, shuffle="shuffle"),
         dimension_names=["z", "y", "x"],
     )
+
+
+def compressed(chunk: npt.NDArray[np.float32]) -> bytes:
+    """Returns the bytes of a chunk, as the codecs of `_create_array` make them."""
+    numcodecs: Any = importlib.import_module("numcodecs")  # What zarr itself calls
+    return bytes(numcodecs.Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=numcodecs.Blosc.SHUFFLE).encode(chunk))
+
+
+def encoded_index(index: npt.NDArray[np.uint64]) -> bytes:
+    """Returns the bytes of the index of a shard: its numbers and their checksum."""
+    files: dict[str, Any] = {}
+    zarr = zarr_package()
+    memory = zarr.storage.MemoryStore(files)
+    array = zarr.create_array(
+        store=memory, shape=index.shape, chunks=index.shape, dtype=index.dtype, fill_value=0,
+        compressors=zarr.codecs.Crc32cCodec(),
+    )  # fmt: skip
+    array[:] = index
+    return bytes(files["c/0/0/0/0"].to_bytes())
 
 
 def is_finished(store: Store, overwrite: bool) -> bool:
