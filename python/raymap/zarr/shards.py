@@ -10,9 +10,7 @@ import numpy.typing as npt
 from .._lattice import Machine, Source, box_bytes, distances, prepare, this_machine
 from .._raymap import write_whole
 from .._whole_file import file_errors
-from .store import Level, Store, check_worker, compressed, encoded_index, zarr_package
-
-_NO_CHUNK = 2**64 - 1  # Offset and size, in an index, of a chunk that only has the fill value
+from .store import NO_CHUNK, Level, Store, check_worker, compressed, encoded_index, zarr_package
 
 
 def shard_bytes(store: Store) -> int:
@@ -64,7 +62,7 @@ def _encoded(store: Store, level: Level, values: npt.NDArray[np.float32]) -> byt
     zarr would do the same with threads of its own, of which this process may not use as many.
     """
     count, side = store.shards // store.chunks, store.chunks
-    index = np.full((count, count, count, 2), _NO_CHUNK, "<u8")
+    index = np.full((count, count, count, 2), NO_CHUNK, "<u8")
     parts: list[bytes] = []
     end = 0
     for place in np.ndindex(count, count, count):

@@ -6,6 +6,7 @@ import hashlib
 import importlib
 import json
 import math
+import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,9 +28,13 @@ UNITS = (
     "zettameter"
 ).split()
 
+#: Offset and size, in an index, of a chunk that only has the fill value.
+NO_CHUNK = 2**64 - 1
+
 _MOST_SHARDS = 1 << 22
 _LOCK = ".lock"
 _LOG = ".outside"
+_CHECKSUM_BYTES = 4  # Of an index
 _COMPRESSOR, _LEVEL = "zstd", 3
 
 
@@ -291,10 +296,32 @@ def _clear(store: Store) -> None:
                 path.unlink()
 
 
+def _is_whole(store: Store, name: str) -> bool:
+    """Returns whether the file of a shard exists. Checks by its index that it has the size that it was written with."""
+    path = store.folder / name
+    index_bytes = 16 * (store.shards // store.chunks) ** 3
+    with file_errors():
+        try:
+            with open(path, "rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                file.seek(max(0, size - index_bytes - _CHECKSUM_BYTES))
+                content = file.read(index_bytes)
+        except FileNotFoundError:
+            return False
+    index = np.frombuffer(content[: len(content) // 16 * 16], "<u8").reshape(-1, 2)
+    ends = index.sum(axis=1)[index[:, 0] != NO_CHUNK]
+    if ends.max(initial=0) + index_bytes + _CHECKSUM_BYTES != size or len(ends) == 0:
+        raise FileError(f"{path}: not the whole shard that was written there; remove it, and run again")
+    return True
+
+
 class Finished:
     """Names of the shards that are finished. Those that lie wholly outside are no files, but lines of a log.
 
     A line that was cut off when a run was killed is no name, so that shard is made again.
+
+    Raises:
+        FileError: A file is not a whole shard. Runs leave none, so another program or a crash of the system did.
     """
 
     def __init__(self, store: Store) -> None:
@@ -304,7 +331,7 @@ class Finished:
             outside = {line.removesuffix("\n") for line in text.splitlines(keepends=True) if line.endswith("\n")}
         names = list(store.shard_names())
         self.outside = outside.intersection(names)
-        self.left = [name for name in names if name not in self.outside and not (store.folder / name).exists()]
+        self.left = [name for name in names if name not in self.outside and not _is_whole(store, name)]
         if text and not text.endswith("\n"):
             self._append("\n")
 
