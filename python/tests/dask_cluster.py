@@ -34,6 +34,7 @@ class Cluster:
                 stdout=log,
                 stderr=log,
                 start_new_session=True,
+                cwd=self._folder,  # Workers find no file by the name that the caller gives it.
             )
 
     @property
