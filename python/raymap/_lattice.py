@@ -187,7 +187,11 @@ def prepare(source: Source, machine: Machine, bytes_per_thread: int) -> Prepared
 def _prepare(source: Source, machine: Machine) -> Prepared:
     available = _available_memory()
     surface = Surface(
-        source.mesh, sign=source.sign, orientation=source.orientation, memory_limit=machine.memory_limit
+        source.mesh,
+        sign=source.sign,
+        orientation=source.orientation,
+        threads=machine.threads,
+        memory_limit=machine.memory_limit,
     )
     low, high = surface.mesh.bounds
     is_whole = not source.sign or _is_balanced(surface)

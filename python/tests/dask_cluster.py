@@ -15,11 +15,11 @@ from held_mesh import wait_for
 class Cluster:
     """A scheduler and workers with one thread each. They end with the `with` statement, and so do their children."""
 
-    def __init__(self, folder: Path, workers: int) -> None:
+    def __init__(self, folder: Path, workers: int, memory_limit: str = "auto") -> None:
         folder.mkdir(parents=True)
         self._folder = folder
         self.scheduler = self._start("scheduler", "--port", "0", "--host", "tcp://127.0.0.1")
-        options = ("--no-nanny", "--nthreads", "1")
+        options = ("--no-nanny", "--nthreads", "1", "--memory-limit", memory_limit)
         self.workers = [self._start("worker", *options, "--name", f"w{k}") for k in range(workers)]
 
     def _start(self, what: str, *options: str) -> subprocess.Popen[bytes]:
@@ -34,6 +34,7 @@ class Cluster:
                 stdout=log,
                 stderr=log,
                 start_new_session=True,
+                cwd=self._folder,  # Workers find no file by the name that the caller gives it.
             )
 
     @property

@@ -92,6 +92,25 @@ def test_far_chunks_cost_one_look(name: str, monkeypatch: pytest.MonkeyPatch) ->
         assert (distance < 1.001 * radius).all() and len(made) < field.distance.npartitions
 
 
+def test_thin_parts_of_huge_lattices_far_from_zero() -> None:
+    """Lattices of more than 2^31 and 2^32 samples, at coordinates of 1e7."""
+    vertices, faces = make_ball(2)
+    mesh = raymap.Mesh(vertices + (1e7, -1e7, 3), faces)
+    for count in 2**18 + 5, 2**19 + 7:
+        low = np.array((1e7, -1e7, 3)) - 0.0625 * np.array((count - 37, 31.3, 31.1))
+        box = low, low + 0.0625 * np.array((count, 128, 64))
+        field = raymap.dask.field(mesh, voxel_size=0.0625, bounds=box, chunks=(256, 128, 64), band=2)
+        assert field.distance.shape == (count, 128, 64)
+        part = field.distance[count - 70 :, 20:44, 31:33].compute()
+        samples = np.stack(np.indices(part.shape), axis=-1) + (count - 70, 20, 31)
+        positions = np.array(field.origin) + field.spacing * samples
+        wanted = raymap.Surface(mesh).query(positions, max_distance=field.clamp_distance).distance.astype(np.float32)
+        np.testing.assert_array_equal(part, wanted)
+        assert (part < 0).any() and abs(part).min() < 0.01
+        far = field.distance[: count // 2 : count // 3].compute()
+        assert (far == np.float32(field.clamp_distance)).all()
+
+
 def test_threads_of_a_process_share_one_surface(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
 

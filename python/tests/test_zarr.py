@@ -129,6 +129,12 @@ def test_another_field_is_not_touched_unless_overwritten() -> None:
     with pytest.raises(raymap.MemoryLimitError):
         generate(band=3, overwrite=True, memory_limit=1_000_000)
     assert contents("out.zarr") == before
+    group = json.loads(before["zarr.json"])
+    group["attributes"]["raymap"].update(raymap="0.0.9", key="that of 0.0.9")
+    Path("out.zarr/zarr.json").write_text(json.dumps(group))
+    with pytest.raises(raymap.UsageError, match=rf"holds another field \(raymap 0\.0\.9 there, {raymap.__version__} now\);"):
+        generate()
+    assert {**contents("out.zarr"), "zarr.json": b""} == {**before, "zarr.json": b""}
     generate("new.zarr", shards=32)
     generate(shards=32, overwrite=True)
     assert without_lock() == without_lock("new.zarr")
@@ -155,6 +161,22 @@ def test_only_stores_are_overwritten() -> None:
         generate("file/out.zarr")
     with pytest.raises(raymap.FileError, match="file"):
         generate("file")
+
+
+@pytest.mark.parametrize("band", [2, None])
+def test_torn_shards_are_errors_and_kept(band: float | None) -> None:
+    generate(band=band)
+    whole = contents("out.zarr")
+    path = sorted(Path("out.zarr").rglob("c/*/*/*"))[-1]
+    content = path.read_bytes()
+    for torn in b"", content[:100], content[:-1], content + b"0", bytes(len(content)), content[:-132] + b"\xff" * 132:
+        path.write_bytes(torn)
+        with pytest.raises(raymap.FileError, match=f"{path}: not the whole shard that was written there; remove it"):
+            generate(band=band)
+        assert path.read_bytes() == torn
+    path.unlink()
+    assert generate(band=band).new == 1
+    assert contents("out.zarr") == whole
 
 
 def test_a_full_disk_is_an_error_and_the_next_run_goes_on() -> None:
@@ -191,6 +213,9 @@ def test_workers_must_see_the_store() -> None:
     ({"client": object(), "threads": None, "memory_limit": 9**9}, "set them where workers of the cluster start"),
     ({"pyramid": -1}, "pyramid must be 0 or more, not -1"),
     ({"band": -1}, "band must be above 0, not -1"),
+    ({"resolution": 0}, "resolution must be 1 or more, not 0"),
+    ({"bounds": ((1, 1, 1), (0, 2, 2))}, "bounds"),
+    ({"bounds": ((0, 0, 0), (1, 1, float("nan")))}, "bounds"),
     ({"bounds": None, "resolution": 2**20}, "make 281,474,976,710,656 shards, but a store holds at most 4,194,304; use"),
 ])  # fmt: skip
 def test_arguments_that_make_no_sense(options: dict, text: str) -> None:

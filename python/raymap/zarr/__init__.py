@@ -98,7 +98,7 @@ def generate(
         InputError: The mesh is not valid.
         UsageError: Arguments that make no sense, ``out`` holds something else, a worker has another version of raymap,
             or the package zarr is missing.
-        FileError: A file cannot be read or written, or another run writes into ``out``.
+        FileError: A file cannot be read or written, a shard there is torn, or another run writes into ``out``.
         MemoryLimitError: The prepared mesh and a shard for each thread exceed the memory of this machine or of a worker.
         Cancelled: ``progress`` returned False.
         Error: The scheduler of Dask was lost, or workers were killed again and again. Finished shards stay finished.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,12 +10,12 @@ import numpy.typing as npt
 from .._lattice import Machine, Source, box_bytes, distances, prepare, this_machine
 from .._raymap import write_whole
 from .._whole_file import file_errors
-from .store import Level, Store, check_worker, create_array, zarr_package
+from .store import NO_CHUNK, Level, Store, check_worker, compressed, encoded_index, zarr_package
 
 
 def shard_bytes(store: Store) -> int:
     """Returns the most bytes that a shard takes while it is made: its samples, its compressed chunks, and the file."""
-    return box_bytes((store.shards,) * 3) + 4 * 4 * store.shards**3
+    return box_bytes((store.shards,) * 3) + 2 * 4 * store.shards**3
 
 
 def try_shard(store: Store, source: Source) -> None:
@@ -58,9 +57,27 @@ def make_shard(
 
 
 def _encoded(store: Store, level: Level, values: npt.NDArray[np.float32]) -> bytes:
-    """Returns the file of a shard."""
-    files: dict[str, Any] = {}
-    array = create_array(store, level, zarr_package().storage.MemoryStore(files), None, (store.shards,) * 3)
-    nx, ny, nz = values.shape
-    array[:nz, :ny, :nx] = values.T
-    return bytes(files["c/0/0/0"].to_bytes())
+    """Returns the file of a shard: its compressed chunks, and an index with the offset and the size of each.
+
+    zarr would do the same with threads of its own, of which this process may not use as many.
+    """
+    count, side = store.shards // store.chunks, store.chunks
+    index = np.full((count, count, count, 2), NO_CHUNK, "<u8")
+    parts: list[bytes] = []
+    end = 0
+    for place in np.ndindex(count, count, count):
+        chunk = values.T[tuple(slice(side * k, side * (k + 1)) for k in place)]
+        if not (chunk == level.outside).all():  # One beyond the lattice has no samples.
+            parts.append(compressed(_filled(chunk, side, level.outside)))
+            index[place] = end, len(parts[-1])
+            end += len(parts[-1])
+    return b"".join([*parts, encoded_index(index)])
+
+
+def _filled(chunk: npt.NDArray[np.float32], side: int, fill: float) -> npt.NDArray[np.float32]:
+    """Returns a chunk of all its samples, contiguous. Those beyond the lattice get the fill value."""
+    if chunk.shape == (side,) * 3:
+        return np.ascontiguousarray(chunk)
+    whole = np.full((side,) * 3, fill, np.float32)
+    whole[tuple(map(slice, chunk.shape))] = chunk
+    return whole

@@ -6,6 +6,7 @@ import hashlib
 import importlib
 import json
 import math
+import os
 import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from .._errors import FileError, UsageError
 from .._lattice import Lattice, Source, Whole3
@@ -26,9 +28,14 @@ UNITS = (
     "zettameter"
 ).split()
 
+#: Offset and size, in an index, of a chunk that only has the fill value.
+NO_CHUNK = 2**64 - 1
+
 _MOST_SHARDS = 1 << 22
 _LOCK = ".lock"
 _LOG = ".outside"
+_CHECKSUM_BYTES = 4  # Of an index
+_COMPRESSOR, _LEVEL = "zstd", 3
 
 
 class Level(NamedTuple):
@@ -100,7 +107,7 @@ class Store:
         own = {"key": self.key, "complete": is_complete, "inside": "negative", **self.inputs}
         zarr.create_group(store=memory, zarr_format=3, attributes={"ome": self._ome(), "raymap": own})
         for number, level in enumerate(self.levels):
-            create_array(self, level, memory, str(number), tuple(reversed(level.lattice.dims)))
+            _create_array(self, level, memory, str(number), tuple(reversed(level.lattice.dims)))
         return {name: content.to_bytes() for name, content in files.items()}
 
     def _ome(self) -> dict[str, Any]:
@@ -162,10 +169,10 @@ def zarr_package() -> Any:
     return zarr
 
 
-def create_array(store: Store, level: Level, memory: Any, name: str | None, shape: tuple[int, ...]) -> Any:
-    """Returns a new array of zarr with the codecs of a level."""
+def _create_array(store: Store, level: Level, memory: Any, name: str, shape: tuple[int, ...]) -> None:
+    """Writes the metadata of the array of a level."""
     zarr = zarr_package()
-    return zarr.create_array(
+    zarr.create_array(
         store=memory,
         name=name,
         shape=shape,
@@ -173,9 +180,28 @@ def create_array(store: Store, level: Level, memory: Any, name: str | None, shap
         shards=(store.shards,) * 3,
         dtype=np.float32,
         fill_value=level.outside,
-        compressors=zarr.codecs.BloscCodec(cname="zstd", clevel=3, shuffle="shuffle"),
+        compressors=zarr.codecs.BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL, shuffle="shuffle"),
         dimension_names=["z", "y", "x"],
     )
+
+
+def compressed(chunk: npt.NDArray[np.float32]) -> bytes:
+    """Returns the bytes of a chunk, as the codecs of `_create_array` make them."""
+    numcodecs: Any = importlib.import_module("numcodecs")  # What zarr itself calls
+    return bytes(numcodecs.Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=numcodecs.Blosc.SHUFFLE).encode(chunk))
+
+
+def encoded_index(index: npt.NDArray[np.uint64]) -> bytes:
+    """Returns the bytes of the index of a shard: its numbers and their checksum."""
+    files: dict[str, Any] = {}
+    zarr = zarr_package()
+    memory = zarr.storage.MemoryStore(files)
+    array = zarr.create_array(
+        store=memory, shape=index.shape, chunks=index.shape, dtype=index.dtype, fill_value=0,
+        compressors=zarr.codecs.Crc32cCodec(),
+    )  # fmt: skip
+    array[:] = index
+    return bytes(files["c/0/0/0/0"].to_bytes())
 
 
 def is_finished(store: Store, overwrite: bool) -> bool:
@@ -270,10 +296,32 @@ def _clear(store: Store) -> None:
                 path.unlink()
 
 
+def _is_whole(store: Store, name: str) -> bool:
+    """Returns whether the file of a shard exists. Checks by its index that it has the size that it was written with."""
+    path = store.folder / name
+    index_bytes = 16 * (store.shards // store.chunks) ** 3
+    with file_errors():
+        try:
+            with open(path, "rb") as file:
+                size = file.seek(0, os.SEEK_END)
+                file.seek(max(0, size - index_bytes - _CHECKSUM_BYTES))
+                content = file.read(index_bytes)
+        except FileNotFoundError:
+            return False
+    index = np.frombuffer(content[: len(content) // 16 * 16], "<u8").reshape(-1, 2)
+    ends = index.sum(axis=1)[index[:, 0] != NO_CHUNK]
+    if ends.max(initial=0) + index_bytes + _CHECKSUM_BYTES != size or len(ends) == 0:
+        raise FileError(f"{path}: not the whole shard that was written there; remove it, and run again")
+    return True
+
+
 class Finished:
     """Names of the shards that are finished. Those that lie wholly outside are no files, but lines of a log.
 
     A line that was cut off when a run was killed is no name, so that shard is made again.
+
+    Raises:
+        FileError: A file is not a whole shard. Runs leave none, so another program or a crash of the system did.
     """
 
     def __init__(self, store: Store) -> None:
@@ -283,7 +331,7 @@ class Finished:
             outside = {line.removesuffix("\n") for line in text.splitlines(keepends=True) if line.endswith("\n")}
         names = list(store.shard_names())
         self.outside = outside.intersection(names)
-        self.left = [name for name in names if name not in self.outside and not (store.folder / name).exists()]
+        self.left = [name for name in names if name not in self.outside and not _is_whole(store, name)]
         if text and not text.endswith("\n"):
             self._append("\n")
 
