@@ -25,7 +25,7 @@ from ._errors import (
     UsageError,
 )
 from ._field import NO_TRIANGLE, Field, load_field
-from ._generate import FieldOptions, Generator, generate
+from ._generate import FieldOptions, Generator, generate, generate_pyramid
 from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._raymap import version as _version
 from ._records import (
@@ -113,6 +113,7 @@ __all__ = [
     "dataset",
     "devices",
     "generate",
+    "generate_pyramid",
     "get_threads",
     "info",
     "isosurface",

@@ -26,6 +26,7 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
+from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
 from .dataset.files import readable
 from .dataset.pages import page_paths
@@ -109,6 +110,9 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
     add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
     add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
+    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    add("--shape", type=int, nargs=3, metavar=("NX", "NY", "NZ"), help="number of samples of every field")
+    add("--cube", action="store_true", help="as many samples along every side: fields that can be stacked")
     add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
     add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
     add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
@@ -119,13 +123,20 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
+    add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
     add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
     add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
     add("--sigma", type=float, nargs="+", metavar="S", help="points: their standard deviations (0.0025 0.00025)")
     add("--surface", type=float, metavar="SHARE", help="points: share on the surface (0)")
     add("--seed", type=int, metavar="K", help="points: another number gives other points (0)")
-    add("--normalize", action="store_true", help="points: scale the bounding sphere to the unit sphere")
+    add(
+        "--normalize",
+        nargs="?",
+        const="sphere",
+        choices=get_args(Normalization),
+        help="move every mesh to 0, and scale its bounding sphere to radius 1 (sphere), or its longest side to 2 (cube) or 1 (unit)",
+    )
     add("--device", metavar="ID", help="device that computes (cpu)")
     add("--threads", type=int, metavar="N", help="threads for each mesh (1)")
     add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")
@@ -182,6 +193,7 @@ def _bytes(text: str) -> int:
 
 def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
     options["progress"] = _progress_of(progress)
+    _join_bounds(options)
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
         summary = dataset.generate(given, output, client=client, **options)
@@ -196,8 +208,7 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: st
 
 def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
     options["progress"] = _progress_of(progress)
-    if "bounds" in options:
-        options["bounds"] = options["bounds"][:3], options["bounds"][3:]
+    _join_bounds(options)
     with _client(scheduler) as client:
         if client is not None and "dashboard" in client.scheduler_info()["services"]:
             print(f"raymap: dashboard: {_printable(client.dashboard_link)}", file=sys.stderr)
@@ -212,6 +223,12 @@ def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, 
                 f"without a file, in {summary.seconds:.1f} s"
             )
     return 0
+
+
+def _join_bounds(options: dict[str, Any]) -> None:
+    """Turns six numbers into two corners."""
+    if "bounds" in options:
+        options["bounds"] = options["bounds"][:3], options["bounds"][3:]
 
 
 _COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field}

@@ -14,7 +14,7 @@ from ._arguments import set_arrays, to_length, to_number, to_vector, to_wholes
 from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options, with_band
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
@@ -285,12 +285,13 @@ class Surface:
         check_names("generate", options, SurfaceFieldOptions)
         if not self._sign:
             options = {"sign": "none", **options}
+        grid = fit_grid(self._core.fit_grid, lambda: self.mesh.bounds, options)
+        options = with_band(options, grid)
         core_options = to_options(options, self._orientation, sparse=sparse)
         if sparse:
             band_options = sparse_options(options, core_options)
             if (core_options.sign != "none") != self._sign or core_options.threshold != 0.5:
                 raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
-        grid = fit_grid(self._core.fit_grid, options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
             if sparse:

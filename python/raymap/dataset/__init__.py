@@ -94,7 +94,9 @@ def generate(
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
         **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
             ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
-            ``memory_limit=4 << 30``, which counts all that its process takes for it.
+            ``memory_limit=4 << 30``, which counts all that its process takes for it. ``bounds`` may be a dict with a
+            box for each mesh, by its path below the folder. The ``centre`` and ``scale`` of ``normalize`` are in the
+            table, the markers, and in each .npz.
 
     Raises:
         UsageError: Arguments that make no sense, or two meshes with one name.

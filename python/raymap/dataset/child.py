@@ -164,7 +164,8 @@ def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], di
         if page is not None:
             write_whole(job["page"], page.encode())
 
-    return write, {"field": _field_figures(field)}
+    frame = {"centre": field.centre.tolist(), "scale": field.scale} if job["options"]["normalize"] else {}
+    return write, {"field": {**_field_figures(field), **frame}}
 
 
 def _picture(field: Field, threads: int) -> bytes:

@@ -13,7 +13,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .. import _raymap
+from .._arguments import to_box
 from .._errors import Cancelled, FileError, MemoryLimitError, UsageError
+from .._frames import to_normalization
 from .._generate import FieldOptions, generate
 from .._mesh import tetrahedron
 from .._samples import sample_points, to_sample_options
@@ -30,7 +32,6 @@ class Options(FieldOptions, total=False):
     sigma: float | Iterable[float]
     surface: float
     seed: int
-    normalize: bool
 
 
 def make_jobs(
@@ -58,11 +59,28 @@ def make_jobs(
     memory_limit = operator.index(options.get("memory_limit") or 4 << 30)
     if not memory_limit > 0:
         raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
+    meshes = _meshes(given, out)
+    boxes = _boxes(options, meshes)
     result_options = _field_options(options) if what == "field" else _point_options(options)
     return [
-        Job(str(mesh), name, str(out), what, format, result_options, threads, memory_limit, time_limit, retry, pages)
-        for name, mesh in sorted(_meshes(given, out).items())
-    ]
+        Job(
+            str(mesh), name, str(out), what, format, {**result_options, **boxes.get(name, {})}, threads, memory_limit,
+            time_limit, retry, pages,
+        )
+        for name, mesh in sorted(meshes.items())
+    ]  # fmt: skip
+
+
+def _boxes(options: Options, meshes: dict[str, Path]) -> dict[str, dict[str, Any]]:
+    """Takes boxes of single meshes out of the options, and returns them as options by name."""
+    if not isinstance(bounds := options.get("bounds"), Mapping):
+        return {}
+    options["bounds"] = None
+    boxes = {name: {"bounds": [list(corner) for corner in to_box(f"bounds of {name}", box)]} for name, box in bounds.items()}
+    for name in sorted(meshes.keys() ^ boxes.keys()):
+        where = "lacks" if name in meshes else "has a box of no mesh:"
+        raise UsageError(f"bounds {where} {name}; it needs a box for each mesh, by its path below the folder")
+    return boxes
 
 
 def _meshes(given: PathLike | Iterable[PathLike], out: Path) -> dict[str, Path]:
@@ -112,8 +130,10 @@ def _field_options(options: Options) -> dict[str, Any]:
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
     if result["bounds"] is not None:
         result["bounds"] = np.asarray(result["bounds"], np.float64).tolist()
-    if result["offsets"] is not None:
-        result["offsets"] = np.asarray(result["offsets"]).tolist()
+    for name in "offsets", "shape", "origin":
+        if result[name] is not None:
+            result[name] = np.asarray(result[name]).tolist()
+    result["normalize"] = to_normalization(result["normalize"]) or False
     return result
 
 
