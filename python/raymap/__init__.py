@@ -10,7 +10,7 @@ array([-0.5,  0.1], dtype=float32)
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import dataset, zarr
+from . import dataset, recipes, zarr
 from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
@@ -48,7 +48,7 @@ from ._repair import (
     repair,
     simplify,
 )
-from ._samples import Samples, sample_points
+from ._samples import Sampler, Samples, sample_points
 from ._sparse import SparseField
 from ._surface import (
     Closest,
@@ -100,6 +100,7 @@ __all__ = [
     "RaymapWarning",
     "RepairReport",
     "Repaired",
+    "Sampler",
     "Samples",
     "Simplified",
     "SimplifyReport",
@@ -120,6 +121,7 @@ __all__ = [
     "load_animation",
     "load_field",
     "load_mesh",
+    "recipes",
     "render_defects",
     "repair",
     "sample_faces",

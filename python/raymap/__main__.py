@@ -28,8 +28,10 @@ from ._errors import (
 )
 from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
+from ._samples import Region
 from .dataset.files import readable
 from .dataset.pages import page_paths
+from .recipes import RecipeName
 
 _EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
     UsageError: 2,
@@ -129,6 +131,8 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
     add("--sigma", type=float, nargs="+", metavar="S", help="points: their standard deviations (0.0025 0.00025)")
     add("--surface", type=float, metavar="SHARE", help="points: share on the surface (0)")
+    add("--region", choices=get_args(Region), help="points: where those lie that are not near the surface (sphere)")
+    add("--recipe", choices=get_args(RecipeName), help="points: those of a network, in its files")
     add("--seed", type=int, metavar="K", help="points: another number gives other points (0)")
     add(
         "--normalize",

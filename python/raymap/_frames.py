@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ._errors import InputError, UsageError
 from ._mesh import Mesh
-from ._whole_file import file_errors, folder_beside
+from ._whole_file import add_arrays, file_errors, folder_beside
 
 #: Shape that a mesh fills once it is normalized: the ball of radius 1, the cube from -1 to 1, or that from -0.5 to 0.5.
 Normalization: TypeAlias = Literal["sphere", "cube", "unit"]
@@ -80,9 +80,7 @@ def moved(mesh: Mesh, frame: Frame) -> Mesh:
 def append_frame(path: Path, frame: Frame) -> None:
     """Adds the arrays ``centre`` and ``scale`` to a .npz. The same frame gives the same bytes."""
     with zipfile.ZipFile(path, "a") as archive:
-        for name, value in (("centre", frame.centre), ("scale", np.float64(frame.scale))):
-            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w") as file:
-                np.lib.format.write_array(file, np.asarray(value, "<f8"))
+        add_arrays(archive, {"centre": frame.centre, "scale": np.float64(frame.scale)})
 
 
 def read_frame(path: Path) -> Frame:

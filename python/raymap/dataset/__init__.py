@@ -80,7 +80,8 @@ def generate(
         paths_or_folder: Folder whose meshes are made, with all folders in it; or paths of meshes with different names.
         out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
         what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
-            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``.
+            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``. With ``recipe``, points and files
+            are those of ``raymap.recipes.save``.
         format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"`` or ``"vdb"``; see ``raymap.Field.save``.
             OpenVDB's files hold the same numbers, but not the same bytes, whenever they are written.
         table: A .parquet to which the table is written as well, with types. Its folder is made if it does not exist.

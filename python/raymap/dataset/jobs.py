@@ -12,26 +12,29 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from .. import _raymap
+from .. import _raymap, recipes
 from .._arguments import to_box
 from .._errors import Cancelled, FileError, MemoryLimitError, UsageError
 from .._frames import to_normalization
 from .._generate import FieldOptions, generate
 from .._mesh import tetrahedron
-from .._samples import sample_points, to_sample_options
+from .._samples import Region, sample_points, to_count, to_mixture, to_seed
+from ..recipes import RecipeName, recipe_of
 from .work import FORMATS, Job
 
 PathLike: TypeAlias = str | os.PathLike[str]
 
 
 class Options(FieldOptions, total=False):
-    """Keyword arguments of ``raymap.generate`` and ``raymap.sample_points``, which document them."""
+    """Keyword arguments of ``raymap.generate``, ``raymap.sample_points`` and ``raymap.recipes.save``, which document them."""
 
     n: int
     near: float
     sigma: float | Iterable[float]
     surface: float
+    region: Region
     seed: int
+    recipe: RecipeName | None
 
 
 def make_jobs(
@@ -48,7 +51,7 @@ def make_jobs(
     if what not in ("field", "points"):
         raise UsageError(f"what must be 'field' or 'points', not {what!r}")
     if what == "points" and format != "npz":
-        raise UsageError(f"points are written as npz only, not {format!r}")
+        raise UsageError(f"points are written as npz, or as their recipe says, not as {format!r}")
     if what == "points" and pages:
         raise UsageError("pages show fields; leave them out for points")
     if format not in FORMATS:
@@ -62,6 +65,8 @@ def make_jobs(
     meshes = _meshes(given, out)
     boxes = _boxes(options, meshes)
     result_options = _field_options(options) if what == "field" else _point_options(options)
+    if recipe := result_options.get("recipe"):
+        format = recipe_of(recipe).format
     return [
         Job(
             str(mesh), name, str(out), what, format, {**result_options, **boxes.get(name, {})}, threads, memory_limit,
@@ -139,22 +144,28 @@ def _field_options(options: Options) -> dict[str, Any]:
 
 def _point_options(options: Options) -> dict[str, Any]:
     """Returns all options on which points depend, as `_field_options` does."""
+    if (recipe := options.get("recipe")) is not None:
+        result = _with_defaults(options, recipes.save, f"the recipe {recipe}")
+        count = recipe_of(recipe).count if result["n"] is None else result["n"]
+        return {"recipe": recipe, "n": to_count(count), "seed": to_seed(result["seed"])}
     if "n" not in options:
-        raise UsageError("what='points' needs n, the number of points of each mesh")
-    result = _with_defaults(options, sample_points, "points")
+        raise UsageError("what='points' needs n, the number of points of each mesh, or a recipe")
+    result = _with_defaults({name: value for name, value in options.items() if name != "recipe"}, sample_points, "points")
     result["sigma"] = np.atleast_1d(np.asarray(result["sigma"], np.float64)).tolist()
-    to_sample_options(result["n"], result["near"], result["sigma"], result["surface"], result["seed"])
+    result["normalize"] = to_normalization(result["normalize"]) or False
+    result["n"], result["seed"] = to_count(result["n"]), to_seed(result["seed"])
+    to_mixture(*(result[name] for name in ("near", "sigma", "surface", "region", "padding", "normalize")))
     return result
 
 
 def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], what: str) -> dict[str, Any]:
     """Returns the keyword arguments of a function on which its result depends."""
-    known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k == "n"}
+    known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k in ("n", "recipe")}
     for name in sorted(options.keys() - known.keys() - _APART):
         if name in Options.__annotations__:
             raise UsageError(f"{name} is no option of {what}")
         raise TypeError(f"generate() got an unexpected keyword argument {name!r}")
-    values = {name: options.get(name, known[name].default) for name in known.keys() - _APART}
+    values = {name: options.get(name, known[name].default) for name in known.keys() - _APART - {"recipe"}}
     return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
 
 

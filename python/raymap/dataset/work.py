@@ -22,6 +22,9 @@ State: TypeAlias = Literal["done", "quarantined", "unfinished"]
 #: Formats of fields. The files are the same, bit for bit, whenever they are written, but for OpenVDB's.
 FORMATS = ("npz", "npy", "nrrd", "vti", "vdb")
 
+#: Endings of all results, those of points included.
+_ENDINGS = tuple(f".{format}" for format in (*FORMATS, "xyz"))
+
 #: What stands before the endings of all files of a kind: fields and points of a mesh may lie side by side.
 KINDS = {"field": "", "points": ".points"}
 
@@ -242,7 +245,7 @@ def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, w
     for place, folders, names in os.walk(out):
         if Path(place) == out:
             folders[:] = [name for name in folders if name != "quarantine"]
-        paths = (Path(place, name) for name in names if name.endswith(tuple(f".{format}" for format in FORMATS)))
+        paths = (Path(place, name) for name in names if name.endswith(_ENDINGS))
         others += [str(path.relative_to(out)) for path in paths if path not in own and _may_be(path, what)]
     return sorted(others)
 
