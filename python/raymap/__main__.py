@@ -1,4 +1,4 @@
-"""The commands that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT`` and ``field MESH -o OUT``."""
+"""The commands that the program raymap lacks: ``python -m raymap dataset``, ``pack`` and ``field``."""
 
 from __future__ import annotations
 
@@ -89,6 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m raymap", description=_DESCRIPTION)
     commands = parser.add_subparsers(dest="command", required=True)
     _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
+    _add_pack(commands.add_parser("pack", help="pack a data set into shards for WebDataset", description=_PACK))
     _add_field(commands.add_parser("field", help="make a field of any size in a Zarr store", description=_FIELD))
     return parser
 
@@ -147,8 +148,27 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
     add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
+    add("--dry-run", action="store_true", help="write nothing; say how many meshes there are to make")
     add("--pages", action="store_true", help="write a page beside each field that shows it in a browser")
     _add_run(parser)
+
+
+_PACK = """Packs the results of a data set into tars of many samples, as WebDataset reads them.
+It may be stopped and run again at any time: a second run writes the shards that are missing or have changed."""
+
+
+def _add_pack(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="folder of the results")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the shards, or its URL")
+    parser.add_argument("--what", choices=["field", "points"], default="field", help="what is packed (field)")
+    parser.add_argument("--samples", type=int, default=1000, metavar="N", help="results in a shard (1000)")
+
+
+def _pack(folder: str, output: str, what: str, samples: int) -> int:
+    packed = dataset.pack(folder, output, what=what, samples=samples)
+    with _stdout_errors():
+        print(f"{len(packed.meshes)} results in {packed.shards} shards, {packed.new} of them new")
+    return 0
 
 
 _FIELD = """Makes the signed distance field of a mesh, of any size, as an OME-Zarr store.
@@ -201,6 +221,10 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: st
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
         summary = dataset.generate(given, output, client=client, **options)
+    if options.get("dry_run"):
+        with _stdout_errors():
+            print(f"{len(summary.done)} done, {len(summary.quarantined)} quarantined; {len(summary.new)} to make")
+        return 0
     with _stdout_errors():
         print(
             f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
@@ -235,7 +259,7 @@ def _join_bounds(options: dict[str, Any]) -> None:
         options["bounds"] = options["bounds"][:3], options["bounds"][3:]
 
 
-_COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field}
+_COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field, "pack": _pack}
 
 
 def _progress_of(given: str | None) -> Any:

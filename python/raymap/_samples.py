@@ -6,7 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -240,6 +240,22 @@ def choose(
             core_of_surface(surface), options, to_machine("cpu", threads), report
         )
     return Samples(points, distance, gradient, np.array(centre), scale)
+
+
+class SamplerOptions(TypedDict, total=False):
+    """Keyword arguments of ``raymap.Sampler`` but its seed."""
+
+    arrays: Iterable[SampleArray]
+    near: float
+    sigma: float | Iterable[float]
+    surface: float
+    region: Region
+    padding: float
+    normalize: bool | Normalization
+    dtype: npt.DTypeLike
+    shuffle: bool
+    block: int
+    threads: int | None
 
 
 class Sampler(Sequence[dict[str, npt.NDArray[Any]]]):

@@ -417,6 +417,11 @@ class Surface:
         return mesh_of_arrays(self._core.vertices(), self._core.faces(), self._core.origin)
 
     @property
+    def nbytes(self) -> int:
+        """Memory that the surface holds, in bytes."""
+        return self._core.bytes
+
+    @property
     def stats(self) -> Stats:
         """Cost of the preparation, and findings about the mesh."""
         return self._stats

@@ -116,12 +116,12 @@ def work(job: Job, children: Children | None = None) -> Outcome:
             the mesh.
     """
     try:
-        hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+        hashes, state = _found(job)
     except OSError as error:
         return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
-    key = _key(hashes, job)
-    if (state := _finished(job, key)) is not None:
+    if state is not None:
         return Outcome(job.name, state, False)
+    key = _key(hashes, job)
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(job.result) as folder:
@@ -135,6 +135,25 @@ def work(job: Job, children: Children | None = None) -> Outcome:
                 return Outcome(job.name, "unfinished", False, answer.reason)
             _quarantine(job, answer, marker)
             return Outcome(job.name, "quarantined", True)
+
+
+def _found(job: Job) -> tuple[Hashes, State | None]:
+    """Returns the hashes of a mesh, and how it was finished before.
+
+    Raises:
+        OSError: The mesh cannot be read.
+    """
+    hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+    return hashes, _finished(job, _key(hashes, job))
+
+
+def planned(job: Job) -> Outcome:
+    """Returns the state of a mesh. It is new if `work` would make it, or try to. Writes nothing."""
+    try:
+        state = _found(job)[1]
+    except OSError as error:
+        return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
+    return Outcome(job.name, state or "unfinished", state is None)
 
 
 def left(job: Job) -> Outcome:
