@@ -44,7 +44,7 @@ class SurfaceFieldOptions(TypedDict, total=False):
     thickness: float | None
     band: Band
     truncation: float | None
-    arrays: Iterable[FieldArray]
+    arrays: FieldArray | Iterable[FieldArray]
     device: str
     threads: int | None
     memory_limit: int | None
@@ -91,7 +91,7 @@ def generate(
     thickness: float | None = None,
     band: Band = None,
     truncation: float | None = None,
-    arrays: Iterable[FieldArray] = ("distance",),
+    arrays: FieldArray | Iterable[FieldArray] = ("distance",),
     allow_empty: bool = False,
     device: str = "auto",
     threads: int | None = None,

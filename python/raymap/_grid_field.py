@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -91,6 +91,10 @@ class GridField:
         bounds = self._core.surface_bounds
         return None if bounds is None else np.array(bounds)
 
+    @overload
+    def sample(self, points: _arrays.Points, **options: Unpack[_arrays.SampleOptions]) -> _arrays.Singles: ...
+    @overload
+    def sample(self, points: Any, **options: Unpack[_arrays.SampleOptions]) -> Any: ...
     def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
 
@@ -121,6 +125,10 @@ class GridField:
         """
         return self._sample(points, False, outside, threads)
 
+    @overload
+    def gradient(self, points: _arrays.Points, **options: Unpack[_arrays.SampleOptions]) -> _arrays.Singles: ...
+    @overload
+    def gradient(self, points: Any, **options: Unpack[_arrays.SampleOptions]) -> Any: ...
     def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
 

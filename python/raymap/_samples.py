@@ -245,7 +245,7 @@ def choose(
 class SamplerOptions(TypedDict, total=False):
     """Keyword arguments of ``raymap.Sampler`` but its seed."""
 
-    arrays: Iterable[SampleArray]
+    arrays: SampleArray | Iterable[SampleArray]
     near: float
     sigma: float | Iterable[float]
     surface: float
@@ -310,7 +310,7 @@ class Sampler(Sequence[dict[str, npt.NDArray[Any]]]):
         mesh: Any,
         n: int,
         *,
-        arrays: Iterable[SampleArray] = ("distance",),
+        arrays: SampleArray | Iterable[SampleArray] = ("distance",),
         near: float = 0.94,
         sigma: float | Iterable[float] = (0.0025, 0.00025),
         surface: float = 0.0,
@@ -350,7 +350,7 @@ class Sampler(Sequence[dict[str, npt.NDArray[Any]]]):
     def __len__(self) -> int:
         return -(-self._n // self._block)
 
-    def __getitem__(self, index: Any) -> Any:
+    def __getitem__(self, index: int) -> dict[str, npt.NDArray[Any]]:  # type: ignore[override]
         """Returns a block."""
         k = to_whole("the number of a block", index, least=-len(self), most=2**63 - 1) if len(self) else 0
         if k >= len(self):
