@@ -88,7 +88,10 @@ def read_frame(path: Path) -> Frame:
     with np.load(path) as arrays:
         if "scale" not in arrays or "centre" not in arrays:
             return IDENTITY
-        centre, scale = (np.asarray(arrays[name], np.float64) for name in ("centre", "scale"))
+        try:
+            centre, scale = (np.asarray(arrays[name], np.float64) for name in ("centre", "scale"))
+        except (ValueError, TypeError) as error:
+            raise InputError(f"{path}: its centre or scale is no array of numbers: {error}") from None
     return to_frame(centre, scale.item() if scale.size == 1 else scale, f"{path}: ")
 
 

@@ -107,6 +107,9 @@ def test_a_file_keeps_the_frame(long_mesh: raymap.Mesh) -> None:
     np.savez("odd.npz", distance=field.distance, scale=np.float64(-1), centre=np.zeros(3))
     with pytest.raises(raymap.InputError, match="odd.npz: scale must be a finite number above 0, not -1"):
         raymap.load_field("odd.npz")
+    np.savez("odd.npz", distance=field.distance, scale=np.array("a"), centre=np.zeros(3))
+    with pytest.raises(raymap.InputError, match="odd.npz: its centre or scale is no array of numbers"):
+        raymap.load_field("odd.npz")
 
 
 def test_truncated_distances(long_mesh: raymap.Mesh) -> None:

@@ -14,6 +14,7 @@ import raymap
 from conftest import ROOT
 from data_set import NAMES, contents, generate, run_module
 from helpers import load
+from test_dataset import write_gltf
 
 KEYS = ["ball_ply", "deep/tetrahedron_ply", "open_OBJ", "small_ply"]
 
@@ -112,6 +113,37 @@ def test_shards_behind_an_url(fields: Path) -> None:
         raymap.torch.ResultDataset("memory://bucket/none")
     with pytest.raises(raymap.FileError, match="nothing://bucket"):
         raymap.dataset.pack(fields, "nothing://bucket")
+
+
+def test_meshes_behind_an_url(fields: Path, meshes: Path) -> None:
+    files = load("fsspec").filesystem("memory")
+    for name in NAMES:
+        files.pipe_file(f"/bucket/meshes/{name}", (meshes / name).read_bytes())
+    assert raymap.dataset.generate("memory://bucket/meshes", "out", **OPTIONS).new == []  # They are those of the folder.
+    ball = raymap.dataset.generate("memory://bucket/meshes/ball.ply", "one", workers=1, **OPTIONS)
+    assert ball.new == ["ball.ply"] and Path("one/ball.ply.npz").read_bytes() == Path("out/ball.ply.npz").read_bytes()
+    files.rm("/bucket/meshes/small.ply")
+    given = [f"memory://bucket/meshes/{name}" for name in ("ball.ply", "small.ply")]
+    plan = raymap.dataset.generate(given, "out", dry_run=True, **OPTIONS)
+    assert plan.done == ["ball.ply"] and plan.unfinished == ["small.ply"] and plan.new == []
+    with pytest.raises(raymap.UsageError, match="memory://bucket/nothing: no meshes here"):
+        raymap.dataset.generate("memory://bucket/nothing", "out")
+
+
+def test_a_mesh_behind_an_url_brings_its_buffers() -> None:
+    files = load("fsspec").filesystem("memory")
+    Path("scenes").mkdir()
+    write_gltf(Path("scenes/scene.gltf"), "the%20corners.bin")
+    for path in Path("scenes").iterdir():
+        files.pipe_file(f"/bucket/scenes/{path.name}", path.read_bytes())
+    url = "memory://bucket/scenes"
+    assert generate(url, workers=1).done == ["scene.gltf"] and generate("scenes").new == []
+    files.rm("/bucket/scenes/the corners.bin")
+    assert generate(url, workers=1).quarantined == ["scene.gltf"]
+    scene = Path("scenes/scene.gltf").read_bytes()
+    for odd in (b"../corners.bin", b"a\\u0000b"):
+        files.pipe_file("/bucket/scenes/scene.gltf", scene.replace(b"the%20corners.bin", odd))
+        assert generate(url, workers=1).quarantined == ["scene.gltf"]
 
 
 def test_what_cannot_be_packed(fields: Path, meshes: Path) -> None:

@@ -80,6 +80,8 @@ def generate(
 
     Args:
         paths_or_folder: Folder whose meshes are made, with all folders in it; or paths of meshes with different names.
+            Each may be an URL that fsspec knows, such as ``s3://bucket/meshes``: every run then copies each mesh to this
+            machine, one at a time for each worker.
         out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
         what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
             ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``. With ``recipe``, points and files

@@ -20,6 +20,7 @@ from .._generate import FieldOptions, generate
 from .._mesh import tetrahedron
 from .._samples import Region, sample_points, to_count, to_mixture, to_seed
 from ..recipes import RecipeName, recipe_of
+from .storage import RemoteFolder, is_url
 from .work import FORMATS, Job
 
 PathLike: TypeAlias = str | os.PathLike[str]
@@ -69,14 +70,14 @@ def make_jobs(
         format = recipe_of(recipe).format
     return [
         Job(
-            str(mesh), name, str(out), what, format, {**result_options, **boxes.get(name, {})}, threads, memory_limit,
+            mesh, name, str(out), what, format, {**result_options, **boxes.get(name, {})}, threads, memory_limit,
             time_limit, retry, pages,
         )
         for name, mesh in sorted(meshes.items())
     ]  # fmt: skip
 
 
-def _boxes(options: Options, meshes: dict[str, Path]) -> dict[str, dict[str, Any]]:
+def _boxes(options: Options, meshes: dict[str, str]) -> dict[str, dict[str, Any]]:
     """Takes boxes of single meshes out of the options, and returns them as options by name."""
     if not isinstance(bounds := options.get("bounds"), Mapping):
         return {}
@@ -88,27 +89,42 @@ def _boxes(options: Options, meshes: dict[str, Path]) -> dict[str, dict[str, Any
     return boxes
 
 
-def _meshes(given: PathLike | Iterable[PathLike], out: Path) -> dict[str, Path]:
-    """Returns meshes by name."""
+def _meshes(given: PathLike | Iterable[PathLike], out: Path) -> dict[str, str]:
+    """Returns paths and URLs of meshes by name."""
     if isinstance(given, (str, os.PathLike)):
+        if is_url(given):
+            return _meshes_behind(os.fspath(given))
         if Path(given).is_dir():
             return _meshes_below(Path(given).resolve(), out)
         given = [given]
-    meshes: dict[str, Path] = {}
-    for path in map(Path, given):
-        if not path.exists():
+    meshes: dict[str, str] = {}
+    for each in given:
+        path = Path(each)
+        if not is_url(each) and not path.exists():
             raise FileError(f"{path}: no such file or folder")
         if path.is_dir():
             raise UsageError(f"{path}: a folder among paths; give one folder alone, or meshes")
         if path.name in meshes:
-            raise UsageError(f"{meshes[path.name]} and {path}: both results would be {path.name}; give their folder")
-        meshes[path.name] = path.resolve()
+            raise UsageError(f"{meshes[path.name]} and {each}: both results would be {path.name}; give their folder")
+        meshes[path.name] = os.fspath(each) if is_url(each) else str(path.resolve())
     return meshes
 
 
-def _meshes_below(folder: Path, out: Path) -> dict[str, Path]:
+def _meshes_behind(url: str) -> dict[str, str]:
+    """Returns the URL of a mesh, or those of all meshes in a folder behind an URL."""
     endings = tuple(_raymap.mesh_extensions())
-    meshes: dict[str, Path] = {}
+    if url.lower().endswith(endings):
+        return {url.rsplit("/", 1)[1]: url}
+    folder = RemoteFolder(url)
+    meshes = {name: f"{folder.url}/{name}" for name in folder.names() if name.lower().endswith(endings)}
+    if not meshes:
+        raise UsageError(f"{url}: no meshes here; their names end with {', '.join(endings)}")
+    return meshes
+
+
+def _meshes_below(folder: Path, out: Path) -> dict[str, str]:
+    endings = tuple(_raymap.mesh_extensions())
+    meshes: dict[str, str] = {}
 
     def fail(error: OSError) -> None:
         raise FileError(f"{error.filename}: cannot read: {error.strerror}")
@@ -117,7 +133,7 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, Path]:
         folders[:] = [name for name in folders if Path(place, name) != out]
         for name in names:
             if name.lower().endswith(endings) and Path(place, name).is_file():
-                meshes[str(Path(place, name).relative_to(folder))] = Path(place, name)
+                meshes[str(Path(place, name).relative_to(folder))] = str(Path(place, name))
     if not meshes:
         raise UsageError(f"{folder}: no meshes here; their names end with {', '.join(endings)}")
     return meshes

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import importlib
 import os
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
+from urllib.parse import unquote_to_bytes
 
 from .._errors import FileError, UsageError
 from .._raymap import write_whole
 from .._whole_file import file_errors, folder_beside
+from .files import buffer_hashes
 
 
 class Storage(Protocol):
@@ -102,6 +105,17 @@ class RemoteFolder:
             except FileNotFoundError:
                 return None
 
+    def names(self) -> list[str]:
+        """Returns the paths of all files in the folder and below."""
+        with _remote_errors(self.url):
+            root = self._path.rstrip("/") + "/"
+            return sorted(path.removeprefix(root) for path in self._files.find(self._path))
+
+    def get(self, name: str, path: Path) -> None:
+        """Copies a file to this machine."""
+        with _remote_errors(f"{self.url}/{name}"):
+            self._files.get_file(self._name(name), str(path))
+
     def put(self, path: Path, name: str) -> None:
         with _remote_errors(f"{self.url}/{name}"):
             self._files.makedirs(self._path, exist_ok=True)
@@ -127,10 +141,59 @@ def _remote_errors(url: str) -> Iterator[None]:
         raise FileError(f"{url}: {error}") from error
 
 
+def is_url(place: str | os.PathLike[str]) -> bool:
+    """Returns whether a path is an URL."""
+    return "://" in os.fspath(place)
+
+
+class MeshUnreadable(Exception):
+    """A mesh cannot be read now, which is no fault of its own."""
+
+
+@contextmanager
+def unreadable() -> Iterator[None]:
+    """Turns errors of the system into `MeshUnreadable`."""
+    try:
+        yield
+    except OSError as error:
+        raise MeshUnreadable(f"the mesh cannot be read: {error.strerror or error}") from error
+
+
+@contextmanager
+def mesh_here(mesh: str, memory_limit: int) -> Iterator[str]:
+    """Yields the path of a mesh on this machine: of one behind an URL, that of a copy, with its buffers beside it.
+
+    Raises:
+        MeshUnreadable: The mesh cannot be read.
+    """
+    if not is_url(mesh):
+        yield mesh
+        return
+    url, name = mesh.rsplit("/", 1)
+    with tempfile.TemporaryDirectory(prefix="raymap-") as place:
+        copy = os.path.join(place, name)
+        with unreadable():
+            folder = RemoteFolder(url)
+            folder.get(name, Path(copy))
+            for buffer in buffer_hashes(copy, memory_limit):
+                _get_buffer(folder, Path(place), os.fsdecode(unquote_to_bytes(buffer)))
+        yield copy
+
+
+def _get_buffer(folder: RemoteFolder, place: Path, name: str) -> None:
+    """Copies a buffer of a mesh. One that is elsewhere, or missing, is not there for the mesh's process, which says so."""
+    path = place / name
+    if "\0" in name:
+        return
+    if path.resolve().is_relative_to(place.resolve()) and folder.size(name) is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        folder.get(name, path)
+
+
 def storage_of(place: str | os.PathLike[str]) -> Storage:
     """Returns the folder of a path or an URL."""
     text = os.fspath(place)
-    return RemoteFolder(text) if "://" in text else LocalFolder(text)
+    return RemoteFolder(text) if is_url(text) else LocalFolder(text)
 
 
 @contextmanager

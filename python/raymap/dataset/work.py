@@ -8,7 +8,7 @@ import os
 import shutil
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 
@@ -16,6 +16,7 @@ from .._raymap import version, write_whole
 from .._whole_file import file_errors, folder_beside
 from .children import Children, Failure
 from .files import buffer_hashes, file_hash
+from .storage import MeshUnreadable, mesh_here, unreadable
 
 State: TypeAlias = Literal["done", "quarantined", "unfinished"]
 
@@ -116,16 +117,22 @@ def work(job: Job, children: Children | None = None) -> Outcome:
             the mesh.
     """
     try:
-        hashes, state = _found(job)
-    except OSError as error:
-        return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
+        with mesh_here(job.mesh, job.memory_limit) as mesh:
+            return _work(replace(job, mesh=mesh), children or _children)
+    except MeshUnreadable as error:
+        return Outcome(job.name, "unfinished", False, str(error))
+
+
+def _work(job: Job, children: Children) -> Outcome:
+    """Does the work for a mesh that is on this machine."""
+    hashes, state = _found(job)
     if state is not None:
         return Outcome(job.name, state, False)
     key = _key(hashes, job)
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(job.result) as folder:
-            answer = (children or _children).do(_request(job, folder), job.time_limit)
+            answer = children.do(_request(job, folder), job.time_limit)
             inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
             marker = {**inputs, "raymap": version()}
             if not isinstance(answer, Failure):
@@ -141,18 +148,20 @@ def _found(job: Job) -> tuple[Hashes, State | None]:
     """Returns the hashes of a mesh, and how it was finished before.
 
     Raises:
-        OSError: The mesh cannot be read.
+        MeshUnreadable: The mesh cannot be read.
     """
-    hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+    with unreadable():
+        hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
     return hashes, _finished(job, _key(hashes, job))
 
 
 def planned(job: Job) -> Outcome:
     """Returns the state of a mesh. It is new if `work` would make it, or try to. Writes nothing."""
     try:
-        state = _found(job)[1]
-    except OSError as error:
-        return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
+        with mesh_here(job.mesh, job.memory_limit) as mesh:
+            state = _found(replace(job, mesh=mesh))[1]
+    except MeshUnreadable as error:
+        return Outcome(job.name, "unfinished", False, str(error))
     return Outcome(job.name, state or "unfinished", state is None)
 
 
