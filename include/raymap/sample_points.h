@@ -19,6 +19,11 @@ struct SamplePointsOptions {
   std::vector<double> sigmas = {0.0025, 0.00025};
   uint64_t seed = 0;       ///< Another seed gives other points.
   bool normalize = false;  ///< Whether the bounding sphere becomes the unit sphere about 0.
+  /// Length of the mesh that becomes 1, about the centre of its bounds, in place of the bounding sphere's
+  /// radius; 0 = as `normalize` says.
+  double unit = 0.0;
+  bool inCube = false;  ///< Whether the points all around lie in a cube instead of a ball.
+  double reach = 0.0;   ///< Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius.
 };
 
 /// Points with signed distances: those on the surface, then those near it, then those in the bounding sphere.
@@ -41,8 +46,8 @@ RAYMAP_API std::vector<size_t> samplePointCounts(const SamplePointsOptions& opti
 ///   it points to that whose winding number is closer to 0. The face decides where both numbers are equally
 ///   close, as beside a sheet.
 /// - Points near the surface are such points plus normally distributed offsets along x, y and z.
-/// - The others lie evenly in the bounding sphere. It is about the centre of the mesh's bounds and reaches
-///   its farthest vertex.
+/// - The others lie evenly in the bounding sphere, or the ball or cube that the options ask for. It is about
+///   the centre of the mesh's bounds. The bounding sphere reaches the farthest vertex.
 ///
 /// Points are rounded to single precision before their distances are measured, so that files have the right
 /// signs. Where steps of single precision exceed a sixteenth of the least deviation, far from 0, points keep

@@ -10,7 +10,7 @@ array([-0.5,  0.1], dtype=float32)
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from . import dataset, zarr
+from . import dataset, recipes, zarr
 from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
@@ -25,7 +25,7 @@ from ._errors import (
     UsageError,
 )
 from ._field import NO_TRIANGLE, Field, load_field
-from ._generate import FieldOptions, Generator, generate
+from ._generate import FieldOptions, Generator, generate, generate_pyramid
 from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._raymap import version as _version
 from ._records import (
@@ -48,7 +48,7 @@ from ._repair import (
     repair,
     simplify,
 )
-from ._samples import Samples, sample_points
+from ._samples import Sampler, Samples, sample_points
 from ._sparse import SparseField
 from ._surface import (
     Closest,
@@ -100,6 +100,7 @@ __all__ = [
     "RaymapWarning",
     "RepairReport",
     "Repaired",
+    "Sampler",
     "Samples",
     "Simplified",
     "SimplifyReport",
@@ -113,12 +114,14 @@ __all__ = [
     "dataset",
     "devices",
     "generate",
+    "generate_pyramid",
     "get_threads",
     "info",
     "isosurface",
     "load_animation",
     "load_field",
     "load_mesh",
+    "recipes",
     "render_defects",
     "repair",
     "sample_faces",

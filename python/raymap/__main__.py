@@ -1,4 +1,4 @@
-"""The commands that the program raymap lacks: ``python -m raymap dataset FOLDER -o OUT`` and ``field MESH -o OUT``."""
+"""The commands that the program raymap lacks: ``python -m raymap dataset``, ``pack`` and ``field``."""
 
 from __future__ import annotations
 
@@ -26,9 +26,12 @@ from ._errors import (
     UnsupportedError,
     UsageError,
 )
+from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
+from ._samples import Region
 from .dataset.files import readable
 from .dataset.pages import page_paths
+from .recipes import RecipeName
 
 _EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
     UsageError: 2,
@@ -86,6 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m raymap", description=_DESCRIPTION)
     commands = parser.add_subparsers(dest="command", required=True)
     _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
+    _add_pack(commands.add_parser("pack", help="pack a data set into shards for WebDataset", description=_PACK))
     _add_field(commands.add_parser("field", help="make a field of any size in a Zarr store", description=_FIELD))
     return parser
 
@@ -109,6 +113,9 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
     add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
     add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
+    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    add("--shape", type=int, nargs=3, metavar=("NX", "NY", "NZ"), help="number of samples of every field")
+    add("--cube", action="store_true", help="as many samples along every side: fields that can be stacked")
     add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
     add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
     add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
@@ -119,21 +126,49 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
+    add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
     add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
     add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
     add("--sigma", type=float, nargs="+", metavar="S", help="points: their standard deviations (0.0025 0.00025)")
     add("--surface", type=float, metavar="SHARE", help="points: share on the surface (0)")
+    add("--region", choices=get_args(Region), help="points: where those lie that are not near the surface (sphere)")
+    add("--recipe", choices=get_args(RecipeName), help="points: those of a network, in its files")
     add("--seed", type=int, metavar="K", help="points: another number gives other points (0)")
-    add("--normalize", action="store_true", help="points: scale the bounding sphere to the unit sphere")
+    add(
+        "--normalize",
+        nargs="?",
+        const="sphere",
+        choices=get_args(Normalization),
+        help="move every mesh to 0, and scale its bounding sphere to radius 1 (sphere), or its longest side to 2 (cube) or 1 (unit)",
+    )
     add("--device", metavar="ID", help="device that computes (cpu)")
     add("--threads", type=int, metavar="N", help="threads for each mesh (1)")
     add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
     add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
     add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
+    add("--dry-run", action="store_true", help="write nothing; say how many meshes there are to make")
     add("--pages", action="store_true", help="write a page beside each field that shows it in a browser")
     _add_run(parser)
+
+
+_PACK = """Packs the results of a data set into tars of many samples, as WebDataset reads them.
+It may be stopped and run again at any time: a second run writes the shards that are missing or have changed."""
+
+
+def _add_pack(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="folder of the results")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the shards, or its URL")
+    parser.add_argument("--what", choices=["field", "points"], default="field", help="what is packed (field)")
+    parser.add_argument("--samples", type=int, default=1000, metavar="N", help="results in a shard (1000)")
+
+
+def _pack(folder: str, output: str, what: str, samples: int) -> int:
+    packed = dataset.pack(folder, output, what=what, samples=samples)
+    with _stdout_errors():
+        print(f"{len(packed.meshes)} results in {packed.shards} shards, {packed.new} of them new")
+    return 0
 
 
 _FIELD = """Makes the signed distance field of a mesh, of any size, as an OME-Zarr store.
@@ -182,9 +217,14 @@ def _bytes(text: str) -> int:
 
 def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
     options["progress"] = _progress_of(progress)
+    _join_bounds(options)
     with _client(scheduler) as client:
         given = meshes[0] if len(meshes) == 1 else meshes
         summary = dataset.generate(given, output, client=client, **options)
+    if options.get("dry_run"):
+        with _stdout_errors():
+            print(f"{len(summary.done)} done, {len(summary.quarantined)} quarantined; {len(summary.new)} to make")
+        return 0
     with _stdout_errors():
         print(
             f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
@@ -196,8 +236,7 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: st
 
 def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:
     options["progress"] = _progress_of(progress)
-    if "bounds" in options:
-        options["bounds"] = options["bounds"][:3], options["bounds"][3:]
+    _join_bounds(options)
     with _client(scheduler) as client:
         if client is not None and "dashboard" in client.scheduler_info()["services"]:
             print(f"raymap: dashboard: {_printable(client.dashboard_link)}", file=sys.stderr)
@@ -214,7 +253,13 @@ def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, 
     return 0
 
 
-_COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field}
+def _join_bounds(options: dict[str, Any]) -> None:
+    """Turns six numbers into two corners."""
+    if "bounds" in options:
+        options["bounds"] = options["bounds"][:3], options["bounds"][3:]
+
+
+_COMMANDS: dict[str, Callable[..., int]] = {"dataset": _dataset, "field": _field, "pack": _pack}
 
 
 def _progress_of(given: str | None) -> Any:

@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from ._errors import InputError
+
+#: Points that get NumPy's arrays back. Arrays of other frameworks get their own.
+Points: TypeAlias = npt.NDArray[Any] | Sequence[Any]
+Singles: TypeAlias = npt.NDArray[np.float32]
+Doubles: TypeAlias = npt.NDArray[np.float64]
+Indices: TypeAlias = npt.NDArray[np.uint32]
+
+
+class SampleOptions(TypedDict, total=False):
+    """Keyword arguments of what samples a field."""
+
+    outside: Literal["bound", "nan"]
+    threads: int | None
+
 
 #: What to do for those who give points in place of faces.
 POINTS_HINT = "for distances at points, use raymap.signed_distance(mesh, points), or raymap.Surface for several calls"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
@@ -12,6 +13,7 @@ from . import _arrays, _html, _inputs, _raymap
 from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
+from ._frames import IDENTITY, Frame, read_frame, save_with_frame, to_frame
 from ._grid_field import GridField
 from ._mesh import core_of
 from ._pictures import slice_of, to_scene, to_view
@@ -54,7 +56,7 @@ class Field(GridField):
     them changes the field, but not ``surface_bounds``: if it moves the surface, make a new field of the array.
 
     Args:
-        distance: DistanceModes, (nx, ny, nz), negative inside.
+        distance: Distances, (nx, ny, nz), negative inside.
         origin: Position of sample (0, 0, 0).
         spacing: Distance between neighbouring samples, in the mesh's units.
         clamp_distance: Distance at which the distances are clamped, in the mesh's units; 0 = not clamped.
@@ -63,9 +65,12 @@ class Field(GridField):
         winding: Winding numbers, of the same shape.
         confidence: Confidences in the sign, of the same shape.
         triangle: Indices of closest triangles, of the same shape.
+        centre: Point of the mesh that lies at 0 in this field.
+        scale: Length in this field of one unit of the mesh.
 
     Raises:
         UsageError: The arrays are not of one shape with three dimensions, or the grid makes no sense.
+        InputError: The centre or the scale makes no sense.
 
     >>> x, y, z = np.mgrid[-2:3, -2:3, -2:3]
     >>> ball = raymap.Field(np.sqrt(x**2 + y**2 + z**2) - 1.5, origin=(-2, -2, -2))
@@ -88,6 +93,8 @@ class Field(GridField):
         winding: npt.ArrayLike | None = None,
         confidence: npt.ArrayLike | None = None,
         triangle: npt.ArrayLike | None = None,
+        centre: npt.ArrayLike = (0.0, 0.0, 0.0),
+        scale: float = 1.0,
     ) -> None:
         arrays = {"distance": distance, "winding": winding, "confidence": confidence, "triangle": triangle}
         shape = np.shape(_arrays.to_numpy(distance))
@@ -96,6 +103,7 @@ class Field(GridField):
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
         clamp = to_number("clamp_distance", clamp_distance, least=0.0, most=FINITE)
         self._take(_raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box))
+        self._frame = to_frame(centre, scale)
         for name, array in arrays.items():
             if array is not None:
                 given = _arrays.to_numpy(array)
@@ -106,6 +114,7 @@ class Field(GridField):
     def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
         self._hold(core)
         self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
+        self._frame = IDENTITY
 
     @property
     def distance(self) -> npt.NDArray[np.float32]:
@@ -122,15 +131,65 @@ class Field(GridField):
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
         return self._core.clamp_distance
 
+    @property
+    def centre(self) -> npt.NDArray[np.float64]:
+        """Point of the mesh that lies at 0 in this field, (3,); 0 unless ``normalize`` moved the mesh."""
+        return self._frame.centre.copy()
+
+    @property
+    def scale(self) -> float:
+        """Length in this field of one unit of the mesh: field's positions = (mesh's positions - centre) * scale."""
+        return self._frame.scale
+
+    def denormalized(self) -> Field:
+        """Returns the field in the mesh's units and place: undoes ``normalize``.
+
+        Positions and distances become float32 and float64 again as far as these can hold them: a sample's position is
+        ``position / scale + centre``, its distance ``distance / scale``. All other arrays stay as they are.
+
+        >>> field = raymap.generate("ball.ply", resolution=16, normalize="unit")
+        >>> field.scale.__round__(3), field.spacing.__round__(3), field.denormalized().spacing.__round__(3)
+        (0.5, 0.075, 0.15)
+        """
+        bounds, scale = self.surface_bounds, self.scale
+        others: dict[str, Any] = {name: self._array(name) for name in self.arrays if name != "distance"}
+        made = Field(
+            self.distance / np.float32(scale),
+            self._frame.back(self.origin),
+            self.spacing / scale,
+            clamp_distance=self.clamp_distance / scale,
+            surface_bounds=None if bounds is None else self._frame.back(bounds),
+            **others,
+        )
+        made._stats = self._stats
+        return made
+
+    def tsdf(self) -> npt.NDArray[np.float32]:
+        """Returns the truncated distances divided by the truncation, (nx, ny, nz) float32 from -1 to 1, negative inside.
+
+        Raises:
+            UsageError: The distances are not clamped.
+
+        >>> field = raymap.generate("ball.ply", resolution=16, truncation=0.3)
+        >>> field.tsdf().min(), field.tsdf().max()
+        (np.float32(-1.0), np.float32(1.0))
+        """
+        if self.clamp_distance == 0:
+            raise UsageError("tsdf() needs clamped distances; make the field with truncation= or band=")
+        divided: npt.NDArray[np.float32] = self.distance / np.float32(self.clamp_distance)
+        return divided.clip(-1, 1)
+
     def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
         """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
 
         Args:
-            path: File to write. A .npz, .vti or .vdb holds every array; a .npy holds no grid.
+            path: File to write. A .npz, .vti or .vdb holds every array; a .npy holds no grid. The .npz of a field that
+                ``normalize`` made also holds ``centre`` and ``scale``. Other files have no place for them.
             array: Array to write into the other formats.
 
         Raises:
-            UsageError: Another extension, or an array that the field does not have.
+            UsageError: Another extension, an array that the field does not have, or a normalized field in another file
+                than a .npz.
             FileError: The file cannot be written.
 
         >>> field = raymap.generate("ball.ply", resolution=16)
@@ -138,7 +197,14 @@ class Field(GridField):
         >>> bool((raymap.load_field("ball.npz").distance == field.distance).all())
         True
         """
-        self._core.save(os.fspath(path), array)
+        text = os.fspath(path)
+        if self._frame.is_identity:
+            self._core.save(text, array)
+        elif text.lower().endswith(".npz"):
+            save_as(self, text, ".npz")
+        else:
+            what = "save a .npz, or field.denormalized()"
+            raise UsageError(f"{text}: only a .npz holds the centre and scale of a normalized field; {what}")
 
     def slice(
         self,
@@ -368,6 +434,8 @@ class Field(GridField):
 
     def _repr_html_(self) -> str:
         rows = self._rows()
+        if not self._frame.is_identity:
+            rows["normalized"] = f"centre {', '.join(f'{v:.6g}' for v in self.centre)}; scale {self.scale:.6g}"
         if "distance" in self.arrays:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
         if self.clamp_distance > 0:
@@ -380,7 +448,7 @@ class Field(GridField):
     def __reduce__(self) -> tuple[Any, ...]:
         arrays = {name: self._array(name) for name in self.arrays}
         placement = self.shape, self.origin, self.spacing, self.clamp_distance, self._core.surface_bounds
-        return _restore, (*placement, arrays, self.stats)
+        return _restore, (*placement, arrays, self.stats, self._frame)
 
 
 def _ordered(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -392,16 +460,24 @@ def core_of_field(field: Field) -> _raymap.Field:
     return field._core
 
 
-def field_of_core(core: _raymap.Field) -> Field:
+def field_of_core(core: _raymap.Field, frame: Frame = IDENTITY) -> Field:
     """Returns the field that the extension module has made."""
     made = Field.__new__(Field)
     made._take(core)
+    made._frame = frame
     return made
 
 
 def save_as(field: Field, path: str, extension: str) -> None:
-    """Writes a field in the format of an extension, whatever the path ends with."""
-    field._core.save(path, "distance", extension)
+    """Writes a field in the format of an extension, whatever the path ends with. A .npz holds its frame, if it has one."""
+
+    def save(to: str, format: str) -> None:
+        field._core.save(to, "distance", format)
+
+    if extension == ".npz" and not field._frame.is_identity:
+        save_with_frame(save, path, field._frame)
+    else:
+        save(path, extension)
 
 
 def _restore(
@@ -412,12 +488,14 @@ def _restore(
     surface_bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     arrays: dict[str, npt.NDArray[Any]],
     stats: Stats,
+    frame: Frame,
 ) -> Field:
     """Makes a field of what was pickled."""
     restored = Field.__new__(Field)
     restored._take(_raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds), stats)
     for name, array in arrays.items():
         restored._set(name, _ordered(name, array))
+    restored._frame = frame
     return restored
 
 
@@ -437,4 +515,5 @@ def load_field(path: str | os.PathLike[str]) -> Field:
     >>> raymap.load_field("ball.vdb")
     raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
     """
-    return field_of_core(_raymap.load_field(os.fspath(path)))
+    core = _raymap.load_field(os.fspath(path))
+    return field_of_core(core, read_frame(Path(path)) if os.fspath(path).lower().endswith(".npz") else IDENTITY)

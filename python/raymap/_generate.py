@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Literal, TypedDict, Unpack, overload
+from typing import Any, Literal, TypedDict, TypeVar, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap
-from ._arguments import FINITE, set_arrays, to_box, to_length, to_number, to_text, to_whole
+from ._arguments import FINITE, set_arrays, to_box, to_length, to_number, to_text, to_vector, to_whole, to_wholes
 from ._arrays import to_numpy
 from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
+from ._frames import Normalization, frame_of, moved, to_normalization
 from ._mesh import Mesh, core_of
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
@@ -29,6 +30,9 @@ class SurfaceFieldOptions(TypedDict, total=False):
     voxel_size: float | None
     bounds: npt.ArrayLike | None
     padding: float
+    shape: Iterable[int] | None
+    cube: bool
+    origin: npt.ArrayLike | None
     distance: DistanceMode
     sign: SignMode
     passes: int
@@ -39,7 +43,8 @@ class SurfaceFieldOptions(TypedDict, total=False):
     close_holes: bool
     thickness: float | None
     band: Band
-    arrays: Iterable[FieldArray]
+    truncation: float | None
+    arrays: FieldArray | Iterable[FieldArray]
     device: str
     threads: int | None
     memory_limit: int | None
@@ -51,6 +56,7 @@ class FieldOptions(SurfaceFieldOptions, total=False):
 
     orientation: Orientation
     allow_empty: bool
+    normalize: bool | Normalization
 
 
 @overload
@@ -69,6 +75,10 @@ def generate(
     voxel_size: float | None = None,
     bounds: npt.ArrayLike | None = None,
     padding: float = 0.1,
+    shape: Iterable[int] | None = None,
+    cube: bool = False,
+    origin: npt.ArrayLike | None = None,
+    normalize: bool | Normalization = False,
     distance: DistanceMode = "exact",
     sign: SignMode = "harmonic",
     orientation: Orientation = "auto",
@@ -80,7 +90,8 @@ def generate(
     close_holes: bool = False,
     thickness: float | None = None,
     band: Band = None,
-    arrays: Iterable[FieldArray] = ("distance",),
+    truncation: float | None = None,
+    arrays: FieldArray | Iterable[FieldArray] = ("distance",),
     allow_empty: bool = False,
     device: str = "auto",
     threads: int | None = None,
@@ -91,7 +102,7 @@ def generate(
     """Returns the signed distance field of a triangle mesh, negative inside.
 
     Any mesh will do: with holes, overlaps, missing parts, or faces that point the wrong way. Nothing is scaled or
-    moved: all lengths are in the mesh's units. The same mesh and arguments give the same field, bit for bit, on the
+    moved unless ``normalize`` asks for it: all lengths are in the mesh's units. The same mesh and arguments give the same field, bit for bit, on the
     same device, for any number of threads. Ctrl-C stops the call.
 
     Args:
@@ -105,6 +116,17 @@ def generate(
             multiple of the spacing grow at both ends.
         padding: Padding of the mesh's bounds on every side, as a share of their longest side. Without effect if
             ``bounds`` is given.
+        shape: Number of samples (nx, ny, nz), for fields that can be stacked. Cubic cells about the centre of the box
+            are as small as hold it; with ``voxel_size`` they have this size, and may cut the box. Without effect then:
+            ``resolution``.
+        cube: Whether the grid has ``resolution`` samples along every side: ``shape=(resolution,) * 3``.
+        origin: Position of sample (0, 0, 0). It needs ``shape`` and ``voxel_size``, and with them says which samples
+            there are, whatever ``bounds`` and ``padding`` say.
+        normalize: Whether the mesh is first moved to 0 and scaled, by the centre of its bounds, so that all meshes have
+            one size. ``"sphere"`` (or True): the ball about 0 that holds it has radius 1. ``"cube"``: its longest side
+            reaches from -1 to 1. ``"unit"``: from -0.5 to 0.5. Lengths of the field and of all other arguments are then
+            those of the scaled mesh. ``field.centre`` and ``field.scale`` say what was done, and
+            ``field.denormalized()`` undoes it.
         distance: Source of the magnitude: ``"exact"``, or the faster approximations ``"neighbours"``, ``"cell"`` and
             ``"raster"``.
         sign: Method that decides inside and outside: ``"harmonic"``, ``"exact"``, ``"paths"``, ``"evolution"``,
@@ -121,6 +143,7 @@ def generate(
             enclose nothing. Half of it pads the mesh's bounds besides.
         band: Number of samples at which distances are clamped; None = not clamped. With ``sparse=True`` also two
             numbers (inside, outside), of which the first may be infinite: all distances inside are then kept.
+        truncation: Distance at which distances are clamped, in place of ``band``. ``field.tsdf()`` divides by it.
         arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
             which every field has.
         allow_empty: Whether the mesh may have no faces. Its field on the grid of ``bounds`` is far everywhere: at the
@@ -152,12 +175,18 @@ def generate(
     True
     >>> field.origin.round(2), round(field.spacing, 4)
     (array([-1.16, -1.16, -1.16]), 0.075)
+    >>> raymap.generate("tetrahedron.ply", resolution=32, cube=True, normalize="cube").shape
+    (32, 32, 32)
     """
     options = FieldOptions(
         resolution=resolution,
         voxel_size=voxel_size,
         bounds=bounds,
         padding=padding,
+        shape=shape,
+        cube=cube,
+        origin=origin,
+        normalize=normalize,
         distance=distance,
         sign=sign,
         orientation=orientation,
@@ -169,6 +198,7 @@ def generate(
         close_holes=close_holes,
         thickness=thickness,
         band=band,
+        truncation=truncation,
         arrays=arrays,
         allow_empty=allow_empty,
         device=device,
@@ -182,16 +212,54 @@ def generate(
 
 
 def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
+    core = core_of(mesh)
+    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: mesh.bounds, options)
+    options = with_band(options, grid)
     core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
     band_options = sparse_options(options, core_options)
     surface_options = _raymap.SurfaceOptions()
     surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
-    core = core_of(mesh)
-    grid = fit_grid(partial(_raymap.fit_grid, core), options)
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
         return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report))
+
+
+def generate_pyramid(
+    mesh_or_vertices: Any, faces: Any = None, *, levels: int, **options: Unpack[FieldOptions]
+) -> list[Field]:
+    """Returns fields of a mesh at several resolutions, the finest first, negative inside.
+
+    Each has half the samples of the one before along every side, rounded up, at twice the spacing, and fills the same box
+    from its low corner on. All are measured at their own samples, none is averaged. A ``band`` counts samples of the
+    finest level: all levels are clamped at the same distance.
+
+    Args:
+        mesh_or_vertices: A mesh or positions, as for ``raymap.generate``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+        levels: Number of fields.
+        **options: Options of ``raymap.generate``; they say which samples the finest level has. Errors are those of
+            ``raymap.generate``, too.
+
+    >>> [field.shape for field in raymap.generate_pyramid("ball.ply", levels=3, shape=(32, 32, 32))]
+    [(32, 32, 32), (16, 16, 16), (8, 8, 8)]
+    """
+    count = to_whole("levels", levels, least=1)
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces, allow_empty=True)
+    fields = [Generator().generate(mesh, **options)]
+    while len(fields) < count:
+        last = fields[-1]
+        coarser: FieldOptions = {
+            **options,
+            "cube": False,
+            "shape": [-(-samples // 2) for samples in last.shape],
+            "origin": last.origin + last.spacing / 2,
+            "voxel_size": 2 * last.spacing,
+        }
+        if last.clamp_distance > 0:
+            coarser["truncation"], coarser["band"] = last.clamp_distance, None
+        fields.append(Generator().generate(mesh, **coarser))
+    return fields
 
 
 class Generator:
@@ -218,13 +286,17 @@ class Generator:
         Arguments and errors are those of ``raymap.generate``.
         """
         check_names("generate", options, FieldOptions)
-        mesh = core_of(_to_mesh(mesh_or_vertices, faces, options))
+        given = _to_mesh(mesh_or_vertices, faces, options)
+        frame = frame_of(given, to_normalization(options.get("normalize", False)))
+        placed = moved(given, frame)
+        mesh = core_of(placed)
+        grid = fit_grid(partial(_raymap.fit_grid, mesh), lambda: placed.bounds, options)
+        options = with_band(options, grid)
         core_options = to_options(options, options.get("orientation", "auto"), sparse=False)
         core_options.allow_empty = bool(options.get("allow_empty", False))
-        grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
-            return field_of_core(self._core.generate(mesh, grid, core_options, machine, report))
+            return field_of_core(self._core.generate(mesh, grid, core_options, machine, report), frame)
 
 
 def _to_mesh(mesh_or_vertices: Any, faces: Any, options: FieldOptions) -> Mesh:
@@ -245,22 +317,60 @@ def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
         raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
 
 
-def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> _raymap.Grid:
-    """Returns the grid that the options ask for, fitted by a function of the extension module."""
+def fit_grid(
+    fit: Callable[..., _raymap.Grid], bounds_of: Callable[[], npt.NDArray[np.float64]], options: SurfaceFieldOptions
+) -> _raymap.Grid:
+    """Returns the grid that the options ask for: fitted by a function of the extension module, or of a given shape."""
     voxel_size = options.get("voxel_size")
+    size = 0.0 if voxel_size is None else to_length("voxel_size", voxel_size)
     box = None
     if (bounds := options.get("bounds")) is not None:
         box = to_box("bounds", bounds)
         if any(low == high for low, high in zip(*box)):
             raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
     thickness = options.get("thickness")
-    return fit(
-        to_whole("resolution", options.get("resolution", 128), least=1),
-        0.0 if voxel_size is None else to_length("voxel_size", voxel_size),
-        box,
-        to_number("padding", options.get("padding", 0.1), least=0.0, most=FINITE),
-        0.0 if thickness is None else to_length("thickness", thickness),
-    )
+    wall = 0.0 if thickness is None else to_length("thickness", thickness)
+    padding = to_number("padding", options.get("padding", 0.1), least=0.0, most=FINITE)
+    resolution = to_whole("resolution", options.get("resolution", 128), least=1)
+    shape = _to_shape(options, resolution)
+    if (origin := options.get("origin")) is not None:
+        if shape is None or size == 0.0:
+            raise UsageError("origin needs shape and voxel_size beside it; or say the box by bounds")
+        return _raymap.Grid(shape, to_vector("origin", origin), size)
+    if shape is None:
+        return fit(resolution, size, box, padding, wall)
+    low, high = bounds_of() if box is None else np.array(box)
+    pad = 0.0 if box is not None else padding * ((high - low).max() or 1.0) + wall / 2
+    if size == 0.0 and not (size := float(((high - low + 2 * pad) / shape).max())) > 0.0:
+        raise UsageError("the box is empty: give bounds, or a padding above 0")
+    x, y, z = ((low + high - size * (np.array(shape) - 1.0)) / 2).tolist()
+    return _raymap.Grid(shape, (x, y, z), size)
+
+
+def _to_shape(options: SurfaceFieldOptions, resolution: int) -> tuple[int, int, int] | None:
+    """Returns the number of samples if it does not depend on the mesh."""
+    shape, cube = options.get("shape"), options.get("cube", False)
+    if shape is not None:
+        if cube:
+            raise UsageError("shape and cube both say how many samples there are; leave one of them out")
+        return to_wholes("shape", shape, least=1)
+    if not cube:
+        return None
+    if options.get("voxel_size") is not None:
+        raise UsageError("a cube has resolution samples along each side; with voxel_size, give shape in place of cube")
+    return (resolution,) * 3
+
+
+_Options = TypeVar("_Options", bound=SurfaceFieldOptions)
+
+
+def with_band(options: _Options, grid: _raymap.Grid) -> _Options:
+    """Returns options in which a truncation is the band that it is on the grid."""
+    if (truncation := options.get("truncation")) is None:
+        return options
+    if options.get("band") is not None:
+        raise UsageError("truncation takes the place of band; leave one of them out")
+    return {**options, "band": to_length("truncation", truncation) / grid.spacing, "truncation": None}  # type: ignore[return-value]
 
 
 def to_options(given: SurfaceFieldOptions, orientation: Orientation, *, sparse: bool) -> _raymap.FieldOptions:

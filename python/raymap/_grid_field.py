@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap
 from ._arguments import to_number, to_threads
+from ._arrays import Points, SampleOptions, Singles
 from ._errors import UsageError
 from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
@@ -91,6 +92,10 @@ class GridField:
         bounds = self._core.surface_bounds
         return None if bounds is None else np.array(bounds)
 
+    @overload
+    def sample(self, points: Points, **options: Unpack[SampleOptions]) -> Singles: ...
+    @overload
+    def sample(self, points: Any, **options: Unpack[SampleOptions]) -> Any: ...
     def sample(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns distances at any points, negative inside: (...) float32 for points (..., 3).
 
@@ -121,6 +126,10 @@ class GridField:
         """
         return self._sample(points, False, outside, threads)
 
+    @overload
+    def gradient(self, points: Points, **options: Unpack[SampleOptions]) -> Singles: ...
+    @overload
+    def gradient(self, points: Any, **options: Unpack[SampleOptions]) -> Any: ...
     def gradient(self, points: Any, *, outside: Literal["bound", "nan"] = "bound", threads: int | None = None) -> Any:
         """Returns gradients of the distance at any points, (..., 3) float32. They point outwards.
 

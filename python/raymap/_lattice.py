@@ -19,7 +19,7 @@ import numpy.typing as npt
 from . import _inputs, _raymap
 from ._arguments import Vector, to_length
 from ._errors import MemoryLimitError, UsageError
-from ._generate import fit_grid
+from ._generate import SurfaceFieldOptions, fit_grid
 from ._mesh import Mesh, core_of
 from ._records import Orientation
 from ._repair import info
@@ -95,9 +95,10 @@ def make_lattice(
         InputError: The mesh is not valid.
     """
     fit = partial(_raymap.fit_grid, core_of(source.mesh))
-    grid = fit_grid(
-        fit, {"resolution": resolution, "voxel_size": voxel_size, "bounds": bounds, "padding": padding}
-    )
+    options: SurfaceFieldOptions = {
+        "resolution": resolution, "voxel_size": voxel_size, "bounds": bounds, "padding": padding,
+    }  # fmt: skip
+    grid = fit_grid(fit, lambda: source.mesh.bounds, options)
     return Lattice(grid.dims, grid.origin, grid.spacing)
 
 

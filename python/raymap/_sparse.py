@@ -32,6 +32,7 @@ _DENSE_ONLY: dict[str, Any] = {
     "close_holes": False,
     "thickness": None,
     "allow_empty": False,
+    "normalize": False,
 }
 
 

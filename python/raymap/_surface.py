@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Any, Literal, NamedTuple, TypeAlias, Unpack, get_args, overload
+from typing import Any, Generic, Literal, NamedTuple, TypeAlias, TypedDict, TypeVar, Unpack, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
 from ._arguments import set_arrays, to_length, to_number, to_vector, to_wholes
+from ._arrays import Doubles, Indices, Points, Singles
 from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options
+from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options, with_band
 from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
@@ -24,40 +25,68 @@ from ._sparse import SparseField, sparse_of_core, sparse_options
 QueryArray: TypeAlias = Literal[
     "distance", "closest", "triangle", "barycentric", "direction", "winding", "confidence"
 ]
+_Asked: TypeAlias = QueryArray | Iterable[QueryArray]
+
+
+#: Arrays of numbers, and of indices.
+_Numbers = TypeVar("_Numbers")
+_Wholes = TypeVar("_Wholes")
+_Floats = TypeVar("_Floats")
 
 
 @_views.shown
-class Closest(NamedTuple):
+class Closest(NamedTuple, Generic[_Numbers, _Wholes]):
     """Result of ``Surface.closest``: one value per point, in the shape of the points."""
 
-    point: Any
+    point: _Numbers
     """Closest points of the surface, (..., 3), in the mesh's units."""
-    distance: Any
+    distance: _Numbers
     """Distances to them, (...), negative inside; not negative for a surface without a sign."""
-    triangle: Any
+    triangle: _Wholes
     """Indices of triangles that hold them, (...); ``raymap.NO_TRIANGLE`` for a point that is not finite."""
-    barycentric: Any
+    barycentric: _Numbers
     """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
 
 
 @_views.shown
-class Query(NamedTuple):
+class Query(NamedTuple, Generic[_Numbers, _Wholes, _Floats]):
     """Result of ``Surface.query``: one value per point, in the shape of the points. None for what was not asked for."""
 
-    distance: Any
+    distance: _Numbers
     """Distances, (...), in the mesh's units, negative inside; not negative for a surface without a sign."""
-    closest: Any
+    closest: _Numbers
     """Closest points of the surface, (..., 3), in the mesh's units."""
-    triangle: Any
+    triangle: _Wholes
     """Indices of triangles that hold them, (...); ``raymap.NO_TRIANGLE`` if there is none."""
-    barycentric: Any
+    barycentric: _Numbers
     """Weights of the triangles' corners, (..., 3), 0 to 1; their sum is 1."""
-    direction: Any
+    direction: _Numbers
     """Unit vectors from the points to the closest ones, (..., 3); 0 on the surface."""
-    winding: Any
+    winding: _Floats
     """Winding numbers, (...) float32, +1 inside a closed surface that faces outwards."""
-    confidence: Any
+    confidence: _Floats
     """Confidences in the sign, (...) float32, 0 to 1."""
+
+
+class CallOptions(TypedDict, total=False):
+    """Keyword arguments of what asks a surface at points."""
+
+    threads: int | None
+    progress: Progress
+
+
+class QueryOptions(CallOptions, total=False):
+    """Keyword arguments of ``Surface.query``."""
+
+    max_distance: float | None
+
+
+class OnceOptions(CallOptions, total=False):
+    """Keyword arguments of ``raymap.signed_distance``."""
+
+    sign: bool
+    orientation: Orientation
+    memory_limit: int | None
 
 
 @_views.shown
@@ -149,6 +178,12 @@ class Surface:
             self._core = _raymap.Surface(mesh, options, orientation, machine, report)
         self._stats: Stats = self._core.stats()  # type: ignore[assignment]
 
+    @overload
+    def signed_distance(self, points: Singles, **options: Unpack[CallOptions]) -> Singles: ...
+    @overload
+    def signed_distance(self, points: Points, **options: Unpack[CallOptions]) -> Doubles: ...
+    @overload
+    def signed_distance(self, points: Any, **options: Unpack[CallOptions]) -> Any: ...
     def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
         """Returns distances at points, (...) for points (..., 3), negative inside, in the mesh's units.
 
@@ -170,6 +205,10 @@ class Surface:
         """
         return self.query(points, threads=threads, progress=progress).distance
 
+    @overload
+    def contains(self, points: Points, **options: Unpack[CallOptions]) -> npt.NDArray[np.bool_]: ...
+    @overload
+    def contains(self, points: Any, **options: Unpack[CallOptions]) -> Any: ...
     def contains(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
         """Returns whether points are inside, (...) bool for points (..., 3).
 
@@ -190,7 +229,13 @@ class Surface:
         found = self._query(points, {"distance"}, None, threads, progress)
         return _arrays.like(np.asarray(found["distance"] < 0), points)
 
-    def closest(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Closest:
+    @overload
+    def closest(self, points: Singles, **options: Unpack[CallOptions]) -> Closest[Singles, Indices]: ...
+    @overload
+    def closest(self, points: Points, **options: Unpack[CallOptions]) -> Closest[Doubles, Indices]: ...
+    @overload
+    def closest(self, points: Any, **options: Unpack[CallOptions]) -> Closest[Any, Any]: ...
+    def closest(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Closest[Any, Any]:
         """Returns closest points of the surface, distances, triangles and barycentric coordinates.
 
         Where several points are equally close, it is one of them, always the same. Arguments and errors are those of
@@ -209,15 +254,25 @@ class Surface:
         )
         return Closest(found.closest, found.distance, found.triangle, found.barycentric)
 
+    @overload
+    def query(
+        self, points: Singles, arrays: _Asked = ..., **options: Unpack[QueryOptions]
+    ) -> Query[Singles, Indices, Singles]: ...
+    @overload
+    def query(
+        self, points: Points, arrays: _Asked = ..., **options: Unpack[QueryOptions]
+    ) -> Query[Doubles, Indices, Singles]: ...
+    @overload
+    def query(self, points: Any, arrays: _Asked = ..., **options: Unpack[QueryOptions]) -> Query[Any, Any, Any]: ...
     def query(
         self,
         points: Any,
-        arrays: Iterable[QueryArray] = ("distance",),
+        arrays: _Asked = ("distance",),
         *,
         max_distance: float | None = None,
         threads: int | None = None,
         progress: Progress = None,
-    ) -> Query:
+    ) -> Query[Any, Any, Any]:
         """Returns what is asked for at points: the fields of ``raymap.Query``.
 
         Args:
@@ -285,12 +340,13 @@ class Surface:
         check_names("generate", options, SurfaceFieldOptions)
         if not self._sign:
             options = {"sign": "none", **options}
+        grid = fit_grid(self._core.fit_grid, lambda: self.mesh.bounds, options)
+        options = with_band(options, grid)
         core_options = to_options(options, self._orientation, sparse=sparse)
         if sparse:
             band_options = sparse_options(options, core_options)
             if (core_options.sign != "none") != self._sign or core_options.threshold != 0.5:
                 raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
-        grid = fit_grid(self._core.fit_grid, options)
         machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
             if sparse:
@@ -306,7 +362,7 @@ class Surface:
         spacing: float,
         dims: Iterable[int],
         band: float | None = None,
-        arrays: Iterable[FieldArray] = ("distance",),
+        arrays: FieldArray | Iterable[FieldArray] = ("distance",),
         threads: int | None = None,
         memory_limit: int | None = None,
         progress: Progress = None,
@@ -416,6 +472,11 @@ class Surface:
         return mesh_of_arrays(self._core.vertices(), self._core.faces(), self._core.origin)
 
     @property
+    def nbytes(self) -> int:
+        """Memory that the surface holds, in bytes."""
+        return self._core.bytes
+
+    @property
     def stats(self) -> Stats:
         """Cost of the preparation, and findings about the mesh."""
         return self._stats
@@ -428,6 +489,12 @@ class Surface:
         return _prepare, (self.mesh, self._sign, self._orientation, self._threads, self._memory_limit)
 
 
+@overload
+def signed_distance(mesh: Any, points: Singles, **options: Unpack[OnceOptions]) -> Singles: ...
+@overload
+def signed_distance(mesh: Any, points: Points, **options: Unpack[OnceOptions]) -> Doubles: ...
+@overload
+def signed_distance(mesh: Any, points: Any, **options: Unpack[OnceOptions]) -> Any: ...
 def signed_distance(
     mesh: Any,
     points: Any,

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import io
 import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
+
+import numpy as np
 
 from ._errors import Error, FileError
 
@@ -45,6 +49,21 @@ def folder_beside(target: Path) -> Iterator[Path]:
             with suppress(OSError):  # There are no locks here, so nobody removes it.
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             yield Path(folder)
+
+
+def npz_bytes(arrays: Mapping[str, Any]) -> bytes:
+    """Returns the bytes of a .npz. Those of the same arrays are always the same: it holds no time."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        add_arrays(archive, arrays)
+    return content.getvalue()
+
+
+def add_arrays(archive: zipfile.ZipFile, arrays: Mapping[str, Any]) -> None:
+    """Adds arrays to a .npz."""
+    for name, value in arrays.items():
+        with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as file:
+            np.lib.format.write_array(file, np.asarray(value), allow_pickle=False)
 
 
 def remove_leftovers(folder: str | os.PathLike[str]) -> None:

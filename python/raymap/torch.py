@@ -11,9 +11,18 @@ tensor([[0., 0., 1.]])
 from __future__ import annotations
 
 import importlib
-from typing import Any
+import os
+from collections.abc import Iterable, Iterator
+from typing import Any, Unpack
 
+import numpy as np
+import numpy.typing as npt
+
+from ._arguments import to_whole
+from ._errors import UsageError
+from ._samples import Sampler, SamplerOptions, to_seed, to_surface
 from ._surface import Surface
+from .dataset.read import Results
 
 try:
     torch: Any = importlib.import_module("torch")  # Any, so that types are the same with PyTorch and without.
@@ -56,3 +65,176 @@ def signed_distance(surface: Surface, points: Any, *, threads: int | None = None
     if not isinstance(points, torch.Tensor):
         raise TypeError(f"points must be a tensor, not {type(points).__name__}; NumPy: surface.signed_distance(points)")
     return _SignedDistance.apply(points, surface, threads)
+
+
+def _tensors(arrays: dict[str, Any]) -> dict[str, Any]:
+    """Returns a dict whose arrays are tensors. PyTorch collates no uint32, so such numbers become int64."""
+    return {
+        name: torch.from_numpy(value.astype(np.int64) if value.dtype == np.uint32 else value)
+        if isinstance(value, np.ndarray)
+        else value
+        for name, value in arrays.items()
+    }
+
+
+class ResultDataset(torch.utils.data.Dataset):  # type: ignore[misc]
+    """Results of ``raymap.dataset.generate`` or ``raymap.dataset.pack`` as a dataset of PyTorch.
+
+    An item is a dict: the ``name`` of the mesh, and tensors with the arrays of its .npz, such as ``distance``
+    (nx, ny, nz), negative inside. Fields of one shape can be collated.
+
+    Args:
+        place: Folder of results or of shards, or an URL of shards that fsspec knows.
+        arrays: Names of the arrays to read; None = all.
+        what: What is read of a folder of results: ``"field"`` or ``"points"``.
+
+    Raises:
+        UsageError: There is no result, results are no .npz, or lack an array.
+        InputError: A file is torn.
+        FileError: A file cannot be read.
+    """
+
+    def __init__(self, place: str | os.PathLike[str], arrays: Iterable[str] | None = None, what: str = "field") -> None:
+        self._results = Results(place, arrays, what)
+
+    def __len__(self) -> int:
+        return len(self._results)
+
+    def __getitem__(self, index: int) -> dict[str, Any]:
+        return _tensors(self._results[index])
+
+
+class _Stream(torch.utils.data.IterableDataset):  # type: ignore[misc]
+    """Items by their numbers. A loader with ``batch_size=None`` gives them in one order for any number of workers."""
+
+    def __init__(self, seed: int, rank: int, ranks: int) -> None:
+        self._seed = to_seed(seed)
+        self._ranks = to_whole("ranks", ranks, least=1)
+        self._rank = to_whole("rank", rank, most=self._ranks - 1)
+        self._epoch = 0
+
+    def set_epoch(self, epoch: int) -> None:
+        """Chooses the order and the points of the next epoch. Call it before a loader begins one, as its workers start.
+
+        Workers that live longer (``persistent_workers=True``) do not hear of it.
+        """
+        self._epoch = to_whole("epoch", epoch)
+
+    def _permutation(self, count: int, *of: int) -> npt.NDArray[np.int64]:
+        """Returns an order that depends on the seed, the epoch and ``of`` alone."""
+        key = np.random.SeedSequence((self._seed, self._epoch, *of)).generate_state(2, np.uint64)
+        return np.argsort(np.random.Philox(key=key).random_raw(count), kind="stable")
+
+    def _own(self, count: int) -> range:
+        """Returns the numbers of those of so many items that this worker of this rank yields."""
+        worker = torch.utils.data.get_worker_info()
+        number, workers = (0, 1) if worker is None else (worker.id, worker.num_workers)
+        return range(self._rank + self._ranks * number, count, self._ranks * workers)
+
+
+class ResultStream(_Stream):
+    """Results as ``ResultDataset`` reads them, as a stream in a random order.
+
+    The order is one of the shards, and within each of its samples. It is the same for any number of workers, if the
+    loader does not batch (``batch_size=None``), and with one worker or none in any case.
+
+    Args:
+        place: Folder of results or of shards, or an URL of shards that fsspec knows.
+        arrays: Names of the arrays to read; None = all.
+        what: What is read of a folder of results: ``"field"`` or ``"points"``.
+        seed: Whole number from 0 to 2^64 - 1. Another one gives another order.
+        rank: Number of this process among those that train together. Each gets other results.
+        ranks: Number of these processes.
+
+    Raises:
+        UsageError, InputError, FileError: As for ``ResultDataset``.
+    """
+
+    def __init__(
+        self,
+        place: str | os.PathLike[str],
+        arrays: Iterable[str] | None = None,
+        what: str = "field",
+        *,
+        seed: int = 0,
+        rank: int = 0,
+        ranks: int = 1,
+    ) -> None:
+        super().__init__(seed, rank, ranks)
+        self._results = Results(place, arrays, what)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        firsts = np.cumsum([0, *self._results.groups])
+        shards = self._permutation(len(self._results.groups))
+        order = [firsts[k] + self._permutation(self._results.groups[k], int(k)) for k in shards]
+        numbers = np.concatenate(order)
+        for k in self._own(len(numbers)):
+            yield _tensors(self._results[int(numbers[k])])
+
+
+class SurfaceSamples(_Stream):
+    """Points with what networks learn of them, sampled from meshes while one trains: a stream of blocks.
+
+    An item is a block of a ``raymap.Sampler`` with tensors, and the number ``mesh`` of the mesh. An epoch has ``blocks``
+    blocks of each mesh, in rounds: in each, every mesh has its turn, in a random order. Another epoch has other points.
+    The stream is the same, bit for bit, for any number of workers, forked or spawned, if the loader does not batch
+    (``batch_size=None``). If the number of workers divides that of the meshes, each mesh is prepared by one worker alone.
+
+    Each worker keeps prepared meshes up to ``memory_limit`` together, and prepares others anew at each turn.
+
+    Args:
+        meshes: Meshes, or paths of files, as for ``raymap.Surface``. Only their paths go to workers that are spawned.
+        blocks: Number of blocks of each mesh in an epoch.
+        memory_limit: Most bytes that the prepared meshes of a worker may take.
+        seed: Whole number from 0 to 2^64 - 1. Another one gives other points.
+        rank: Number of this process among those that train together. Each gets other blocks.
+        ranks: Number of these processes.
+        **options: Options of ``raymap.Sampler`` without ``seed``; ``block`` is the number of points of a block. One thread
+            samples, unless ``threads`` says otherwise.
+
+    Raises:
+        UsageError: Arguments that make no sense, or no mesh.
+        InputError, FileError: A mesh is not valid, or cannot be read: when it has its turn.
+    """
+
+    def __init__(
+        self,
+        meshes: Iterable[Any],
+        *,
+        blocks: int = 1,
+        memory_limit: int = 4 << 30,
+        seed: int = 0,
+        rank: int = 0,
+        ranks: int = 1,
+        **options: Unpack[SamplerOptions],
+    ) -> None:
+        super().__init__(seed, rank, ranks)
+        self._meshes = [meshes] if isinstance(meshes, (str, os.PathLike)) else list(meshes)
+        if not self._meshes:
+            raise UsageError("meshes: there is none")
+        self._blocks = to_whole("blocks", blocks, least=1)
+        self._memory = to_whole("memory_limit", memory_limit, least=1, most=2**63 - 1)
+        self._options: SamplerOptions = {"block": 1 << 14, "threads": 1, **options}
+        self._kept: dict[int, Surface] = {}
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        count = len(self._meshes)
+        order = self._permutation(count)
+        for k in self._own(count * self._blocks):
+            mesh = int(order[k % count])
+            seed = int(np.random.SeedSequence((self._seed, self._epoch, mesh)).generate_state(1, np.uint64)[0])
+            size = self._options["block"]
+            sampler = Sampler(self._surface(mesh), size * self._blocks, seed=seed, **self._options)
+            yield _tensors({"mesh": mesh, **sampler[k // count]})
+
+    def _surface(self, mesh: int) -> Surface:
+        """Returns a prepared mesh. Keeps it if it fits beside those that are kept: turns go round, so none is better."""
+        if mesh in self._kept:
+            return self._kept[mesh]
+        surface = to_surface(self._meshes[mesh], self._options["threads"])
+        if sum(kept.nbytes for kept in self._kept.values()) + surface.nbytes <= self._memory:
+            self._kept[mesh] = surface
+        return surface
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_kept": {}}  # Workers prepare what they need.

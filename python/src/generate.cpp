@@ -93,6 +93,13 @@ Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::opti
 
 void bindGenerate(nb::module_& module) {
   nb::class_<Grid>(module, "Grid")
+      .def(
+          "__init__",
+          [](Grid* self, const std::tuple<int, int, int>& dims, const Triple& origin, double spacing) {
+            const auto [x, y, z] = dims;
+            new (self) Grid{.dims = {x, y, z}, .origin = toVector(origin), .spacing = spacing};
+          },
+          "dims"_a, "origin"_a, "spacing"_a)
       .def_prop_ro("dims", [](const Grid& self) { return std::tuple(self.dims.x, self.dims.y, self.dims.z); })
       .def_prop_ro("origin", [](const Grid& self) { return toTriple(self.origin); })
       .def_ro("spacing", &Grid::spacing);

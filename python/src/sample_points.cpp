@@ -64,7 +64,10 @@ void bindSamplePoints(nb::module_& module) {
       .def_rw("near", &SamplePointsOptions::nearShare)
       .def_rw("sigmas", &SamplePointsOptions::sigmas)
       .def_rw("seed", &SamplePointsOptions::seed)
-      .def_rw("normalize", &SamplePointsOptions::normalize);
+      .def_rw("normalize", &SamplePointsOptions::normalize)
+      .def_rw("unit", &SamplePointsOptions::unit)
+      .def_rw("in_cube", &SamplePointsOptions::inCube)
+      .def_rw("reach", &SamplePointsOptions::reach);
   module.def("sample_point_counts", &samplePointCounts, "options"_a);
   module.def("sample_points", &choosePoints, "surface"_a, "options"_a, "machine"_a, "progress"_a.none());
   module.def("sample_rows", &rows, "points"_a, "distance"_a, "inside"_a);

@@ -143,6 +143,7 @@ void bindSurface(nb::module_& module) {
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })
       .def("vertices", &surfaceVertices)
       .def("faces", &surfaceFaces)
+      .def_prop_ro("bytes", &Surface::bytes)
       .def_prop_ro("origin", [](const Surface& self) { return toTriple(self.mesh().origin); });
 }
 

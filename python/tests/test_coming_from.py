@@ -52,8 +52,39 @@ def test_results_agree(package, monkeypatch):
     theirs, ours = run(package, monkeypatch, vertices * 3 + (1, 2, 3), faces, points)
     assert theirs.shape == ours.shape
     np.testing.assert_allclose(theirs, ours, atol=AGREEMENT[package], rtol=0)
-    assert ours.min() < (-0.85 if package == "mesh_to_voxels" else -1)
-    assert ours.max() > (0.7 if package == "mesh_to_voxels" else 1)
+    is_scaled = package in ("mesh_to_voxels", "mesh2sdf")
+    assert ours.min() < (-0.75 if is_scaled else -1)
+    assert ours.max() > (0.7 if is_scaled else 1)
+
+
+def test_the_sampler_of_mesh_to_sdf(monkeypatch):
+    """The page names our call: as many points, in the same ball, with distances of the same sign."""
+    monkeypatch.setitem(os.environ, "PYOPENGL_PLATFORM", "egl")
+    vertices, faces = make_ball()
+    mesh = load("trimesh").Trimesh(vertices * 3 + (1, 2, 3), faces)
+    options = dict(surface_point_method="sample", sign_method="normal", sample_point_count=50000)
+    points, theirs = load("mesh_to_sdf").sample_sdf_near_surface(mesh, 1000, **options)
+    ours = raymap.sample_points(mesh, 1000, normalize=True)
+    assert points.shape == ours.points.shape and theirs.shape == ours.distance.shape
+    for at, found in ((points, theirs), (ours.points, ours.distance)):
+        np.testing.assert_allclose(found, np.linalg.norm(at, axis=1) - 1, atol=0.05)
+        assert 0.4 < (found < 0).mean() < 0.65 and 40 <= (np.abs(found) > 0.05).sum() <= 60
+
+
+@pytest.mark.parametrize("text, first, last", [
+    ("mesh_to_voxels", -1, 1),
+    ("Occupancy Networks", -0.55 + 1.1 / 64, 0.55 - 1.1 / 64),
+    ("SDFusion", -1.3 + 1.3 / 64, 1.3 - 1.3 / 64),
+])  # fmt: skip
+def test_grids_of_networks_lie_where_the_page_says(text, first, last):
+    options = re.search(rf"^\| .*{text}.* \| `(.*)` \|$", PAGE.split("## Grids of networks")[1], re.MULTILINE)[1]
+    vertices, faces = make_ball(1)
+    names = dict(raymap=raymap, vertices=vertices * (3, 2, 1) + 5, faces=faces, n=32)
+    field = eval(f"raymap.generate(vertices, faces, device='cpu', {options})", names)
+    n = field.shape[0]
+    assert field.shape == (n, n, n) and n in (32, 64)
+    np.testing.assert_allclose(field.origin, [first] * 3, atol=1e-9)
+    assert field.spacing == pytest.approx((last - first) / (n - 1))
 
 
 @pytest.mark.parametrize("package", ROWS)

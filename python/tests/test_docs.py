@@ -16,7 +16,7 @@ from pages import run_page, run_test
 
 FOUND = [module.name for module in pkgutil.walk_packages(raymap.__path__, "raymap.")]
 MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.torch"))]
-PAGES = ["README.md", "docs/python.md", "docs/datasets.md", "docs/huge_fields.md", "python/README.md"]
+PAGES = ["README.md", "docs/python.md", "docs/datasets.md", "docs/samples.md", "docs/huge_fields.md", "python/README.md"]
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -116,6 +116,7 @@ torch = types.ModuleType("torch")
 torch.autograd = types.SimpleNamespace(
     Function=object, function=types.SimpleNamespace(once_differentiable=lambda function: function))
 torch.Tensor = type("Tensor", (), {})
+torch.utils = types.SimpleNamespace(data=types.SimpleNamespace(Dataset=object, IterableDataset=object))
 sys.modules["torch"] = torch
 import raymap
 assert "raymap.torch" not in sys.modules

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -40,8 +41,9 @@ vertices, faces, points = np.zeros((3, 3)), np.zeros((1, 3), np.int32), np.zeros
 """
 
 
-def test_pyright_accepts_the_pages(tmp_path: Path) -> None:
+def test_pyright_accepts_the_program_and_the_pages(tmp_path: Path) -> None:
     load("pyright")
+    shutil.copy(PROGRAM, tmp_path)
     for page in PAGES:
         code = code_of(Path(ROOT, page).read_text(), page)
         program = doctest.script_from_examples(code) if ">>>" in code else code
@@ -55,7 +57,7 @@ def test_pyright_accepts_the_pages(tmp_path: Path) -> None:
         check=False,
     )
     found = json.loads(ran.stdout)
-    assert found["summary"]["filesAnalyzed"] == len(PAGES) + len(BLOCKS)
+    assert found["summary"]["filesAnalyzed"] == 1 + len(PAGES) + len(BLOCKS)
     errors = [error for error in found["generalDiagnostics"] if error["severity"] == "error" and is_ours(error)]
     assert not errors, errors
 

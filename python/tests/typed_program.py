@@ -15,6 +15,17 @@ surface: raymap.Mesh = field.to_mesh(iso=0.1, progress=lambda stage, done: print
 prepared = raymap.Surface(mesh, orientation="keep")
 winding = prepared.query((0, 0, 0), ("winding", "distance"), max_distance=0.5).winding
 distances: npt.NDArray[np.float64] = raymap.signed_distance(mesh, [(0, 0, 0)], sign=False)
+singles = np.zeros((2, 3), np.float32)
+single_distances: npt.NDArray[np.float32] = prepared.signed_distance(singles, threads=1)
+double_distances: npt.NDArray[np.float64] = prepared.signed_distance(np.zeros((2, 3)))
+is_inside: npt.NDArray[np.bool_] = prepared.contains([(0, 0, 0)])
+single_closest: npt.NDArray[np.float32] = prepared.closest(singles).point
+triangles: npt.NDArray[np.uint32] = prepared.closest([(0, 0, 0)]).triangle
+numbers: npt.NDArray[np.float32] = prepared.query(np.zeros((2, 3)), "winding").winding
+directions: npt.NDArray[np.float64] = prepared.query([(0, 0, 0)], ("direction",), max_distance=9.0).direction
+between: npt.NDArray[np.float32] = field.sample([(0, 0, 0)], outside="nan") + field.gradient(singles)[:, 0]
+with_winding: npt.NDArray[np.float32] = raymap.generate(mesh, resolution=16, arrays="winding").winding
+block: dict[str, npt.NDArray[np.float32]] = raymap.Sampler(mesh, 100, arrays="distance")[0]
 again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
 band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=(2, 3), sparse=True)
 band_picture: npt.NDArray[np.uint8] = band.render(width=32, height=24, cut=True, eye=(3, 1, 2), threads=1)
@@ -47,10 +58,12 @@ if TYPE_CHECKING:
     raymap.generate(mesh, distance="near")  # type: ignore[call-overload]
     raymap.generate(mesh, resolutoin=3)  # type: ignore[call-overload]
     generator.generate(mesh, threads="all")  # type: ignore[arg-type]
-    raymap.signed_distance(mesh)  # type: ignore[call-arg]
+    raymap.signed_distance(mesh)  # type: ignore[call-overload]
     field.distance = distance  # type: ignore[misc]
     field.slice("w")  # type: ignore[arg-type]
     prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
+    wrong: npt.NDArray[np.float32] = prepared.signed_distance(np.zeros((2, 3)))  # type: ignore[assignment]
+    prepared.signed_distance(singles, treads=1)  # type: ignore[call-overload]
     prepared.generate(orientation="keep")  # type: ignore[call-overload]
     found["colour"]  # type: ignore[typeddict-item]
     raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[index]

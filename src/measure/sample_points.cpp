@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/require.h"
@@ -128,7 +129,17 @@ void requireShare(const char* name, double share) {
           std::string(name) + " must be a share from 0 to 1, not " + numberText(share));
 }
 
-/// Chooses points near a surface, then in its bounding sphere, in the mesh's units.
+double reachOf(const SamplePointsOptions& options, const BoundingSphere& sphere) {
+  return options.reach > 0.0 ? options.reach : sphere.radius;
+}
+
+/// Returns the length of the mesh that becomes 1.
+double unitOf(const SamplePointsOptions& options, const BoundingSphere& sphere) {
+  if (options.unit > 0.0) return options.unit;
+  return options.normalize ? sphere.radius : 1.0;
+}
+
+/// Chooses points near a surface, then all around, in the mesh's units.
 void chooseOthers(const std::vector<size_t>& counts, const SamplePointsOptions& options,
                   const AreaSampler& areas, const BoundingSphere& sphere, RandomNumbers& random,
                   glm::dvec3* to) {
@@ -141,19 +152,28 @@ void chooseOthers(const std::vector<size_t>& counts, const SamplePointsOptions& 
       *to++ = chosen[i].position + offset * deviation;
     }
   }
-  for (const glm::dvec3& point : random.inBall<3>(counts.back()))
-    *to++ = sphere.centre + point * sphere.radius;
+  const double reach = reachOf(options, sphere);
+  if (!options.inCube) {
+    for (const glm::dvec3& point : random.inBall<3>(counts.back())) *to++ = sphere.centre + point * reach;
+    return;
+  }
+  for (size_t i = 0; i < counts.back(); ++i) {
+    glm::dvec3 point;
+    for (int c = 0; c < 3; ++c) point[c] = 2.0 * random.uniform() - 1.0;
+    *to++ = sphere.centre + point * reach;
+  }
 }
 
 /// Moves points in place from the mesh's units to those of the samples, and rounds them. Returns their
 /// positions in the mesh.
 std::vector<glm::dvec3> store(const SamplePointsOptions& options, const BoundingSphere& sphere,
                               PointSamples& samples) {
-  const double unit = options.normalize ? sphere.radius : 1.0;
-  if (options.normalize) samples.centre = sphere.centre;
+  const double unit = unitOf(options, sphere);
+  if (options.normalize || options.unit > 0.0) samples.centre = sphere.centre;
   samples.scale = 1.0 / unit;
   const glm::dvec3 away = glm::abs(sphere.centre - samples.centre);
-  const bool isSingle = isSingleEnough((std::max({away.x, away.y, away.z}) + sphere.radius) / unit,
+  const double reach = std::max(reachOf(options, sphere), sphere.radius);
+  const bool isSingle = isSingleEnough((std::max({away.x, away.y, away.z}) + reach) / unit,
                                        *std::ranges::min_element(options.sigmas) * sphere.radius / unit);
   std::vector<glm::dvec3> positions;
   positions.reserve(samples.points.size());
@@ -197,6 +217,9 @@ std::vector<size_t> samplePointCounts(const SamplePointsOptions& options) {
   for (const double sigma : options.sigmas)
     require(sigma >= 0.0 && std::isfinite(sigma),
             "sigma must be numbers from 0 on, not " + numberText(sigma));
+  for (const auto& [name, length] : {std::pair("unit", options.unit), {"reach", options.reach}})
+    require(length >= 0.0 && std::isfinite(length),
+            std::string(name) + " must be a length from 0 on, not " + numberText(length));
   const auto countOf = [&](double share) {
     return static_cast<size_t>(std::nearbyint(double(options.count) * share));
   };
@@ -237,8 +260,7 @@ PointSamples samplePoints(const Surface& surface, const SamplePointsOptions& opt
   turnOutwards(surface, machine, onSurface, kBeside * sphere.radius, gradient);
   for (glm::dvec3& normal : gradient) normal += 0.0;  // No number is -0.
   const std::vector<glm::dvec3> positions = store(options, sphere, samples);
-  measureOthers(surface, machine, positions, onSurface.size(), options.normalize ? sphere.radius : 1.0,
-                samples);
+  measureOthers(surface, machine, positions, onSurface.size(), unitOf(options, sphere), samples);
   return samples;
 }
 

@@ -272,5 +272,31 @@ TEST(SamplePoints, NeedASignAndAnArea) {
   EXPECT_EQ(codeOf([&] { samplePoints(Surface(line)); }), ErrorCode::Input);
 }
 
+/// In a region of any size, of a mesh of any size.
+TEST(SamplePoints, LieInTheRegionOfTheOptions) {
+  const Surface surface(shapes::torus(2.0, 0.7, 20, 12));
+  for (const bool inCube : {false, true}) {
+    const PointSamples samples =
+        samplePoints(surface, {.count = 4000, .nearShare = 0.0, .unit = 4.0, .inCube = inCube, .reach = 6.0});
+    EXPECT_EQ(samples.scale, 0.25);
+    size_t close = 0;
+    double farthest = 0.0;
+    for (size_t i = 0; i < samples.points.size(); ++i) {
+      const glm::dvec3 point = samples.points[i], size = glm::abs(point);
+      const double away = inCube ? std::max({size.x, size.y, size.z}) : glm::length(point);
+      farthest = std::max(farthest, away);
+      close += away < 0.75 ? 1 : 0;  // An eighth of the region
+      const glm::dvec3 position = point / samples.scale + samples.centre;
+      const QueryResult found = surface.query(std::span(&position, 1));
+      EXPECT_NEAR(samples.distance[i], found.distance[0] * samples.scale, 1e-7);
+    }
+    EXPECT_GT(farthest, 1.48);
+    EXPECT_LE(farthest, 1.5 + 1e-6);
+    EXPECT_NEAR(double(close) / 4000.0, 0.125, 0.02);
+  }
+  EXPECT_EQ(codeOf([&] { samplePoints(surface, {.unit = -1.0}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { samplePoints(surface, {.reach = INFINITY}); }), ErrorCode::Usage);
+}
+
 }  // namespace
 }  // namespace raymap

@@ -14,11 +14,12 @@ from .._errors import FileError, UsageError, warn
 from .._progress import reporting
 from .._whole_file import file_errors, only_writer, remove_leftovers
 from .jobs import Options, PathLike, make_jobs
+from .packing import Packed, pack
 from .pages import page_paths, parquet_path, write_pages
 from .run import run_jobs
-from .work import FORMATS, Job, Outcome, left, other_results
+from .work import FORMATS, Job, Outcome, left, other_results, planned
 
-__all__ = ["FORMATS", "Format", "Options", "Summary", "What", "generate"]
+__all__ = ["FORMATS", "Format", "Options", "Packed", "Summary", "What", "generate", "pack"]
 
 What: TypeAlias = Literal["field", "points"]
 Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
@@ -59,6 +60,7 @@ def generate(
     time_limit: float = 600.0,
     retry: bool = False,
     pages: bool = False,
+    dry_run: bool = False,
     client: Any = None,
     **options: Unpack[Options],
 ) -> Summary:
@@ -78,9 +80,12 @@ def generate(
 
     Args:
         paths_or_folder: Folder whose meshes are made, with all folders in it; or paths of meshes with different names.
+            Each may be an URL that fsspec knows, such as ``s3://bucket/meshes``: every run then copies each mesh to this
+            machine, one at a time for each worker.
         out: Folder of the results. It is made if it does not exist. With ``client``, all workers must reach it.
         what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
-            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``.
+            ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``. With ``recipe``, points and files
+            are those of ``raymap.recipes.save``.
         format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"`` or ``"vdb"``; see ``raymap.Field.save``.
             OpenVDB's files hold the same numbers, but not the same bytes, whenever they are written.
         table: A .parquet to which the table is written as well, with types. Its folder is made if it does not exist.
@@ -91,10 +96,14 @@ def generate(
         retry: Whether to try quarantined meshes again although nothing has changed.
         pages: Whether to write a page beside each field, ``out/MESH.html``, as ``raymap.Field.to_html`` does, with the
             mesh's defects. ``index.html`` links to them. A finished mesh that lacks its page is made again.
+        dry_run: Whether to write nothing, and only to find out what there is to do: ``Summary.new`` has the names of
+            the meshes that a run would make.
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
         **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
             ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
-            ``memory_limit=4 << 30``, which counts all that its process takes for it.
+            ``memory_limit=4 << 30``, which counts all that its process takes for it. ``bounds`` may be a dict with a
+            box for each mesh, by its path below the folder. The ``centre`` and ``scale`` of ``normalize`` are in the
+            table, the markers, and in each .npz.
 
     Raises:
         UsageError: Arguments that make no sense, or two meshes with one name.
@@ -116,6 +125,10 @@ def generate(
     jobs = make_jobs(paths_or_folder, folder, what, format, time_limit, retry, bool(pages), options)
     parquet = None if table is None else parquet_path(table)
     workers = _worker_count(workers)
+    if dry_run:
+        plan = [planned(job) for job in jobs]
+        others = other_results(jobs, plan, folder, what)
+        return _summary(plan, [outcome.name for outcome in plan if outcome.is_new], others, time.monotonic() - start)
     with only_writer(folder):
         if parquet is not None:
             with file_errors():

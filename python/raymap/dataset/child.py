@@ -42,6 +42,7 @@ from .._mesh import Mesh, load_mesh, tetrahedron
 from .._raymap import write_whole
 from .._repair import info
 from .._samples import sample_points, save_as_npz
+from ..recipes import recipe_of, samples_of
 from .files import readable
 
 _IDLE_SECONDS = 60.0
@@ -164,7 +165,8 @@ def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], di
         if page is not None:
             write_whole(job["page"], page.encode())
 
-    return write, {"field": _field_figures(field)}
+    frame = {"centre": field.centre.tolist(), "scale": field.scale} if job["options"]["normalize"] else {}
+    return write, {"field": {**_field_figures(field), **frame}}
 
 
 def _picture(field: Field, threads: int) -> bytes:
@@ -186,12 +188,17 @@ def _field_figures(field: Field) -> dict[str, Any]:
 
 
 def _make_points(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
-    samples = sample_points(mesh, **job["options"], threads=job["threads"])
+    options, recipe = job["options"], None
+    if "recipe" in options:
+        recipe = recipe_of(options["recipe"])
+        samples = samples_of(recipe, mesh, options["n"], options["seed"], job["threads"])
+    else:
+        samples = sample_points(mesh, **options, threads=job["threads"])
     small = generate(mesh, resolution=48, device="cpu", threads=job["threads"], memory_limit=job["memory_limit"])
     picture = _picture(small, job["threads"])
 
     def write() -> None:
-        save_as_npz(samples, job["result"])
+        (save_as_npz if recipe is None else recipe.write)(samples, job["result"])
         write_whole(job["thumbnail"], picture)
 
     figures = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import importlib
 import io
+import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -59,12 +60,25 @@ def write_pages(
 
 
 def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
-    """Returns a table in which cells without a value are null."""
+    """Returns a table in which cells without a value are null. pandas reads its whole numbers as such."""
     arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     values = {name: [None if row.get(name, "") == "" else row[name] for row in rows] for name in columns}
     content = arrow.BufferOutputStream()
-    parquet.write_table(arrow.table(values), content)
+    table = arrow.table(values)
+    parquet.write_table(table.replace_schema_metadata({"pandas": json.dumps(_pandas(table.schema))}), content)
     return bytes(content.getvalue())
+
+
+def _pandas(schema: Any) -> dict[str, Any]:
+    """Returns what tells pandas to read columns with missing cells as whole numbers and booleans, not as floats."""
+    kinds = {"int64": "Int64", "bool": "boolean"}
+    columns = [
+        {"name": field.name, "field_name": field.name, "pandas_type": str(field.type), "metadata": None,
+         "numpy_type": kinds[str(field.type)]}
+        for field in schema
+        if str(field.type) in kinds
+    ]  # fmt: skip
+    return {"index_columns": [], "column_indexes": [], "columns": columns, "pandas_version": "2"}
 
 
 def _row(job: Job, unfinished: dict[str, str]) -> dict[str, Any]:

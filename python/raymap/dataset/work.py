@@ -8,7 +8,7 @@ import os
 import shutil
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 
@@ -16,11 +16,15 @@ from .._raymap import version, write_whole
 from .._whole_file import file_errors, folder_beside
 from .children import Children, Failure
 from .files import buffer_hashes, file_hash
+from .storage import MeshUnreadable, mesh_here, unreadable
 
 State: TypeAlias = Literal["done", "quarantined", "unfinished"]
 
 #: Formats of fields. The files are the same, bit for bit, whenever they are written, but for OpenVDB's.
 FORMATS = ("npz", "npy", "nrrd", "vti", "vdb")
+
+#: Endings of all results, those of points included.
+_ENDINGS = tuple(f".{format}" for format in (*FORMATS, "xyz"))
 
 #: What stands before the endings of all files of a kind: fields and points of a mesh may lie side by side.
 KINDS = {"field": "", "points": ".points"}
@@ -113,16 +117,22 @@ def work(job: Job, children: Children | None = None) -> Outcome:
             the mesh.
     """
     try:
-        hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
-    except OSError as error:
-        return Outcome(job.name, "unfinished", False, f"the mesh cannot be read: {error.strerror}")
-    key = _key(hashes, job)
-    if (state := _finished(job, key)) is not None:
+        with mesh_here(job.mesh, job.memory_limit) as mesh:
+            return _work(replace(job, mesh=mesh), children or _children)
+    except MeshUnreadable as error:
+        return Outcome(job.name, "unfinished", False, str(error))
+
+
+def _work(job: Job, children: Children) -> Outcome:
+    """Does the work for a mesh that is on this machine."""
+    hashes, state = _found(job)
+    if state is not None:
         return Outcome(job.name, state, False)
+    key = _key(hashes, job)
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(job.result) as folder:
-            answer = (children or _children).do(_request(job, folder), job.time_limit)
+            answer = children.do(_request(job, folder), job.time_limit)
             inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
             marker = {**inputs, "raymap": version()}
             if not isinstance(answer, Failure):
@@ -132,6 +142,27 @@ def work(job: Job, children: Children | None = None) -> Outcome:
                 return Outcome(job.name, "unfinished", False, answer.reason)
             _quarantine(job, answer, marker)
             return Outcome(job.name, "quarantined", True)
+
+
+def _found(job: Job) -> tuple[Hashes, State | None]:
+    """Returns the hashes of a mesh, and how it was finished before.
+
+    Raises:
+        MeshUnreadable: The mesh cannot be read.
+    """
+    with unreadable():
+        hashes: Hashes = {"mesh_sha256": file_hash(job.mesh), "buffers": buffer_hashes(job.mesh, job.memory_limit)}
+    return hashes, _finished(job, _key(hashes, job))
+
+
+def planned(job: Job) -> Outcome:
+    """Returns the state of a mesh. It is new if `work` would make it, or try to. Writes nothing."""
+    try:
+        with mesh_here(job.mesh, job.memory_limit) as mesh:
+            state = _found(replace(job, mesh=mesh))[1]
+    except MeshUnreadable as error:
+        return Outcome(job.name, "unfinished", False, str(error))
+    return Outcome(job.name, state or "unfinished", state is None)
 
 
 def left(job: Job) -> Outcome:
@@ -242,7 +273,7 @@ def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, w
     for place, folders, names in os.walk(out):
         if Path(place) == out:
             folders[:] = [name for name in folders if name != "quarantine"]
-        paths = (Path(place, name) for name in names if name.endswith(tuple(f".{format}" for format in FORMATS)))
+        paths = (Path(place, name) for name in names if name.endswith(_ENDINGS))
         others += [str(path.relative_to(out)) for path in paths if path not in own and _may_be(path, what)]
     return sorted(others)
 

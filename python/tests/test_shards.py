@@ -1,0 +1,271 @@
+"""Data sets in shards, plans of runs, tables for pandas, and readers for PyTorch."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import raymap
+from conftest import ROOT
+from data_set import NAMES, contents, generate, run_module
+from helpers import load
+from test_dataset import write_gltf
+
+KEYS = ["ball_ply", "deep/tetrahedron_ply", "open_OBJ", "small_ply"]
+
+
+OPTIONS = {"resolution": 8, "cube": True}
+
+
+@pytest.fixture(scope="module")
+def kept() -> dict[str, bytes]:
+    """Contents of a folder of results: those of the first test that needs them."""
+    return {}
+
+
+@pytest.fixture
+def fields(meshes: Path, kept: dict[str, bytes]) -> Path:
+    if not kept:
+        generate(meshes, **OPTIONS)
+        kept |= contents("out")
+    for name, content in kept.items():
+        Path("out", name).parent.mkdir(parents=True, exist_ok=True)
+        Path("out", name).write_bytes(content)
+    return Path("out")
+
+
+def test_shards_hold_results_and_markers_as_webdataset_reads_them(fields: Path) -> None:
+    packed = raymap.dataset.pack(fields, "shards", samples=3)
+    assert packed == (2, 2, NAMES)
+    members: dict[str, bytes] = {}
+    for shard, count in (("shard-000000.tar", 6), ("shard-000001.tar", 2)):
+        with tarfile.open(f"shards/{shard}") as archive:
+            found = archive.getmembers()
+            assert len(found) == count and all(info.mtime == 0 and info.uid == 0 for info in found)
+            members |= {info.name: archive.extractfile(info).read() for info in found}  # type: ignore[union-attr]
+    assert list(members) == [f"{key}.{ending}" for key in KEYS for ending in ("npz", "json")]
+    for key, name in zip(KEYS, NAMES):
+        assert members[f"{key}.npz"] == Path(f"out/{name}.npz").read_bytes()
+        assert json.loads(members[f"{key}.json"]) == json.loads(Path(f"out/{name}.json").read_bytes())
+    index = json.loads(Path("shards/index.json").read_bytes())
+    for shard in index["shards"]:
+        content = Path("shards", shard["name"]).read_bytes()
+        for sample in shard["samples"]:
+            part = content[sample["start"] : sample["start"] + sample["bytes"]]
+            assert part == Path(f"out/{sample['name']}.npz").read_bytes()
+
+
+def test_shards_are_written_again_only_where_something_changed(fields: Path, meshes: Path) -> None:
+    raymap.dataset.pack(fields, "shards", samples=1)
+    before = contents(Path("shards"))
+    assert raymap.dataset.pack(fields, "shards", samples=1).new == 0
+    Path("shards/shard-000002.tar").write_bytes(before["shard-000002.tar"][:1000])
+    Path("shards/shard-000003.tar").unlink()
+    assert raymap.dataset.pack(fields, "shards", samples=1).new == 2
+    assert contents(Path("shards")) == before
+    ball = raymap.load_mesh(meshes / "small.ply")
+    raymap.Mesh(ball.vertices * 2, ball.faces).save(meshes / "small.ply")
+    generate(meshes, **OPTIONS)
+    assert raymap.dataset.pack(fields, "shards", samples=1).new == 1
+    assert raymap.dataset.pack(fields, "shards", samples=4).new == 1
+    assert sorted(contents(Path("shards"))) == ["index.json", "shard-000000.tar"]
+
+
+def test_a_stopped_run_goes_on(fields: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    raymap.dataset.pack(fields, "whole", samples=1)
+    written: list[str] = []
+    pack = sys.modules["raymap.dataset.packing"]
+    original = pack._write_shard
+
+    def write(storage, name, *rest):
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(name)
+        return original(storage, name, *rest)
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(pack, "_write_shard", write)
+        raymap.dataset.pack(fields, "shards", samples=1)
+    assert sorted(contents(Path("shards"))) == ["index.json", "shard-000000.tar", "shard-000001.tar"]
+    assert raymap.dataset.pack(fields, "shards", samples=1).new == 2
+    assert contents(Path("shards")) == contents(Path("whole"))
+
+
+def test_shards_behind_an_url(fields: Path) -> None:
+    load("fsspec")
+    raymap.dataset.pack(fields, "shards", samples=3)
+    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3).new == 2
+    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3).new == 0
+    files = sys.modules["fsspec"].filesystem("memory")
+    for name, content in contents(Path("shards")).items():
+        assert files.cat_file(f"/bucket/shards/{name}") == content
+    load("torch")
+    remote, local = (raymap.torch.ResultDataset(place) for place in ("memory://bucket/shards", "shards"))
+    for k in range(4):
+        np.testing.assert_array_equal(remote[k]["distance"], local[k]["distance"])
+    assert not [path for path in Path().iterdir() if path.name.startswith(".shard")]
+    with pytest.raises(raymap.FileError, match="memory://bucket/none: there are no shards here"):
+        raymap.torch.ResultDataset("memory://bucket/none")
+    with pytest.raises(raymap.FileError, match="nothing://bucket"):
+        raymap.dataset.pack(fields, "nothing://bucket")
+
+
+def test_meshes_behind_an_url(fields: Path, meshes: Path) -> None:
+    files = load("fsspec").filesystem("memory")
+    for name in NAMES:
+        files.pipe_file(f"/bucket/meshes/{name}", (meshes / name).read_bytes())
+    assert raymap.dataset.generate("memory://bucket/meshes", "out", **OPTIONS).new == []  # They are those of the folder.
+    ball = raymap.dataset.generate("memory://bucket/meshes/ball.ply", "one", workers=1, **OPTIONS)
+    assert ball.new == ["ball.ply"] and Path("one/ball.ply.npz").read_bytes() == Path("out/ball.ply.npz").read_bytes()
+    files.rm("/bucket/meshes/small.ply")
+    given = [f"memory://bucket/meshes/{name}" for name in ("ball.ply", "small.ply")]
+    plan = raymap.dataset.generate(given, "out", dry_run=True, **OPTIONS)
+    assert plan.done == ["ball.ply"] and plan.unfinished == ["small.ply"] and plan.new == []
+    with pytest.raises(raymap.UsageError, match="memory://bucket/nothing: no meshes here"):
+        raymap.dataset.generate("memory://bucket/nothing", "out")
+
+
+def test_a_mesh_behind_an_url_brings_its_buffers() -> None:
+    files = load("fsspec").filesystem("memory")
+    Path("scenes").mkdir()
+    write_gltf(Path("scenes/scene.gltf"), "the%20corners.bin")
+    for path in Path("scenes").iterdir():
+        files.pipe_file(f"/bucket/scenes/{path.name}", path.read_bytes())
+    url = "memory://bucket/scenes"
+    assert generate(url, workers=1).done == ["scene.gltf"] and generate("scenes").new == []
+    files.rm("/bucket/scenes/the corners.bin")
+    assert generate(url, workers=1).quarantined == ["scene.gltf"]
+    scene = Path("scenes/scene.gltf").read_bytes()
+    for odd in (b"../corners.bin", b"a\\u0000b"):
+        files.pipe_file("/bucket/scenes/scene.gltf", scene.replace(b"the%20corners.bin", odd))
+        assert generate(url, workers=1).quarantined == ["scene.gltf"]
+
+
+def test_what_cannot_be_packed(fields: Path, meshes: Path) -> None:
+    with pytest.raises(raymap.UsageError, match="no finished points here"):
+        raymap.dataset.pack(fields, "shards", what="points")
+    with pytest.raises(raymap.UsageError, match="samples must be at least 1, not 0"):
+        raymap.dataset.pack(fields, "shards", samples=0)
+    Path("shards").mkdir()
+    Path("shards/index.json").write_text("[")
+    with pytest.raises(raymap.InputError, match="index.json: no index of shards; remove it"):
+        raymap.dataset.pack(fields, "shards")
+    with pytest.warns(raymap.RaymapWarning):
+        raymap.dataset.generate([meshes / "ball.ply"], "out", resolution=9)
+    with pytest.raises(raymap.UsageError, match="ball.ply and deep/tetrahedron.ply are results of different options"):
+        raymap.dataset.pack(fields, "other")
+    generate(meshes, **OPTIONS)
+    result = Path("out/small.ply.npz")
+    result.write_bytes(result.read_bytes()[:-1])
+    with pytest.raises(raymap.InputError, match="small.ply.npz: not as it was when it was finished"):
+        raymap.dataset.pack(fields, "other")
+
+
+def test_two_meshes_with_one_key(meshes: Path) -> None:
+    (meshes / "ball.ply").rename(meshes / "small_ply.ply")
+    (meshes / "small.ply").rename(meshes / "small.ply.ply")
+    generate(meshes, resolution=8)
+    with pytest.raises(raymap.UsageError, match="small.ply.ply and small_ply.ply would both be small_ply_ply"):
+        raymap.dataset.pack("out", "shards")
+
+
+def test_a_dry_run_writes_nothing(meshes: Path) -> None:
+    plan = generate(meshes, dry_run=True)
+    assert plan.new == plan.unfinished == NAMES and plan.done == [] and not Path("out").exists()
+    generate(meshes)
+    before = contents(Path("out"))
+    (meshes / "small.ply").write_bytes((meshes / "ball.ply").read_bytes())
+    plan = generate(meshes, dry_run=True)
+    assert plan.new == plan.unfinished == ["small.ply"] and plan.done == NAMES[:3]
+    ran = run_module("dataset", meshes, "-o", "out", "--resolution", 16, "--dry-run")
+    assert ran.stdout == "3 done, 0 quarantined; 1 to make\n" and ran.returncode == 0, ran.stderr
+    assert contents(Path("out")) == before
+
+
+def test_the_command_packs(fields: Path) -> None:
+    ran = run_module("pack", "out", "-o", "shards", "--samples", 2)
+    assert ran.stdout == "4 results in 2 shards, 2 of them new\n", ran.stderr
+
+
+def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
+    pandas, _ = load("pandas"), load("pyarrow")
+    (meshes / "bad.ply").write_text("no mesh")
+    generate(meshes, resolution=8, table="table.parquet")
+    for table in (pandas.read_parquet("table.parquet"), pandas.read_csv("out/table.csv", dtype_backend="numpy_nullable")):
+        rows = table.set_index("mesh")
+        assert str(rows["triangles"].dtype) == "Int64" and str(rows["watertight"].dtype) == "boolean"
+        assert rows["triangles"]["ball.ply"] == 1280 and rows["triangles"].isna()["bad.ply"]
+        assert rows["spacing"].dtype.kind == "f" and rows["watertight"].sum() == 3
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_results_as_a_dataset(fields: Path, packed: bool) -> None:
+    torch = load("torch")
+    place = "shards" if packed else fields
+    if packed:
+        raymap.dataset.pack(fields, "shards", samples=3)
+    data = raymap.torch.ResultDataset(place, arrays="distance")
+    assert len(data) == 4 and [data[k]["name"] for k in range(4)] == NAMES
+    batch = next(iter(torch.utils.data.DataLoader(data, batch_size=4)))
+    assert batch["distance"].shape == (4, 8, 8, 8) and batch["distance"].dtype == torch.float32
+    for k, name in enumerate(NAMES):
+        np.testing.assert_array_equal(batch["distance"][k], raymap.load_field(f"out/{name}.npz").distance)
+    assert {"distance", "origin", "spacing", "name"} <= raymap.torch.ResultDataset(place)[0].keys()
+    with pytest.raises(raymap.UsageError, match="the result of ball.ply has no array 'winding'"):
+        raymap.torch.ResultDataset(place, arrays=("winding",))[0]
+    torn = Path("shards/shard-000000.tar" if packed else "out/ball.ply.npz")
+    content = bytearray(torn.read_bytes())
+    content[1500] ^= 255
+    torn.write_bytes(content)
+    with pytest.raises(raymap.InputError, match="the result of ball.ply is torn"):
+        data[0]
+    torn.unlink()
+    with pytest.raises(raymap.FileError, match="no such file"):
+        data[0]
+
+
+def test_a_stream_has_every_result_once_in_one_order(fields: Path) -> None:
+    torch = load("torch")
+    raymap.dataset.pack(fields, "shards", samples=2)
+
+    def names(workers: int = 0, epoch: int = 0, **options) -> list[str]:
+        stream = raymap.torch.ResultStream("shards", "distance", **options)
+        stream.set_epoch(epoch)
+        return [item["name"] for item in torch.utils.data.DataLoader(stream, batch_size=None, num_workers=workers)]
+
+    order = names()
+    assert sorted(order) == NAMES and {frozenset(order[:2]), frozenset(order[2:])} == {frozenset(NAMES[:2]), frozenset(NAMES[2:])}
+    assert names(workers=2) == order
+    assert any(names(epoch=epoch) != order for epoch in range(1, 6)) and any(names(seed=seed) != order for seed in range(1, 6))
+    assert names(rank=0, ranks=2) == order[::2] and names(rank=1, ranks=2, workers=2) == order[1::2]
+
+
+def test_samples_are_the_same_for_any_workers() -> None:
+    load("torch")
+    program = ROOT / "python/tests/stream_samples.py"
+    ran = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=True)
+    hashes = [line.split() for line in ran.stdout.splitlines()]
+    assert len(hashes) == 4 and hashes[0][0] != hashes[0][1]
+    assert all(found == hashes[0][: len(found)] for found in hashes)
+
+
+def test_surfaces_are_kept_within_the_memory_limit(ball: raymap.Mesh) -> None:
+    load("torch")
+    meshes = [raymap.Mesh(ball.vertices * size, ball.faces) for size in (1.0, 2.0, 3.0)]
+    need = raymap.Surface(meshes[0]).nbytes
+    small, large = (raymap.torch.SurfaceSamples(meshes, blocks=2, block=20, memory_limit=limit) for limit in (2 * need, 1 << 30))
+    for one, other in zip(small, large, strict=True):
+        assert one["mesh"] == other["mesh"] and one["points"].shape == (20, 3)
+        np.testing.assert_array_equal(one["points"], other["points"])
+        np.testing.assert_allclose(one["distance"], one["points"].norm(dim=1) - (one["mesh"] + 1), atol=0.05)
+    assert len(small._kept) == 2 and len(large._kept) == 3
+    assert [item["mesh"] for item in large][:3] == [item["mesh"] for item in large][3:]
+    with pytest.raises(raymap.UsageError, match="meshes: there is none"):
+        raymap.torch.SurfaceSamples([])
+    with pytest.raises(raymap.UsageError, match="rank must be 1 or less, not 2"):
+        raymap.torch.SurfaceSamples(meshes, rank=2, ranks=2)
