@@ -41,18 +41,18 @@ struct Configurations {
   bool hasOwnPoints = false;
 };
 
-/// One value per point, in the order of the points, of one configuration after the other. Arrays that were not
-/// asked for are empty.
+/// One value per point, in the order of the points, of one configuration after the other. Arrays that were
+/// not asked for are empty.
 ///
-/// A point that is not finite gets NaN and `kNoBody`. So does a point at which a field has NaN. Without a body,
-/// distances are infinite, and the rest is as for a point that is not finite.
+/// A point that is not finite gets NaN and `kNoBody`. So does a point at which a field has NaN. Without a
+/// body, distances are infinite, and the rest is as for a point that is not finite.
 struct SceneResult {
   Buffer<double> distance = {};  ///< Signed distance of the union: the least of the distances to the bodies.
   Buffer<uint32_t> body = {};    ///< Number of the body that has it; of several, the lowest.
   Buffer<glm::dvec3> closest = {};   ///< Closest point of that body, in the world.
   Buffer<glm::dvec3> gradient = {};  ///< Gradient of the distance, in the world: unit vector that leads away
                                      ///< from the solid; 0 on the surface.
-  Buffer<double> distances = {};     ///< Distances to all bodies, in their order: as many per point as bodies.
+  Buffer<double> distances = {};  ///< Distances to all bodies, in their order: as many per point as bodies.
 };
 
 /// Bodies with rigid poses, and the signed distance of points of the world to their union.
@@ -67,8 +67,8 @@ struct SceneResult {
 ///
 /// Distances to a surface are those of `Surface::query` at the point in the body's coordinates, which are
 /// computed in double precision, bit for bit. A surface without a sign has no inside: its distances are not
-/// negative, and its gradient leads away from it on both sides. Distances to a field are those of `sample`, so
-/// that they are approximate, and lower bounds outside its box. The closest point of a field lies at this
+/// negative, and its gradient leads away from it on both sides. Distances to a field are those of `sample`,
+/// so that they are approximate, and lower bounds outside its box. The closest point of a field lies at this
 /// distance along the gradient, and is approximate too; NaN where the gradient is 0.
 ///
 /// Several threads may query a scene at the same time. What a point gets depends neither on the other points
@@ -80,8 +80,8 @@ class RAYMAP_API Scene {
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
 
-  /// Adds a body after all others. Throws `Error(Usage)` if the name is empty or taken, there is no surface or
-  /// field, the field has no distances, or the pose is no rigid motion.
+  /// Adds a body after all others. Throws `Error(Usage)` if the name is empty or taken, there is no surface
+  /// or field, the field has no distances, or the pose is no rigid motion.
   void add(std::string name, std::shared_ptr<const Surface> surface,
            const glm::dmat4& pose = glm::dmat4(1.0));
   void add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose = glm::dmat4(1.0));
@@ -90,11 +90,11 @@ class RAYMAP_API Scene {
   /// Removes a body. Throws `Error(Usage)` if there is none of this name.
   void remove(std::string_view name);
 
-  /// Sets a body's pose, which costs nothing. Throws `Error(Usage)` if there is none of this name, or the pose
-  /// is no rigid motion.
+  /// Sets a body's pose, which costs nothing. Throws `Error(Usage)` if there is none of this name, or the
+  /// pose is no rigid motion.
   void setPose(std::string_view name, const glm::dmat4& pose);
-  /// Sets the poses of all bodies, in their order; none after an error. Throws `Error(Usage)` if there are more
-  /// or fewer, or one is no rigid motion.
+  /// Sets the poses of all bodies, in their order; none after an error. Throws `Error(Usage)` if there are
+  /// more or fewer, or one is no rigid motion.
   void setPoses(std::span<const glm::dmat4> poses);
 
   size_t size() const;
@@ -103,8 +103,8 @@ class RAYMAP_API Scene {
   std::vector<std::string> names() const;
   std::vector<glm::dmat4> poses() const;
 
-  /// Returns what is asked for at points of the world. `machine.threads` and `progress` count. Throws `Error`:
-  /// Memory, Cancelled.
+  /// Returns what is asked for at points of the world. `machine.threads` and `progress` count. Throws
+  /// `Error`: Memory, Cancelled.
   SceneResult query(const PointsView& points, const SceneOptions& options = {},
                     const MachineOptions& machine = {}) const;
   /// Does the same for many configurations at once, in place of the scene's own poses. Throws `Error(Usage)`,

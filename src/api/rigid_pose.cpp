@@ -10,8 +10,8 @@ namespace raymap {
 
 namespace {
 
-/// Most that the inner products of the axes differ from those of a rotation. Products of many single-precision
-/// matrices stay below.
+/// Most that the inner products of the axes differ from those of a rotation. Products of many
+/// single-precision matrices stay below.
 constexpr double kRigid = 1e-5;
 
 /// Returns what is wrong with the matrix and what to do; empty if it is a rigid motion.
@@ -23,13 +23,13 @@ std::string wrongWith(const glm::dmat4& pose) {
                std::to_string(column);
   const glm::dvec4 last(pose[0].w, pose[1].w, pose[2].w, pose[3].w);
   if (last != glm::dvec4(0.0, 0.0, 0.0, 1.0))
-    return "has the last row " + numberText(last.x) + " " + numberText(last.y) + " " + numberText(last.z) + " " +
-           numberText(last.w) + " instead of 0 0 0 1; the translation belongs into the last column";
+    return "has the last row " + numberText(last.x) + " " + numberText(last.y) + " " + numberText(last.z) +
+           " " + numberText(last.w) + " instead of 0 0 0 1; the translation belongs into the last column";
   const glm::dmat3 axes(pose);
   for (int a = 0; a < 3; ++a)
     if (!(std::abs(glm::dot(axes[a], axes[a]) - 1.0) <= kRigid))
-      return std::string("scales: its ") + "xyz"[a] + " axis has the length " + numberText(glm::length(axes[a])) +
-             " instead of 1; scale the mesh before its surface is made";
+      return std::string("scales: its ") + "xyz"[a] + " axis has the length " +
+             numberText(glm::length(axes[a])) + " instead of 1; scale the mesh before its surface is made";
   for (int a = 0; a < 3; ++a)
     if (!(std::abs(glm::dot(axes[a], axes[(a + 1) % 3])) <= kRigid))
       return std::string("shears: its ") + "xyz"[a] + " and " + "xyz"[(a + 1) % 3] +

@@ -38,8 +38,8 @@ struct SurfaceShape {
   double slack;        ///< What distances near the surface may be wrong by.
   double insideReach;  ///< See `Surface::insideReach`.
 
-  /// Returns a lower bound on the signed distance at a point of the body's coordinates. Faces without boundary
-  /// edges lie between each point inside and all sides of the bounds.
+  /// Returns a lower bound on the signed distance at a point of the body's coordinates. Faces without
+  /// boundary edges lie between each point inside and all sides of the bounds.
   double lowerBound(const glm::dvec3& p) const {
     const glm::dvec3 beyond = glm::max(bounds.min - p, p - bounds.max);
     const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0),
@@ -49,8 +49,7 @@ struct SurfaceShape {
   }
 };
 
-using Shape =
-    std::variant<SurfaceShape, std::shared_ptr<const Field>, std::shared_ptr<const SparseField>>;
+using Shape = std::variant<SurfaceShape, std::shared_ptr<const Field>, std::shared_ptr<const SparseField>>;
 
 struct Body {
   std::string name;
@@ -89,8 +88,8 @@ Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const
   if (options.closest) answer.closest = moved(pose, found.closest[i]);
   // Subtracting from 0 makes no negative zeros.
   if (options.gradient)
-    answer.gradient = turned(
-        pose, answer.distance < 0.0 ? found.direction[i] : glm::dvec3(0.0) - found.direction[i]);
+    answer.gradient =
+        turned(pose, answer.distance < 0.0 ? found.direction[i] : glm::dvec3(0.0) - found.direction[i]);
   return answer;
 }
 
@@ -255,9 +254,9 @@ class SceneQuery {
   // Of the points that are answered together, from number `begin_` on.
   size_t begin_ = 0;
   Buffer<glm::dvec3> world_;
-  Buffer<double> least_;     // distance found so far
+  Buffer<double> least_;      // distance found so far
   Buffer<uint32_t> nearest_;  // body that has it
-  Buffer<uint32_t> first_;   // surface of the least lower bound
+  Buffer<uint32_t> first_;    // surface of the least lower bound
   Buffer<glm::dvec3> inBody_;
   BodyAnswers answers_;
 };

@@ -56,8 +56,8 @@ std::vector<glm::dvec3> worldPoints(size_t count, double reach, unsigned seed) {
   return points;
 }
 
-/// Closed, broken, open and unsigned surfaces. A point that the low threshold of the bowl lets count as inside
-/// may lie beyond its bounds.
+/// Closed, broken, open and unsigned surfaces. A point that the low threshold of the bowl lets count as
+/// inside may lie beyond its bounds.
 std::vector<std::shared_ptr<const Surface>> makeVarious() {
   const Mesh sphere = shapes::sphere(0.8, 2);
   const Mesh bowl = keepTriangles(sphere, [&](const glm::uvec3& t) {
@@ -162,7 +162,8 @@ TEST(Scene, ACommonMotionChangesNothing) {
     ASSERT_NEAR(after.distance[i], before.distance[i], 1e-11);
     ASSERT_EQ(after.body[i], before.body[i]);
     ASSERT_LT(glm::distance(after.closest[i], glm::dvec3(motion * glm::dvec4(before.closest[i], 1.0))), 1e-9);
-    ASSERT_LT(glm::distance(after.gradient[i], glm::dvec3(motion * glm::dvec4(before.gradient[i], 0.0))), 1e-9);
+    ASSERT_LT(glm::distance(after.gradient[i], glm::dvec3(motion * glm::dvec4(before.gradient[i], 0.0))),
+              1e-9);
   }
 }
 
@@ -370,15 +371,16 @@ TEST(Scene, SaysWhatIsWrongWithAPose) {
     EXPECT_EQ(usageMessage([&] { scene.setPoses(std::vector{none, pose}); }), alone);
     EXPECT_TRUE(contains(usageMessage([&] { scene.add("arm", ball, pose); }), wrong));
     const std::vector<glm::dmat4> poses{none, none, none, pose};
-    EXPECT_TRUE(contains(usageMessage([&] { scene.query(PointsView(), Configurations{poses, 2}); }),
+    EXPECT_TRUE(contains(usageMessage([&] {
+                           scene.query(PointsView(), Configurations{poses, 2});
+                         }),
                          "the pose of body 'hand' in configuration 1 is no rigid motion: it " + wrong));
   };
   check(poseWith(3, 1, double(NAN)), "has a number that is not finite in row 1, column 3");
   check(poseWith(0, 2, double(INFINITY)), "has a number that is not finite in row 2, column 0");
   check(poseWith(1, 3, 2.5), "has the last row 0 2.5 0 1 instead of 0 0 0 1");
   check(glm::scale(none, glm::dvec3(1.0, 2.0, 1.0)), "scales: its y axis has the length 2 instead of 1");
-  check(glm::scale(none, glm::dvec3(0.0)),
-        "scales: its x axis has the length 0");
+  check(glm::scale(none, glm::dvec3(0.0)), "scales: its x axis has the length 0");
   check(poseWith(0, 0, 1.00001), "scales");
   glm::dmat4 sheared(1.0);
   sheared[2] = {0.0, std::sin(0.1), std::cos(0.1), 0.0};
@@ -407,9 +409,13 @@ TEST(Scene, SaysWhatIsWrongWithACall) {
                        "1 poses are given for 2 bodies"));
   const std::vector<glm::dmat4> poses(4, glm::dmat4(1.0));
   const std::vector<glm::dvec3> points(5, glm::dvec3(0.0));
-  EXPECT_EQ(usageMessage([&] { scene.query(points, Configurations{poses, 3}); }),
+  EXPECT_EQ(usageMessage([&] {
+              scene.query(points, Configurations{poses, 3});
+            }),
             "there are 4 poses for 3 configurations of 2 bodies");
-  EXPECT_EQ(usageMessage([&] { scene.query(points, Configurations{poses, 2, true}); }),
+  EXPECT_EQ(usageMessage([&] {
+              scene.query(points, Configurations{poses, 2, true});
+            }),
             "5 points are not as many in each of 2 configurations");
   EXPECT_EQ(scene.query(points, Configurations{{}, 0}).distance.size(), 0u);
 }
@@ -418,13 +424,17 @@ TEST(Scene, CanBeCancelled) {
   const Scene scene = variousScene(1);
   const std::vector<glm::dvec3> points = worldPoints(100, 2.0, 1);
   double last = 0.0;
-  const SceneResult found = scene.query(points, SceneOptions{}, {.progress = [&](std::string_view, double done) {
-                                          EXPECT_GE(done, last);
-                                          last = done;
-                                          return true;
-                                        }});
+  const SceneResult found =
+      scene.query(points, SceneOptions{}, {.progress = [&](std::string_view, double done) {
+                    EXPECT_GE(done, last);
+                    last = done;
+                    return true;
+                  }});
   EXPECT_EQ(last, 1.0);
-  EXPECT_EQ(codeOf([&] { scene.query(points, SceneOptions{}, {.progress = [](std::string_view, double) { return false; }}); }),
+  EXPECT_EQ(codeOf([&] {
+              scene.query(points, SceneOptions{},
+                          {.progress = [](std::string_view, double) { return false; }});
+            }),
             ErrorCode::Cancelled);
 }
 
