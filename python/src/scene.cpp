@@ -43,7 +43,7 @@ nb::dict toDict(SceneResult result, const SceneOptions& options, size_t count, s
 }
 
 nb::dict queryScene(const Scene& self, const WorldPoints& points, const SceneOptions& options,
-               const MachineOptions& machine, nb::object progress) {
+                    const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
   const PointsView view(points.data(), points.shape(0));
@@ -51,9 +51,9 @@ nb::dict queryScene(const Scene& self, const WorldPoints& points, const SceneOpt
   return toDict(std::move(result), options, points.shape(0), self.size());
 }
 
-nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const PoseArray& rows, size_t count,
-                   bool hasOwnPoints, const SceneOptions& options, const MachineOptions& machine,
-                   nb::object progress) {
+nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const PoseArray& rows,
+                             size_t count, bool hasOwnPoints, const SceneOptions& options,
+                             const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
   const PointsView view(points.data(), points.shape(0));

@@ -29,7 +29,8 @@ glm::dmat4 poseOf(const double* rows) {
 template <class Shape>
 void add(raymap_scene* scene, const char* name, const Shape& shape, const double* pose) {
   const std::shared_ptr<const Shape> referred(std::shared_ptr<const Shape>(), &shape);
-  need(scene, "the scene").scene.add(&need(name, "the name"), referred, pose ? poseOf(pose) : glm::dmat4(1.0));
+  need(scene, "the scene")
+      .scene.add(&need(name, "the name"), referred, pose ? poseOf(pose) : glm::dmat4(1.0));
 }
 
 /// Poses in many configurations, and what the library takes of them.
@@ -87,9 +88,8 @@ size_t raymap_scene_size(const raymap_scene* scene) {
 }
 
 raymap_result raymap_scene_number(const raymap_scene* scene, const char* name, uint32_t* number) {
-  return guard([&] {
-    need(number, "the number") = need(scene, "the scene").scene.number(&need(name, "the name"));
-  });
+  return guard(
+      [&] { need(number, "the number") = need(scene, "the scene").scene.number(&need(name, "the name")); });
 }
 
 raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
